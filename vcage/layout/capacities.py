@@ -89,7 +89,7 @@ def size_complaints(
 
 
 def crowding_complaints(held: Mapping[tuple[str, str | None], Sequence[str]], assets: Mapping[str, Asset]) -> list[str]:
-    """What does not fit into one place together, one sentence each; a place that has several parts is not looked at.
+    """Things that do not fit into one place together, a sentence each; places with several parts are not looked at.
 
     Args:
         held: object id and moving part (None for the body) of a place → ids of what lies there at the same time.

@@ -199,7 +199,7 @@ class _Wish:
 
 @dataclass(frozen=True)
 class _TableWish(_Wish):
-    """What a relation to the table asks: ``other`` is what may be covered of it.
+    """Constraint of a relation to the table: ``other`` is what may be covered of it.
 
     Args:
         middle: (2,) where the middle of the object is best in ``center``, metres.

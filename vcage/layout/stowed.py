@@ -1,4 +1,4 @@
-"""What lies in a moving part, such as a closed drawer: no layout moves it by itself, it goes where that goes."""
+"""Things in a moving part, such as a closed drawer: no layout moves it by itself, it goes where that goes."""
 
 from __future__ import annotations
 

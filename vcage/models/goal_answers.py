@@ -1,4 +1,4 @@
-"""What a model answers about an instruction: the type of the answer, what is wrong with its shape, and its reading."""
+"""A model's answer about an instruction: its type, what is wrong with its shape, and its reading."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Instructed:
 
     @property
     def phrases(self) -> dict[str, str]:
-        """What to call each object: colour and name, with a number where that is not unique."""
+        """Name each object: colour and name, with a number where that is not unique."""
         found: dict[str, str] = {}
         for name, entry in self.things.items():
             colour = entry.variants[0].colour
@@ -67,7 +67,7 @@ class ReadDescription(Answer):
 
 
 class GoalsAnswer(Answer):
-    """What a model answers about an instruction."""
+    """A model's answer about an instruction."""
 
     wrong_objects: list[str]
     unread: list[str]
@@ -97,7 +97,7 @@ def answer_type(read: Instructed) -> type[GoalsAnswer]:
 
 
 def misshapen(answer: GoalsAnswer, read: Instructed) -> list[str]:
-    """What is wrong with each goal and description by itself, one sentence each."""
+    """Complaints about each goal and description by itself, one sentence each."""
     found = [] if answer.goals else ["goals: is empty, and so are unread and wrong_objects"]
     said = Counter(str(goal) for goal in answer.goals)
     found += [f"goals: the same is given {count} times: {goal}" for goal, count in said.items() if count > 1]

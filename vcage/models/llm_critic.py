@@ -24,7 +24,7 @@ from vcage.vision.protocols import Reference
 
 
 class Judgement(Answer):
-    """What the model answers: what it sees first, then the verdict on the step, and what else was moved.
+    """The model's answer: what it sees first, then the verdict on the step, and what else was moved.
 
     The step may be done and another object moved: then the verdict is a no all the same.
     """
@@ -116,7 +116,7 @@ def _verdict(said: Sequence[Judgement], provider: str, phrases: Mapping[str, str
 
 
 def _failure(judgement: Judgement) -> Failure | None:
-    """What went wrong by a vote that is no yes; None where it does not say."""
+    """The failure as told by a vote that is no yes; None where it does not say."""
     if judgement.done != "yes" and judgement.failure not in ("none", "other"):
         return judgement.failure
     return "disturbed" if judgement.also_moved else None
@@ -130,7 +130,7 @@ def _defined(goal: Goal) -> str:
 
 
 def _still(statement: Statement, phrases: Mapping[str, str]) -> str:
-    """What a statement says, with the objects' phrases."""
+    """A statement in words, with the objects' phrases."""
     if statement.goal is None:
         return f"the {phrases.get(statement.subject, statement.subject)} has not moved"
     return goal_in_words(statement.goal, phrases).replace(" is ", " is still ", 1)
@@ -142,7 +142,7 @@ def _on_white(look: Reference) -> np.ndarray:
 
 
 def _complaints(handled: Collection[str | None], answer: Judgement) -> list[str]:
-    """What is wrong with an answer.
+    """Complaints about an answer.
 
     Args:
         handled: ids of what the step moves, which cannot be moved besides.

@@ -90,7 +90,7 @@ def _differs(reading: Reading, read: Instructed, third: ThirdReader | None) -> l
 
 
 def _review(reading: Reading, read: Instructed, reviewer: Asking | None) -> list[str]:
-    """What a model that looks at the goals in plain words says that they lack or add."""
+    """Things that the goals lack or add, as a model says that looks at them in plain words."""
     if reviewer is None:
         return []
     phrases = read.phrases

@@ -121,7 +121,7 @@ def _searched(
     search: Callable[[], Search],
     settings: CatalogueSettings,
 ) -> list[CatalogueEntry]:
-    """What answers the model's phrases, as much of it as a prompt shows, in the catalogue's order."""
+    """Entries that answer the model's phrases, as much of it as a prompt shows, in the catalogue's order."""
     prompt = prompts.fill(
         "search_catalogue",
         instruction=instruction,

@@ -20,7 +20,7 @@ class _Step(Answer):
 
 
 class StepsAnswer(Answer):
-    """What the model answers: one entry per sub-task."""
+    """The model's answer: one entry per sub-task."""
 
     steps: list[_Step]
 
@@ -41,7 +41,7 @@ def answer_type(questions: Sequence[SlotQuestion]) -> type[StepsAnswer]:
 
 
 def complaints(answer: StepsAnswer, questions: Sequence[SlotQuestion]) -> list[str]:
-    """What is wrong with an answer of the right type: names which step, and what it may say."""
+    """Complaints about an answer of the right type: names which step, and what it may say."""
     ids, told = [question.subtask for question in questions], [step.subtask for step in answer.steps]
     if told != ids:
         return [f"steps: expected one entry each for {', '.join(ids)}, in this order, got {', '.join(told) or 'none'}"]

@@ -69,7 +69,7 @@ class Local(Provider):
         return [named] if named else [self.found().model]
 
     def found(self) -> Found:
-        """What the server has, asked once in a process.
+        """The server's models, asked once in a process.
 
         Raises:
             EndpointFailed: the server does not answer.
@@ -103,7 +103,7 @@ class Local(Provider):
 
 @dataclass(frozen=True)
 class Found:
-    """What a server has.
+    """Models of a server.
 
     Args:
         served: the models that it lists.
@@ -118,7 +118,7 @@ class Found:
 
 @cache
 def _look(provider: Local, url: str, named: str) -> Found | VcageError:
-    """What a server has, or why that is not known."""
+    """Models of a server, or why that is not known."""
     transport = provider.transport("", timeout=PROBE)
     try:
         served = Served.at(transport, provider.lists)
@@ -139,7 +139,7 @@ def _look(provider: Local, url: str, named: str) -> Found | VcageError:
 
 
 def _abilities(transport: Transport, model: str, served: Served) -> frozenset[str]:
-    """What a model can do, as the server says; all where it does not."""
+    """Abilities of a model, as the server says; all where it does not."""
     if model in served.modalities:  # llama.cpp's server says so in its list
         return frozenset({"completion", *(["vision"] if "image" in served.modalities[model] else [])})
     try:

@@ -177,7 +177,7 @@ class Reasoner(Protocol):
         ...
 
     def judge_pairs(self, questions: Sequence[PairQuestion], instruction: str | None = None) -> list[PairAnswer]:
-        """Whether each object can sensibly be put in or on each receptacle; one answer per question, in order.
+        """Check if each object can sensibly be put in or on each receptacle; one answer per question, in order.
 
         Args:
             questions: in any number.

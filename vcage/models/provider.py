@@ -126,7 +126,7 @@ class Provider:
         return ""
 
     def transport(self, key: str, **options: Any) -> Transport:
-        """What reaches the endpoint; options as :class:`vcage.models.transport.Transport` takes them.
+        """The transport to the endpoint; options as :class:`vcage.models.transport.Transport` takes them.
 
         Raises:
             ConfigurationError: the base URL that was set is none.

@@ -96,7 +96,7 @@ class Choice:
         return chosen
 
     def told(self, roles: Sequence[Asked]) -> str:
-        """What ``auto`` takes for these roles, and why, in words; and that rules are the critic for a blind model.
+        """Say what ``auto`` takes for these roles, and why; and that rules are the critic for a blind model.
 
         Empty where neither is so.
 
@@ -171,7 +171,7 @@ class Choice:
 
 
 def _taken() -> str:
-    """What ``auto`` takes."""
+    """The choice of ``auto``."""
     return next(iter(found_keys()), OLLAMA.name if OLLAMA.is_there() else OFFLINE)
 
 

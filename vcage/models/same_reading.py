@@ -1,4 +1,4 @@
-"""Whether two readers take the same from an instruction, up to objects that look alike."""
+"""Compare what two readers take from an instruction, up to objects that look alike."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _SWAPPED = {"right_of": "left_of", "behind": "in_front_of"}
 
 
 def differences(reading: Reading, other: Reading, things: Mapping[str, CatalogueEntry]) -> tuple[list[str], list[str]]:
-    """What the other reading asks for and this one does not, and the reverse.
+    """Things that one of two readings asks for and the other does not.
 
     Objects of one kind and look may stand for each other. Of descriptions only those that this reading lacks count, as
     not every reader gives them.

@@ -61,7 +61,7 @@ _DRAWER = re.compile(rf"(?<!second )\b({'|'.join((*HIGHEST, *LOWEST, 'middle'))}
 def second_look(
     instruction: str, things: Mapping[str, CatalogueEntry], reading: Reading, moved: Collection[str] = ()
 ) -> list[str]:
-    """What is wrong with a reading, one sentence each; empty when nothing is seen.
+    """Complaints about a reading, one sentence each; empty when nothing is seen.
 
     Args:
         instruction: in plain language.

@@ -90,7 +90,7 @@ def phrase_of(entry: CatalogueEntry, variant: Variant) -> str:
 
 
 def room_complaints(objects: Sequence[NamedObject], items: Mapping[str, TableItem]) -> list[str]:
-    """What has no room where it starts, one sentence each with the sizes. Moving parts are looked at elsewhere.
+    """Objects without room where they start, one sentence each with the sizes. Moving parts are looked at elsewhere.
 
     Args:
         objects: of a scene, before they have places.

@@ -18,7 +18,7 @@ ALIAS = "~"
 """What ids of OpenRouter begin with that it resolves itself, and does not list."""
 
 LATEST = ":latest"
-"""What Ollama lists after a name, and takes where it is left out."""
+"""The tag that Ollama lists after a name, and takes where it is left out."""
 
 MOST_NAMED = 12
 
@@ -105,7 +105,7 @@ def _entry(item: dict[str, Any]) -> tuple[str, date | None]:
 
 
 def _taken(item: dict[str, Any]) -> list[str] | None:
-    """What a model takes, as llama.cpp and OpenRouter tell it."""
+    """Inputs of a model, as llama.cpp and OpenRouter tell it."""
     told = item.get("architecture")
     taken = told.get("input_modalities") if isinstance(told, dict) else None
     return taken if isinstance(taken, list) else None

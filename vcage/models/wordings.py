@@ -77,7 +77,7 @@ class TaskWordings(NamedTuple):
 
 @dataclass(frozen=True)
 class TaskToWord:
-    """What a sentence that says a task must ask for, and what it may name.
+    """Things that a sentence must ask for to say a task, and things that it may name.
 
     Args:
         instruction: in plain language.
@@ -103,7 +103,7 @@ class TaskToWord:
 
     @cached_property
     def names(self) -> SceneNames:
-        """What the objects may be called."""
+        """Names of the objects."""
         return SceneNames(self.things, self.phrases, self.descriptions, self.lying)
 
     @cached_property
@@ -136,7 +136,7 @@ class TaskToWord:
         return [text for text in dict.fromkeys(sentences) if not self.complaints(text)]
 
     def complaints(self, sentence: str) -> list[str]:
-        """What keeps a sentence from being true of the scene, clear in it, and exactly what is asked for."""
+        """Complaints that keep a sentence from being true of the scene, clear in it, and exactly what is asked for."""
         if not 0 < len(sentence) <= LONGEST or one_line(sentence) != sentence or not sentence.isprintable():
             return [f"a sentence has 1 to {LONGEST} characters, on one line"]
         return [*_Review(self, sentence).complaints()]
@@ -190,7 +190,7 @@ class _Review:
             yield f"does not say that the {asked.arm} arm does it"
 
     def _says_part(self, goal: Goal, part: str) -> bool:
-        """Whether the sentence says which part is meant; with the goal itself where there are several."""
+        """Check if the sentence says which part is meant; with the goal itself where there are several."""
         parts = {asked.goal.part for asked in self._task.goals if asked.goal.part is not None}
         texts = map(" ".join, self._spans(goal)) if len(parts) > 1 else [" ".join(self._said)]
         return any(_levels(text) >= _levels(part) for text in texts)

@@ -1,4 +1,4 @@
-"""What may stand beside a task: nothing that a word of it could mean."""
+"""Objects that may stand beside a task: none that a word of it could mean."""
 
 from __future__ import annotations
 

@@ -130,7 +130,7 @@ class Library:
         return self._assets[key]
 
     def entry(self, name: str) -> CatalogueEntry:
-        """What a model sees of one asset; meshes are read only to measure rooms that were not measured before.
+        """The entry of an asset, as models see it; meshes are read only to measure rooms that were not measured before.
 
         Raises:
             UnknownName, InputFileError: see :meth:`asset`.

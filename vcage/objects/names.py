@@ -27,7 +27,7 @@ _LIKE_COLOURS = (
 _JOINTS = ("of", "with", "a", "an")
 
 _PLACE_CATEGORIES = frozenset(("container", "furniture", "fixture", "appliance", "mat"))
-"""What 'the objects' are never: things that others are put into, or that stay where they are."""
+"""Categories that 'the objects' never are: things that others are put into, or that stay where they are."""
 
 
 class Names(NamedTuple):
@@ -46,7 +46,7 @@ class Names(NamedTuple):
 
 
 def names_of(entry: CatalogueEntry) -> Names:
-    """What an entry is called, by its annotation and in the catalogue."""
+    """Names of an entry, by its annotation and in the catalogue."""
     words, own = entry.words, lemmas(entry.name) or [entry.name]
     synonyms = [name for name in map(lemmas, words.synonyms) if name]
     return Names(lemmas(words.name) or own, lemmas(words.plural) or own, own, synonyms)
@@ -101,7 +101,7 @@ def _name_level(words: Sequence[str], name: Sequence[str], names: Names) -> int:
 
 
 def is_of_kind(word: str, entry: CatalogueEntry, names: Names) -> bool:
-    """Whether a word for a kind of things covers the entry; a word for its very self does not count."""
+    """Check if a word for a kind of things covers the entry; a word for its very self does not count."""
     category = entry.words.category.lower()
     if word in ANYTHING:
         return entry.can_be_carried and category not in _PLACE_CATEGORIES
@@ -142,7 +142,7 @@ def has_colour(entry: CatalogueEntry, colour: str) -> bool:
 
 
 def confusable(entry: CatalogueEntry, other: CatalogueEntry) -> bool:
-    """Whether the two are called alike or are foods of one kind, which look alike."""
+    """Check if the two are called alike or are foods of one kind, which look alike."""
     a, b = names_of(entry).words[-1], names_of(other).words[-1]
     kinds = kinds_of(a, entry.words.category) & kinds_of(b, other.words.category)
     return a == b or bool(kinds & LOOK_ALIKE)

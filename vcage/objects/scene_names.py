@@ -18,7 +18,7 @@ from vcage.schema.goals import Description
 _SIDE_OF = {"left_of": "left", "right_of": "right", "in_front_of": "front", "behind": "back", "center": "middle"}
 _INVERSE = {"left_of": "right_of", "right_of": "left_of", "in_front_of": "behind", "behind": "in_front_of"}
 _BEFORE = frozenset((*COLOURS, *SIDES, *NUMBERS, "light", "dark", "pale", "bright")) - {"a", "an", "some", "no"}
-"""What may stand between an article and a name."""
+"""Words that may stand between an article and a name."""
 _WHERE = frozenset(
     ("in", "inside", "on", "from", "out", "of", "which", "that", "is", "lies", "lying", "the", "a", "an")
 )
@@ -45,7 +45,7 @@ class Mention:
 
 
 class SceneNames:
-    """What the objects of a scene may be called.
+    """Names of the objects of a scene.
 
     Args:
         things: the catalogue's entries by object id, each with the object's own look only.
@@ -145,7 +145,7 @@ class SceneNames:
         return replace(mention, ids=frozenset(ids), count=count)
 
     def _is_at(self, ids: Collection[str], side: str, among: Collection[str]) -> bool:
-        """Whether the object is described so that a side tells it from its likes."""
+        """Check if the object is described so that a side tells it from its likes."""
         (name,) = ids
         others = {*among} - {name}
         if not others:

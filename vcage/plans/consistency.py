@@ -1,4 +1,4 @@
-"""Whether goals and starting conditions can be true together."""
+"""Goals and starting conditions that cannot be true together."""
 
 from __future__ import annotations
 

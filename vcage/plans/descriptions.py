@@ -12,12 +12,11 @@ from collections.abc import Mapping, Sequence
 from numpy.typing import ArrayLike
 
 from vcage.base.errors import UnknownName
+from vcage.plans.actions import HOLDING
 from vcage.plans.plain_words import in_words
 from vcage.plans.relations import holds_between
 from vcage.schema.goals import Description, RelationWord
 from vcage.schema.plan import TABLE, LayoutPlan, Relation
-
-HOLDING = ("inside", "on")
 
 
 def place_key(description: Description) -> str:
@@ -47,7 +46,7 @@ def false_descriptions(
 
 
 def false_in_words(descriptions: Sequence[Description], phrases: Mapping[str, str]) -> list[str]:
-    """What is wrong where descriptions are false, a sentence each: it is not so that…, as the instruction says."""
+    """Complaints about false descriptions, a sentence each: it is not so that…, as the instruction says."""
     return [f"it is not so that {in_words(d, phrases)} ({d.words!r})" for d in descriptions]
 
 

@@ -55,7 +55,7 @@ def holds(relation: RelationWord, subject: ArrayLike, reference: ArrayLike) -> b
 
 
 def holds_between(relation: RelationWord, subject: str, reference: str, boxes: Mapping[str, ArrayLike]) -> bool:
-    """Whether a relation holds between two world boxes by id, of which the reference may be the table's ground."""
+    """Check if a relation holds between two world boxes by id, of which the reference may be the table's ground."""
     judge = holds_on_table if reference == TABLE else holds
     return judge(relation, boxes[subject], boxes[reference])
 
@@ -78,7 +78,7 @@ def hold(relation: RelationWord, subjects: ArrayLike, references: ArrayLike) -> 
 
 
 def holds_on_table(relation: RelationWord, subject: ArrayLike, ground: ArrayLike) -> bool:
-    """Whether a relation to the table holds of a world box (2, 3); of a box with a NaN none does.
+    """Check if a relation to the table holds of a world box (2, 3); of a box with a NaN none does.
 
     - ``left_of, right_of, in_front_of, behind``: its centre is in the outer third of the ground on that side.
     - ``center``: its centre is in the middle third of the ground along both axes.

@@ -206,12 +206,12 @@ class CatalogueEntry(Record):
 
     @property
     def reads_codes(self) -> bool:
-        """Whether it has the window of a bar code scanner."""
+        """Check if it has the window of a bar code scanner."""
         return any(face.kind == "reader" for face in self.faces)
 
     @property
     def weighs(self) -> bool:
-        """Whether what lies on it is weighed."""
+        """Check if what lies on it is weighed."""
         return any(point.weighs for point in self.functional_points)
 
 

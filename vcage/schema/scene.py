@@ -24,7 +24,7 @@ from vcage.schema.base import (
 from vcage.schema.goals import AskedGoal, Description
 
 Role = Literal["content", "receptacle", "tool", "context"]
-"""What the instruction does with an object: moves it, puts things into it, uses it for something else (a scanner, a
+"""Part of an object in the instruction: moves it, puts things into it, uses it for something else (a scanner, a
 scale, a sign), or nothing."""
 
 PLAIN = "table"

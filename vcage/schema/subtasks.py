@@ -45,11 +45,11 @@ class Preference(Record):
 
 
 StatementWord = Literal["unmoved", "open", "closed", "inside", "on"]
-"""What can be said to stay as it was; ``unmoved``: where and as it stood before the sub-task."""
+"""States that can be said to stay as it was; ``unmoved``: where and as it stood before the sub-task."""
 
 
 class Statement(Record):
-    """What a sub-task must leave as it was: checked besides its goals, by the simulator's state and by the critic."""
+    """A statement that a sub-task must leave true: checked besides its goals, by the simulator and by the critic."""
 
     subject: Identifier = Field(description="id of an object")
     word: StatementWord
@@ -216,7 +216,7 @@ class PlaceOption(Record):
 
 
 class SlotQuestion(Record):
-    """What a reasoner may choose of one sub-task of a chain: everything in it is feasible and can be checked."""
+    """Choices of a reasoner in one sub-task of a chain: everything in it is feasible and can be checked."""
 
     subtask: Identifier
     text: str
@@ -227,7 +227,7 @@ class SlotQuestion(Record):
 
     @property
     def is_open(self) -> bool:
-        """Whether there is anything to choose."""
+        """Check if there is anything to choose."""
         return len(self.grasps) > 1 or len(self.places) > 1 or bool(self.statements)
 
 

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from vcage.base.errors import InfeasibleScene, ModelRefused, NoAssetFits, NoFeasibleTask, UnreadInstruction
-from vcage.base.geometry import Pose
 from vcage.layout.capacities import crowding_complaints
 from vcage.models.english import in_english
 from vcage.models.protocols import OFFLINE
@@ -21,16 +20,14 @@ from vcage.models.selection_check import NamedObject, name_objects, validate_sel
 from vcage.objects.asset import Asset
 from vcage.plans.actions import lasting
 from vcage.schema.asset import CatalogueEntry
-from vcage.schema.base import PoseRecord, box_record
 from vcage.schema.goals import AskedGoal, Reading, in_steps
 from vcage.schema.plan import Selection
-from vcage.schema.scene import ObjectRecord, SceneTemplate
+from vcage.schema.scene import SceneTemplate
 from vcage.sim.robots import load_robot
 from vcage.stages.context import StageContext
-from vcage.stages.started import started
+from vcage.stages.started import scene_object, started
 from vcage.stages.starting_poses import StartingPoses
 from vcage.tasks.ruled_out import require_way
-from vcage.tasks.scene_objects import SceneObject
 
 
 @dataclass(frozen=True)
@@ -49,7 +46,7 @@ class Chosen:
 
 
 def choose(instruction: str | None, template: SceneTemplate, context: StageContext, rng: np.random.Generator) -> Chosen:
-    """What the reasoner chooses for an instruction and reads in it; without one, a draw of what belongs to the scene.
+    """Let the reasoner choose for an instruction and read it; without one, a draw of what belongs to the scene.
 
     Raises:
         NoAssetFits: the catalogue has nothing that the instruction names, or too little of what belongs to the scene.
@@ -86,7 +83,7 @@ def _not_english(instruction: str) -> UnreadInstruction:
 
 
 class _Choices:
-    """What comes of each selection for an instruction: complaints, or objects and what is to be done with them.
+    """The outcome of each selection for an instruction: complaints, or objects and what is to be done with them.
 
     Args:
         instruction: in plain language.
@@ -100,7 +97,7 @@ class _Choices:
         self.infeasible: NoFeasibleTask | InfeasibleScene | None = None
 
     def complaints(self, selection: Selection) -> list[str]:
-        """What is wrong with a selection, one sentence each; a selection is looked at once.
+        """Complaints about a selection, one sentence each; a selection is looked at once.
 
         Raises:
             UnreadInstruction: the instruction is not read, whatever is chosen.
@@ -144,7 +141,7 @@ class _Choices:
         return [self.infeasible.message] if self.infeasible else Chosen(objects, reading, selection.notes)
 
     def _read(self, objects: Sequence[NamedObject], kinds: dict[str, CatalogueEntry]) -> Reading:
-        """What the instruction asks for among the objects, with a second look.
+        """Read what the instruction asks for among the objects, with a second look.
 
         Raises:
             UnreadInstruction: the second look has a complaint.
@@ -169,7 +166,7 @@ def impossible(
     the table has no room for a start that is as described."""
     assets = {o.id: context.library.asset(o.asset, o.variant) for o in objects}
     try:
-        require_way(reading.goals, [_somewhere(o, assets[o.id]) for o in objects], load_robot(template.robot).arms)
+        require_way(reading.goals, [scene_object(o, assets[o.id]) for o in objects], load_robot(template.robot).arms)
         # A placement that is only tried: the run draws its own.
         StartingPoses(objects, template, reading.descriptions, reading.goals, context).draw(np.random.default_rng(0))
     except (NoFeasibleTask, InfeasibleScene) as error:
@@ -182,7 +179,7 @@ def impossible(
 
 
 def _crowded(goals: Sequence[AskedGoal], objects: Sequence[NamedObject], assets: dict[str, Asset]) -> list[str]:
-    """What does not fit together into or onto what it ends up in."""
+    """Things that do not fit together into or onto what it ends up in."""
     last = [g for g in lasting(in_steps(goals)) if g.relation in ("inside", "on") and g.reference in assets]
     held: dict[tuple[str, str | None], list[str]] = {}
     for goal in last:
@@ -191,20 +188,6 @@ def _crowded(goals: Sequence[AskedGoal], objects: Sequence[NamedObject], assets:
         if o.starts_in is not None and o.id not in {asked.goal.subject for asked in goals}:
             held.setdefault((o.starts_in, o.starts_in_part), []).append(o.id)
     return crowding_complaints(held, assets)
-
-
-def _somewhere(o: NamedObject, asset: Asset) -> SceneObject:
-    """An object before it has a place, at the origin."""
-    record = ObjectRecord(
-        id=o.id,
-        asset=o.asset,
-        variant=o.variant,
-        phrase=o.phrase,
-        role=o.role,
-        pose=PoseRecord.of(Pose()),
-        aabb=box_record(asset.bounds, Pose()),
-    )
-    return SceneObject(record, asset, Pose())
 
 
 def entries_of(objects: Sequence[NamedObject], context: StageContext) -> dict[str, CatalogueEntry]:

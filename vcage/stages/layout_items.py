@@ -28,7 +28,7 @@ from vcage.tasks.one_arm import for_one_arm, reached_by
 from vcage.tasks.scene_objects import SceneObject
 
 SETTLING = 0.002
-"""What is described to be in a third of the table stays so far from its edges, metres: things settle a little."""
+"""Distance that things in a third of the table keep from its edges, metres: things settle a little."""
 
 logger = logging.getLogger(__name__)
 

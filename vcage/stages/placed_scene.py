@@ -16,7 +16,7 @@ from vcage.sim.cameras import observe, shoot
 from vcage.sim.world import World
 from vcage.stages.context import StageContext
 from vcage.stages.stability import moved_objects, settle_checks
-from vcage.stages.starting_poses import StartingPoses, record_at
+from vcage.stages.starting_poses import StartingPoses
 from vcage.tasks.described import complaints
 
 TRIES = 5
@@ -43,21 +43,18 @@ def place_until_stable(
         InfeasibleScene: the objects have no place, do not stay where they are put, or what is described is not true.
     """
     starting = StartingPoses(objects, template, fields.get("descriptions", ()), fields.get("goals", ()), context)
-    joints = starting.joints
     worst: list[str] = []
     false: list[str] = []
     for attempt in range(1, TRIES + 1):
         poses = starting.draw(rng)
-        scene = Scene(**fields, objects=[record_at(o, poses[o.id], context, joints[o.id]) for o in objects])
+        scene = Scene(**fields, objects=starting.records(poses))
         world = World.of_scene(scene, context.physical_models(scene))
         report = world.settle()
         worst = moved_objects(report)
         if report.settled and not worst:
             poses = world.object_poses()
             checks = {**settle_checks(report), "placements": attempt}
-            scene = Scene(
-                **fields, objects=[record_at(o, poses[o.id], context, joints[o.id]) for o in objects], checks=checks
-            )
+            scene = Scene(**fields, objects=starting.records(poses), checks=checks)
             false = complaints(scene, context.objects(scene))
             if not false:
                 return scene

@@ -67,7 +67,7 @@ def with_chosen_slots(
 def _questions(
     chain: Sequence[Subtask], kept: Mapping[str, Subtask], scene: Scene, objects: Sequence[SceneObject]
 ) -> list[SlotQuestion]:
-    """What may be chosen of a chain; of a sub-task that is a task of its own not the place, as others do it there."""
+    """Choices in a chain; of a sub-task that is a task of its own not the place, as others do it there."""
     by_id = {o.id: o for o in objects}
     actions = {subtask.id: action_of(subtask, by_id[subtask.object]) for subtask in chain}
     if scene.goals:

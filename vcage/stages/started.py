@@ -8,6 +8,7 @@ from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose
 from vcage.layout.capacities import capacity_of
 from vcage.models.selection_check import NamedObject, room_complaints, starting_as_described
+from vcage.objects.asset import Asset
 from vcage.objects.library import Library
 from vcage.schema.base import PoseRecord, box_record
 from vcage.schema.goals import Description, part_words
@@ -35,7 +36,7 @@ def started(objects: Sequence[NamedObject], descriptions: Sequence[Description],
 
 
 def start_complaints(objects: Sequence[NamedObject], library: Library) -> list[str]:
-    """What has no room where it starts, one sentence each."""
+    """Objects without room where they start, one sentence each."""
     rooms = {o.id: capacity_of(o.id, library.asset(o.asset, o.variant)) for o in objects}
     return [*room_complaints(objects, rooms), *_drawer_complaints(objects, library)]
 
@@ -45,7 +46,7 @@ def _drawer_complaints(objects: Sequence[NamedObject], library: Library) -> Iter
     for o in objects:
         if o.starts_in is None or o.starts_in_part is None:
             continue
-        holder, thing = (_thing(one, library) for one in (by_id[o.starts_in], o))
+        holder, thing = (scene_object(one, library.asset(one.asset, one.variant)) for one in (by_id[o.starts_in], o))
         point, part = point_in(holder.asset, o.starts_in_part), part_words(o.starts_in_part)
         above = [other.id for other in objects if other.starts_in == o.id]
         if point is None:
@@ -56,16 +57,19 @@ def _drawer_complaints(objects: Sequence[NamedObject], library: Library) -> Iter
             yield f"{o.id} has no room where it starts, in the {part} of {o.starts_in}: {check.message}"
 
 
-def _thing(o: NamedObject, library: Library) -> SceneObject:
-    """An object anywhere: sizes are looked at."""
-    asset, pose = library.asset(o.asset, o.variant), Pose()
+def scene_object(o: NamedObject, asset: Asset, pose: Pose | None = None, joints: tuple[float, ...] = ()) -> SceneObject:
+    """An object at a pose, with its moving parts at positions; without a pose it lies in nothing, to look at sizes."""
+    at = pose or Pose()
     record = ObjectRecord(
         id=o.id,
         asset=o.asset,
         variant=o.variant,
         phrase=o.phrase,
         role=o.role,
-        pose=PoseRecord.of(pose),
-        aabb=box_record(asset.bounds, pose),
+        pose=PoseRecord.of(at),
+        aabb=box_record(asset.bounds, at),
+        joints=joints,
+        container=None if pose is None else o.starts_in,
+        container_part=None if pose is None else o.starts_in_part,
     )
-    return SceneObject(record, asset, pose)
+    return SceneObject(record, asset, at, joints)

@@ -22,12 +22,12 @@ from vcage.objects.openings import Opening
 from vcage.plans.actions import open_at_start
 from vcage.plans.descriptions import HOLDING, described_relations
 from vcage.plans.plain_words import in_words
-from vcage.schema.base import PoseRecord, box_record
 from vcage.schema.goals import AskedGoal, Description, Goal, in_steps
 from vcage.schema.plan import TABLE
 from vcage.schema.scene import ObjectRecord, SceneTemplate
 from vcage.sim.robots import load_robot
 from vcage.stages.context import StageContext
+from vcage.stages.started import scene_object
 from vcage.tasks.feasibility import hand_has_room
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.stowing import stow
@@ -51,9 +51,6 @@ class StartingPoses:
         descriptions: what must be true.
         goals: what is asked for.
         context: the library.
-
-    Attributes:
-        joints: positions of the moving parts, by id.
     """
 
     def __init__(
@@ -65,7 +62,7 @@ class StartingPoses:
         context: StageContext,
     ):
         self._objects, self._template, self._context = objects, template, context
-        self.joints = _joints(objects, in_steps(goals), context)
+        self._joints = _joints(objects, in_steps(goals), context)
         self._robot = load_robot(template.robot)
         self._items = _place_items([o for o in objects if o.starts_in_part is None], template, context)
         self._described = [d for d in descriptions if d.part is None]
@@ -117,7 +114,7 @@ class StartingPoses:
             ) from error
 
     def _stuck(self, poses: Mapping[str, Pose]) -> list[str]:
-        """What is to be taken out of things and no hand gets to, by id."""
+        """Ids of objects that are to be taken out of things and that no hand gets to."""
         if not self._taken:
             return []
         things = {o.id: self._thing(o, poses[o.id]) for o in self._objects if o.id in poses}
@@ -137,9 +134,12 @@ class StartingPoses:
             found |= stow(holder, str(part), things, self._robot, rng)
         return found
 
+    def records(self, poses: Mapping[str, Pose]) -> list[ObjectRecord]:
+        """The records of the objects at poses by id, with their moving parts as they start."""
+        return [self._thing(o, poses[o.id]).record for o in self._objects]
+
     def _thing(self, o: NamedObject, pose: Pose) -> SceneObject:
-        joints = self.joints.get(o.id, ())
-        return SceneObject(record_at(o, pose, self._context, joints), asset_of(o, self._context), pose, joints)
+        return scene_object(o, asset_of(o, self._context), pose, self._joints.get(o.id, ()))
 
 
 def _joints(
@@ -155,24 +155,8 @@ def _joints(
     return found
 
 
-def record_at(o: NamedObject, pose: Pose, context: StageContext, joints: tuple[float, ...]) -> ObjectRecord:
-    """The record of an object at a pose, with its moving parts at positions."""
-    return ObjectRecord(
-        id=o.id,
-        asset=o.asset,
-        variant=o.variant,
-        phrase=o.phrase,
-        role=o.role,
-        pose=PoseRecord.of(pose),
-        aabb=box_record(asset_of(o, context).bounds, pose),
-        joints=joints,
-        container=o.starts_in,
-        container_part=o.starts_in_part,
-    )
-
-
 def _place_items(objects: Sequence[NamedObject], template: SceneTemplate, context: StageContext) -> list[TableItem]:
-    """What the placement needs of each object; what a task carries or fills must be where an arm reaches."""
+    """Items of the placement; what a task carries or fills must be where an arm reaches."""
     openings = _openings(objects, context)
     return [_place_item(o, objects, openings, template, context) for o in objects]
 

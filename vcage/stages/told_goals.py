@@ -53,7 +53,7 @@ class Said:
 
     @property
     def names(self) -> list[tuple[str, bool]]:
-        """What names objects, the subject first, and whether a part may stand at its end."""
+        """The names of objects, the subject first, and whether a part may stand at its end."""
         found = [(self.subject, self.word in OF_A_PART)]
         if self.reference is not None and self.reference != TABLE and self.word != "handed":
             found.append((self.reference, self.word in ("inside", "on")))
@@ -91,7 +91,7 @@ class Told:
         return cls(tuple(_goals(list(map(_tidy, goals)))), told, None if objects is None else tuple(_objects(objects)))
 
     def record(self) -> dict[str, list[str]]:
-        """What provenance keeps of it: the goals, and the rest where it is told."""
+        """Fields for provenance: the goals, and the rest where it is told."""
         found = {"goals": [one.text for one in self.goals], "starts": [one.text for one in self.starts]}
         found["objects"] = [f"{count} {name}" for count, name in self.objects or ()]
         return {name: texts for name, texts in found.items() if texts}

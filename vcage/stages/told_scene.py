@@ -91,7 +91,7 @@ def _place(
 
 
 def _role(name: str, entry: CatalogueEntry, goals: Sequence[Goal]) -> Role:
-    """What goals do with an object."""
+    """The role that goals give an object."""
     own = [goal.relation for goal in goals if goal.subject == name]
     words = {goal.relation for goal in goals}
     if any(word not in OF_A_PART for word in own):

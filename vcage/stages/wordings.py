@@ -54,7 +54,7 @@ def wordings_for(
 
 
 def task_to_word(steps: Sequence[Subtask], scene: Scene, context: StageContext) -> TaskToWord:
-    """What a sentence that says the task of a scene must ask for, and what it may name.
+    """Things that a sentence must ask for to say the task of a scene, and that it may name.
 
     Args:
         steps: the sub-tasks that do it.

@@ -100,7 +100,7 @@ class Worlds:
 
     @cached_property
     def _instruction(self) -> str:
-        """What nothing that is drawn may change the meaning of; empty where there is none."""
+        """Words whose meaning nothing that is drawn may change; empty where there are none."""
         return self.scene.instruction or ""
 
     def _variants(self, rng: np.random.Generator) -> dict[str, str]:
@@ -120,7 +120,7 @@ class Worlds:
         return found
 
     def _stays_true(self, variants: Mapping[str, str]) -> bool:
-        """Whether no look that is left or taken is named by the instruction, and each phrase still means one object."""
+        """Check if the instruction names no look that is left or taken, and each phrase still means one object."""
         named = look_words(self._instruction)
         before = {o.id: o for o in self.scene.objects}
         after = {o.id: self._as_variant(o, variants[o.id]) if o.id in variants else o for o in self.scene.objects}

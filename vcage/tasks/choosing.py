@@ -34,7 +34,7 @@ def slot_questions(
     initial: State,
     actions: Mapping[str, Action],
 ) -> list[SlotQuestion]:
-    """What may be chosen of each sub-task of a chain.
+    """Choices in each sub-task of a chain.
 
     Args:
         chain: the sub-tasks, in order.
@@ -120,7 +120,7 @@ def _filled(subtask: Subtask, kept: Iterable[Subtask], answer: SlotAnswer) -> Su
 
 
 def _same_elsewhere(one: Subtask, subtask: Subtask) -> bool:
-    """Whether a sub-task does the same as another at another functional point of the same object."""
+    """Check if a sub-task does the same as another at another functional point of the same object."""
     same = all(
         getattr(one, name) == getattr(subtask, name)
         for name in ("template", "object", "receptacle", "requires", "goals", "arm", "hand_to")
@@ -146,7 +146,7 @@ def _grasps(subtask: Subtask, objects: Mapping[str, SceneObject]) -> list[GraspO
 
 
 def _statements(subtask: Subtask, objects: Mapping[str, SceneObject], before: State, stays: State) -> list[Statement]:
-    """What a sub-task leaves as it is: things that it has nothing to do with, and what is true before and after it."""
+    """Statements that a sub-task leaves true: of things it has nothing to do with, and what holds before and after."""
     lies = {g.subject: g.reference for g in before if g.relation in HOLDING}
     handled = moved_by(subtask) | {subtask.object}
     still = [name for name in objects if not _rides(name, lies, handled) and name not in moved_by(subtask)]
@@ -163,7 +163,7 @@ def _statement(goal: Goal) -> Statement:
 
 
 def _rides(name: str, lies: Mapping[str, str | None], handled: set[str]) -> bool:
-    """Whether an object lies in or on what is handled."""
+    """Check if an object lies in or on what is handled."""
     holder = lies.get(name)
     return holder is not None and (holder in handled or _rides(holder, lies, handled))
 

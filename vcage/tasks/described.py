@@ -31,7 +31,7 @@ def untrue(scene: Scene, objects: Sequence[SceneObject]) -> list[Description]:
 
 
 def complaints(scene: Scene, objects: Sequence[SceneObject]) -> list[str]:
-    """What is wrong with where the objects stand, a sentence for each description that is not true."""
+    """Complaints about where the objects stand, a sentence for each description that is not true."""
     return false_in_words(untrue(scene, objects), {o.id: o.phrase for o in scene.objects})
 
 

@@ -345,7 +345,7 @@ def _hands(
 
 
 def hand_has_room(target: SceneObject, others: Sequence[SceneObject], robot: Robot) -> bool:
-    """Whether some hand gets to an object by some contact point without touching another; arms are not looked at."""
+    """Check if some hand gets to an object by some contact point without touching another; arms are not looked at."""
     grippers = {arm.gripper.model_dump_json(): arm.gripper for arm in robot.arms.values()}
     return any(
         met is None

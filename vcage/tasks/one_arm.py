@@ -1,4 +1,4 @@
-"""What one arm must reach: what it brings to each other where nothing changes hands, and what it is asked to do."""
+"""Things that one arm must reach: those it brings together where nothing changes hands, and those asked of it."""
 
 from __future__ import annotations
 

@@ -225,7 +225,7 @@ def _nothing_else(questions: Sequence[PairQuestion]) -> list[PairAnswer]:
 
 
 def _place_of(slot: Slot, objects: Mapping[str, SceneObject]) -> tuple[str | None, str | None]:
-    """What a thing lies in that was brought to a slot, and the moving part of that."""
+    """The holder of a thing that was brought to a slot, and the moving part of that."""
     if slot.point is None:
         return None, None
     return slot.receptacle, objects[slot.receptacle].asset.annotation.functional_point(slot.point).link

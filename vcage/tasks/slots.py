@@ -177,7 +177,7 @@ class _Stay:
 
 
 def _stays(chain: Sequence[Subtask], objects: Sequence[SceneObject]) -> list[_Stay]:
-    """What lies in which receptacle, and for how long; what lies there from the start may lie at each of the points of
+    """Things in each receptacle, and for how long; what lies there from the start may lie at each of the points of
     the part that it lies in."""
 
     by_id = {o.id: o for o in objects}
@@ -387,5 +387,5 @@ def kept_in_by(receptacle: SceneObject, functional_point: int) -> str | None:
 
 
 def lying_in(receptacle: SceneObject, point: FunctionalPoint, objects: Sequence[SceneObject]) -> list[SceneObject]:
-    """What lies in or on the receptacle from the start, in the moving part of a functional point where it has one."""
+    """Things in or on the receptacle from the start, in the moving part of a functional point where it has one."""
     return [o for o in objects if (o.record.container, o.record.container_part) == (receptacle.id, point.link)]

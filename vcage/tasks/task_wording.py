@@ -52,7 +52,7 @@ def _part_wordings(task: TaskToWord, part: Sequence[AskedGoal], short: bool, pus
 
 
 def _thing(task: TaskToWord, ids: Sequence[str], short: bool) -> str | None:
-    """What to call one or several objects, with articles; None where one has no clear name."""
+    """Name one or several objects, with articles; None where one has no clear name."""
     told = [*_names(task, ids, short)]
     if None in told:
         return None

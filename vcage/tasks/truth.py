@@ -35,7 +35,7 @@ def goals_hold(goals: Sequence[Goal], objects: Mapping[str, SceneObject], watch:
 
 
 def subtask_done(subtask: Subtask, goals: Sequence[Goal], objects: Mapping[str, SceneObject], watch: Watch) -> Truth:
-    """Whether a sub-task brought about some goals with the arm that it is asked of, and left the rest as it was.
+    """Check if a sub-task brought about some goals with the arm that it is asked of, and left the rest as it was.
 
     Args:
         subtask: that was done.

@@ -77,7 +77,7 @@ class Related:
         return name if inside is None else self._root(inside)
 
     def binds(self, name: str) -> bool:
-        """Whether an item on the plane must stand somehow to another."""
+        """Check if an item on the plane must stand somehow to another."""
         return name in self._bonds
 
     def thirds(self, item: TableItem, yaw: float) -> list[np.ndarray]:

@@ -51,7 +51,7 @@ class Shove(Proposal):
 
     @property
     def goals(self) -> list[Goal]:
-        """What it would bring about: it stands on the table as before."""
+        """Its goal: it stands on the table as before."""
         return [self.goal, Goal(subject=self.thing.id, relation="on", reference=TABLE)]
 
     @property

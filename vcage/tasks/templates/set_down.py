@@ -69,7 +69,7 @@ class Move(Proposal):
 
     @property
     def goals(self) -> list[Goal]:
-        """What it would bring about: it stands on the table besides."""
+        """Its goals: it stands on the table besides."""
         return list(dict.fromkeys([self.goal, Goal(subject=self.thing.id, relation="on", reference=TABLE)]))
 
     def impossible(self) -> Refusal | None:
