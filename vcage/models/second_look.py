@@ -7,6 +7,7 @@ the words. What words mean is checked for English only; of a sentence in another
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 
 from vcage.base.english import FUNCTION_WORDS, HANDLING, VERBS
@@ -105,7 +106,7 @@ def unmet_names(instruction: str, catalogue: Iterable[CatalogueEntry], chosen: C
 
 def _spoken(things: Mapping[str, CatalogueEntry], reading: Reading) -> set[str]:
     """Ids of the objects that a reading speaks of, and of what they are scanned, weighed or presented with."""
-    named = {name for one in _stated(reading) for name in (one.subject, one.reference)}
+    named = {*_named(_stated(reading))}
     done = {asked.goal.relation for asked in reading.goals}
     tools = {name for name, entry in things.items() if done & _done_with(entry)}
     return {*reading.untouched, *tools, *(name for name in things if name in named)}
@@ -121,17 +122,22 @@ def _unanswered(
     instruction: str, things: Mapping[str, CatalogueEntry], reading: Reading, spoken: Collection[str]
 ) -> list[str]:
     """Content words in no ``words`` of a goal or description, which name nothing that the reading speaks of either."""
-    answered = {word for one in (*reading.goals, *reading.descriptions) for word in tokens(one.words)}
-    answered |= {word for name in spoken for word in _called(things[name])}
-    if any(asked.arm or asked.goal.relation == "handed" for asked in reading.goals):
-        answered |= {"left", "right", "arm", "hand", "gripper"}
+    answered = _answered(reading).union(*(_called(things[name]) for name in spoken))
+    missed = [word for word in tokens(instruction) if "'" not in word and not {word, lemma(word)} & answered]
+    missed = list(dict.fromkeys(word for word in missed if not _carries_nothing(word)))
+    return [f"the words {listed(map(repr, missed))} are in no 'words' of a goal or description"] if missed else []
+
+
+def _answered(reading: Reading) -> set[str]:
+    found = {word for one in (*reading.goals, *reading.descriptions) for word in tokens(one.words)}
+    of_arms = any(asked.arm or asked.goal.relation == "handed" for asked in reading.goals)
+    return found | {"left", "right", "arm", "hand", "gripper"} if of_arms else found
+
+
+def _carries_nothing(word: str) -> bool:
+    """Check if no goal has to answer a word, slips of the pen included."""
     known = FUNCTION_WORDS | HANDLING | DETERMINERS
-    said = [word for word in tokens(instruction) if "'" not in word]
-    missed = [word for word in said if not {word, lemma(word)} & (answered | known)]
-    missed = [word for word in missed if not any(same_word(word, other) for other in known)]
-    if not missed:
-        return []
-    return [f"the words {listed(map(repr, dict.fromkeys(missed)))} are in no 'words' of a goal or description"]
+    return lemma(word) in known or any(same_word(word, other) for other in known)
 
 
 def _called(entry: CatalogueEntry) -> set[str]:
@@ -157,27 +163,38 @@ def _unnamed(
 ) -> list[str]:
     """Objects of goals that the instruction does not name, where it names others and every word of it is known."""
     words = tokens(instruction)
-    if not said or _OPEN.intersection(words) or not _all_known(words, said):
+    if not _all_known(words, said):
         return []
-    goals = [asked.goal for asked in reading.goals]
-    told = [name for one in reading.descriptions for name in (one.subject, one.reference)]
+    goals, parts = [asked.goal for asked in reading.goals], {*map(lemma, words)}
+    told = _named(reading.descriptions)
     subjects, references = [goal.subject for goal in goals], [goal.reference for goal in goals]
-    found = []
+    found = list[str]()
     for mine, others in ((subjects, references), (references, subjects)):
-        taken = [things[name] for name in (*others, *told) if name in things]
-        if all(any(noun.may_mean(entry) for entry in taken) for noun in said):
+        if all(_meant(noun, things, (*others, *told)) for noun in said):
             continue  # "put the pens away" leaves open where to, "fill the box" with what
-        strange = {name for name in mine if name in things and not any(noun.may_mean(things[name]) for noun in said)}
-        asked = [(name, goal) for name, goal in zip(mine, goals, strict=True) if name in strange]
-        found += [
-            f"{name} is in the goal {goal}, but the instruction names no such object"
-            for name, goal in asked
-            if goal.part is None or goal.part.split("_")[0] not in map(lemma, words)
-        ]
+        named = {name for noun in said for name in _meant(noun, things, mine)}
+        found += _not_named([pair for pair in zip(mine, goals, strict=True) if pair[0] in things.keys() - named], parts)
     return list(dict.fromkeys(found))
 
 
+def _not_named(strange: Iterable[tuple[str | None, Goal]], parts: Collection[str]) -> list[str]:
+    """Complaints about objects and their goals, but for what is meant by a part of it that is named."""
+    return [
+        f"{name} is in the goal {goal}, but the instruction names no such object"
+        for name, goal in strange
+        if (goal.part or "").split("_")[0] not in parts
+    ]
+
+
+def _meant(noun: Noun, things: Mapping[str, CatalogueEntry], names: Iterable[str | None]) -> list[str]:
+    """Those of some names that are of objects which a noun may mean."""
+    return [name for name in names if name in things and noun.may_mean(things[name])]
+
+
 def _all_known(words: Collection[str], said: Sequence[Noun]) -> bool:
+    """Check if objects are named, by nouns alone, and there is no word that may name more."""
+    if not said or not _OPEN.isdisjoint(words):
+        return False
     named = {word for noun in said for word in tokens(noun.words)}
     known = FUNCTION_WORDS | VERBS | COLOURS | DETERMINERS | PARTS | NUMBERS.keys() | named | {"left", "right", "front"}
     return all({word, lemma(word)} & known for word in words)
@@ -192,17 +209,15 @@ def _miscounted(
 ) -> list[str]:
     """Number words that do not match how many objects of that name the reading speaks of."""
     subjects = {asked.goal.subject for asked in reading.goals}
-    found = []
-    for noun in said:
-        if noun.number is None or not noun.name or noun.name[-1] in COUNTED:
-            continue
-        there = len([name for name in spoken if noun.may_mean(things[name])])
-        moved = len([name for name in subjects if noun.may_mean(things[name])])
-        alone = [other.name for other in said].count(noun.name) == 1 and not _MANY.intersection(tokens(instruction))
-        if there < noun.number:
-            found.append(f"{noun.words!r} asks for {noun.number}, but the goals speak of {there}")
-        elif alone and moved > noun.number > 0:
-            found.append(f"{noun.words!r} asks for {noun.number}, but goals are given for {moved}")
+    times = Counter(noun.name for noun in said if _MANY.isdisjoint(tokens(instruction)))
+    found = list[str]()
+    counted = [noun for noun in said if noun.name and noun.name[-1] not in COUNTED]
+    for noun, number in ((noun, noun.number) for noun in counted if noun.number is not None):
+        there, moved = len(_meant(noun, things, spoken)), len(_meant(noun, things, subjects))
+        if there < number:
+            found.append(f"{noun.words!r} asks for {number}, but the goals speak of {there}")
+        elif times[noun.name] == 1 and moved > number > 0:
+            found.append(f"{noun.words!r} asks for {number}, but goals are given for {moved}")
     return found
 
 
@@ -212,14 +227,13 @@ def _wrong_sides(instruction: str, reading: Reading) -> list[str]:
     handed = {asked.goal.reference for asked in reading.goals if asked.goal.relation == "handed"}
     if handed and _ARM.search(text):
         return []  # "from the left hand to the right one"
-    stated = _stated(reading)
-    parts = {word for one in stated for word in (one.part or "").split("_")}
-    found = _unsaid_sides(text, {one.relation for one in stated})
-    for side in _WHICH.findall(text):
-        if side not in parts and not _on_side(side, reading):
-            found.append(f"'the {side} …' is said, but no description has an object of a goal '{side}_of' another")
     arms = {asked.arm for asked in reading.goals} | handed
-    return found + [f"'{arm} arm' is said, but no goal names that arm" for arm in _ARM.findall(text) if arm not in arms]
+    wrong = [side for side in _WHICH.findall(text) if not _on_side(side, reading)]
+    return [
+        *_unsaid_sides(text, {one.relation for one in _stated(reading)}),
+        *(f"'the {side} …' is said, but no description has an object of a goal '{side}_of' another" for side in wrong),
+        *(f"'{arm} arm' is said, but no goal names that arm" for arm in _ARM.findall(text) if arm not in arms),
+    ]
 
 
 def _unsaid_sides(text: str, relations: Collection[str]) -> list[str]:
@@ -240,11 +254,17 @@ def _stated(reading: Reading) -> list[Goal | Description]:
 
 
 def _on_side(side: str, reading: Reading) -> bool:
-    """Check if some object of a goal is said to stand on that side at the start."""
+    """Check if some object of a goal is said to stand on that side at the start, or a part is called after it."""
+    if any(side in (one.part or "").split("_") for one in _stated(reading)):
+        return True
     other = {"left": "right_of", "right": "left_of"}[side]
     there = {told.subject for told in reading.descriptions if told.relation == f"{side}_of"}
     there |= {told.reference for told in reading.descriptions if told.relation == other}
     return any({asked.goal.subject, asked.goal.reference} & there for asked in reading.goals)
+
+
+def _named(stated: Iterable[Goal | Description]) -> list[str | None]:
+    return [name for one in stated for name in (one.subject, one.reference)]
 
 
 def _wrong_parts(instruction: str, reading: Reading) -> list[str]:

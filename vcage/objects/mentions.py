@@ -70,9 +70,7 @@ class Noun:
             return True
         if len(self.name) == 1:
             return head_means(head, entry)
-        said = [word for text in texts_of(entry) for word in lemmas(text)]
-        rest = all(any(_akin(word, other) for other in said) for word in self.name[:-1])
-        return rest and any(same_word(head, name[-1]) for name in names.all)
+        return _all_said(self.name[:-1], entry) and any(same_word(head, name[-1]) for name in names.all)
 
 
 def nouns(sentence: str, entries: Iterable[CatalogueEntry]) -> list[Noun]:
@@ -130,7 +128,7 @@ def lemmas_of(said: Sequence[str]) -> Name:
 
 def is_verb(said: Sequence[str], at: int) -> bool:
     """Check if a token that may be a name is a verb: "present the card", "can you"."""
-    word, before, after = said[at], said[at - 1] if at else "", said[at + 1] if at + 1 < len(said) else ""
+    before, word, after = ["", *said, ""][at : at + 3]
     if word == "can" and after in _FOLLOWS_CAN:
         return True
     if before in _BEFORE_A_NOUN or (before.isalpha() and before not in _KNOWN):
@@ -207,6 +205,12 @@ def _number(before: Sequence[str]) -> int | None:
             return outer if outer is not None or number is None else None
         before = before[:-1]
     return number
+
+
+def _all_said(words: Name, entry: CatalogueEntry) -> bool:
+    """Check if all words are in what an entry says of the kind."""
+    said = [word for text in texts_of(entry) for word in lemmas(text)]
+    return all(any(_akin(word, other) for other in said) for word in words)
 
 
 def _same(name: Sequence[str], other: Sequence[str]) -> bool:
