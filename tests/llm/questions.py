@@ -12,13 +12,21 @@ import numpy as np
 
 from tests.models.catalogue import unchecked
 from tests.models.tabletop import BLOCKS, BOX, MARKERS, PLATE, critic_question, scene_of
+from tests.models.test_llm_slots import COIN
+from tests.models.test_wordings import ON, task
 from vcage.models.exchange import Answerer
+from vcage.models.goal_answers import Instructed
 from vcage.models.llm_critic import LlmCritic
+from vcage.models.llm_reading import _review
 from vcage.models.llm_reasoner import LlmReasoner
+from vcage.models.llm_selection import CATALOGUE, _searched
+from vcage.models.search import LexicalSearch
+from vcage.models.structured import asking
 from vcage.objects.library import Library
 from vcage.plans.check import plan_complaints
 from vcage.schema.asset import CatalogueEntry
-from vcage.schema.goals import Goal
+from vcage.schema.goals import AskedGoal, Goal, Reading
+from vcage.schema.scene import PLAIN
 from vcage.schema.subtasks import PairQuestion
 
 INSTRUCTION = "Put the apple into the bowl"
@@ -60,12 +68,34 @@ def judge_subtask(who: Answerer) -> object:
     return LlmCritic(who).judge(critic_question([BOX, *MARKERS], after, goal, "Put the black marker into the box."))
 
 
+def search_catalogue(who: Answerer) -> object:
+    return _searched(asking(who, "reasoner"), INSTRUCTION, entries(), PLAIN, LexicalSearch, CATALOGUE)
+
+
+def review_goals(who: Answerer) -> object:
+    goal = AskedGoal(goal=Goal(subject="apple", relation="inside", reference="bowl"), step=1, words=INSTRUCTION)
+    read = Instructed(INSTRUCTION, {entry.name: entry for entry in entries()}, {})
+    return _review(Reading(goals=[goal]), read, asking(who, "reasoner"))
+
+
+def fill_slots(who: Answerer) -> object:
+    return LlmReasoner(who).fill_slots(INSTRUCTION, [COIN])
+
+
+def word_task(who: Answerer) -> object:
+    return LlmReasoner(who).word_task(task(ON), ["Put the apple onto the plate."])
+
+
 QUESTIONS: dict[str, Callable[[Answerer], object]] = {
     "select_assets": select_assets,
     "read_goals": read_goals,
     "plan_layout": plan_layout,
     "judge_pairs": judge_pairs,
     "judge_subtask": judge_subtask,
+    "search_catalogue": search_catalogue,
+    "review_goals": review_goals,
+    "fill_slots": fill_slots,
+    "word_task": word_task,
 }
 """Name of the prompt → what asks it, through the reasoner or the critic."""
 
