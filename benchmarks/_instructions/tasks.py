@@ -20,7 +20,7 @@ from scipy.optimize import linear_sum_assignment
 from vcage.base.errors import VcageError
 from vcage.base.files import read_json
 from vcage.models.rules.reasoner import OfflineReasoner
-from vcage.models.selection_check import name_objects, validate_selection
+from vcage.models.selection_check import entries_of, name_objects, validate_selection
 from vcage.objects.names import names_of
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import AskedGoal
@@ -61,11 +61,10 @@ def counted(outcomes: Iterable[tuple[str, str]]) -> dict[str, Any]:
 
 
 def _read(text: str, catalogue: Sequence[CatalogueEntry]) -> tuple[list[AskedGoal], Things]:
-    reasoner, entries = OfflineReasoner(), {entry.name: entry for entry in catalogue}
+    reasoner = OfflineReasoner()
     check = partial(validate_selection, entries=catalogue)
     named = name_objects(reasoner.select_assets(text, catalogue, np.random.default_rng(0), check), catalogue)
-    looks = {o.id: [v for v in entries[o.asset].variants if v.id == o.variant] for o in named}
-    things = {o.id: entries[o.asset].model_copy(update={"variants": looks[o.id]}) for o in named}
+    things = entries_of(named, catalogue)
     return reasoner.read_goals(text, things, {o.id: o.starts_in for o in named if o.starts_in}).goals, things
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from vcage.layout.capacities import size_complaints
@@ -81,6 +81,15 @@ def name_objects(selection: Selection, entries: Sequence[CatalogueEntry]) -> lis
         named.append(NamedObject(_unique(base, taken), entry.name, variant.id, phrase, chosen.role, *start))
         containers.setdefault(entry.name, named[-1].id)
     return [replace(o, starts_in=containers.get(o.starts_in) if o.starts_in else None) for o in named]
+
+
+def entries_of(objects: Iterable[NamedObject], entries: Iterable[CatalogueEntry]) -> dict[str, CatalogueEntry]:
+    """The catalogue's entry of each object, with no other look than its own, by its id."""
+    by_name, found = {entry.name: entry for entry in entries}, dict[str, CatalogueEntry]()
+    for one in objects:
+        looks = [look for look in by_name[one.asset].variants if look.id == one.variant]
+        found[one.id] = by_name[one.asset].model_copy(update={"variants": looks})
+    return found
 
 
 def phrase_of(entry: CatalogueEntry, variant: Variant) -> str:

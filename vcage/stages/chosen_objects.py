@@ -16,7 +16,7 @@ from vcage.models.english import in_english
 from vcage.models.protocols import OFFLINE
 from vcage.models.scene_contents import draw_contents
 from vcage.models.second_look import second_look, unmet_names
-from vcage.models.selection_check import NamedObject, name_objects, validate_selection
+from vcage.models.selection_check import NamedObject, entries_of, name_objects, validate_selection
 from vcage.objects.asset import Asset
 from vcage.plans.actions import lasting
 from vcage.schema.asset import CatalogueEntry
@@ -122,7 +122,7 @@ class _Choices:
         if found:
             return found
         objects = name_objects(selection, self._context.catalogue)
-        kinds = entries_of(objects, self._context)
+        kinds = entries_of(objects, self._context.catalogue)
         found = unmet_names(self._instruction, self._context.catalogue, list(kinds.values()))
         if found:
             return found
@@ -188,14 +188,3 @@ def _crowded(goals: Sequence[AskedGoal], objects: Sequence[NamedObject], assets:
         if o.starts_in is not None and o.id not in {asked.goal.subject for asked in goals}:
             held.setdefault((o.starts_in, o.starts_in_part), []).append(o.id)
     return crowding_complaints(held, assets)
-
-
-def entries_of(objects: Sequence[NamedObject], context: StageContext) -> dict[str, CatalogueEntry]:
-    """The catalogue's entry of each object, with no other look than its own, by its id."""
-    entries = {entry.name: entry for entry in context.catalogue}
-    return {
-        o.id: entries[o.asset].model_copy(
-            update={"variants": [v for v in entries[o.asset].variants if v.id == o.variant]}
-        )
-        for o in objects
-    }

@@ -10,13 +10,13 @@ import numpy as np
 from vcage.base.errors import UsageError
 from vcage.base.text import listed
 from vcage.models.second_look import second_look
-from vcage.models.selection_check import NamedObject
+from vcage.models.selection_check import NamedObject, entries_of
 from vcage.models.wordings import TaskToWord
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import OF_A_PART, AskedGoal, Description, Goal, Reading
 from vcage.schema.scene import Role, SceneTemplate
 from vcage.sim.robots import load_robot
-from vcage.stages.chosen_objects import Chosen, entries_of, impossible
+from vcage.stages.chosen_objects import Chosen, impossible
 from vcage.stages.context import StageContext
 from vcage.stages.started import started
 from vcage.stages.told_checks import require_consistent, require_part, require_place, require_sense
@@ -39,7 +39,7 @@ def choose_told(
     """
     objects = objects_of(told, context.catalogue, rng)
     goals, descriptions = _resolved(told, objects, context)
-    kinds = entries_of(objects, context)
+    kinds = entries_of(objects, context.catalogue)
     arms = load_robot(template.robot).arms
     for said, one in zip(told.goals, goals, strict=True):
         require_sense(said, one, arms)

@@ -7,7 +7,7 @@ import functools
 import numpy as np
 
 from vcage.models.rules.reasoner import OfflineReasoner
-from vcage.models.selection_check import name_objects
+from vcage.models.selection_check import entries_of, name_objects
 from vcage.objects.library import Library
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import Reading
@@ -30,10 +30,8 @@ def selected(instruction: str, seed: int = 0, scene: str = "table") -> Selection
 def read(instruction: str, seed: int = 0) -> tuple[Selection, Reading]:
     """What is chosen for a sentence, and how it is read in that."""
     chosen = selected(instruction, seed)
-    entries = {entry.name: entry for entry in kinds()}
     named = name_objects(chosen, kinds())
-    looks = {o.id: [v for v in entries[o.asset].variants if v.id == o.variant] for o in named}
-    things = {o.id: entries[o.asset].model_copy(update={"variants": looks[o.id]}) for o in named}
+    things = entries_of(named, kinds())
     return chosen, OfflineReasoner().read_goals(instruction, things, {o.id: o.starts_in for o in named if o.starts_in})
 
 

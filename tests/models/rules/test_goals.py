@@ -109,7 +109,7 @@ def test_an_exception_after_the_place_may_be_one_of_the_places() -> None:
         ("Use both arms to put the red block on the plate", "both arms"),
         ("Put the red block on the plate, no, sorry, the blue one", "correction"),
         ("Where is the red block?", "no plain statement"),
-        ("Put the red block on the plate and leave the red block alone", "left alone"),
+        ("Put the red block on the plate and leave the red block alone", "'leave'"),
         ("Put it on the plate", "nothing"),
         ("Use the left arm to put the red block on the plate and put the blue block on the plate", "which arm"),
     ],

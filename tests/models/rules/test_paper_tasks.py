@@ -7,7 +7,7 @@ import pytest
 
 from tests.models.catalogue import unchecked
 from vcage.models.rules.reasoner import OfflineReasoner
-from vcage.models.selection_check import name_objects
+from vcage.models.selection_check import entries_of, name_objects
 from vcage.objects.library import Library
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import Goal
@@ -102,15 +102,9 @@ def test_a_word_that_several_kinds_share_means_the_plainest_that_fits(kinds, ins
 
 def asked(instruction: str, kinds: list[CatalogueEntry], seed: int) -> tuple[list[SelectedAsset], list[Goal]]:
     """What is chosen for an instruction, and what is then read in it."""
-    by_name = {kind.name: kind for kind in kinds}
     chosen = select(instruction, kinds, seed)
     named = name_objects(Selection(objects=chosen), kinds)
-    things = {
-        o.id: by_name[o.asset].model_copy(
-            update={"variants": [v for v in by_name[o.asset].variants if v.id == o.variant]}
-        )
-        for o in named
-    }
+    things = entries_of(named, kinds)
     return chosen, [a.goal for a in OfflineReasoner().read_goals(instruction, things, {}).goals]
 
 

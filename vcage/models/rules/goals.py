@@ -7,12 +7,13 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
-from vcage.base.errors import InfeasibleScene, NoAssetFits, UnreadInstruction, UsageError
-from vcage.models.rules.meanings import ON_TABLE, Meanings, Things
+from vcage.base.errors import InfeasibleScene, NoAssetFits, UsageError
+from vcage.models.rules.meanings import ON_TABLE, Doubt, Meanings, Things
 from vcage.models.rules.nouns import Noun
 from vcage.models.rules.references import resolved
 from vcage.models.rules.sentence import Command, not_read, parse
 from vcage.plans.consistency import unordered_contradictions
+from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import AskedGoal, Goal, Reading, goal_of
 from vcage.schema.plan import TABLE
 
@@ -21,7 +22,9 @@ Found = TypeVar("Found")
 ACTS = {"open": "open", "close": "open", "turn": "turn", "press": "press"}
 """What commands do to moving parts (:func:`part_that`)."""
 _DONE = {"open": "open", "close": "closed", "turn": "turned", "press": "pressed"}
-_EVENTS = {"scan": "scanned", "weigh": "weighed", "show": "presented", "back": "back"}
+_EVENTS = {"scan": "scanned", "weigh": "weighed", "show": "presented"}
+TOOLS: dict[str, Callable[[CatalogueEntry], bool]] = {"scan": lambda e: e.reads_codes, "weigh": lambda e: e.weighs}
+"""What things are scanned and weighed with."""
 _OTHER = {"left": "right", "right": "left"}
 
 
@@ -36,7 +39,7 @@ def read_goals(instruction: str, things: Things, lying: Mapping[str, str] | None
     Raises:
         UnreadInstruction: the sentence is of no form that is read, or its readings differ in this scene.
     """
-    return agreed(instruction, lambda commands: Goals(instruction, things, lying or {}, commands).read(), in_words)
+    return agreed(instruction, lambda commands: Goals(things, lying or {}, commands).read(), in_words)
 
 
 def agreed(instruction: str, ground: Callable[[tuple[Command, ...]], Found], told: Callable[[Found], str]) -> Found:
@@ -44,7 +47,7 @@ def agreed(instruction: str, ground: Callable[[tuple[Command, ...]], Found], tol
 
     Args:
         instruction: the sentence.
-        ground: makes something of the commands of one reading; an ``UnreadInstruction`` drops it.
+        ground: makes something of the commands of one reading; a :class:`Doubt` drops it.
         told: the same in plain words, which differ where the readings do.
 
     Raises:
@@ -55,7 +58,10 @@ def agreed(instruction: str, ground: Callable[[tuple[Command, ...]], Found], tol
     for commands in (way for parsed in parse(instruction) for way in resolved(parsed)):
         try:
             result = ground(commands)
-        except (UnreadInstruction, NoAssetFits, InfeasibleScene) as error:
+        except Doubt as doubt:
+            words, why = doubt.args
+            troubles.append(not_read(instruction, words or instruction, why))
+        except (NoAssetFits, InfeasibleScene) as error:
             troubles.append(error)
         else:
             found.setdefault(told(result), result)
@@ -79,7 +85,6 @@ def in_words(reading: Reading) -> str:
 class Goals:
     """The goals that the commands of one reading ask for."""
 
-    instruction: str
     things: Things
     lying: Mapping[str, str]
     commands: Sequence[Command]
@@ -89,33 +94,24 @@ class Goals:
 
     def __post_init__(self) -> None:
         nouns = [noun for c in self.commands for noun in (*c.things, c.place) if noun is not None]
-        self._meanings = Meanings(self.instruction, self.things, self.lying, nouns)
+        self._meanings = Meanings(self.things, self.lying, nouns)
 
     def read(self) -> Reading:
         """The goals in their order: commands of one group in any, unless one of them needs another.
 
         Raises:
-            UnreadInstruction: a noun means nothing or too much here, or something cannot be done so.
+            Doubt: a noun means nothing or too much here, or something cannot be done so.
         """
         goals: list[AskedGoal] = []
         for _, group in itertools.groupby(self.commands, lambda command: command.group):
             goals += self._in_steps(list(group), max((asked.step + 1 for asked in goals), default=1))
-        goals += self._laid_down(goals)
         subjects = {asked.goal.subject for asked in goals}
+        for name, command in self._picked.items():
+            if name not in subjects:
+                raise Doubt(command.words, "picking up is no goal by itself; say where it goes")
         found = self._meanings
-        if not goals or subjects & set(found.untouched):
-            raise not_read(self.instruction, self.instruction, "it asks for nothing, or for what is to be left alone")
-        untouched = list(dict.fromkeys([*found.untouched, *(n for n in found.excepted if n not in subjects)]))
+        untouched = [name for name in dict.fromkeys(found.excepted) if name not in subjects]
         return Reading(goals=goals, untouched=untouched, descriptions=list(found.descriptions.values()))
-
-    def _laid_down(self, goals: Sequence[AskedGoal]) -> list[AskedGoal]:
-        """On the table goes what is taken out of something, where no goal says where."""
-        subjects = {asked.goal.subject for asked in goals}
-        laid = [(name, command) for name, command in self._picked.items() if name not in subjects]
-        for _, command in laid:
-            if command.source is None:
-                raise self._refused(command, "picking up is no goal by itself; say where it goes")
-        return [self._asked(command, Goal(subject=name, relation="on", reference=TABLE)) for name, command in laid]
 
     def _in_steps(self, group: Sequence[Command], first: int) -> list[AskedGoal]:
         """The goals of commands that no word puts in order: as said, if one of them needs another."""
@@ -125,7 +121,7 @@ class Goals:
             getattr(self, f"_{command.verb}", self._event)(command)
             added += [self._added] if self._added else []
         if complaints := unordered_contradictions([asked.goal for several in added for asked in several]):
-            raise not_read(self.instruction, self.instruction, "; ".join(complaints))
+            raise Doubt("", "; ".join(complaints))
         self._require_arms([asked for several in added for asked in several if asked.goal.relation != "handed"])
         ordered = any(_needs(before, after) for before, after in itertools.combinations(added, 2))
         steps = enumerate(added)
@@ -134,21 +130,14 @@ class Goals:
     def _require_arms(self, goals: Sequence[AskedGoal]) -> None:
         arms = {asked.arm for asked in goals}
         if None in arms and len(arms) > 1:
-            raise not_read(self.instruction, self.instruction, "say for each thing that is done which arm does it")
-
-    def _refused(self, command: Command, why: str) -> UnreadInstruction:
-        return not_read(self.instruction, command.words, why)
-
-    def _asked(self, command: Command, goal: Goal, arm: str | None = None) -> AskedGoal:
-        arm = arm or command.arm or self._arms.get(goal.subject)
-        if arm == "other":
-            raise self._refused(command, "say which arm: left or right")
-        return AskedGoal(goal=goal, step=1, words=command.words, arm=arm)
+            raise Doubt("", "say for each thing that is done which arm does it")
 
     def _add(self, command: Command, subject: str, relation: str, *rest: str | None, arm: str | None = None) -> None:
-        goal = goal_of([subject, relation, *rest])
+        goal, arm = goal_of([subject, relation, *rest]), arm or command.arm or self._arms.get(subject)
+        if arm == "other":
+            raise Doubt(command.words, "say which arm: left or right")
         if goal not in [asked.goal for asked in self._added]:
-            self._added.append(self._asked(command, goal, arm))
+            self._added.append(AskedGoal(goal=goal, step=1, words=command.words, arm=arm))
 
     def _named(self, command: Command, besides: Collection[str] = (), least: int = 1) -> list[str]:
         """The objects of a command's nouns for things, and where they are taken from."""
@@ -158,13 +147,10 @@ class Goals:
             for name in names:
                 self._meanings.lies(name, "to", command.source)
         if len(names) < least:
-            raise self._refused(command, f"it takes {least} things")
+            raise Doubt(command.words, f"it takes {least} things")
         return names
 
     def _pick(self, command: Command) -> None:
-        if all(noun.part in ("lid", "screen") for noun in command.things):  # to lift a lid is to open it
-            self._event(replace(command, verb="open"))
-            return
         for name in self._named(command):
             self._picked[name] = command
             self._arms |= {name: command.arm} if command.arm is not None else {}
@@ -176,7 +162,7 @@ class Goals:
             for name in self._named(command):
                 self._add(command, name, "on", TABLE)
         elif place.words in ON_TABLE:
-            raise self._meanings.trouble(place, "this place of the table is none that a goal can name")
+            raise Doubt(place.text, "this place of the table is none that a goal can name")
         elif how in ("in", "on", "to", "stack"):
             self._put_there(command, place, how)
         else:
@@ -194,19 +180,17 @@ class Goals:
         names = self._named(command, [spot.name for spot in spots], least=len(spots))
         for number, name in enumerate(names):
             if not self.things[name].can_be_carried:
-                raise self._refused(command, f"{name} cannot be lifted")
+                raise Doubt(command.words, f"{name} cannot be lifted")
             spot = spots[number % len(spots)]
-            self._add(command, name, "inside" if spot.holds == "in" else "on", spot.name, spot.part)
+            self._add(command, name, spot.relation, spot.name, spot.part)
 
     def _stack(self, command: Command) -> None:
         self._put(replace(command, how="stack" if command.how in ("in", "on") else command.how))
 
     def _tower(self, command: Command) -> None:
         for below, above in itertools.pairwise(self._named(command, least=2)):
-            holds = [point.holds for point in self.things[below].functional_points if point.link is None]
-            if not holds:
-                raise self._refused(command, f"nothing can be put on {below}")
-            self._add(command, above, "inside" if holds[0] == "in" else "on", below)
+            spot = self._meanings.spot_of(below, "stack", command.things[0])
+            self._add(command, above, spot.relation, spot.name)
 
     def _row(self, command: Command) -> None:
         for left, right in itertools.pairwise(self._named(command, least=2)):
@@ -218,12 +202,9 @@ class Goals:
             giver = before[0] if before else command.arm or self._arms.get(name)
             gets = _OTHER.get(giver or "") if arm == "other" else arm
             if gets not in _OTHER or gets == giver:
-                raise self._refused(command, "say which arm gets it: left or right")
+                raise Doubt(command.words, "say which arm gets it: left or right")
             self._add(command, name, "handed", gets, arm=giver)
             self._arms[name] = gets
-
-    def _leave(self, command: Command) -> None:
-        self._meanings.untouched += self._named(command)
 
     def _event(self, command: Command) -> None:
         """What is done to a part of a thing, or to a thing with a tool."""
@@ -232,23 +213,13 @@ class Goals:
                 for name, part in self._meanings.parts(noun, ACTS[command.verb]):
                     self._add(command, name, _DONE[command.verb], None, part)
             return
-        for name in self._named(command, self._tools(command)):
-            self._add(command, name, _EVENTS[command.verb])
-
-    def _tools(self, command: Command) -> list[str]:
-        """The scanners or scales that a command can take.
-
-        Raises:
-            UnreadInstruction: there is none, or it names something else.
-        """
-        if command.verb not in ("scan", "weigh"):
-            return []
-        scan = command.verb == "scan"
-        tools = [name for name, entry in self.things.items() if (entry.reads_codes if scan else entry.weighs)]
+        able = TOOLS.get(command.verb)
+        tools = [name for name, entry in self.things.items() if able is not None and able(entry)]
         named = self._meanings.objects(command.place) if command.place is not None else tools
-        if not set(named) & set(tools):
-            raise self._refused(command, f"there is nothing to {command.verb} with")
-        return tools
+        if able is not None and not set(named) & set(tools):
+            raise Doubt(command.words, f"there is nothing to {command.verb} with")
+        for name in self._named(command, tools):
+            self._add(command, name, _EVENTS[command.verb])
 
 
 def _needs(before: Sequence[AskedGoal], after: Sequence[AskedGoal]) -> bool:

@@ -6,11 +6,9 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypeVar
 
-from vcage.base.errors import UnreadInstruction
 from vcage.base.text import listed
 from vcage.base.words import SHALLOW
 from vcage.models.rules.nouns import Noun
-from vcage.models.rules.sentence import not_read
 from vcage.objects.names import names_of
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import Description, part_that
@@ -23,8 +21,13 @@ _ORDERS = {"x": ("left", "middle", "right"), "y": ("front", "middle", "back")}
 _AT_TABLE = {
     "left": "left_of", "right": "right_of", "front": "in_front_of", "back": "behind", "middle": "center",
 }  # fmt: skip
+_RELATION = {"in": "inside", "on": "on"}
 _BEFORE = {"x": ("left_of", "right_of"), "y": ("in_front_of", "behind")}
 Choice = TypeVar("Choice")
+
+
+class Doubt(Exception):
+    """Words that mean nothing or too much in a scene, and why; of the whole sentence where there are no words."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +35,7 @@ class Spot:
     """Where things go: an object, or one of its moving parts; and whether they go in it or on it."""
 
     name: str
-    holds: str
+    relation: str
     part: str | None = None
 
 
@@ -41,18 +44,15 @@ class Meanings:
     """Finds for each noun the objects that it means; the same noun means the same throughout.
 
     Args:
-        instruction: the sentence.
         things: catalogue's entries by object id, each with the object's own look only.
         lying: object id → id of what it lies in or on.
         nouns: all of the sentence, in its order.
     """
 
-    instruction: str
     things: Things
     lying: Mapping[str, str]
     nouns: Sequence[Noun]
     descriptions: dict[str, Description] = field(default_factory=dict)
-    untouched: list[str] = field(default_factory=list)
     excepted: list[str] = field(default_factory=list)
     _meant: dict[tuple[int, tuple[str, ...]], list[str]] = field(default_factory=dict)
     _parts_named: list[tuple[str, str]] = field(default_factory=list)
@@ -60,10 +60,6 @@ class Meanings:
     def __post_init__(self) -> None:
         certain = (self._called(noun) for noun in self.nouns if noun.definite and not noun.several)
         self._claimed = {found[0] for found in certain if len(found) == 1}  # "another one" is none of these
-
-    def trouble(self, noun: Noun, why: str) -> UnreadInstruction:
-        """The error about a noun."""
-        return not_read(self.instruction, noun.text, why)
 
     def objects(self, noun: Noun, besides: Collection[str] = (), holds: bool = False) -> list[str]:
         """The objects that a noun means.
@@ -73,11 +69,14 @@ class Meanings:
             holds: of several that it may mean, only those that hold things.
 
         Raises:
-            UnreadInstruction: there are none, or nobody can tell which.
+            Doubt: there are none, or nobody can tell which.
         """
         key = (noun.at, noun.words)
         if key in self._meant:
             return self._meant[key]
+        for but in noun.but:
+            out = self._called(but)
+            self.excepted += self._chosen(but, out, ()) if out else []
         found = self._good(noun, self._called(noun, () if noun.position else besides), holds)
         used = self._used()
         self._meant[key] = [self._at_position(noun, found)] if noun.position else self._chosen(noun, found, used)
@@ -90,19 +89,17 @@ class Meanings:
         """The only object that a noun means.
 
         Raises:
-            UnreadInstruction: there is none, or several.
+            Doubt: there is none, or several.
         """
         found = self.objects(noun, besides, holds)
         if len(found) != 1:
-            raise self.trouble(noun, f"nobody can tell which of {listed(found)} is meant")
+            raise Doubt(noun.text, f"nobody can tell which of {listed(found)} is meant")
         return found[0]
 
     def _good(self, noun: Noun, found: list[str], holds: bool) -> list[str]:
-        """Those of some objects that are not excepted, and that hold things or can be carried, if some of them do."""
-        out = self._excepted(noun)
-        found = [name for name in found if name not in out]
+        """Those of some objects that hold things or can be carried, if some of them do."""
         if not found:
-            raise self.trouble(noun, "nothing that is there is called so")
+            raise Doubt(noun.text, "nothing that is there is called so")
         if holds:
             return [name for name in found if self.things[name].functional_points] or found
         return [name for name in found if self.things[name].can_be_carried or not noun.several] or found
@@ -115,16 +112,6 @@ class Meanings:
         others = {name: entry for name, entry in self.things.items() if name not in besides}
         return list(noun.named(others, short=True))
 
-    def _excepted(self, noun: Noun) -> list[str]:
-        found: list[str] = []
-        for but in noun.but:
-            out = self._called(but)
-            if not but.several and len(out) > 1:
-                raise self.trouble(but, f"nobody can tell which of {listed(out)} is meant")
-            found += out
-        self.excepted += found
-        return found
-
     def _chosen(self, noun: Noun, found: list[Choice], used: Collection[Choice]) -> list[Choice]:
         """As many of those that fit as the noun asks for."""
         if noun.quantifier in ("other", "rest"):
@@ -136,7 +123,7 @@ class Meanings:
         else:
             chosen = self._known(noun, found)
         if not chosen:
-            raise self.trouble(noun, f"nobody can tell which of {listed(found)} is meant, and how many")
+            raise Doubt(noun.text, f"nobody can tell which of {listed(found)} is meant, and how many")
         return chosen
 
     def _known(self, noun: Noun, found: list[Choice]) -> list[Choice]:
@@ -166,7 +153,7 @@ class Meanings:
         axis = "x" if {"front", "back"}.isdisjoint(asked) else "y"
         at = _ORDERS[axis] if len(found) > 2 else _ORDERS[axis][::2]
         if noun.several or len(found) > 3 or not set(asked) <= set(at):
-            raise self.trouble(noun, f"which of {listed(found)} it is cannot be told by where it is")
+            raise Doubt(noun.text, f"which of {listed(found)} it is cannot be told by where it is")
         order = dict(zip(sorted(at, key=lambda where: (*asked, *at).index(where)), found))  # as mentioned
         for where in set(order) - {position}:
             word = _BEFORE[axis][at.index(position) > at.index(where)]
@@ -177,15 +164,15 @@ class Meanings:
         """Describe an object by another: where it stands, or what it lies in or on at the start.
 
         Raises:
-            UnreadInstruction: it lies somewhere else.
+            Doubt: it lies somewhere else.
         """
         if how not in ("in", "on", "to"):
             self._describe(name, how, self.one(other, [name]), other)
             return
         spot = self.spots(other, how, [name])[0]
         if self.lying.get(name, spot.name) != spot.name:
-            raise self.trouble(other, f"{name} lies in {self.lying[name]}")
-        self._describe(name, "inside" if spot.holds == "in" else "on", spot.name, other, spot.part)
+            raise Doubt(other.text, f"{name} lies in {self.lying[name]}")
+        self._describe(name, spot.relation, spot.name, other, spot.part)
 
     def _describe(self, name: str, relation: str, other: str, noun: Noun, part: str | None = None) -> None:
         values = {"subject": name, "relation": relation, "reference": other, "part": part, "words": noun.text}
@@ -196,43 +183,48 @@ class Meanings:
         """The moving parts that a noun means to open, press or turn: (object, part).
 
         Raises:
-            UnreadInstruction: there are none, or nobody can tell which.
+            Doubt: there are none, or nobody can tell which.
         """
         found = [(name, part) for name, part in self._parts(noun) if part_that(action, part)]
         if not found:
-            raise self.trouble(noun, f"nothing of it can be made to {action}")
+            raise Doubt(noun.text, f"nothing of it can be made to {action}")
         return self._these(noun, found)
 
     def spots(self, noun: Noun, how: str, besides: Collection[str] = ()) -> list[Spot]:
         """Where things go that are put in, on or to what a noun means.
 
         Raises:
-            UnreadInstruction: nothing is put there, or nobody can tell where.
+            Doubt: nothing is put there, or nobody can tell where.
         """
         if not noun.of_part(self.things.values()):
-            return [self._spot_of(self.one(noun, besides, holds=True), how, noun)]
+            return [self.spot_of(self.one(noun, besides, holds=True), how, noun)]
         pairs = self._parts(noun)
         if how != "on":
             hold = [(name, p) for name, p in pairs if p in {f.link for f in self.things[name].functional_points}]
-            return [Spot(name, "in", part) for name, part in self._these(noun, hold)]
+            return [Spot(name, "inside", part) for name, part in self._these(noun, hold)]
         owners = {name for name, _ in pairs}
         if len(owners) != 1 or noun.which is not None:
-            raise self.trouble(noun, "nobody can tell where that is")
-        return [self._spot_of(owners.pop(), how, noun)]
+            raise Doubt(noun.text, "nobody can tell where that is")
+        return [self.spot_of(owners.pop(), how, noun)]
 
-    def _spot_of(self, name: str, how: str, noun: Noun) -> Spot:
+    def spot_of(self, name: str, how: str, noun: Noun) -> Spot:
+        """Where things go that are put in, on or to an object, or stacked there.
+
+        Raises:
+            Doubt: nothing is put there.
+        """
         entry = self.things[name]
         free = [point.holds for point in entry.functional_points if point.link is None]
         inner = [point.link for point in entry.functional_points if point.link is not None]
         if how in free:
-            return Spot(name, how)
+            return Spot(name, _RELATION[how])
         if how in ("in", "to") and inner:
             if len(inner) == 1:
-                return Spot(name, "in", inner[0])
-            raise self.trouble(noun, "say in which of its parts")
+                return Spot(name, "inside", inner[0])
+            raise Doubt(noun.text, "say in which of its parts")
         if free and (how in ("to", "stack") or names_of(entry).words[-1] in SHALLOW):
-            return Spot(name, free[0])
-        raise self.trouble(noun, f"nothing can be put {how} it")
+            return Spot(name, _RELATION[free[0]])
+        raise Doubt(noun.text, f"nothing can be put {how.replace('stack', 'on')} it")
 
     def _parts(self, noun: Noun) -> list[tuple[str, str]]:
         """Every moving part that a noun fits, or that the things have that it fits."""
@@ -246,7 +238,7 @@ class Meanings:
         """Those of some parts that a noun means: of the objects that were named before, if there are such."""
         found = [pair for pair in found if pair[0] in self._used()] or found
         if noun.several and noun.which is not None:
-            raise self.trouble(noun, "nobody can tell which of them are meant")
+            raise Doubt(noun.text, "nobody can tell which of them are meant")
         chosen = self._chosen(noun, found, self._parts_named)
         self._parts_named += chosen
         self._meant.setdefault((noun.at, ("part",)), [name for name, _ in chosen])

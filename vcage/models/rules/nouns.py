@@ -7,21 +7,10 @@ from dataclasses import dataclass, replace
 
 from lark import Token
 
-from vcage.base.words import (
-    COLOURS,
-    MASS_KINDS,
-    NUMBERS,
-    PART_WORDS,
-    SIDES,
-    WHICH_PART,
-    colour_of,
-    is_plural,
-    lemma,
-)
+from vcage.base.words import COLOURS, MASS_KINDS, NUMBERS, PART_WORDS, SIDES, WHICH_PART, colour_of, lemma
 from vcage.objects.names import EXACT, HEAD, KIND, SYNONYM, looks_named
 from vcage.schema.asset import CatalogueEntry, Variant
 
-_WHERE_PRESSED = {"top", "center", "centre", "middle"}
 _QUANTIFIERS = {
     "other": "other", "another": "other", "rest": "rest", "remaining": "rest", "others": "rest", "all": "all",
     "every": "all", "each": "all", "both": "all", "everything": "all", "anything": "all",
@@ -80,7 +69,12 @@ class Noun:
 
     def like(self, other: Noun) -> Noun:
         """The same of another noun's kind."""
-        return replace(self, words=other.words, part=other.part, owner=other.owner, which=self.which or other.which)
+        same = replace(self, words=other.words, part=other.part, owner=other.owner, which=self.which or other.which)
+        return replace(same, but=()).without(self.but)
+
+    def without(self, but: Sequence[Noun]) -> Noun:
+        """The same, but for some; "the red one" is one of its kind."""
+        return replace(self, but=(*self.but, *(noun.like(self) if noun.headless else noun for noun in but)))
 
     def names_part(self, part: str) -> bool:
         """Whether it may mean a moving part of this name."""
@@ -100,11 +94,17 @@ class Noun:
         """
         fit = self.owns if self.of_part(entries.values()) else self.fit
         fits = {name: fit(entry) for name, entry in entries.items()}
-        best = max([KIND, *(level for level, _ in fits.values())])
+        least = self._least([level for level, _ in fits.values()], short)
+        told = {name: looks for name, (level, looks) in fits.items() if level >= least}
+        for out in [but.named(entries) for but in self.but]:
+            told = {name: [v for v in looks if v not in out.get(name, ())] for name, looks in told.items()}
+        return {name: looks for name, looks in told.items() if looks}
+
+    def _least(self, levels: Sequence[int], short: bool) -> int:
+        best = max([KIND, *levels])
         if short and best == SYNONYM and len(self.words) == 1 and self.position is None:
             best = HEAD
-        least = KIND if self.several and best < EXACT else best
-        return {name: looks for name, (level, looks) in fits.items() if level >= least}
+        return KIND if self.several and best < EXACT else best
 
     def owns(self, entry: CatalogueEntry) -> tuple[int, list[Variant]]:
         """How well its words for an owner name a kind that has the part, and the looks that they fit."""
@@ -122,12 +122,11 @@ def noun_of(parts: Sequence[Token | list[str]], text: str, at: int) -> Noun:
     """A noun from its tokens and the words after "of", as typed and where."""
     found = [part for part in parts if isinstance(part, Token)]
     types = [token.type for token in found]
-    that = types.index("THAT_IS") + 1 if "THAT_IS" in types else 0
-    told = _words((*found[that:], *found[:that]), ("WORD",))  # 'the bowl that is white' is the white bowl
+    told = _words(found, ("WORD",))
     quantifier, count = _quantity(_words(found, ("DET", "REST", "EVERYTHING")))
-    last, *_ = [*told[-1:], *_words(found, ("ONE", "REST"))[-1:], ""]
+    last = [*told[-1:], *_words(found, ("ONE", "REST"))[-1:], ""][0].removesuffix("'s")
     position, *_ = [*(SIDES[word] for word in _words(found, ("AT",)) if word in SIDES), None]
-    noun = Noun(quantifier=quantifier, count=count, plural=is_plural(last.removesuffix("'s")), text=text, at=at)
+    noun = Noun(quantifier=quantifier, count=count, plural=lemma(last) != last, text=text, at=at)
     if "EVERYTHING" in types:
         return _everything(noun, told)
     of = [lemma(word) for part in parts if not isinstance(part, Token) for word in part]
@@ -147,9 +146,6 @@ def _everything(noun: Noun, told: list[str]) -> Noun:
 
 def _named(noun: Noun, told: list[str], of: list[str], one: bool) -> Noun:
     """With the words that are left when colour, position and part are told."""
-    owned = [k + 1 for k, word in enumerate(told) if word.endswith("'s")]
-    if owned and set(told[owned[0] :]) <= _WHERE_PRESSED:  # 'the bell's top'
-        told = told[: owned[0]]
     plain = [lemma(word.removesuffix("'s")) for word in told]
     if one or (not of and set(plain) <= COLOURS - {"orange"}):
         return _headless(noun, plain)

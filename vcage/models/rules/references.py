@@ -29,14 +29,10 @@ def resolved(commands: tuple[Command, ...], done: tuple[Command, ...] = ()) -> I
 
 def _thing_for(noun: Noun, done: tuple[Command, ...], command: Command) -> list[tuple[Noun, ...]]:
     """What a noun for things may stand for: itself, what a pronoun means, or that of which it is another one."""
-    if noun.pronoun == "it":
-        return [(other,) for other in _single(done, command.verb)] if done else [(noun,)]
-    if noun.pronoun:
-        return _several(noun, done) if done else [(noun,)]
+    if noun.pronoun and done:
+        return [(other,) for other in _single(done, command.verb)] if noun.pronoun == "it" else _several(noun, done)
     heads = _heads((*done, command))
-    if noun.headless and heads:
-        return [(noun.like(heads[-1]),)]
-    return [(replace(noun, but=tuple(other.like(noun) if other.headless else other for other in noun.but)),)]
+    return [(noun.like(heads[-1]) if noun.headless and heads else noun,)]
 
 
 def _heads(commands: tuple[Command, ...]) -> list[Noun]:
@@ -45,16 +41,14 @@ def _heads(commands: tuple[Command, ...]) -> list[Noun]:
 
 def _single(done: tuple[Command, ...], verb: str) -> list[Noun]:
     """What "it" may be: what the command before names; what is closed may have been opened longer ago."""
-    last = done[-1]
-    nouns = [*last.things, *_places(last if verb != "back" else None)]
-    if verb == "close":
-        closed = [noun for c in done if c.verb == "close" for noun in c.things]
-        nouns += [noun for c in done if c.verb == "open" for noun in c.things if noun not in closed]
-    return [noun for noun in dict.fromkeys(nouns) if not noun.several] if len(last.things) == 1 else []
+    opened = [noun for c in done if c.verb == "open" == verb.replace("close", "open") for noun in c.things]
+    closed = [noun for c in done if c.verb == "close" for noun in c.things]
+    nouns = [*done[-1].things, *_places(done[-1]), *(noun for noun in opened if noun not in closed)]
+    return [noun for noun in dict.fromkeys(nouns) if not noun.several] if len(done[-1].things) == 1 else []
 
 
-def _places(command: Command | None) -> list[Noun]:
-    return [command.place] if command is not None and command.place is not None and command.how else []
+def _places(command: Command) -> list[Noun]:
+    return [command.place] if command.place is not None and command.how else []
 
 
 def _several(pronoun: Noun, done: tuple[Command, ...]) -> list[tuple[Noun, ...]]:
@@ -71,18 +65,10 @@ def _several(pronoun: Noun, done: tuple[Command, ...]) -> list[tuple[Noun, ...]]
 def _place_for(command: Command, done: tuple[Command, ...]) -> list[Noun | None]:
     """What a noun for a place may stand for: a pronoun for a thing or the place before, "the blue one" for a kind."""
     place = command.place
-    if place is None:
-        return [None]
-    if place.pronoun:
-        own = [noun for c in done[-1:] for noun in (*c.things, *_places(c)) if not noun.several]
-        return [*own] or [place]
-    if not place.headless:
-        return [replace(place, but=tuple(noun.like(place) if noun.headless else noun for noun in place.but))]
-    return [*dict.fromkeys(place.like(head) for head in _kinds_before(command, done))] or [place]
-
-
-def _kinds_before(command: Command, done: tuple[Command, ...]) -> list[Noun]:
-    """The last place, the last thing and the last part that were named."""
-    former, heads = [noun for c in done for noun in _places(c)], _heads((*done, command))
-    parts = [noun for noun in heads if noun.part is not None]
-    return [*former[-1:], *heads[-1:], *parts[-1:]]
+    if place is None or not (place.pronoun or place.headless):
+        return [place]
+    found = [noun for c in done[-1:] for noun in (*c.things, *_places(c)) if not noun.several]
+    if place.headless:
+        former = [noun for c in done for noun in _places(c)]
+        found = [place.like(head) for head in (*former[-1:], *_heads((*done, command))[-1:])]
+    return [*dict.fromkeys(found)] or [place]

@@ -11,12 +11,12 @@ from vcage.base.errors import InfeasibleScene
 from vcage.base.words import tokens
 from vcage.models.occasion import Look, Occasion, one_of_each
 from vcage.models.quantifiers import quantified
-from vcage.models.rules.goals import ACTS, Goals, agreed, in_words
+from vcage.models.rules.goals import ACTS, TOOLS, Goals, agreed, in_words
 from vcage.models.rules.meanings import ON_TABLE
 from vcage.models.rules.nouns import Noun
 from vcage.models.rules.sentence import LIMITS, Command
 from vcage.models.search import Search, best_search, no_asset
-from vcage.models.selection_check import name_objects
+from vcage.models.selection_check import entries_of, name_objects
 from vcage.objects.bystanders import bystanders
 from vcage.objects.names import HEAD
 from vcage.schema.asset import CatalogueEntry, Variant
@@ -59,10 +59,8 @@ def select_assets(
     def ground(commands: tuple[Command, ...]) -> tuple[Selection, Reading]:
         chosen = _Selector(instruction, entries, np.random.default_rng(seed), scene, search, commands).select()
         named = name_objects(chosen, catalogue)
-        looks = {o.id: [v for v in entries[o.asset].variants if v.id == o.variant] for o in named}
-        things = {o.id: entries[o.asset].model_copy(update={"variants": looks[o.id]}) for o in named}
         lying = {o.id: o.starts_in for o in named if o.starts_in is not None}
-        return chosen, Goals(instruction, things, lying, commands).read()
+        return chosen, Goals(entries_of(named, catalogue), lying, commands).read()
 
     return agreed(instruction, ground, lambda found: in_words(found[1]))[0]
 
@@ -78,6 +76,7 @@ class _Selector:
     search: Callable[[], Search]
     commands: Sequence[Command]
     _chosen: list[SelectedAsset] = field(default_factory=list)
+    _there: list[CatalogueEntry] = field(default_factory=list)
     _of: dict[tuple[int, tuple[str, ...]], CatalogueEntry] = field(default_factory=dict)
 
     def select(self) -> Selection:
@@ -86,8 +85,7 @@ class _Selector:
             loose = any(n.several or len(self._kinds(n)) > 1 for n in command.things)
             for choose in (self._place, self._things) if loose else (self._things, self._place):
                 choose(command)
-        present = [self.entries[chosen.asset] for chosen in self._chosen]
-        clear = {entry.name for entry in bystanders([self.instruction], present, list(self.entries.values()))}
+        clear = {entry.name for entry in bystanders([self.instruction], self._there, list(self.entries.values()))}
         everything = quantified(self.instruction)
         self._chosen += self._occasion().standing_by(
             list(self.entries.values()), lambda e: e.name not in clear or any(q.covers(e) for q in everything), self.rng
@@ -105,13 +103,8 @@ class _Selector:
         for noun in command.things:
             how, source = noun.relation or ("to", command.source)
             starts = self._source(source, how) if source and source.words not in ON_TABLE else (None, None)
-            entry = self._take(noun, role, good, place, starts)
-            if command.verb == "show" and entry.words.category == "sign":
-                self._promote(entry, "content", "tool")
-
-    def _promote(self, entry: CatalogueEntry, role: Role, other: Role) -> None:
-        for number in [k for k, c in enumerate(self._chosen) if c.asset == entry.name and c.role == role][:1]:
-            self._chosen[number] = self._chosen[number].model_copy(update={"role": other})
+            sign = command.verb == "show" and all(entry.words.category == "sign" for entry, _ in self._kinds(noun))
+            self._take(noun, "tool" if sign else role, good, place, starts)
 
     def _source(self, noun: Noun, how: str) -> Start:
         """What contents lie in or on at the start; nothing where they only stand beside it."""
@@ -125,37 +118,34 @@ class _Selector:
         noun, verb = command.place, command.verb
         if verb in _TOOLS:
             noun = noun or Noun(words=tuple(_TOOLS[verb].split()), text=_TOOLS[verb], at=-1)
-            self._take(noun, "tool", lambda e: e.reads_codes if verb == "scan" else e.weighs)
+            self._take(noun, "tool", TOOLS[verb])
         elif noun is not None and noun.words not in ON_TABLE and not noun.pronoun:
             self._take(noun, "receptacle", self._roomy(noun, command))
             if noun.relation is not None and noun.relation[1].words not in ON_TABLE:
                 self._take(noun.relation[1], "context", lambda e: True)
 
     def _roomy(self, noun: Noun, command: Command) -> Good:
-        """Tells of a kind if the contents go in or on it, and have room there, if some of what is meant has room."""
-        takes = _taking(noun, "to" if command.verb == "stack" else command.how)
+        """Tells of a kind if the contents go in, on or to it, and have room there, if some of these have."""
+        how = "to" if command.verb == "stack" else command.how
+        if how not in ("in", "on", "to"):
+            return lambda e: True
+
+        def takes(entry: CatalogueEntry) -> bool:
+            free = (point.holds for point in entry.functional_points if point.link is None)
+            return noun.part is not None or any(how in (holds, "to") for holds in free)
+
         contents = [self._of[key] for key in map(_key, command.things) if key in self._of]
         fits = self._occasion().goes_in
         roomy = [e for e, _ in self._kinds(noun) if takes(e) and all(fits(content, e) for content in contents)]
-        return (lambda e: e in roomy) if roomy and command.how in ("in", "on", "to") else takes
+        return roomy.__contains__ if roomy else takes
 
     def _take(
         self, noun: Noun, role: Role, good: Good, place: CatalogueEntry | None = None, starts: Start = (None, None)
     ) -> CatalogueEntry:
         """Choose what a noun means, unless it was chosen before; the first of its kinds."""
-        known = self._of.get(_key(noun)) or next(
-            filter(lambda e: self._same(noun, e), map(self._kind, self._chosen)), None
-        )
-        if known is None:
-            known = self._draw(noun, role, good, place, starts)
-        elif noun.position is not None:  # the other of two that are told apart
-            self._promote(known, "context", role)
-        self._of[_key(noun)] = known
-        return known
-
-    def _kind(self, chosen: SelectedAsset) -> CatalogueEntry:
-        entry = self.entries[chosen.asset]
-        return entry.model_copy(update={"variants": [v for v in entry.variants if v.id == chosen.variant]})
+        known = self._of.get(_key(noun)) or next((entry for entry in self._there if self._same(noun, entry)), None)
+        self._of[_key(noun)] = known or self._draw(noun, role, good, place, starts)
+        return self._of[_key(noun)]
 
     def _same(self, noun: Noun, entry: CatalogueEntry) -> bool:
         """Whether what was chosen is meant again: 'the mug' after 'the red mug', the other drawer of a cabinet."""
@@ -168,22 +158,15 @@ class _Selector:
         return [(self.entries[name], looks) for name, looks in noun.named(self.entries).items()]
 
     def _draw(self, noun: Noun, role: Role, good: Good, place: CatalogueEntry | None, starts: Start) -> CatalogueEntry:
-        count, out = self._count(noun), {look for but in noun.but for look in self._look_ids(but)}
-        taken = {(chosen.asset, chosen.variant) for chosen in self._chosen}
-        looks = [one for one in one_of_each(self._able(noun, good, place, count), self.rng) if _id(one) not in out]
-        fresh = [one for one in looks if _id(one) not in taken] or looks
+        count, taken = self._count(noun), [(entry.name, entry.variants) for entry in self._there]
+        looks = one_of_each(self._able(noun, good, place, count), self.rng)
+        fresh = [(entry, look) for entry, look in looks if (entry.name, [look]) not in taken] or looks
         for number in range(count or min(LIMITS.several, max(2, len(fresh)))):
-            self._add(noun, fresh[number % len(fresh)], "context" if number and noun.position else role, starts)
-        self._spare(noun, out.isdisjoint(taken))
+            asked = noun.position is None or number < len(self._positions(noun))
+            self._add(noun, fresh[number % len(fresh)], role if asked else "context", starts)
+        for but in noun.but:
+            self._take(but, "context", lambda e: True)
         return fresh[0][0]
-
-    def _spare(self, noun: Noun, missing: bool) -> None:
-        """What is excepted stands there too."""
-        for but in noun.but if missing else ():
-            self._add(but, one_of_each(self._kinds(but)[:1], self.rng)[0], "context", (None, None))
-
-    def _look_ids(self, noun: Noun) -> list[tuple[str, str]]:
-        return [_id((entry, look)) for entry, looks in self._kinds(noun) for look in looks]
 
     def _able(
         self, noun: Noun, good: Good, place: CatalogueEntry | None, count: int | None
@@ -202,10 +185,12 @@ class _Selector:
         entry, variant = look
         told = {"starts_in": starts[0], "starts_in_part": starts[1], "reason": f"asked for: {noun.text!r}"}
         self._chosen.append(SelectedAsset(asset=entry.name, variant=variant.id, role=role, **told))
+        self._there.append(entry.model_copy(update={"variants": [variant]}))
 
     def _positions(self, noun: Noun) -> set[str]:
-        nouns = [n for c in self.commands for n in (*c.things, c.place) if n is not None]
-        return {n.position for n in nouns if n.words == noun.words and n.position is not None}
+        """Of all that are told apart by where they are, those that are asked for."""
+        nouns = [other for c in self.commands for other in (*c.things, c.place) if other is not None]
+        return {other.position for other in nouns if other.words == noun.words and other.position is not None}
 
     def _count(self, noun: Noun) -> int | None:
         """How many a noun asks for; None where it says only that there are several."""
@@ -217,10 +202,6 @@ class _Selector:
         return noun.count or (None if noun.several and noun.part is None else 1)
 
 
-def _id(look: Look) -> tuple[str, str]:
-    return look[0].name, look[1].id
-
-
 def _key(noun: Noun) -> tuple[int, tuple[str, ...]]:
     return noun.at, noun.words
 
@@ -229,16 +210,7 @@ def _wanted(command: Command) -> tuple[Role, Good]:
     """What the things of a command are, and what they must be good for."""
     if command.verb in ACTS:
         return "receptacle", lambda e: any(part_that(ACTS[command.verb], part) for part in e.moving_parts)
-    if command.verb == "leave":
-        return "context", lambda e: True
     if command.verb == "scan":
         return "content", lambda e: e.can_be_carried and any(face.kind == "code" for face in e.faces)
     pushed = command.verb == "put" and command.how not in ("in", "on", "to")
     return "content", lambda e: e.can_be_carried or pushed
-
-
-def _taking(noun: Noun, how: str) -> Good:
-    """Tells of a kind if things go in, on or to it so."""
-    if noun.part is not None or how not in ("in", "on", "to"):
-        return lambda e: True
-    return lambda e: any(p.link is None and how in (p.holds, "to") for p in e.functional_points)

@@ -22,7 +22,6 @@ REFUSED = {
         "two arms at once cannot be promised; say which arm does what, or leave the arms out",
     r"(cent(er|re)|middle|corner|edge) of the (table|desk)": "this place of the table is none that a goal can name",
     r"between": "what stands between two things is none of the relations that a goal can name",
-    r"under|underneath|below": "nothing goes under another thing",
     r"sorry|i mean|or rather|no wait": "a correction is not read; say only what is meant",
 }  # fmt: skip
 """Words that no goal of the vocabulary can keep, and why."""
@@ -36,7 +35,7 @@ _POLITE = re.compile(
     r"|i was wondering if you could|i('d| would) be grateful if you('d| would| could)|let's|first( of all)?,?)\b)"
 )
 _ENDS = re.compile(r"[ ,.;]+$|^[ ,.;]+")
-_ASKS_TO_DO = re.compile(r".*\b(could|can|would|will) you\b")
+_ASKS_TO_DO = re.compile(r"^(.*\b(could|can|would|will) you\b.*)\?(?= *$)")
 _CLAUSE_ENDS = re.compile(r"[,.;]|\b(and|then)\b")
 _NOT_READ = re.compile(r"[^a-z0-9 ,.;'-]")
 
@@ -62,24 +61,25 @@ class Command:
     """One thing that a sentence asks for.
 
     Args:
-        verb: a rule of the grammar: put, pick, open, close, turn, press, weigh, scan, show, hand, stack, tower, row,
-            back, leave.
+        verb: a rule of the grammar: put, pick, open, close, turn, press, weigh, scan, show, hand, stack, tower, row.
         things: what it is done to.
         how: in, on, left_of, right_of, in_front_of, behind, beside, near or to; for ``hand`` the arm that gets it.
         place: where things go, or the tool.
         source: where they are taken from.
         arm: left or right, where one is named.
         group: commands of an earlier group come first.
-        words: of the sentence.
+        at: where in the sentence it begins.
+        words: of the sentence, from there to the next command.
     """
 
     verb: str
-    things: tuple[Noun, ...]
+    things: tuple[Noun, ...] = ()
     how: str = ""
     place: Noun | None = None
     source: Noun | None = None
     arm: str | None = None
     group: int = 0
+    at: int = 0
     words: str = ""
 
 
@@ -129,9 +129,7 @@ def _normal(typed: str) -> str:
     for words, why in REFUSED.items():
         if found := re.search(rf"\b({words})\b", text):
             raise not_read(typed, found[0], why)
-    if _ASKS_TO_DO.match(text):
-        text = re.sub(r"\?(?= *$)", " ", text)
-    text = re.sub(r" - ", " ; ", text.replace("!", ".").replace(":", ";"))
+    text = re.sub(r" - ", " ; ", _ASKS_TO_DO.sub(r"\1 ", text).replace("!", ".").replace(":", ";"))
     for blank in (_POLITE, _ENDS):
         text = blank.sub(lambda found: " " * len(found[0]), text)
     odd = _NOT_READ.search(text)
@@ -164,77 +162,81 @@ def _readings(tree: Tree[Any]) -> int:
     return sum(counts) if tree.data == "_ambig" else math.prod(counts)
 
 
-_HOW = {"INTO": "in", "ONTO": "on", "FRONT": "in_front_of", "LEFT": "left_of", "RIGHT": "right_of", "INSIDE": "in"}
-
-
-def _of(kind: type, parts: list[Any]) -> list[Any]:
-    return [part for part in parts if isinstance(part, kind)]
+_HOW = {
+    "INTO": "in", "INSIDE": "in", "ONTO": "on", "left": "left_of", "right": "right_of", "front": "in_front_of",
+    "behind": "behind", "near": "near", "close": "near",
+}  # fmt: skip
+"""Terminals and words for places → relations."""
+_JOINT = re.compile(r"^[\s,.;]+|(?:[\s,.;]|\b(?:and|then|but)\b)+$", re.IGNORECASE)
+"""What joins a command's words to the next."""
+_PRONOUNS = {"it": "it", "both": "both", "both of them": "both", "them both": "both"}
 
 
 @v_args(meta=True)
 class _Commands(Transformer[Token, Any]):
-    """One tree to its commands; a rule without a method is the command of its name."""
+    """One tree to its commands: parts of a sentence become fields of them, a rule without a method is a verb."""
 
     def __init__(self, typed: str):
         super().__init__()
         self._typed = typed
 
     def start(self, _: Any, groups: list[list[Command]]) -> tuple[Command, ...]:
-        return tuple(replace(c, group=c.group + number) for number, group in enumerate(groups) for c in group)
+        commands = [replace(c, group=number) for number, group in enumerate(groups) for c in group]
+        begins = [0, *sorted({c.at for c in commands})[1:], len(self._typed)]
+        found = []
+        for command in commands:
+            begin = max(b for b in begins if b <= command.at)
+            found.append(replace(command, words=_JOINT.sub("", self._typed[begin : begins[begins.index(begin) + 1]])))
+        return tuple(found)
 
-    def group(self, _: Any, parts: list[Any]) -> list[Command]:
-        return [command for part in parts for command in (part if isinstance(part, list) else [part])]
+    def before(self, meta: Any, groups: list[list[Command]]) -> tuple[Command, ...]:
+        return self.start(meta, groups[::-1])
 
-    def put(self, meta: Any, items: list[Command]) -> list[Command]:
-        whole = self._typed[meta.start_pos : meta.end_pos]
-        return [replace(items[0], words=whole)] if len(items) == 1 else items
+    def group(self, _: Any, parts: list[list[Command]]) -> list[Command]:
+        return [command for part in parts for command in part]
 
-    def before(self, _: Any, parts: list[list[Command]]) -> tuple[Command, ...]:
-        return (*parts[1], *(replace(command, group=1) for command in parts[0]))
+    def clause(self, meta: Any, parts: list[Any]) -> list[Command]:
+        arm = next((part["arm"] for part in parts if isinstance(part, dict)), None)
+        first, *more = [replace(c, arm=c.arm or arm) for part in parts if isinstance(part, list) for c in part]
+        return [replace(first, at=meta.start_pos), *more]
 
-    def clause(self, _: Any, parts: list[Any]) -> list[Command]:
-        arm = next(map(arm_of, _of(Token, parts)), None)
-        return [replace(command, arm=command.arm or arm) for part in _of(list, parts) for command in part]
+    def put(self, _: Any, items: list[list[Command]]) -> list[Command]:
+        return [command for item in items for command in item]
 
-    def stack(self, _: Any, items: list[Command]) -> list[Command]:
-        return [replace(item, verb="stack") for item in items]
+    def stack(self, _: Any, items: list[list[Command]]) -> list[Command]:
+        return [replace(command, verb="stack") for item in items for command in item]
 
-    def item(self, meta: Any, parts: list[Any]) -> Command:
-        command = self._command("put", meta, parts)
-        but = tuple(noun for part in _of(list, parts) for noun in part)
+    def item(self, meta: Any, parts: list[Any]) -> list[Command]:
+        but = next((part for part in parts if isinstance(part, list)), [])
+        (command,) = self.__default__("put", [part for part in parts if part is not but], meta)
         if but and command.place is not None:  # it may be a thing that is excepted, or a place
             *before, last = command.things
-            things = (*before, replace(last, but=(*last.but, *but)))
-            command = replace(command, things=things, place=replace(command.place, but=but))
-        return replace(command, arm=next(map(arm_of, _of(Token, parts)), None))
-
-    def goes(self, meta: Any, parts: list[Any]) -> list[Command]:
-        return [self._command("put", meta, parts[k : k + 2]) for k in range(0, len(parts), 2)]
+            command = replace(command, things=(*before, last.without(but)), place=command.place.without(but))
+        return [command]
 
     def hand(self, meta: Any, parts: list[Any]) -> list[Command]:
-        arms = " ".join(arm_of(part) or "any" for part in _of(Token, parts))
-        return [replace(self._command("hand", meta, parts), how=arms)]
+        arms = [part.pop("arm") or "any" for part in parts if "arm" in part]
+        return self.__default__("hand", [*parts, {"how": " ".join(arms)}], meta)
 
     def row(self, meta: Any, parts: list[Any]) -> list[Command]:
-        named, *order = _of(_Things, parts)
-        things = _Things(noun.like(named[0]) for noun in order[0]) if order else named
-        if order and {noun.colour for noun in named} != {noun.colour for noun in things}:
-            things = _Things()
-        turned = any("right to left" in part for part in _of(Token, parts))
-        return [self._command("row", meta, [_Things(things[::-1]) if turned else things])]
+        things, *order, where = parts
+        named = things["things"]
+        told = tuple(noun.like(named[0]) for noun in order[0]["things"]) if order else named
+        same = {noun.colour for noun in named} == {noun.colour for noun in told}
+        told = told[::-1] if "right to left" in where else told
+        return self.__default__("row", [{"things": told if same else ()}], meta)
 
-    def things(self, _: Any, parts: list[Any]) -> _Things:
-        *nouns, last = _of(Noun, parts)
-        return _Things((*nouns, replace(last, but=tuple(noun for part in _of(list, parts) for noun in part))))
+    def things(self, _: Any, parts: list[Any]) -> dict[str, Any]:
+        *nouns, last = [part for part in parts if isinstance(part, Noun)]
+        return {"things": (*nouns, last.without([noun for part in parts if isinstance(part, list) for noun in part]))}
 
     def but(self, _: Any, parts: list[Noun]) -> list[Noun]:
         return parts
 
     def thing(self, meta: Any, parts: list[Any]) -> Noun:
-        said = parts[0]
-        return (
-            said if isinstance(said, Noun) else Noun(pronoun=_PRONOUNS.get(said, "them"), text=said, at=meta.start_pos)
-        )
+        if isinstance(parts[0], Noun):
+            return parts[0]
+        return Noun(pronoun=_PRONOUNS.get(parts[0], "them"), text=parts[0], at=meta.start_pos)
 
     def noun(self, meta: Any, parts: list[Any]) -> Noun:
         return noun_of(parts, self._typed[meta.start_pos : meta.end_pos], meta.start_pos)
@@ -242,44 +244,24 @@ class _Commands(Transformer[Token, Any]):
     def of(self, _: Any, parts: list[Token]) -> list[str]:
         return [str(part) for part in parts if part.type == "WORD"]
 
-    def place(self, meta: Any, parts: list[Any]) -> _Place:
-        there = Noun(pronoun="it", text=str(parts[0]), at=meta.start_pos)
-        noun = parts[1] if len(parts) > 1 else there
-        return _Place((_HOW.get(parts[0].type, parts[0].type.lower()), noun[0] if isinstance(noun, _Things) else noun))
+    def place(self, meta: Any, parts: list[Any]) -> dict[str, Any]:
+        told = (parts[0].type, *parts[0].split())
+        how = next((_HOW[word] for word in told if word in _HOW), parts[0].type.lower())
+        noun = [*parts, Noun(pronoun="it", text=str(parts[0]), at=meta.start_pos)][1]
+        return {"how": how, "place": noun["things"][0] if isinstance(noun, dict) else noun}
 
-    def source(self, _: Any, parts: list[Noun]) -> _Source:
-        return _Source(parts)
+    def tool(self, _: Any, parts: list[Noun]) -> dict[str, Noun]:
+        return {"place": parts[0]}
 
-    def placed(self, _: Any, parts: list[Any]) -> _Things:
-        return _Things((replace(parts[0], relation=tuple(parts[1])),))
+    def source(self, _: Any, parts: list[Noun]) -> dict[str, Noun]:
+        return {"source": parts[0]}
+
+    def placed(self, _: Any, parts: list[Any]) -> dict[str, Any]:
+        return {"things": (replace(parts[0], relation=tuple(parts[1].values())),)}
+
+    def ARM(self, words: Token) -> dict[str, str | None]:
+        return {"arm": next((arm for arm in ("left", "right", "other") if arm in words.split()), None)}
 
     def __default__(self, data: Any, children: Any, meta: Any) -> Any:  # pyrefly: ignore
-        return [self._command(data, meta, children)]
-
-    def _command(self, verb: str, meta: Any, parts: list[Any]) -> Command:
-        """A command of things, and of a place, a tool, or a source, as far as there are such parts."""
-        how, place = next(iter(_of(_Place, parts)), ("", next(iter(_of(Noun, parts)), None)))
-        source = next((noun for several in _of(_Source, parts) for noun in several), None)
-        things = tuple(noun for several in _of(_Things, parts) for noun in several)
-        words = self._typed[meta.start_pos : meta.end_pos]
-        return Command(verb, things, how=how, place=place, source=source, words=words)
-
-
-class _Things(tuple[Noun, ...]):
-    """Nouns for things."""
-
-
-class _Source(tuple[Noun, ...]):
-    """Where things are taken from."""
-
-
-class _Place(tuple[str, Noun]):
-    """How things go there, and where."""
-
-
-_PRONOUNS = {"it": "it", "both": "both", "both of them": "both", "them both": "both"}
-
-
-def arm_of(words: str) -> str | None:
-    """The arm that words name: left, right, or other; None for any arm."""
-    return next((arm for arm in ("left", "right", "other") if arm in words.split()), None)
+        told: dict[str, Any] = {key: value for part in children for key, value in part.items()}
+        return [Command(str(data), **told, at=meta.start_pos)]
