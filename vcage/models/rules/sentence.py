@@ -182,12 +182,18 @@ class _Commands(Transformer[Token, Any]):
 
     def start(self, _: Any, groups: list[list[Command]]) -> tuple[Command, ...]:
         commands = [replace(c, group=number) for number, group in enumerate(groups) for c in group]
-        begins = [0, *sorted({c.at for c in commands})[1:], len(self._typed)]
-        found = []
-        for command in commands:
-            begin = max(b for b in begins if b <= command.at)
-            found.append(replace(command, words=_JOINT.sub("", self._typed[begin : begins[begins.index(begin) + 1]])))
-        return tuple(found)
+        begins, begin = list[int](), None
+        for command in sorted(commands, key=lambda c: c.at):
+            begin = command.at if begin is None else begin
+            if command.verb != "pick":  # which belongs to what is done with it
+                begins, begin = [*begins, begin], None
+        begins = [0, *sorted({*begins})[1:], len(self._typed)]
+        return tuple(replace(c, words=self._words_from(c.at, begins)) for c in commands)
+
+    def _words_from(self, at: int, begins: list[int]) -> str:
+        """The words of the command at a place, up to the next."""
+        number = max(k for k, begin in enumerate(begins[:-1]) if begin <= at)
+        return _JOINT.sub("", self._typed[begins[number] : begins[number + 1]])
 
     def before(self, meta: Any, groups: list[list[Command]]) -> tuple[Command, ...]:
         return self.start(meta, groups[::-1])
