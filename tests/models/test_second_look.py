@@ -107,6 +107,24 @@ def test_descriptions_arms_and_what_is_left_alone_answer_words() -> None:
     assert look_at("Put the peach on the plate and leave the bowl alone", "peach on plate", untouched=("bowl",)) == []
 
 
+def test_a_goal_that_is_true_at_the_start_is_named() -> None:
+    task = "Pick up the peach on the plate and put it on the plate"
+    assert look_at(task, "peach on plate", told="peach on plate") == [
+        "peach on plate is a goal, but true at the start already"
+    ]
+
+
+def test_a_thing_that_is_handed_the_wrong_way_is_seen() -> None:
+    task = "Give the peach from the left hand to the right one"
+    assert look_at(task, "peach handed right") == []
+    assert look_at(task, "peach handed left") == ["it is handed 'left', but the instruction says 'to the right'"]
+
+
+def test_weighing_and_scanning_are_goals_of_their_own() -> None:
+    assert look_at("Weigh the peach", "peach on plate") == ["'weigh' is said, but no goal says 'weighed'"]
+    assert look_at("Weigh the peach", "peach weighed") == []
+
+
 def test_a_sentence_that_is_not_english_is_not_held_against_its_words() -> None:
     assert look_at("Lege den Pfirsich links neben den Teller", "peach left_of plate") == []
 

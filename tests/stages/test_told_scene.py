@@ -131,6 +131,11 @@ def test_an_instruction_that_says_everything_is_refused_where_a_goal_is_missing(
         choose("marker inside packaging_box", objects="marker, packaging_box, apple", text="Put everything in the box")
 
 
+def test_an_instruction_that_names_what_is_not_there_is_refused(choose):
+    with pytest.raises(UsageError, match=r"names 'apple', but nothing is chosen that is called so"):
+        choose("marker inside packaging_box", text="Put the apple in the box")
+
+
 # --- bad input -----------------------------------------------------------------------------------------
 
 

@@ -30,7 +30,7 @@ from vcage.models.quantifiers import left_over
 from vcage.objects.mentions import Noun, nouns
 from vcage.objects.names import has_colour, look_texts
 from vcage.schema.asset import CatalogueEntry
-from vcage.schema.goals import Description, Goal, Reading
+from vcage.schema.goals import Description, Goal, Reading, goal_of
 
 _MANY = frozenset(("each", "every", "all", "everything", "both", "another", "other", "others", "rest", "more", "any"))
 """Words by which "a mug" may be several."""
@@ -46,6 +46,9 @@ _SIDES: tuple[tuple[str, str, str], ...] = (
 
 _WHICH = re.compile(r"\bthe (left|right)(?:most|hand| hand)? (?!arm\b|hand\b|gripper\b|side\b|of\b|one\b)\w+")
 _ARM = re.compile(r"\b(left|right) (?:arm|hand|gripper)\b")
+_TO_ARM = re.compile(r"\bto (?:the |its |your )?(left|right)\b(?! of\b| side\b)")
+_TOOLS = (("scan", "scanned"), ("weigh", "weighed"))
+"""Verbs for which there is one goal."""
 _ROW = re.compile(r"\bfrom (?:the )?(?:left|right) to (?:the )?(?:left|right)\b")
 _WHICH_DRAWERS = frozenset(
     ("both", "all", "each", "every", "other", "others", "same", "any", "drawers", "them", *COUNTED, "next", "last")
@@ -75,6 +78,14 @@ def second_look(
     found = (
         [f"{listed(idle)} {'is' if len(idle) == 1 else 'are'} to be moved, but no goal speaks of it"] if idle else []
     )
+    first = min((asked.step for asked in reading.goals), default=1)
+    starts = {
+        goal_of([told.subject, told.relation, told.reference, told.part])
+        for told in reading.descriptions
+        if told.relation != "center"
+    }
+    begun = [str(asked.goal) for asked in reading.goals if asked.step == first and asked.goal in starts]
+    found += [f"{goal} is a goal, but true at the start already" for goal in dict.fromkeys(begun)]
     if not in_english(instruction, things.values()):
         return found
     said = nouns(instruction, things.values())
@@ -83,6 +94,7 @@ def second_look(
     if is_plain(instruction):
         found += _unanswered(instruction, things, reading, spoken) + _misnamed(said, things, spoken)
         found += _miscounted(instruction, said, things, reading, spoken) + _wrong_sides(instruction, reading)
+        found += _wrong_doing(instruction, reading)
     return found
 
 
@@ -251,6 +263,18 @@ def _unsaid_sides(text: str, relations: Collection[str]) -> list[str]:
 
 def _stated(reading: Reading) -> list[Goal | Description]:
     return [*(asked.goal for asked in reading.goals), *reading.descriptions]
+
+
+def _wrong_doing(instruction: str, reading: Reading) -> list[str]:
+    """Verbs without the goal that they ask for, and things that are handed the wrong way."""
+    words, goals = tokens(instruction), [asked.goal for asked in reading.goals]
+    relations = {goal.relation for goal in goals}
+    found = [f"{v!r} is said, but no goal says {g!r}" for v, g in _TOOLS if v in words and g not in relations]
+    to = _TO_ARM.findall(" ".join(words))
+    handed = [goal.reference for goal in goals if goal.relation == "handed"]
+    return found + [
+        f"it is handed {arm!r}, but the instruction says 'to the {to[0]}'" for arm in handed if to and arm not in to
+    ]
 
 
 def _on_side(side: str, reading: Reading) -> bool:

@@ -9,7 +9,7 @@ import numpy as np
 
 from vcage.base.errors import UsageError
 from vcage.base.text import listed
-from vcage.models.second_look import second_look
+from vcage.models.second_look import second_look, unmet_names
 from vcage.models.selection_check import NamedObject, entries_of
 from vcage.models.wordings import TaskToWord
 from vcage.schema.asset import CatalogueEntry
@@ -55,7 +55,7 @@ def choose_told(
     goals = [one.model_copy(update=words) for one in goals]
     descriptions = [one.model_copy(update=words) for one in descriptions]
     reading = Reading(goals=goals, descriptions=descriptions)
-    _second_look(instruction, reading, objects, kinds)
+    _second_look(instruction, reading, objects, kinds, context.catalogue)
     return instruction, Chosen(objects, reading, [])
 
 
@@ -137,15 +137,20 @@ def _sentence(
 
 
 def _second_look(
-    instruction: str, reading: Reading, objects: Sequence[NamedObject], kinds: Mapping[str, CatalogueEntry]
+    instruction: str,
+    reading: Reading,
+    objects: Sequence[NamedObject],
+    kinds: Mapping[str, CatalogueEntry],
+    catalogue: Sequence[CatalogueEntry],
 ) -> None:
-    """Check that the instruction does not say otherwise than the goals.
+    """Check that the instruction does not say otherwise than the goals, and names nothing that is not there.
 
     Raises:
         UsageError: it does; names what the goals lack.
     """
     moved = [o.id for o in objects if o.role == "content"]
-    if complaints := second_look(instruction, kinds, reading, moved):
+    unmet = unmet_names(instruction, catalogue, list(kinds.values()))
+    if complaints := unmet + second_look(instruction, kinds, reading, moved):
         raise UsageError(
             f"the goals do not do what the instruction says: {'; '.join(complaints)}",
             hint="add the goals that it lacks, or leave the instruction out",

@@ -127,6 +127,17 @@ def test_a_sentence_that_can_mean_two_things_is_refused_with_both() -> None:
     assert "apple_red inside bowl_white, bowl_white on plate_white at the start" in refused.value.message
 
 
+def test_everything_in_a_bowl_is_not_the_bowl() -> None:
+    things = scene("apple/red", "bowl/white", "plate/white")
+    with pytest.raises(UnreadInstruction, match="two things"):
+        read_goals("Put everything in the bowl on the plate", things)
+
+
+def test_an_exception_among_the_parts_of_a_thing_is_refused() -> None:
+    with pytest.raises(UnreadInstruction, match="no part can be left out"):
+        read_goals("Open all drawers except the top one", scene("cabinet_three_drawers/steel"))
+
+
 def test_a_pronoun_that_may_be_either_is_refused() -> None:
     things = scene("mug/red", "bowl/white", "apple/red")
     with pytest.raises(UnreadInstruction, match="two things"):

@@ -7,7 +7,7 @@ import pytest
 
 from tests.models.catalogue import CATALOGUE
 from tests.models.rules.scenes import kinds, selected
-from vcage.base.errors import InfeasibleScene, NoAssetFits
+from vcage.base.errors import InfeasibleScene, NoAssetFits, UnreadInstruction
 from vcage.models.quantifiers import quantified
 from vcage.models.rules.selection import select_assets
 
@@ -75,3 +75,22 @@ def test_what_is_excepted_stands_there_too() -> None:
 def test_a_small_catalogue_without_sizes_will_do() -> None:
     found = select_assets("Put the blocks on the plate", CATALOGUE, np.random.default_rng(0)).objects
     assert [o.asset for o in found if o.role == "content"] == ["block"] * 3
+
+
+@pytest.mark.parametrize("sentence", ["Open all drawers except the top one", "Put the mugs except the mugs in the box"])
+def test_an_exception_that_leaves_nothing_is_refused(sentence: str) -> None:
+    with pytest.raises(UnreadInstruction, match="nothing is left without it"):
+        selected(sentence)
+
+
+def test_the_red_one_after_the_place_is_one_of_the_things() -> None:
+    found = selected("Put all the pens into the box except the red one").objects
+    assert ("marker", "red", "context") in [(o.asset, o.variant, o.role) for o in found]
+    assert "first_aid_kit" not in [o.asset for o in found]  # a red box
+    found = selected("Put all apples in the bowl except a red one").objects
+    assert ("apple", "red", "context") in [(o.asset, o.variant, o.role) for o in found]
+
+
+def test_an_exception_that_no_kind_is_called_is_refused() -> None:
+    with pytest.raises(NoAssetFits, match="unicorn"):
+        selected("Put all pens in the box except the unicorn")

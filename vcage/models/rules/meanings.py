@@ -81,8 +81,11 @@ class Meanings:
         used = self._used()
         self._meant[key] = [self._at_position(noun, found)] if noun.position else self._chosen(noun, found, used)
         how, other = noun.relation or ("", noun)
-        for name in self._meant[key] if how and other.words not in ON_TABLE else []:
-            self.lies(name, how, other)
+        if how and other.words not in ON_TABLE:
+            if noun.several:  # everything in the bowl, but for the bowl
+                self._meant[key] = [name for name in self._meant[key] if name not in self.objects(other)]
+            for name in self._meant[key]:
+                self.lies(name, how, other)
         return self._meant[key]
 
     def one(self, noun: Noun, besides: Collection[str] = (), holds: bool = False) -> str:
@@ -170,6 +173,8 @@ class Meanings:
             self._describe(name, how, self.one(other, [name]), other)
             return
         spot = self.spots(other, how, [name])[0]
+        if spot.name == name:
+            raise Doubt(other.text, f"{name} cannot lie in or on itself")
         if self.lying.get(name, spot.name) != spot.name:
             raise Doubt(other.text, f"{name} lies in {self.lying[name]}")
         self._describe(name, spot.relation, spot.name, other, spot.part)
@@ -239,6 +244,8 @@ class Meanings:
         found = [pair for pair in found if pair[0] in self._used()] or found
         if noun.several and noun.which is not None:
             raise Doubt(noun.text, "nobody can tell which of them are meant")
+        if noun.but:
+            raise Doubt(noun.but[0].text, "no part can be left out: name those that are meant")
         chosen = self._chosen(noun, found, self._parts_named)
         self._parts_named += chosen
         self._meant.setdefault((noun.at, ("part",)), [name for name, _ in chosen])

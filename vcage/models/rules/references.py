@@ -65,8 +65,11 @@ def _several(pronoun: Noun, done: tuple[Command, ...]) -> list[tuple[Noun, ...]]
 def _place_for(command: Command, done: tuple[Command, ...]) -> list[Noun | None]:
     """What a noun for a place may stand for: a pronoun for a thing or the place before, "the blue one" for a kind."""
     place = command.place
-    if place is None or not (place.pronoun or place.headless):
-        return [place]
+    if place is None:
+        return [None]
+    if not (place.pronoun or place.headless):
+        of_things = command.things[-1].several and not place.several  # "all pens into the box except the red one"
+        return [replace(place, but=tuple(noun for noun in place.but if not (noun.headless and of_things)))]
     found = [noun for c in done[-1:] for noun in (*c.things, *_places(c)) if not noun.several]
     if place.headless:
         former = [noun for c in done for noun in _places(c)]
