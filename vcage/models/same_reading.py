@@ -15,8 +15,8 @@ _SWAPPED = {"right_of": "left_of", "behind": "in_front_of"}
 def differences(reading: Reading, other: Reading, things: Mapping[str, CatalogueEntry]) -> tuple[list[str], list[str]]:
     """Things that one of two readings asks for and the other does not.
 
-    Objects of one kind and look may stand for each other. Of descriptions only those that this reading lacks count, as
-    not every reader gives them.
+    Objects of one kind and look may stand for each other. An order that only this reading has is no difference: what is
+    done in it is done.
 
     Args:
         reading, other: of the same instruction.
@@ -30,11 +30,19 @@ def differences(reading: Reading, other: Reading, things: Mapping[str, Catalogue
         told.setdefault(_goal(asked, looks), f"{asked.goal}{f' by the {asked.arm} arm' if asked.arm else ''}")
     missing = [told[goal] for goal in (theirs - mine).elements()]
     more = [told[goal] for goal in (mine - theirs).elements()]
-    stated = {_description(one, looks) for one in reading.descriptions}
-    missing += [f"{one} at the start" for one in other.descriptions if _description(one, looks) not in stated]
+    missing += _unsaid(other, reading, looks)
+    more += _unsaid(reading, other, looks)
     if not missing and not more:
         missing += _out_of_order(reading, other, looks)
     return missing, more
+
+
+def _unsaid(reading: Reading, other: Reading, looks: Mapping[str, str]) -> list[str]:
+    """What one reading says of the start, and of what is left alone, and the other does not."""
+    stated = {_description(one, looks) for one in other.descriptions}
+    alone = {looks.get(name, name) for name in other.untouched}
+    found = [f"{one} at the start" for one in reading.descriptions if _description(one, looks) not in stated]
+    return found + [f"{name} left alone" for name in reading.untouched if looks.get(name, name) not in alone]
 
 
 def _goal(asked: AskedGoal, looks: Mapping[str, str]) -> tuple[str, ...]:

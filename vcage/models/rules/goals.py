@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 from vcage.base.errors import InfeasibleScene, NoAssetFits, UsageError
-from vcage.models.rules.meanings import ON_TABLE, Doubt, Meanings, Things
+from vcage.models.rules.meanings import ON_TABLE, Conflict, Doubt, Meanings, Things
 from vcage.models.rules.nouns import Noun
 from vcage.models.rules.references import resolved
 from vcage.models.rules.sentence import Command, not_read, parse
@@ -55,16 +55,20 @@ def agreed(instruction: str, ground: Callable[[tuple[Command, ...]], Found], tol
     """
     found: dict[str, Found] = {}
     troubles: list[UsageError] = []
+    conflicts: list[UsageError] = []
     for commands in (way for parsed in parse(instruction) for way in resolved(parsed)):
         try:
             result = ground(commands)
         except Doubt as doubt:
             words, why = doubt.args
             troubles.append(not_read(instruction, words or instruction, why))
+            conflicts += troubles[-1:] if isinstance(doubt, Conflict) else []
         except (NoAssetFits, InfeasibleScene) as error:
             troubles.append(error)
         else:
             found.setdefault(told(result), result)
+    if found and conflicts:
+        raise conflicts[0]
     if len(found) > 1:
         one, other, *_ = found
         raise not_read(instruction, instruction, f"it can mean two things: {one}; or {other}")
@@ -121,7 +125,7 @@ class Goals:
             getattr(self, f"_{command.verb}", self._event)(command)
             added += [self._added] if self._added else []
         if complaints := unordered_contradictions([asked.goal for several in added for asked in several]):
-            raise Doubt("", "; ".join(complaints))
+            raise Conflict("", "; ".join(complaints))
         self._require_arms([asked for several in added for asked in several if asked.goal.relation != "handed"])
         ordered = any(_needs(before, after) for before, after in itertools.combinations(added, 2))
         steps = enumerate(added)
@@ -130,7 +134,7 @@ class Goals:
     def _require_arms(self, goals: Sequence[AskedGoal]) -> None:
         arms = {asked.arm for asked in goals}
         if None in arms and len(arms) > 1:
-            raise Doubt("", "say for each thing that is done which arm does it")
+            raise Conflict("", "say for each thing that is done which arm does it")
 
     def _add(self, command: Command, subject: str, relation: str, *rest: str | None, arm: str | None = None) -> None:
         goal, arm = goal_of([subject, relation, *rest]), arm or command.arm or self._arms.get(subject)

@@ -30,6 +30,10 @@ class Doubt(Exception):
     """Words that mean nothing or too much in a scene, and why; of the whole sentence where there are no words."""
 
 
+class Conflict(Doubt):
+    """A reading that makes sense word by word and contradicts itself: the sentence may have been meant so."""
+
+
 @dataclass(frozen=True)
 class Spot:
     """Where things go: an object, or one of its moving parts; and whether they go in it or on it."""

@@ -32,7 +32,10 @@ def _thing_for(noun: Noun, done: tuple[Command, ...], command: Command) -> list[
     if noun.pronoun and done:
         return [(other,) for other in _single(done, command.verb)] if noun.pronoun == "it" else _several(noun, done)
     heads = _heads((*done, command))
-    return [(noun.like(heads[-1]) if noun.headless and heads else noun,)]
+    if not noun.headless or not heads:
+        return [(noun,)]
+    # In "the red and blue mugs" nobody can tell how many are red.
+    return [] if heads[-1].several and not noun.several and heads[-1].at > noun.at else [(noun.like(heads[-1]),)]
 
 
 def _heads(commands: tuple[Command, ...]) -> list[Noun]:

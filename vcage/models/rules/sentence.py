@@ -216,8 +216,8 @@ class _Commands(Transformer[Token, Any]):
         but = next((part for part in parts if isinstance(part, list)), [])
         (command,) = self.__default__("put", [part for part in parts if part is not but], meta)
         if but and command.place is not None:  # it may be a thing that is excepted, or a place
-            *before, last = command.things
-            command = replace(command, things=(*before, last.without(but)), place=command.place.without(but))
+            things = tuple(noun.without(but) for noun in command.things)
+            command = replace(command, things=things, place=command.place.without(but))
         return [command]
 
     def hand(self, meta: Any, parts: list[Any]) -> list[Command]:
@@ -233,8 +233,8 @@ class _Commands(Transformer[Token, Any]):
         return self.__default__("row", [{"things": told if same else ()}], meta)
 
     def things(self, _: Any, parts: list[Any]) -> dict[str, Any]:
-        *nouns, last = [part for part in parts if isinstance(part, Noun)]
-        return {"things": (*nouns, last.without([noun for part in parts if isinstance(part, list) for noun in part]))}
+        but = [noun for part in parts if isinstance(part, list) for noun in part]
+        return {"things": tuple(part.without(but) for part in parts if isinstance(part, Noun))}
 
     def but(self, _: Any, parts: list[Noun]) -> list[Noun]:
         return parts
@@ -259,8 +259,8 @@ class _Commands(Transformer[Token, Any]):
     def tool(self, _: Any, parts: list[Noun]) -> dict[str, Noun]:
         return {"place": parts[0]}
 
-    def source(self, _: Any, parts: list[Noun]) -> dict[str, Noun]:
-        return {"source": parts[0]}
+    def source(self, _: Any, parts: list[Any]) -> dict[str, Noun]:
+        return {"source": parts[0]["things"][0] if isinstance(parts[0], dict) else parts[0]}
 
     def placed(self, _: Any, parts: list[Any]) -> dict[str, Any]:
         return {"things": (replace(parts[0], relation=tuple(parts[1].values())),)}
