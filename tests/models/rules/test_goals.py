@@ -134,7 +134,7 @@ def test_everything_in_a_bowl_is_not_the_bowl() -> None:
 
 
 def test_an_exception_among_the_parts_of_a_thing_is_refused() -> None:
-    with pytest.raises(UnreadInstruction, match="nothing of it can be made to open|no part can be left out"):
+    with pytest.raises(UnreadInstruction, match=r"nothing of it can be made to open|no part can be left out"):
         read_goals("Open all drawers except the top one", scene("cabinet_three_drawers/steel"))
 
 
