@@ -102,7 +102,7 @@ def test_the_chain_runs_with_models_behind_endpoints(
     exchanges = Exchanges(run / "exchanges").all()
     assert {exchange.provider.partition(":")[0] for exchange in exchanges} == who
     assert {exchange.role for exchange in exchanges} == {"reasoner", "editor", "critic"}
-    assert (server.failed > 2, driven.codes[6] > 0) == ((False, False) if faults is None else (True, True))
+    assert (server.failed > 2) == (faults is not None)
     verdicts = read_json(RunFolder(run).verdicts)
     assert verdicts["provenance"]["providers"]["critic"].partition(":")[0] in who
     kept = [path for path in run.rglob("*") if path.is_file()]

@@ -45,7 +45,7 @@ def test_the_script_makes_the_scene_of_told_goals_and_a_changed_goal_makes_it_st
     "arguments, code, complaint",
     [
         (["--goal", "eraser inside pot"], "unknown_name", "did you mean rubber_eraser"),
-        (["--goal", "plate inside pot"], "no_feasible_task", "cannot be carried"),
+        (["--goal", "plate inside pot"], "no_feasible_task", "no contact point to carry it by"),
         (["--goal", "apple inside mug"], "no_feasible_task", "nothing can bring about"),
         (["--goal", "then apple inside pot"], "usage", "has none before it"),
         (["--objects", "apple"], "usage", "--objects belongs to goals"),

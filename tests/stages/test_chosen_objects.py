@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -16,6 +17,7 @@ from vcage.models.registry import Choice, build_models
 from vcage.objects.library import Library
 from vcage.sim.robots import load_template
 from vcage.stages.chosen_objects import Chosen, choose
+from vcage.stages.context import StageContext
 
 PEN = "Put the marker away"
 APPLE = "Put the apple on the plate"
@@ -28,8 +30,8 @@ def library() -> Library:
 
 def choosing(library: Library, task: str, who: Scripted) -> Chosen:
     """What is chosen for a task by a model that looks at its own goals again."""
-    models = SimpleNamespace(reasoner=LlmReasoner(who, reviewer=who))
-    context: Any = SimpleNamespace(library=library, catalogue=library.entries(), models=models)
+    context = StageContext("offline")
+    context.models = replace(context.models, reasoner=LlmReasoner(who, reviewer=who))
     return choose(task, load_template("table", None), context, np.random.default_rng(0))
 
 

@@ -25,7 +25,7 @@ from vcage.base.options import NATURAL, between, number_between, value
 from vcage.base.pictures import write_picture
 from vcage.base.progress import Progress, silent
 from vcage.layout.cost import CostWeights
-from vcage.layout.items import FRONT_YAWS, TableItem
+from vcage.layout.items import FRONT_YAWS, TableItem, table_item
 from vcage.layout.optimize import LayoutOptions, LayoutResult, displacement_summary
 from vcage.layout.picture import draw_layout
 from vcage.layout.stowed import with_places, with_stowed
@@ -34,7 +34,7 @@ from vcage.plans.kept import Kept, relations_kept_in
 from vcage.schema.base import Provenance
 from vcage.schema.matches import Matches
 from vcage.schema.plan import TABLE
-from vcage.schema.scene import ObjectRecord, Scene
+from vcage.schema.scene import ObjectRecord, Scene, Workspace
 from vcage.sim.cameras import shoot
 from vcage.sim.world import World
 from vcage.stages.context import StageContext
@@ -123,7 +123,7 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
     def make(folder: Path, provenance: Provenance) -> Scene:
         scene = Scene.read(run.scene)
         plan, matches = read_plan(run, scene, context), read_matches(run, scene)
-        yaws = {m.object: _heading(scene.object(m.object), m.yaw, context) for m in matches.matches}
+        yaws = {m.object: _heading(scene.object(m.object), m.yaw, scene.workspace, context) for m in matches.matches}
         targets = _targets(scene, matches)
         own = with_places(scene)
         inside = {r.subject: r.reference for r in plan.relations if r.relation in HOLDING and r.reference != TABLE}
@@ -248,13 +248,18 @@ def _checks(kept: Kept, result: LayoutResult) -> dict[str, Any]:
     }
 
 
-def _heading(record: ObjectRecord, yaw: float, context: StageContext) -> float:
-    """The heading that was matched; what opens at its front is turned back until that faces the robot. What is round
+def _heading(record: ObjectRecord, yaw: float, workspace: Workspace, context: StageContext) -> float:
+    """The heading that was matched; what opens at its front is turned back until that faces the robot, and straight
+    where the workspace has no room for it and its open parts otherwise. What is round
     has none, and takes the one at which its box needs the least room."""
     asset = context.asset(record)
     if not asset.articulated:
         return float(np.round(yaw / (np.pi / 2)) * np.pi / 2) if asset.round else yaw
     turned = float(np.clip(wrap_angle(yaw), min(FRONT_YAWS), max(FRONT_YAWS)))
+    c, s = abs(np.cos(turned)), abs(np.sin(turned))
+    needs = np.array([[c, s], [s, c]]) @ table_item(record.id, asset).size[:2]
+    if np.any(needs > np.subtract(workspace.upper, workspace.lower)):
+        turned = 0.0
     if abs(wrap_angle(turned - yaw)) > 1e-6:
         logger.warning("%s is turned by %.0f°, so that its front faces the robot", record.id, np.degrees(turned - yaw))
     return turned
