@@ -45,7 +45,7 @@ LIST, TRUTHS = "outcomes.json", "truth.json"
 
 
 class OutcomeQuestion(Record):
-    """What a critic is asked about an outcome, its pictures by path; says nothing of what is true."""
+    """The question to a critic about an outcome, pictures by path; it says nothing of what is true."""
 
     id: str = Field(description="a number, and the folder of its files")
     scene: str = Field(description="path of the scene's document, relative to the folder")
@@ -59,7 +59,7 @@ class OutcomeQuestion(Record):
 
 
 class OutcomeTruth(Record):
-    """What is true of an outcome, and what it was made from."""
+    """The truth about an outcome, and its source."""
 
     name: str = Field(description="scene, draw, number of the sub-task and kind")
     setting: str = Field(description="name of the scene")

@@ -69,7 +69,7 @@ def _read(text: str, catalogue: Sequence[CatalogueEntry]) -> tuple[list[AskedGoa
 
 
 def _agree(found: Sequence[AskedGoal], things: Things, task: Mapping[str, Any]) -> bool:
-    """Whether the goals are those of the task, up to which of the objects of a kind are meant.
+    """Check if the goals are those of the task, up to which of the objects of a kind are meant.
 
     'Every bread' asks for as many goals as there are breads: then each goal that is read is one of the task's.
     """
@@ -98,7 +98,7 @@ def _fits(asked: AskedGoal, things: Things, wanted: Mapping[str, Any], task: Map
 
 
 def _is(entry: CatalogueEntry, kind: str, colour: str | None, task: Mapping[str, Any]) -> bool:
-    """Whether an object is of the kind that a task means by its words, or of one that goes by the same head."""
+    """Check if an object is of the kind that a task means by its words, or of one that goes by the same head."""
     told = [other if isinstance(other, str) else other["kind"] for other in task["objects"]]
     said = {word for text in told if kind in re.findall(r"\w+", text) for word in re.findall(r"\w+", text)}
     alike = entry.name in {kind, *said} or names_of(entry).words[-1] == kind.replace("_", " ").split()[-1]

@@ -1,4 +1,4 @@
-"""What the stand-in server answers to structured questions: valid JSON from written tables, the schema and the prompt.
+"""Answers of the stand-in server to structured questions: valid JSON from written tables, the schema and the prompt.
 
 Nothing here calls our rules. A kind of question is a function, named in :data:`KINDS` under a field that its answers
 alone have; what it means is written by hand in ``tables.yml`` where it depends on the instruction.
@@ -31,7 +31,7 @@ class Asked:
     pictures: list[np.ndarray]
 
     def section(self, title: str) -> str:
-        """What stands below a title of the prompt."""
+        """The text below a title of the prompt."""
         return self.prompt.partition(f"# {title}\n")[2].partition("\n#")[0].strip().removeprefix("> ")
 
 
@@ -93,7 +93,7 @@ def read(asked: Asked) -> dict[str, Any]:
 
 
 def review(asked: Asked) -> dict[str, Any]:
-    """What a reading lacks and adds: nothing, since it is written down."""
+    """Find nothing that a reading lacks or adds, since it is written down."""
     return {"lacks": [], "adds": []}
 
 
@@ -124,7 +124,7 @@ _OBJECT = re.compile(r"^- `([\w-]+)`: .*?, role (\w+),", re.MULTILINE)
 
 
 def judge_pairs(asked: Asked) -> dict[str, Any]:
-    """Whether things belong in or on others."""
+    """Judge which things belong in or on others."""
     return {"pairs": [_pair(number, place) for number, place in _PAIR.findall(asked.prompt)]}
 
 
@@ -155,7 +155,7 @@ def word_task(asked: Asked) -> dict[str, Any]:
 
 
 def judge(asked: Asked) -> dict[str, Any]:
-    """Whether a sub-task is done: it is where something moved."""
+    """Call a sub-task done where something moved."""
     views = [picture for picture in asked.pictures if picture.shape == asked.pictures[0].shape]
     changed = len(views) > 1 and bool(np.abs(views[0].astype(int) - views[-1]).max() > 40)
     seen = "the pictures differ" if changed else "the pictures are the same"

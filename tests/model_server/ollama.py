@@ -14,7 +14,7 @@ CAPABILITIES = {
     "qwen3-vl:8b": ["completion", "vision", "tools"],
     "llama3.2:3b": ["completion", "tools"],
 }
-"""What it has, the newest first, and what each model can do."""
+"""Models that the server has, the newest first, and the abilities of each."""
 
 
 class Ollama(Service):

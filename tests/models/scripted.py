@@ -35,7 +35,7 @@ class Scripted:
         return [question.name for question in self.asked]
 
     def complaints(self) -> str:
-        """What was said of the last answer that could not be used."""
+        """The complaint about the last answer that could not be used."""
         return next(q.messages[-1].text for q in reversed(self.asked) if q.round > 1)
 
 

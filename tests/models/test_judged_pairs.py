@@ -1,4 +1,4 @@
-"""What a model is asked about pairs of an object and a receptacle."""
+"""Questions to a model about pairs of an object and a receptacle."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is wrong with a model's reading of an instruction, and who says so."""
+"""Complaints about a model's reading of an instruction."""
 
 from __future__ import annotations
 

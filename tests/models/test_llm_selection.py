@@ -1,4 +1,4 @@
-"""What a model is shown of the catalogue, and what is wrong with its choices."""
+"""The catalogue as a model sees it, and complaints about its choices."""
 
 from __future__ import annotations
 

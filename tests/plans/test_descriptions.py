@@ -1,4 +1,4 @@
-"""What an instruction says of the start, against boxes and plans."""
+"""Start descriptions against boxes and plans."""
 
 from __future__ import annotations
 

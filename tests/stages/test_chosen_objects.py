@@ -29,7 +29,7 @@ def library() -> Library:
 
 
 def choosing(library: Library, task: str, who: Scripted) -> Chosen:
-    """What is chosen for a task by a model that looks at its own goals again."""
+    """Choose for a task with a model that reviews its own goals."""
     context = StageContext("offline")
     context.models = replace(context.models, reasoner=LlmReasoner(who, reviewer=who))
     return choose(task, load_template("table", None), context, np.random.default_rng(0))

@@ -1,4 +1,4 @@
-"""What an instruction says of the start is true in every layout of a run, from the placement to the episodes."""
+"""Start descriptions are true in every layout of a run, from the placement to the episodes."""
 
 from __future__ import annotations
 

@@ -41,7 +41,7 @@ def drawn(finished: Finished, scene: Scene) -> list[Start]:
 def worlds_of(
     finished: Finished, scene: Scene, instruction: str, ranges: WorldRanges, count: int = 6
 ) -> list[WorldDraw]:
-    """What is drawn for the run's chain under another instruction."""
+    """Draw for the run's chain under another instruction."""
     record = Subtasks.read(finished.run.subtasks)
     kept = {subtask.id: subtask for subtask in record.kept}
     chain = [kept[name] for name in record.chains[0].subtasks]

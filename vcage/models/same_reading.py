@@ -38,7 +38,7 @@ def differences(reading: Reading, other: Reading, things: Mapping[str, Catalogue
 
 
 def _unsaid(reading: Reading, other: Reading, looks: Mapping[str, str]) -> list[str]:
-    """What one reading says of the start, and of what is left alone, and the other does not."""
+    """Descriptions and untouched objects that one reading has and the other lacks."""
     stated = {_description(one, looks) for one in other.descriptions}
     alone = {looks.get(name, name) for name in other.untouched}
     found = [f"{one} at the start" for one in reading.descriptions if _description(one, looks) not in stated]

@@ -22,13 +22,13 @@ def kinds() -> list[CatalogueEntry]:
 
 
 def selected(instruction: str, seed: int = 0, scene: str = "table") -> Selection:
-    """What is chosen for a sentence."""
+    """Choose objects for a sentence."""
     rng = np.random.default_rng(seed)
     return OfflineReasoner().select_assets(instruction, kinds(), rng, lambda _: [], scene)
 
 
 def read(instruction: str, seed: int = 0) -> tuple[Selection, Reading]:
-    """What is chosen for a sentence, and how it is read in that."""
+    """Choose objects for a sentence and read it among them."""
     chosen = selected(instruction, seed)
     named = name_objects(chosen, kinds())
     things = entries_of(named, kinds())

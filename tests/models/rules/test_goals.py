@@ -1,4 +1,4 @@
-"""What sentences ask for, in scenes that are selected for them and in scenes of their own."""
+"""Goals of sentences, in scenes that are selected for them and in scenes of their own."""
 
 from __future__ import annotations
 

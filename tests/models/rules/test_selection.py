@@ -1,4 +1,4 @@
-"""What is chosen for a sentence."""
+"""Objects that are chosen for a sentence."""
 
 from __future__ import annotations
 

@@ -282,6 +282,6 @@ def _drawn(
 
 
 def _to_stay(question: CriticQuestion) -> set[str]:
-    """What is said to be unmoved and no goal moves: a receptacle too. Other statements cannot be told from above."""
+    """Objects that are said to be unmoved and that no goal moves, a receptacle too."""
     moved = {*(goal.subject for goal in question.goals), question.grasped}
     return {s.subject for s in question.statements if s.word == "unmoved"} - moved

@@ -20,11 +20,11 @@ from vcage.schema.plan import TABLE
 Found = TypeVar("Found")
 
 ACTS = {"open": "open", "close": "open", "turn": "turn", "press": "press"}
-"""What commands do to moving parts (:func:`part_that`)."""
+"""Commands → actions on moving parts (:func:`part_that`)."""
 _DONE = {"open": "open", "close": "closed", "turn": "turned", "press": "pressed"}
 _EVENTS = {"scan": "scanned", "weigh": "weighed", "show": "presented"}
 TOOLS: dict[str, Callable[[CatalogueEntry], bool]] = {"scan": lambda e: e.reads_codes, "weigh": lambda e: e.weighs}
-"""What things are scanned and weighed with."""
+"""Commands → the test of a tool for them."""
 _OTHER = {"left": "right", "right": "left"}
 
 
@@ -43,7 +43,7 @@ def read_goals(instruction: str, things: Things, lying: Mapping[str, str] | None
 
 
 def agreed(instruction: str, ground: Callable[[tuple[Command, ...]], Found], told: Callable[[Found], str]) -> Found:
-    """What every reading of a sentence comes to that can be grounded.
+    """Ground every reading of a sentence; all that can be grounded must agree.
 
     Args:
         instruction: the sentence.
@@ -211,7 +211,7 @@ class Goals:
             self._arms[name] = gets
 
     def _event(self, command: Command) -> None:
-        """What is done to a part of a thing, or to a thing with a tool."""
+        """Add the goal of an act on a part of a thing, or on a thing with a tool."""
         if command.verb in ACTS:
             for noun in command.things:
                 for name, part in self._meanings.parts(noun, ACTS[command.verb]):
@@ -231,7 +231,7 @@ def _needs(before: Sequence[AskedGoal], after: Sequence[AskedGoal]) -> bool:
 
 
 def _in_order(before: Goal, goal: Goal) -> bool:
-    """Whether one goal comes after another without a word for it: of the same thing, or what opens for it."""
+    """Check if a goal must come after another: it is of the same thing, or the other opens the way for it."""
     part, place = (before, goal) if before.relation in ("open", "closed") else (goal, before)
     if part.relation not in ("open", "closed") or place.relation in ("open", "closed"):
         return before.subject == goal.subject and (before.part == goal.part or part.relation not in ("open", "closed"))

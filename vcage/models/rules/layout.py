@@ -53,7 +53,7 @@ def plan_layout(scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.rando
 
 
 def _as_described(relations: Sequence[Relation], scene: Scene) -> list[Relation]:
-    """What is described, and the relations that leave it room: of things that are described by each other one alone is
+    """Descriptions, and the relations that leave them room: of things that are described by each other one alone is
     planned, the others stand as they are described."""
     described = described_relations(scene.descriptions)
     if not described:

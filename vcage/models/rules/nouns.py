@@ -19,7 +19,7 @@ _QUANTIFIERS = {
 
 @dataclass(frozen=True)
 class Noun:
-    """What a sentence calls a thing.
+    """A noun phrase for a thing.
 
     Args:
         words: lemmas, the head last, without colours and what the other fields say; empty where it has no head.
@@ -53,18 +53,18 @@ class Noun:
 
     @property
     def headless(self) -> bool:
-        """Whether it leans on another noun: "the red one", "the other", "the rest"."""
+        """True for a phrase that leans on another noun: "the red one", "the other", "the rest"."""
         return not self.words and not self.pronoun
 
     @property
     def several(self) -> bool:
-        """Whether it means more than one thing."""
+        """True if it means more than one thing."""
         mass = bool(set(self.words[-1:]) & MASS_KINDS) and self.quantifier in ("the", "")
         return self.count not in (None, 1) or (self.count is None and (self.plural or self.quantifier == "all" or mass))
 
     @property
     def definite(self) -> bool:
-        """Whether it names things that are known, and not any that are alike."""
+        """True if it names known things, and not any that are alike."""
         return self.quantifier not in ("a", "other") and (self.count is None or self.quantifier in ("the", "all"))
 
     def like(self, other: Noun) -> Noun:
@@ -77,12 +77,12 @@ class Noun:
         return replace(self, but=(*self.but, *(noun.like(self) if noun.headless else noun for noun in but)))
 
     def names_part(self, part: str) -> bool:
-        """Whether it may mean a moving part of this name."""
+        """Check if it may mean a moving part of this name."""
         kind, *which = part.split("_")
         return (kind == self.part or (kind, self.part) == ("screen", "lid")) and self.which in (None, *which)
 
     def of_part(self, entries: Iterable[CatalogueEntry]) -> bool:
-        """Whether it names a part, and no thing whose name ends so, as "the cash drawer" does."""
+        """Check if it names a part, and not a thing whose name ends so, such as "the cash drawer"."""
         return self.part is not None and (len(self.words) == 1 or all(self.fit(e)[0] < HEAD for e in entries))
 
     def named(self, entries: Mapping[str, CatalogueEntry], short: bool = False) -> dict[str, list[Variant]]:

@@ -1,4 +1,4 @@
-"""What pronouns and "the red one" stand for: every way that the sentence allows."""
+"""Resolve pronouns and "the red one" in every way that the sentence allows."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def resolved(commands: tuple[Command, ...], done: tuple[Command, ...] = ()) -> I
 
 
 def _thing_for(noun: Noun, done: tuple[Command, ...], command: Command) -> list[tuple[Noun, ...]]:
-    """What a noun for things may stand for: itself, what a pronoun means, or that of which it is another one."""
+    """Referents of a noun for things: itself, those of a pronoun, or the noun that "the red one" leans on."""
     if noun.pronoun and done:
         return [(other,) for other in _single(done, command.verb)] if noun.pronoun == "it" else _several(noun, done)
     heads = _heads((*done, command))
@@ -43,7 +43,7 @@ def _heads(commands: tuple[Command, ...]) -> list[Noun]:
 
 
 def _single(done: tuple[Command, ...], verb: str) -> list[Noun]:
-    """What "it" may be: what the command before names; what is closed may have been opened longer ago."""
+    """Referents of "it": nouns of the command before; for closing also what was opened longer ago."""
     opened = [noun for c in done if c.verb == "open" == verb.replace("close", "open") for noun in c.things]
     closed = [noun for c in done if c.verb == "close" for noun in c.things]
     nouns = [*done[-1].things, *_places(done[-1]), *(noun for noun in opened if noun not in closed)]
@@ -55,7 +55,7 @@ def _places(command: Command) -> list[Noun]:
 
 
 def _several(pronoun: Noun, done: tuple[Command, ...]) -> list[tuple[Noun, ...]]:
-    """What "them" or "both" may be: the things of the command before, or, where that is one, of all of them."""
+    """Referents of "them" or "both": the things of the command before, or, where that is one, of all commands."""
     told = done[-1].things
     if len(told) == 1 and not told[0].several:
         told = tuple(dict.fromkeys(noun for c in done for noun in c.things))
@@ -66,7 +66,7 @@ def _several(pronoun: Noun, done: tuple[Command, ...]) -> list[tuple[Noun, ...]]
 
 
 def _place_for(command: Command, done: tuple[Command, ...]) -> list[Noun | None]:
-    """What a noun for a place may stand for: a pronoun for a thing or the place before, "the blue one" for a kind."""
+    """Referents of a noun for a place: of a pronoun a thing or the place before, of "the blue one" a kind."""
     place = command.place
     if place is None:
         return [None]

@@ -80,7 +80,7 @@ class _Selector:
     _of: dict[tuple[int, tuple[str, ...]], CatalogueEntry] = field(default_factory=dict)
 
     def select(self) -> Selection:
-        """What its commands need, contents first."""
+        """Select the objects that the commands need, contents first."""
         for command in self.commands:
             loose = any(n.several or len(self._kinds(n)) > 1 for n in command.things)
             for choose in (self._place, self._things) if loose else (self._things, self._place):
@@ -107,7 +107,7 @@ class _Selector:
             self._take(noun, "tool" if sign else role, good, place, starts)
 
     def _source(self, noun: Noun, how: str) -> Start:
-        """What contents lie in or on at the start; nothing where they only stand beside it."""
+        """The asset and part that contents lie in or on at the start; none where they only stand beside it."""
         inside = how in ("in", "on", "to")
         entry = self._take(noun, "context", lambda e: bool(e.functional_points) or not inside)
         parts = [part for part in entry.moving_parts if noun.part and noun.names_part(part)]
@@ -148,7 +148,7 @@ class _Selector:
         return self._of[_key(noun)]
 
     def _same(self, noun: Noun, entry: CatalogueEntry) -> bool:
-        """Whether what was chosen is meant again: 'the mug' after 'the red mug', the other drawer of a cabinet."""
+        """Check if a chosen object is meant again: 'the mug' after 'the red mug', the other drawer of a cabinet."""
         if not noun.definite or (noun.several and noun.part is None):
             return False
         return (noun.part is not None and not noun.owner and noun.owns(entry)[0] > 0) or noun.fit(entry)[0] >= HEAD
@@ -207,7 +207,7 @@ def _key(noun: Noun) -> tuple[int, tuple[str, ...]]:
 
 
 def _wanted(command: Command) -> tuple[Role, Good]:
-    """What the things of a command are, and what they must be good for."""
+    """The role of the things of a command, and the test that they must pass."""
     if command.verb in ACTS:
         return "receptacle", lambda e: any(part_that(ACTS[command.verb], part) for part in e.moving_parts)
     if command.verb == "scan":

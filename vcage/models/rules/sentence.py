@@ -168,7 +168,7 @@ _HOW = {
 }  # fmt: skip
 """Terminals and words for places → relations."""
 _JOINT = re.compile(r"^[\s,.;]+|(?:[\s,.;]|\b(?:and|then|but)\b)+$", re.IGNORECASE)
-"""What joins a command's words to the next."""
+"""Words and signs that join a command to the next."""
 _PRONOUNS = {"it": "it", "both": "both", "both of them": "both", "them both": "both"}
 
 
