@@ -16,7 +16,7 @@ from vcage.sim.drawer import Drawing, Window
 from vcage.vision.colour import distance, smoothed, to_lab
 from vcage.vision.protocols import View
 
-SIDES = np.linspace(0.0, 1.0, 17)
+POSITIONS = np.linspace(0.0, 1.0, 17)
 """Positions of a joint that are drawn, as shares of its range."""
 
 INSTEAD = (0.0, 0.3, 0.65, 1.0)
@@ -36,7 +36,7 @@ class PartEvidence:
     Args:
         told_by: pixels in which the drawings differ.
         before, after: share of its range at which the part is likeliest.
-        costs: (17,) how unlike the picture afterwards the drawing at each of :data:`SIDES` is.
+        costs: (17,) how unlike the picture afterwards the drawing at each of :data:`POSITIONS` is.
         rival: by how much less unlike the best of them is than the best drawing in which another part of the object
             moved instead; inf where it has no other.
         touched: share of what is seen of the part that has changed in the picture of the moment; 0 without one.
@@ -81,7 +81,7 @@ def gather_part(
     def drawn(share: float, draw: DrawPart = draw) -> Drawing:
         return drawn_whole(lambda pose, camera, window: draw(pose, camera, window, share), stands.pose, before.camera)
 
-    own = [drawn(share) for share in SIDES]
+    own = [drawn(share) for share in POSITIONS]
     begun = own[-1] if start else own[0]
     gain, touched = brightness(begun, before.picture), 0.0
     sight = _Sight(own, gain, background)
@@ -129,11 +129,11 @@ def likeliest(costs: np.ndarray) -> float:
     """The position of least cost, refined between its neighbours."""
     k = int(np.argmin(costs))
     if k in (0, len(costs) - 1):
-        return float(SIDES[k])
+        return float(POSITIONS[k])
     left, middle, right = costs[k - 1 : k + 2]
     bend = left - 2 * middle + right
     offset = 0.5 * (left - right) / bend if bend > 1e-6 else 0.0
-    return float(SIDES[k] + offset * (SIDES[1] - SIDES[0]))
+    return float(POSITIONS[k] + offset * (POSITIONS[1] - POSITIONS[0]))
 
 
 def _composed(drawing: Drawing, background: np.ndarray, gain: np.ndarray) -> np.ndarray:

@@ -8,7 +8,7 @@ import numpy as np
 
 from vcage.models.rules import PROVIDER
 from vcage.models.rules.evidence import LEFT
-from vcage.models.rules.evidence_of_parts import SIDES, PartEvidence
+from vcage.models.rules.evidence_of_parts import POSITIONS, PartEvidence
 from vcage.models.rules.evidence_of_places import Handed, Moved, Returned
 from vcage.models.rules.evidence_of_placing import Placed
 from vcage.models.rules.evidence_of_scans import Shown
@@ -106,7 +106,7 @@ def decide_part(evidence: PartEvidence, goal: Goal, thing: str) -> Verdict:
 
 def _margin(costs: np.ndarray, goal: Goal) -> float:
     """By how much the best of the positions that a goal allows beats the best of all others, over the costs' range."""
-    meant = SIDES <= SEEN_CLOSED if goal.relation == "closed" else SIDES >= SEEN_OPEN
+    meant = POSITIONS <= SEEN_CLOSED if goal.relation == "closed" else POSITIONS >= SEEN_OPEN
     return float((costs[~meant].min() - costs[meant].min()) / max(np.ptp(costs), 1e-6))
 
 
