@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.models.tabletop import PLATE, scene_of
 from vcage.base.errors import ConfigurationError, UnknownName
 from vcage.models import prompts
 from vcage.plans.thresholds import THRESHOLDS
@@ -71,3 +72,9 @@ def test_a_broken_prompt_names_its_line(monkeypatch: pytest.MonkeyPatch, tmp_pat
     monkeypatch.setattr(prompts, "resource", lambda *parts: tmp_path.joinpath(*parts[1:]))
     with pytest.raises(ConfigurationError, match="line 2"):
         prompts.fill("broken")
+
+
+def test_each_goal_of_a_layout_stands_on_a_line_of_its_own() -> None:
+    goals, described = ["the apple is in the bowl.", "the pear is on the plate."], ["the bowl is left of the plate."]
+    prompt = prompts.fill("plan_layout", scene=scene_of([PLATE]), entries={}, goals=goals, described=described)
+    assert {f"- {sentence}" for sentence in (*goals, *described)} <= set(prompt.text.splitlines())
