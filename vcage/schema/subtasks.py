@@ -95,7 +95,10 @@ class Subtask(Record):
     target: Finite | None = Field(
         default=None, description="where the joint of a part is brought to, metres or radians"
     )
-    grasps: list[Grasp] = Field(min_length=1, description="feasible grasps, best first")
+    grasps: list[Grasp] = Field(
+        min_length=1,
+        description="feasible grasps as they are tried: the preferred one, then by the length of the motion",
+    )
     prefers: Preference | None = Field(
         default=None, description="grasp that is tried first wherever it is feasible; the best one when not given"
     )
@@ -107,7 +110,7 @@ class Subtask(Record):
     goals: list[Goal] = Field(min_length=1, description="what it brings about")
     statements: list[Statement] = Field(default=[], description="what else must be true afterwards: it stays as it was")
     script: RunPath = Field(description="path in the run folder")
-    checks: list[Check] = Field(description="of the best grasp")
+    checks: list[Check] = Field(description="of the grasp with the shortest motion")
 
 
 class Refusal(Record):
