@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
+from typing import NamedTuple
 
 from vcage.base.errors import NoFeasibleTask
 from vcage.base.text import listed
@@ -30,26 +31,45 @@ def require_way(goals: Sequence[AskedGoal], objects: Sequence[SceneObject], arms
     """
     require_arms(goals, arms)
     require_level(goals, objects)
-    asked = [one.goal for one in goals]
-    found, refused, _ = sensible(objects, _all_sensible, asked)
-    able = {goal for proposal in found for goal in proposal.goals}
-    ruled_out = {}
-    by_id = {o.id: o for o in objects}
-    alike: dict[tuple[str, ...], list[str]] = {}  # things of one kind fail for the same reasons
-    for one in goals:
-        reasons = list(dict.fromkeys(refusal.reason for refusal in refused if is_about(refusal, one.goal)))
-        reasons = reasons or _no_place(one.goal, by_id) or _no_tool(one.goal, objects)
-        if one.goal not in able and reasons:
-            ruled_out[str(one.goal)] = (one.words, reasons)
-            phrase = by_id[one.goal.subject].record.phrase
-            alike.setdefault((one.words, *(reason.replace(phrase, "") for reason in reasons)), []).append(str(one.goal))
-    if ruled_out:
-        told = [_with_reasons(goals, *ruled_out[goals[0]]) for goals in alike.values()]
+    if ruled_out := _ruled_out(goals, objects):
         raise NoFeasibleTask(
-            f"wherever the objects stand, nothing can bring about {'; '.join(told)}",
+            f"wherever the objects stand, nothing can bring about {'; '.join(_told(ruled_out))}",
             hint=f"{SMALLER}; another --seed does not help",
-            details={"missing": list(ruled_out), "reasons": [r for _, reasons in ruled_out.values() for r in reasons]},
+            details={
+                "missing": [str(one.asked.goal) for one in ruled_out],
+                "reasons": [reason for one in ruled_out for reason in one.reasons],
+            },
         )
+
+
+class _RuledOut(NamedTuple):
+    """A goal that nothing brings about, what its subject is called, and why."""
+
+    asked: AskedGoal
+    phrase: str
+    reasons: list[str]
+
+
+def _ruled_out(goals: Sequence[AskedGoal], objects: Sequence[SceneObject]) -> list[_RuledOut]:
+    """Each goal that no sensible proposal brings about, where something is known to prevent it."""
+    proposals, refused, _ = sensible(objects, _all_sensible, [one.goal for one in goals])
+    able = {goal for proposal in proposals for goal in proposal.goals}
+    by_id = {o.id: o for o in objects}
+    found = []
+    for goal, one in {one.goal: one for one in goals if one.goal not in able}.items():
+        reasons = list(dict.fromkeys(refusal.reason for refusal in refused if is_about(refusal, goal)))
+        if reasons := reasons or _no_place(goal, by_id) or _no_tool(goal, objects):
+            found.append(_RuledOut(one, by_id[goal.subject].record.phrase, reasons))
+    return found
+
+
+def _told(ruled_out: Sequence[_RuledOut]) -> list[str]:
+    """Goals with their reasons; things of one kind, which fail for the same reasons, together."""
+    alike: dict[tuple[str, ...], list[_RuledOut]] = {}
+    for one in ruled_out:
+        key = (one.asked.words, *(reason.replace(one.phrase, "") for reason in one.reasons))
+        alike.setdefault(key, []).append(one)
+    return [_with_reasons(group) for group in alike.values()]
 
 
 def _no_place(goal: Goal, by_id: Mapping[str, SceneObject]) -> list[str]:
@@ -78,10 +98,10 @@ def _no_tool(goal: Goal, objects: Sequence[SceneObject]) -> list[str]:
     return []
 
 
-def _with_reasons(goals: Sequence[str], words: str, reasons: Sequence[str]) -> str:
+def _with_reasons(alike: Sequence[_RuledOut]) -> str:
     """The first of some goals that fail for the same reasons, how many more there are, and the reasons."""
-    more = f" and {len(goals) - 1} more like it" if len(goals) > 1 else ""
-    return f"{goals[0]}{more} ({words!r}): {', '.join(reasons[:3])}"
+    more = f" and {len(alike) - 1} more like it" if len(alike) > 1 else ""
+    return f"{alike[0].asked.goal}{more} ({alike[0].asked.words!r}): {', '.join(alike[0].reasons[:3])}"
 
 
 def _all_sensible(questions: Sequence[PairQuestion]) -> list[PairAnswer]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from vcage.plans.relations import holds
 from vcage.plans.thresholds import THRESHOLDS
 from vcage.schema.asset import FunctionalPoint
 from vcage.schema.episodes import Truth
-from vcage.schema.goals import Goal, part_words
+from vcage.schema.goals import Goal, GoalWord, part_words
 from vcage.schema.plan import TABLE
 from vcage.schema.subtasks import Statement, Subtask
 from vcage.sim.joints import joint_index, joint_positions
@@ -121,58 +122,113 @@ def _bears(below: SceneObject, thing: SceneObject) -> bool:
 
 def _complaint(goal: Goal, objects: Mapping[str, SceneObject], watch: Watch | None) -> str | None:
     """Why a goal does not hold, or None when it does."""
-    thing = objects[goal.subject]
-    if goal.relation in ("open", "closed", "turned"):
-        return _joint_complaint(goal, thing)
-    if goal.relation in ("pressed", "weighed", "scanned", "back", "handed") or goal.reference == TABLE:
-        assert watch is not None  # whoever asks for it watches
-        return _watched_complaint(goal, thing, objects, watch)
-    if goal.relation == "presented" and not on_customers_half(thing.pose):
-        return f"{thing.id} is not on the customer's half of the table"
-    if goal.relation == "presented":
-        return None if faces_customer(thing.pose) else f"the front of {thing.id} does not face the customer"
-    if goal.reference not in objects:
-        raise ValueError(f"no ground truth is defined for {str(goal)!r}")
-    receptacle = objects[goal.reference]
-    if goal.relation not in ("inside", "on"):
-        there = holds(goal.relation, thing.aabb, receptacle.aabb)  # pyrefly: ignore
-        return None if there else f"{thing.id} is not {goal.relation} {receptacle.id}"
-    points = [
-        point for point in receptacle.asset.annotation.functional_points
-        if point.link == goal.part and (point.holds == "in") == (goal.relation == "inside")
-    ]  # fmt: skip
-    found = [place_complaint(thing, receptacle, point) for point in points]
-    if None not in found:
-        return next(iter(found), f"nothing is put {goal.relation} {receptacle.id}")
-    share = watch.world.borne_by(thing.id).get(TABLE, 0.0) if watch is not None else 0.0
-    return f"the table bears {100 * share:.0f} % of {thing.id}" if share > THRESHOLDS.borne_share else None
+    look = _Look.on_table if goal.reference == TABLE else _LOOKS.get(goal.relation, _Look.beside)
+    return look(_Look(goal, objects, watch))
 
 
-def _watched_complaint(goal: Goal, thing: SceneObject, objects: Mapping[str, SceneObject], watch: Watch) -> str | None:
-    if goal.relation == "pressed":
-        share = watch.furthest(thing, str(goal.part))
-        pressed = f"the {part_words(str(goal.part))} of {thing.id} was pressed by {100 * share:.0f} % only"
+@dataclass(frozen=True)
+class _Look:
+    """A look at a state for one goal; each method tells why a goal of its kind does not hold, or None when it does.
+
+    Args:
+        goal: that is looked for.
+        objects: by id, as they are now.
+        seen: while it was done, None where nothing watched.
+    """
+
+    goal: Goal
+    objects: Mapping[str, SceneObject]
+    seen: Watch | None
+
+    @property
+    def thing(self) -> SceneObject:
+        return self.objects[self.goal.subject]
+
+    @property
+    def part(self) -> str:
+        return str(self.goal.part)
+
+    @property
+    def watch(self) -> Watch:
+        assert self.seen is not None  # whoever asks for it watches
+        return self.seen
+
+    @property
+    def reference(self) -> SceneObject:
+        """The object that the goal refers to.
+
+        Raises:
+            ValueError: it refers to none.
+        """
+        if self.goal.reference not in self.objects:
+            raise ValueError(f"no ground truth is defined for {str(self.goal)!r}")
+        return self.objects[self.goal.reference]
+
+    def joint(self) -> str | None:
+        relation, model = self.goal.relation, self.thing.asset.model
+        index = joint_index(model, self.part)
+        share = float(joint_positions(model, self.thing.joints)[index]) / model.links[index].joint.far_end
+        enough = share <= THRESHOLDS.closed_share if relation == "closed" else share >= THRESHOLDS.opened_share
+        state = "turned" if relation == "turned" else "open"
+        return None if enough else f"the {part_words(self.part)} of {self.thing.id} is {state} by {100 * share:.0f} %"
+
+    def pressed(self) -> str | None:
+        share = self.watch.furthest(self.thing, self.part)
+        pressed = f"the {part_words(self.part)} of {self.thing.id} was pressed by {100 * share:.0f} % only"
         return None if share >= THRESHOLDS.opened_share else pressed
-    if goal.relation in LASTS:
-        lasted = watch.lasted(goal)
-        if goal.relation == "handed" and not lasted:
-            return f"the {goal.reference} arm did not take {thing.id} from the hand of another"
-        return None if lasted >= LASTS[goal.relation] else f"{thing.id} was {goal.relation} for {lasted:.1f} s only"
-    if goal.relation == "back":
-        away = float(np.linalg.norm(thing.pose.p - watch.objects[thing.id].pose.p))
-        return None if away <= THRESHOLDS.back_m else f"{thing.id} is {100 * away:.1f} cm from where it stood"
-    bearers = watch.world.touching(thing.id) & set(objects)
-    stands = abs(thing.aabb[0, 2] - watch.world.table.height) <= THRESHOLDS.height_m
-    return None if stands and not bearers else f"{thing.id} does not stand on the table alone"
+
+    def lasted(self) -> str | None:
+        relation, lasted = self.goal.relation, self.watch.lasted(self.goal)
+        if relation == "handed" and not lasted:
+            return f"the {self.goal.reference} arm did not take {self.thing.id} from the hand of another"
+        return None if lasted >= LASTS[relation] else f"{self.thing.id} was {relation} for {lasted:.1f} s only"
+
+    def back(self) -> str | None:
+        away = float(np.linalg.norm(self.thing.pose.p - self.watch.objects[self.thing.id].pose.p))
+        return None if away <= THRESHOLDS.back_m else f"{self.thing.id} is {100 * away:.1f} cm from where it stood"
+
+    def presented(self) -> str | None:
+        if not on_customers_half(self.thing.pose):
+            return f"{self.thing.id} is not on the customer's half of the table"
+        faces = faces_customer(self.thing.pose)
+        return None if faces else f"the front of {self.thing.id} does not face the customer"
+
+    def on_table(self) -> str | None:
+        bearers = self.watch.world.touching(self.thing.id) & set(self.objects)
+        stands = abs(self.thing.aabb[0, 2] - self.watch.world.table.height) <= THRESHOLDS.height_m
+        return None if stands and not bearers else f"{self.thing.id} does not stand on the table alone"
+
+    def held(self) -> str | None:
+        receptacle, inside = self.reference, self.goal.relation == "inside"
+        points = [
+            point for point in receptacle.asset.annotation.functional_points
+            if point.link == self.goal.part and (point.holds == "in") == inside
+        ]  # fmt: skip
+        found = [place_complaint(self.thing, receptacle, point) for point in points]
+        if None not in found:
+            return next(iter(found), f"nothing is put {self.goal.relation} {receptacle.id}")
+        share = 0.0 if self.seen is None else self.seen.world.borne_by(self.thing.id).get(TABLE, 0.0)
+        return f"the table bears {100 * share:.0f} % of {self.thing.id}" if share > THRESHOLDS.borne_share else None
+
+    def beside(self) -> str | None:
+        there = holds(self.goal.relation, self.thing.aabb, self.reference.aabb)  # pyrefly: ignore
+        return None if there else f"{self.thing.id} is not {self.goal.relation} {self.reference.id}"
 
 
-def _joint_complaint(goal: Goal, thing: SceneObject) -> str | None:
-    model, part = thing.asset.model, str(goal.part)
-    index = joint_index(model, part)
-    share = float(joint_positions(model, thing.joints)[index]) / model.links[index].joint.far_end
-    enough = share <= THRESHOLDS.closed_share if goal.relation == "closed" else share >= THRESHOLDS.opened_share
-    state = "turned" if goal.relation == "turned" else "open"
-    return None if enough else f"the {part_words(part)} of {thing.id} is {state} by {100 * share:.0f} %"
+_LOOKS: Mapping[GoalWord, Callable[[_Look], str | None]] = {
+    "inside": _Look.held,
+    "on": _Look.held,
+    "open": _Look.joint,
+    "closed": _Look.joint,
+    "turned": _Look.joint,
+    "pressed": _Look.pressed,
+    "weighed": _Look.lasted,
+    "scanned": _Look.lasted,
+    "handed": _Look.lasted,
+    "back": _Look.back,
+    "presented": _Look.presented,
+}
+"""How to look for each goal; for all others, which say on which side of a thing: :meth:`_Look.beside`."""
 
 
 def resting_point(subject: SceneObject, receptacle: SceneObject) -> FunctionalPoint | None:
