@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from vcage.layout.capacities import size_complaints
@@ -13,7 +13,7 @@ from vcage.plans.check import contradictions
 from vcage.plans.descriptions import HOLDING
 from vcage.schema.asset import CatalogueEntry, Variant
 from vcage.schema.goals import Description
-from vcage.schema.plan import TABLE, Relation, Selection
+from vcage.schema.plan import TABLE, Relation, SelectedAsset, Selection
 from vcage.schema.scene import Role
 
 
@@ -51,11 +51,16 @@ def validate_selection(selection: Selection, entries: Sequence[CatalogueEntry]) 
             known = ", ".join(variants[chosen.asset])
             complaints.append(f"{chosen.asset} has no variant {chosen.variant!r}; it has {known}")
         if chosen.starts_in in points and chosen.starts_in_part not in points[chosen.starts_in]:
-            parts = ", ".join(sorted(part for part in points[chosen.starts_in] if part))
-            where = f"{chosen.starts_in_part} of {chosen.starts_in}" if chosen.starts_in_part else chosen.starts_in
-            known = f"; it has room in its {parts}" if parts else ""
-            complaints.append(f"{chosen.asset} cannot start in or on {where}, which has no room for things{known}")
+            complaints.append(_no_room(chosen, points[chosen.starts_in]))
     return complaints
+
+
+def _no_room(chosen: SelectedAsset, parts: Iterable[str | None]) -> str:
+    """Why an object cannot start where it was said to, with the parts that have room."""
+    where = f"{chosen.starts_in_part} of {chosen.starts_in}" if chosen.starts_in_part else chosen.starts_in
+    with_room = ", ".join(sorted(part for part in parts if part))
+    known = f"; it has room in its {with_room}" if with_room else ""
+    return f"{chosen.asset} cannot start in or on {where}, which has no room for things{known}"
 
 
 def _nearest(name: str, names: list[str]) -> str:
@@ -124,20 +129,29 @@ def starting_as_described(
 ) -> tuple[list[NamedObject], list[str]]:
     """The objects, starting in or on what they are described to lie in or on; and what contradicts that, a sentence
     each."""
-    said = {d.subject: d for d in descriptions if d.relation in HOLDING and d.reference != TABLE}
-    on_table = {d.subject: d for d in descriptions if d.relation == "on" and d.reference == TABLE}
-    known = {TABLE, *(o.id for o in objects)}
-    strangers = dict.fromkeys(name for d in descriptions for name in (d.subject, d.reference) if name not in known)
-    found, complaints = list[NamedObject](), [f"there is no object {name!r}" for name in strangers]
+    named = dict.fromkeys(name for d in descriptions for name in (d.subject, d.reference))
+    strangers = [name for name in named if name not in {TABLE, *(o.id for o in objects)}]
+    holding = [d for d in descriptions if d.relation in HOLDING]
+    by_thing = {d.subject: d for d in holding if d.reference != TABLE}
+    by_table = {d.subject: d for d in holding if d.reference == TABLE}
+    complaints = [f"there is no object {name!r}" for name in strangers]
     for o in objects:
-        d = said.get(o.id)
-        if d is not None and o.starts_in not in (None, d.reference):
-            complaints.append(f"{o.id} starts in or on {o.starts_in}, not {d.relation} {d.reference} ({d.words!r})")
-        if o.id in on_table and (o.starts_in or d):
-            where = d.reference if d else o.starts_in
-            complaints.append(f"{o.id} starts in or on {where}, not on the table ({on_table[o.id].words!r})")
-        found.append(o if d is None else replace(o, starts_in=d.reference, starts_in_part=d.part))
-    return found, complaints
+        complaints += _contradictions(o, by_thing.get(o.id), by_table.get(o.id))
+    return [_starting(o, by_thing.get(o.id)) for o in objects], complaints
+
+
+def _starting(o: NamedObject, where: Description | None) -> NamedObject:
+    return o if where is None else replace(o, starts_in=where.reference, starts_in_part=where.part)
+
+
+def _contradictions(o: NamedObject, by_thing: Description | None, by_table: Description | None) -> Iterator[str]:
+    """Complaints that an object starts elsewhere than a thing, or the table, is described to bear it."""
+    if by_thing is not None and o.starts_in not in (None, by_thing.reference):
+        said = f"{by_thing.relation} {by_thing.reference} ({by_thing.words!r})"
+        yield f"{o.id} starts in or on {o.starts_in}, not {said}"
+    starts_in = _starting(o, by_thing).starts_in
+    if by_table is not None and starts_in:
+        yield f"{o.id} starts in or on {starts_in}, not on the table ({by_table.words!r})"
 
 
 def _as_placed(item: TableItem) -> TableItem:

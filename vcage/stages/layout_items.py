@@ -194,19 +194,34 @@ def _in_reach_of_one_arm(items: Sequence[TableItem], scene: Scene, context: Stag
     found, by_id = {item.id: item for item in items}, {o.id: o for o in context.objects(scene)}
     asked = reached_by(list(by_id.values()), scene.goals)
     for group in for_one_arm(list(by_id.values()), [one.goal for one in scene.goals]):
-        named = set[str]().union(*(asked.get(name, ()) for name in group))
         moved = [found[name] for name in sorted(group) if not by_id[name].asset.articulated]
-        choices: list[tuple[float, list[TableItem]]] = []
-        for arm in load_robot(scene.robot).arms if len(named) == 0 else named if len(named) == 1 else ():
-            things = [by_id[item.id] for item in moved]
-            reach = {o.id: context.within_reach(o.asset, _part_of(o), scene, arm=arm) for o in things}
-            reach = {item.id: _where_described(item, reach[item.id], scene) for item in moved}
-            if all(rectangles is not None and len(rectangles) for rectangles in reach.values()):
-                own = [replace(item, allowed=reach[item.id]) for item in moved]
-                choices.append((sum(map(_way_to_reach, own)), own))
-        if choices:
-            found |= {item.id: item for item in min(choices, key=lambda choice: choice[0])[1]}
+        choices = [_in_reach_of(arm, moved, by_id, scene, context) for arm in _arms_for(group, asked, scene)]
+        nearest = min(filter(None, choices), key=lambda choice: sum(map(_way_to_reach, choice)), default=[])
+        found |= {item.id: item for item in nearest}
     return list(found.values())
+
+
+def _arms_for(group: Collection[str], asked: Mapping[str, Collection[str]], scene: Scene) -> Collection[str]:
+    """The arms of which one alone may reach all of a group: the one that is asked for, any where none is; none where
+    several are asked for."""
+    named = {arm for name in group for arm in asked.get(name, ())}
+    if not named:
+        return load_robot(scene.robot).arms
+    return named if len(named) == 1 else ()
+
+
+def _in_reach_of(
+    arm: str, items: Sequence[TableItem], objects: Mapping[str, SceneObject], scene: Scene, context: StageContext
+) -> list[TableItem]:
+    """The items, allowed where an arm reaches them; none where it reaches one of them nowhere."""
+    found = []
+    for item in items:
+        o = objects[item.id]
+        reach = _where_described(item, context.within_reach(o.asset, _part_of(o), scene, arm=arm), scene)
+        if reach is None or not len(reach):
+            return []
+        found.append(replace(item, allowed=reach))
+    return found
 
 
 def _part_of(thing: SceneObject) -> Role:
