@@ -23,7 +23,7 @@ from vcage.tasks.ground import TOWARDS_CUSTOMER
 from vcage.tasks.reading import reading_poses
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.setting import Seen
-from vcage.vision.protocols import View
+from vcage.vision.protocols import Reference, View
 
 TOP, CUSTOMER = "top", "customer"
 """The scene's camera above the table, and one where the customer stands."""
@@ -143,10 +143,6 @@ def _question(context: StageContext, scene: Scene, asking: Asking) -> CriticQues
     if asking.background is not None:
         _view(asking.background, taken_by[TOP], "empty table")
 
-    def views(when: str) -> dict[str, View]:
-        shown = {name: p for name, p in seen.get(when, {}).items() if name in taken_by}
-        return {name: _view(p, taken_by[name], f"{when}, {name}") for name, p in shown.items()}
-
     def draw(object_id: str, pose: Pose, camera: Camera, window: Window, shares: Mapping[str, float]) -> Drawing:
         return context.drawing(scene.object(object_id), pose, camera, window, shares)
 
@@ -156,35 +152,35 @@ def _question(context: StageContext, scene: Scene, asking: Asking) -> CriticQues
     return CriticQuestion(
         text=asking.text,
         goals=list(goals),
-        before=views("before"),
-        after=views("after"),
-        moment=views("moment"),
-        start=views("start"),
-        uncalibrated={when: {n: p for n, p in by.items() if n not in taken_by} for when, by in seen.items()},
+        **{when: _views(when, seen, taken_by) for when in ("before", "after", "moment", "start")},
+        uncalibrated=_uncalibrated(seen, taken_by),
         references={o.id: context.look(o, opened.get(o.id, ())) for o in scene.objects},
         planned={o.id: o.pose.pose() for o in scene.objects},
         opened=opened,
         parts={o.id: [link.name for link in o.asset.model.links] for o in objects.values()},
-        rooms={
-            goal: _rooms(goal, objects, opened)
-            for goal in goals
-            if goal.relation in HOLDING and goal.reference in objects
-        },
-        looks={
-            goal.subject: context.look(scene.object(goal.subject), [goal.part] if goal.relation == "closed" else ())
-            for goal in goals
-            if goal.relation in OF_A_PART and goal.part is not None
-        },
+        rooms=_rooms(goals, objects, opened),
+        looks=_part_looks(goals, scene, context),
         draw=draw,
         readings=readings,
         readers=[o.id for o in objects.values() if o.asset.annotation.faces_of("reader")],
         table_height=scene.table.height,
-        tops=[scene.table.height + top for top in _tops(objects.values())],
+        tops=_tops(objects.values(), scene.table.height),
         towards_customer=tuple(TOWARDS_CUSTOMER.tolist()),
         background=asking.background,
         grasped=asking.grasped,
         statements=list(asking.statements),
     )
+
+
+def _views(when: str, seen: Seen, taken_by: Mapping[str, Camera]) -> dict[str, View]:
+    """The pictures of a moment from the calibrated cameras, by camera."""
+    shown = {name: p for name, p in seen.get(when, {}).items() if name in taken_by}
+    return {name: _view(p, taken_by[name], f"{when}, {name}") for name, p in shown.items()}
+
+
+def _uncalibrated(seen: Seen, taken_by: Collection[str]) -> dict[str, dict[str, np.ndarray]]:
+    """The pictures from all other cameras."""
+    return {when: {name: p for name, p in by.items() if name not in taken_by} for when, by in seen.items()}
 
 
 def _view(picture: np.ndarray, camera: Camera, name: str) -> View:
@@ -201,7 +197,24 @@ def _view(picture: np.ndarray, camera: Camera, name: str) -> View:
     return View(picture, camera)
 
 
-def _rooms(goal: Goal, objects: Mapping[str, SceneObject], opened: Mapping[str, Sequence[str]]) -> np.ndarray:
+def _part_looks(goals: Sequence[Goal], scene: Scene, context: StageContext) -> dict[str, Reference]:
+    """What each object with a part that a goal speaks of looks like before, by its id."""
+    of_parts = [goal for goal in goals if goal.relation in OF_A_PART and goal.part is not None]
+    return {
+        goal.subject: context.look(scene.object(goal.subject), [str(goal.part)] if goal.relation == "closed" else ())
+        for goal in of_parts
+    }
+
+
+def _rooms(
+    goals: Sequence[Goal], objects: Mapping[str, SceneObject], opened: Mapping[str, Sequence[str]]
+) -> dict[Goal, np.ndarray]:
+    """Where an object is that is in or on another as each goal says."""
+    held = [goal for goal in goals if goal.relation in HOLDING and goal.reference in objects]
+    return {goal: _room(goal, objects, opened) for goal in held}
+
+
+def _room(goal: Goal, objects: Mapping[str, SceneObject], opened: Mapping[str, Sequence[str]]) -> np.ndarray:
     """(n, 8, 3) corners of where an object is that is in or on another, in the frame of that: from each floor up to its
     rim, or as high as the object stands on it."""
     thing, place = objects[goal.subject], objects[str(goal.reference)].asset
@@ -218,11 +231,12 @@ def _rooms(goal: Goal, objects: Mapping[str, SceneObject], opened: Mapping[str, 
     return np.reshape(found, (-1, 8, 3))
 
 
-def _tops(objects: Iterable[SceneObject]) -> list[float]:
-    """How high over their bottoms things can stand on them, the low ones first, metres; rounded to centimetres."""
+def _tops(objects: Iterable[SceneObject], table_height: float) -> list[float]:
+    """Heights in the world at which things can stand on objects of a table, the low ones first, metres; each to a
+    centimetre over the table."""
     points = [point for o in objects for point in o.asset.annotation.functional_points if point.link is None]
     tops = [point.position[2] for point in points if point.holds == "on"]
-    return sorted({round(top, 2) for top in tops if top > SETTINGS.low_m})
+    return [table_height + top for top in sorted({round(top, 2) for top in tops if top > SETTINGS.low_m})]
 
 
 def _opened(goals: Sequence[Goal], requires: Sequence[Goal]) -> dict[str, list[str]]:

@@ -1,0 +1,74 @@
+"""Pictures of verdicts as collect keeps them: which attempt, moment and camera they are of, read from their names."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from vcage.base.errors import InputFileError
+from vcage.base.files import RunFolder
+from vcage.base.pictures import read_picture
+from vcage.schema.episodes import Episodes
+from vcage.schema.scene import Scene
+from vcage.stages.episode_store import background_name
+from vcage.stages.question import TOP
+from vcage.tasks.setting import Seen
+
+_NAMED = re.compile(r"-(before|after|moment|start)-(\w+)\.png$")
+"""How collect names what a verdict looked at: when, and by which camera."""
+
+
+def shown(pictures: Sequence[Path], scene: Scene) -> Seen:
+    """Pictures by the moment that their names say that they show, and by camera.
+
+    Raises:
+        InputFileError: one cannot be read, is not named so, or is of another size than the top camera's.
+    """
+    found: dict[str, dict[str, np.ndarray]] = {}
+    for path in pictures:
+        named = _NAMED.search(path.name)
+        if named is None:
+            raise InputFileError(
+                f"{path} is not named as collect names the pictures of a verdict: field pictures",
+                hint="put back what was written",
+                maker="collect",
+            )
+        when, camera = named.groups()
+        found.setdefault(when, {})[camera] = top_view(path, scene) if camera == TOP else read_picture(path)
+    return found
+
+
+def beside(picture: Path) -> list[Path]:
+    """All pictures of the same attempt, where one lies as collect keeps it."""
+    named = _NAMED.search(picture.name)
+    return sorted(picture.parent.glob(f"{picture.name[: named.start()]}-*.png")) if named else []
+
+
+def scene_of(picture: Path, run: RunFolder) -> Scene:
+    """Where things stood in the episode of a picture that lies as collect keeps it (``e000002-s0-…``), or the run's."""
+    scene, named = Scene.read(run.layout), re.match(r"e(\d+)-", picture.name)
+    if named is None or not run.episodes.exists():
+        return scene
+    return next((e.scene(scene) for e in Episodes.read(run.episodes).episodes if e.index == int(named[1])), scene)
+
+
+def empty_beside(picture: Path, scene: Scene) -> np.ndarray | None:
+    """The empty table in the same light, where the picture lies as collect keeps it (``e000002-s0-…``)."""
+    episode = re.match(r"e(\d+)-", picture.name)
+    empty = picture.parent.parent / background_name(int(episode[1])) if episode else picture
+    return top_view(empty, scene) if episode and empty.exists() else None
+
+
+def top_view(path: Path, scene: Scene) -> np.ndarray:
+    """A picture of the scene's top camera: (H, W, 3) uint8 RGB."""
+    picture, camera = read_picture(path), scene.top_camera
+    height, width = picture.shape[:2]
+    if (width, height) != (camera.width, camera.height):
+        raise InputFileError(
+            f"{path} is {width} x {height}, the run's top camera takes {camera.width} x {camera.height}",
+            hint="give pictures as collect keeps them in episodes/critic",
+        )
+    return picture

@@ -1,0 +1,109 @@
+"""A second verdict on what was judged while it was collected, from the pictures that were kept."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from vcage.base.errors import AnswerNeeded
+from vcage.base.files import RunFolder
+from vcage.base.pictures import read_picture
+from vcage.base.progress import Progress
+from vcage.schema.episodes import Episodes, Verdict
+from vcage.schema.scene import Scene
+from vcage.schema.subtasks import Subtask, Subtasks
+from vcage.stages.context import StageContext
+from vcage.stages.episode_store import background_name
+from vcage.stages.kept_pictures import shown
+from vcage.stages.question import Asking, verdict
+from vcage.stages.worlds import other_phrases, reworded
+from vcage.tasks.setting import Seen
+
+
+@dataclass(frozen=True)
+class JudgedStep:
+    """A sub-task that was judged while it was collected.
+
+    Args:
+        episode: its number.
+        subtask: id.
+        earlier: the verdict, with its pictures relative to the folder of the episodes.
+    """
+
+    episode: int
+    subtask: str
+    earlier: Verdict
+
+    @property
+    def pictures(self) -> tuple[str, ...]:
+        """Names that no other attempt's pictures have."""
+        return tuple(self.earlier.pictures)
+
+
+class SecondJudge:
+    """Judges again what a run collected.
+
+    Args:
+        run: the run folder.
+        context: with the critic.
+        take_over: whether an earlier verdict stands where the question is the same.
+    """
+
+    def __init__(self, run: RunFolder, context: StageContext, *, take_over: bool):
+        self._run, self._context, self._take_over = run, context, take_over
+        self._scene = Scene.read(run.layout)
+        self._episodes = {episode.index: episode for episode in Episodes.read(run.episodes).episodes}
+        self._subtasks = {s.id: s for s in Subtasks.read(run.subtasks).kept}
+        self.taken_over = 0
+
+    def subtask(self, step: JudgedStep) -> Subtask:
+        """What was to be done, in the words of its episode."""
+        phrases = other_phrases(self._scene, self._episodes[step.episode].objects)
+        return reworded(self._subtasks[step.subtask], phrases)
+
+    def sees(self, step: JudgedStep) -> bool:
+        """Whether all that was looked at is kept."""
+        pictures = (*step.pictures, background_name(step.episode))
+        return bool(step.pictures) and all(self._picture(name).is_file() for name in pictures)
+
+    def seen(self, step: JudgedStep) -> Seen:
+        """The pictures that were looked at."""
+        return shown([self._picture(name) for name in step.pictures], self._scene)
+
+    def _picture(self, name: str) -> Path:
+        """A picture by its path from the folder of the episodes."""
+        return self._run.file(name, self._run.episodes.parent.name)
+
+    def from_verify(self, step: JudgedStep) -> list[str]:
+        """Their paths, relative to the folder of the verdicts."""
+        return [f"../{self._run.episodes.parent.name}/{name}" for name in step.pictures]
+
+    def all_again(self, steps: Iterable[JudgedStep], progress: Progress) -> dict[tuple[str, ...], Verdict]:
+        """A verdict on each step, by its pictures; one that comes twice is judged once.
+
+        Raises:
+            AnswerNeeded: an agent is asked about some; about all of these at once.
+        """
+        by_pictures = {step.pictures: step for step in steps}
+        said, asked = dict[tuple[str, ...], Verdict](), list[dict[str, Any]]()
+        for number, (pictures, step) in enumerate(by_pictures.items()):
+            progress(f"episode {step.episode}", number, len(by_pictures))
+            try:
+                said[pictures] = self.again(step)
+            except AnswerNeeded as error:
+                asked += error.details["asked"]
+        if asked:
+            raise AnswerNeeded.all_of(asked)
+        return said
+
+    def again(self, step: JudgedStep) -> Verdict:
+        """A verdict on it, or the earlier one where that stands."""
+        empty = read_picture(self._picture(background_name(step.episode)))
+        asking = Asking.of(self.subtask(step), self.seen(step), empty)
+        known = self._take_over and step.earlier.question == asking.hash
+        self.taken_over += known
+        scene = self._episodes[step.episode].scene(self._scene)
+        said = step.earlier if known else verdict(self._context, scene, asking)
+        return said.model_copy(update={"pictures": self.from_verify(step)})
