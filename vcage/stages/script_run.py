@@ -14,7 +14,8 @@ from vcage.schema.scene import ObjectRecord, Scene
 from vcage.schema.subtasks import Chain, Grasp, Statement, StatementWord, Subtask, Subtasks
 from vcage.sim.robots import load_template
 from vcage.stages.context import StageContext
-from vcage.stages.possible import possible_scene, require_possible
+from vcage.stages.possible import possible_scene
+from vcage.stages.possible_subtask import require_possible
 from vcage.stages.stage import Job
 from vcage.tasks.synthesis import Script, load_script
 
@@ -28,7 +29,8 @@ def prepare_run(run: RunFolder, path: Path, *, seed: int, force: bool) -> None:
     Raises:
         StaleStage: the folder holds another scene or sub-task, and ``force`` is not set.
         DamagedFile: the script lacks a value that a generated one has.
-        InputFileError: what it says is not possible, see :mod:`vcage.stages.possible`.
+        InputFileError: what it says is not possible, see :mod:`~vcage.stages.possible` and
+            :mod:`~vcage.stages.possible_subtask`.
     """
     script, context = load_script(path), StageContext()
     values = script.values

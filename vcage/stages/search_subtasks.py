@@ -24,7 +24,7 @@ from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Chain, Subtasks
 from vcage.stages.context import StageContext
 from vcage.stages.edits import edited_scripts, refuse, written_record
-from vcage.stages.possible import require_possible
+from vcage.stages.possible_subtask import require_possible
 from vcage.stages.slot_choices import with_chosen_slots
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
 from vcage.stages.wordings import task_to_word, worded_chain
