@@ -10,8 +10,8 @@ import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 
-from vcage.base.english import FUNCTION_WORDS, HANDLING, VERBS
 from vcage.base.text import listed
+from vcage.base.word_classes import FUNCTION_WORDS, HANDLING, VERBS
 from vcage.base.words import (
     ANYTHING,
     COLOURS,
@@ -25,7 +25,7 @@ from vcage.base.words import (
     same_word,
     tokens,
 )
-from vcage.models.english import in_english, is_plain
+from vcage.models.plain_english import in_english, is_plain
 from vcage.models.quantifiers import left_over
 from vcage.objects.mentions import Noun, nouns
 from vcage.objects.names import has_colour, look_texts

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 
-from vcage.base.english import AFTER_A_NOUN, FUNCTION_WORDS, VERBS
+from vcage.base.word_classes import AFTER_A_NOUN, FUNCTION_WORDS, VERBS
 from vcage.base.words import (
     CATEGORIES,
     COLOURS,

@@ -12,7 +12,7 @@ import numpy as np
 
 from vcage.base.errors import InfeasibleScene, ModelRefused, NoAssetFits, NoFeasibleTask, UnreadInstruction
 from vcage.layout.capacities import crowding_complaints
-from vcage.models.english import in_english
+from vcage.models.plain_english import in_english
 from vcage.models.protocols import OFFLINE
 from vcage.models.scene_contents import draw_contents
 from vcage.models.second_look import second_look, unmet_names

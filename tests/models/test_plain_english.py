@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tests.models.catalogue import CATALOGUE
-from vcage.models.english import in_english, is_plain
+from vcage.models.plain_english import in_english, is_plain
 
 
 @pytest.mark.parametrize(

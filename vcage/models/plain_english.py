@@ -1,11 +1,11 @@
-"""Checks of an instruction that are for English only."""
+"""Tell if an instruction is in English, and if it says plainly what it asks for: other checks need both."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable
 
-from vcage.base.english import FUNCTION_WORDS, VERBS
+from vcage.base.word_classes import FUNCTION_WORDS, VERBS
 from vcage.base.words import COLOURS, DETERMINERS, NUMBERS, PARTS, lemma, tokens
 from vcage.objects.names import texts_of
 from vcage.schema.asset import CatalogueEntry

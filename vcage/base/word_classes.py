@@ -1,4 +1,4 @@
-"""Words of English that checks of an instruction know."""
+"""Classes of English words that checks of an instruction know: of grammar, verbs, and what may follow a noun."""
 
 from __future__ import annotations
 
