@@ -91,6 +91,22 @@ def test_it_is_put_onto_a_plate_from_the_open_drawer():
     assert found.requires == [OPEN]
 
 
+def test_what_is_taken_from_a_lower_drawer_needs_those_above_it_closed():
+    there = reached(stowed("drawer_bottom"), [CABINET])
+    assert [str(goal) for goal in there.requires] == [
+        "cabinet_two_drawers/drawer_bottom open",
+        "cabinet_two_drawers/drawer_top closed",
+    ]
+
+
+@pytest.mark.parametrize(("start", "goes"), [("drawer_top", "drawer_bottom"), ("drawer_bottom", "drawer_top")])
+def test_nothing_goes_from_a_drawer_into_one_over_or_under_it(start, goes):
+    pairs, _ = TEMPLATES["place"].proposals([CABINET, stowed(start)], [])
+    refusals = {p.goal.part: p.impossible() for p in pairs if p.thing.id == "battery_pack"}
+    assert refusals[goes] is not None and "one over the other" in refusals[goes].reason
+    assert refusals[start] is None
+
+
 def test_what_lies_in_no_drawer_is_reached_where_it_is():
     pack = thing("battery_pack", (0.3, -0.1), role="content")
     there = reached(pack, [CABINET])

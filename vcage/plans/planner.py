@@ -1,7 +1,8 @@
 """Finds the shortest chain of sub-tasks that brings about goals in their order, and checks any chain for it.
 
 Every goal is brought about by a step of the chain, and in its turn: what happened to be true at the start has not been
-done, and what was done too early has not been done in order. What the chain opened on its own account is closed again.
+done, and what was done too early has not been done in order. Nothing is done but what is asked for or needed for it:
+what had to be opened is closed again where a goal or a later step needs it closed, else it stays open.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from collections import deque
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from vcage.plans.actions import Action, State, lasting, supersedes
+from vcage.plans.actions import HOLDING, Action, State, lasting
 from vcage.schema.goals import Goal
 from vcage.schema.plan import TABLE
 
@@ -32,11 +33,8 @@ class Task:
 
     @property
     def final(self) -> frozenset[Goal]:
-        """What must be true at the end: the goals that last, and every part as it was that no goal speaks of."""
-        last = lasting(self.steps)
-        parts = (g for g in self.initial if g.relation in ("open", "closed"))
-        asked = [g for step in self.steps for g in step]
-        return frozenset([*last, *(g for g in parts if not any(supersedes(a, g) for a in asked))])
+        """The goals that must be true at the end."""
+        return frozenset(lasting(self.steps))
 
 
 @dataclass(frozen=True)
@@ -96,24 +94,25 @@ def _names(came: Mapping[_Node, tuple[_Node, str] | None], node: _Node) -> list[
 
 def _useful(task: Task, actions: Sequence[Action]) -> list[Action]:
     """The actions that a chain may need: those that bring about a goal, or what such an action needs, and so on."""
-    wanted = set(task.final).union(*task.steps)
-    movable = {g.subject for g in task.initial if g.relation in ("inside", "on")}
+    wanted = set[Goal]().union(*task.steps)
     found: list[Action] = []
     left = list(actions)
     while True:
-        bare = {name for a in found for name in (a.moves, a.empty) if name is not None}
-        lying = task.initial.union(*(a.adds for a in found))
-        laden = {g.subject for g in lying if g.relation in ("inside", "on") and g.reference in bare} & movable
+        laden = _in_the_way(task, found)
         more = [a for a in left if a.adds & wanted or (a.moves in laden and _sets_aside(a))]
         if not more:
             return found
         found += more
         left = [a for a in left if a not in more]
-        for action in more:
-            wanted |= action.requires
-            wanted |= {
-                g for g in task.initial if any(supersedes(new, g) and g.relation == "closed" for new in action.adds)
-            }
+        wanted = wanted.union(*(action.requires for action in more))
+
+
+def _in_the_way(task: Task, actions: Sequence[Action]) -> set[str]:
+    """Objects that may lie in or on what some actions need bare."""
+    movable = {g.subject for g in task.initial if g.relation in HOLDING}
+    bare = {name for a in actions for name in (a.moves, a.empty) if name is not None}
+    lying = task.initial.union(*(a.adds for a in actions))
+    return {g.subject for g in lying if g.relation in HOLDING and g.reference in bare} & movable
 
 
 def _sets_aside(action: Action) -> bool:

@@ -6,6 +6,7 @@ import numpy as np
 
 from vcage.base.memory import remembered
 from vcage.schema.asset import FunctionalPoint
+from vcage.schema.goals import Goal, part_that
 from vcage.schema.subtasks import Check
 from vcage.sim.joints import link_poses
 from vcage.tasks.scene_objects import SceneObject
@@ -31,6 +32,22 @@ def access(receptacle: SceneObject, point: FunctionalPoint) -> Check:
         message = f"the {lid.replace('_', ' ')} of {receptacle.record.phrase} is closed"
         return Check(name="way_free", passed=False, message=message)
     return Check(name="way_free", passed=True, message=f"{where} is open at the top")
+
+
+def open_to_a_hand(thing: SceneObject, part: str) -> list[Goal]:
+    """Goals that must be true before a hand gets into a part: it is open, and drawers above it are closed."""
+    return [Goal(subject=thing.id, relation="open", part=part), *shut_above(thing, part)]
+
+
+def shut_above(thing: SceneObject, part: str) -> list[Goal]:
+    """Goals that no drawer above a part hangs out over it."""
+    asset = thing.asset
+    height = asset.bounds_of(part)[0, 2]
+    above = [
+        link.name for link in asset.model.links
+        if part_that("open", link.name) and link.joint.kind == "slide" and asset.bounds_of(link.name)[0, 2] > height
+    ]  # fmt: skip
+    return [Goal(subject=thing.id, relation="closed", part=name) for name in above]
 
 
 @remembered(256)

@@ -14,6 +14,7 @@ from vcage.schema.asset import FunctionalPoint
 from vcage.schema.goals import Goal, part_words
 from vcage.schema.robot import Robot
 from vcage.sim.joints import joint_index, joint_positions
+from vcage.tasks.access import open_to_a_hand
 from vcage.tasks.feasibility import hand_has_room
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import allocate, opened_for
@@ -68,7 +69,7 @@ class Reached:
     Args:
         thing: where it is then.
         others: all other objects, as they are then.
-        requires: what must be open for that.
+        requires: what must be open for that, and what closed.
     """
 
     thing: SceneObject
@@ -89,8 +90,7 @@ def reached(thing: SceneObject, others: Sequence[SceneObject]) -> Reached:
     if part is None or holder is None or point is None:
         return Reached(thing, list(others), [])
     moved = {o.id: o for o in with_part([holder, thing, *(o for o in others if o is not holder)], holder.id, part)}
-    requires = [Goal(subject=holder.id, relation="open", part=part)]
-    return Reached(moved[thing.id], [moved[o.id] for o in others], requires)
+    return Reached(moved[thing.id], [moved[o.id] for o in others], open_to_a_hand(holder, part))
 
 
 def with_part(objects: Sequence[SceneObject], name: str, part: str, position: float | None = None) -> list[SceneObject]:

@@ -12,6 +12,7 @@ from vcage.schema.goals import Goal, GoalWord, part_that
 from vcage.schema.subtasks import Refusal, Subtask, TemplateName
 from vcage.sim.joints import joint_index, joint_positions
 from vcage.sim.kinematics import ArmKinematics
+from vcage.tasks.access import shut_above
 from vcage.tasks.feasibility import examine_operation
 from vcage.tasks.ground import Ground
 from vcage.tasks.scene_objects import SceneObject
@@ -111,14 +112,7 @@ class Operable(Proposal):
         opposite = self.template.opposite
         if opposite is None:
             return []
-        model, asset = self.thing.asset.model, self.thing.asset
-        height = asset.bounds_of(self.part)[0, 2]
-        above = [
-            link.name for link in model.links
-            if part_that("open", link.name) and link.joint.kind == "slide" and asset.bounds_of(link.name)[0, 2] > height
-        ]  # fmt: skip
-        shut = [Goal(subject=self.thing.id, relation="closed", part=name) for name in above]
-        return [Goal(subject=self.thing.id, relation=opposite, part=self.part), *shut]
+        return [Goal(subject=self.thing.id, relation=opposite, part=self.part), *shut_above(self.thing, self.part)]
 
     def _at(self, position: float) -> SceneObject:
         """The object with the part at a position."""

@@ -18,7 +18,7 @@ from vcage.schema.asset import FunctionalPoint
 from vcage.schema.goals import EventWord, Goal, StateWord, part_words
 from vcage.schema.subtasks import Check, PairQuestion, Refusal, Subtask, TemplateName
 from vcage.sim.kinematics import ArmKinematics
-from vcage.tasks.access import access
+from vcage.tasks.access import access, open_to_a_hand
 from vcage.tasks.feasibility import Feasibility, Transfer, best_first, examine, fits
 from vcage.tasks.ground import Ground
 from vcage.tasks.passing import examine_detour
@@ -141,7 +141,14 @@ class Pair(Proposal):
         return here == (self.thing.id, self.receptacle.id, self.point.id) and {*subtask.goals} == {*self.goals}
 
     def impossible(self) -> Refusal | None:
-        """A place that is not open to above, or too small."""
+        """A place that is not open to above, or too small, or in a drawer above or below the object's own."""
+        own = self.thing.record.container_part
+        if own is not None and self.thing.record.container == self.receptacle.id:
+            needs = {*self._requires(), *open_to_a_hand(self.receptacle, own)}
+            if any(g.relation == "open" and g.model_copy(update={"relation": "closed"}) in needs for g in needs):
+                return self.refusal(
+                    f"it lies in the {part_words(own)}: no hand gets into two drawers, one over the other"
+                )
         check = access(self._opened, self.point)
         if check.passed:
             check = fits(self.thing, self.receptacle, self.point)
@@ -218,9 +225,9 @@ class Pair(Proposal):
         return phrase if self.point.link is None else f"{part_words(self.point.link)} of the {phrase}"
 
     def _requires(self) -> list[Goal]:
-        """That what keeps the place in is open."""
+        """That what keeps the place in is open, with nothing over it."""
         part = kept_in_by(self.receptacle, self.point.id)
-        return [] if part is None else [Goal(subject=self.receptacle.id, relation="open", part=part)]
+        return [] if part is None else open_to_a_hand(self.receptacle, part)
 
     def _subtask(
         self,
@@ -241,7 +248,7 @@ class Pair(Proposal):
             functional_point=self.point.id,
             grasps=grasps,
             hand_to=hand_to,
-            requires=[*self._requires(), *taken_from],
+            requires=list(dict.fromkeys([*self._requires(), *taken_from])),
             goals=self.goals,
             checks=checks,
         )
