@@ -99,6 +99,49 @@ def test_a_side_that_a_description_tells_may_be_said():
     assert described.complaints("Put the apple on the right plate.")
 
 
+def starting(word: str, holder: str, part: str | None = None) -> Description:
+    return Description(subject="apple", relation=word, reference=holder, part=part, words="it")  # pyrefly: ignore
+
+
+FROM_TOP, OUT_OF_MUG = starting("inside", "cabinet", "drawer_top"), starting("inside", "mug")
+
+
+@pytest.mark.parametrize(
+    ("told", "sentence"),
+    [
+        (FROM_TOP, "Put the apple from the top drawer of the cabinet on the plate."),
+        (FROM_TOP, "Take the apple out of the top drawer and set it on the plate."),
+        (FROM_TOP, "The apple in the top drawer of the cabinet goes on the plate."),
+        (OUT_OF_MUG, "Get the apple out of the mug and put it on the plate."),
+        (starting("on", "scale"), "Move the apple from the scale onto the plate."),
+    ],
+)
+def test_a_sentence_that_says_where_a_thing_is_taken_from_is_taken(told, sentence):
+    assert task(ON, descriptions=[told]).complaints(sentence) == []
+
+
+@pytest.mark.parametrize(
+    ("told", "sentence"),
+    [
+        (FROM_TOP, "Put the apple on the plate."),
+        (FROM_TOP, "Put the apple from the cabinet on the plate."),
+        (FROM_TOP, "Put the apple from the bottom drawer of the cabinet on the plate."),
+        (OUT_OF_MUG, "Put the apple on the plate."),
+        (OUT_OF_MUG, "Put the apple beside the mug on the plate."),
+    ],
+)
+def test_a_sentence_must_say_where_a_thing_is_taken_from(told, sentence):
+    complaints = task(ON, descriptions=[told]).complaints(sentence)
+    assert any("does not say that the red apple is taken from" in complaint for complaint in complaints)
+
+
+def test_the_thing_that_one_is_taken_from_may_be_where_it_goes():
+    move = task((1, ("apple", "inside", "cabinet", "drawer_bottom")), descriptions=[FROM_TOP])
+    said = "Put the apple from the {} drawer of the cabinet into the {} drawer of the cabinet."
+    assert move.complaints(said.format("top", "bottom")) == []
+    assert move.complaints(said.format("bottom", "top"))
+
+
 def test_sentences_are_reviewed_each_once():
     good = "Put the apple on the plate."
     assert task(ON).reviewed([good, "Put the pear on the plate.", good]) == [good]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from tests.models.test_wordings import BOTTOM, LEFT, ON, STEPS, TOP, task
+from tests.models.test_wordings import BOTTOM, LEFT, ON, STEPS, TOP, starting, task
 from tests.objects.test_scene_names import look
 from vcage.models.wordings import TaskToWord
 from vcage.schema.goals import AskedGoal, Description, goal_of
@@ -54,6 +54,30 @@ def test_one_of_two_alike_is_called_by_its_description():
     left = Description(subject="pen_0", relation="left_of", reference="pen_1", words="the left pen")
     found = template_wordings(pens("red", "red", into=1, descriptions=[left]))
     assert "Put the left marker pen into the packaging box." in found
+
+
+def test_what_starts_in_a_drawer_or_a_mug_is_taken_from_there():
+    drawer = starting("inside", "cabinet", "drawer_top")
+    assert template_wordings(task(ON, descriptions=[drawer]))[:4] == [
+        "Put the red apple from the top drawer of the white two-drawer cabinet onto the white plate.",
+        "Put the apple from the top drawer of the two-drawer cabinet onto the plate.",
+        "Take the red apple out of the top drawer of the white two-drawer cabinet and put it onto the white plate.",
+        "Take the apple out of the top drawer of the two-drawer cabinet and put it onto the plate.",
+    ]
+    mug = template_wordings(task(ON, descriptions=[starting("inside", "mug")]))
+    assert mug and all("from the" in text or "out of the" in text for text in mug)
+
+
+def test_two_things_from_two_places_are_asked_for_one_by_one():
+    pear = (1, ("pear", "on", "plate"))
+    lying = [starting("inside", "mug"), starting("on", "scale").model_copy(update={"subject": "pear"})]
+    found = template_wordings(task(ON, pear, descriptions=lying))
+    assert (
+        found[1]
+        == "Put the apple from the mug onto the plate and put the pear from the electronic scale onto the plate."
+    )
+    assert "Take the apple out of the mug and put it onto the plate" in found[3]
+    assert "take the pear off the electronic scale and put it onto the plate" in found[3]
 
 
 def test_goals_of_one_step_are_joined_by_and_those_of_several_by_then():

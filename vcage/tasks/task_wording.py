@@ -7,9 +7,9 @@ from itertools import groupby, zip_longest
 
 from vcage.base.text import listed
 from vcage.models.wordings import TaskToWord
-from vcage.schema.goals import AskedGoal, Goal
+from vcage.schema.goals import AskedGoal, Description, Goal, part_words
 from vcage.schema.plan import TABLE
-from vcage.tasks.wording import by_arm, in_one_sentence, worded
+from vcage.tasks.wording import Source, by_arm, in_one_sentence, worded
 
 
 def template_wordings(task: TaskToWord, pushed: Collection[Goal] = ()) -> list[str]:
@@ -23,19 +23,20 @@ def template_wordings(task: TaskToWord, pushed: Collection[Goal] = ()) -> list[s
     steps = [[*group] for _, group in groupby(sorted(task.goals, key=lambda a: a.step), key=lambda a: a.step)]
     found = list[Sequence[str]]()
     for short in (False, True):
-        parts = [[_part_wordings(task, part, short, pushed) for part in _together(step)] for step in steps]
+        parts = [[_part_wordings(task, part, short, pushed) for part in _together(task, step)] for step in steps]
         if all(texts for step in parts for texts in step):
             found.append(in_one_sentence(parts))
     return task.reviewed([text for pair in zip_longest(*found) for text in pair if text is not None])
 
 
-def _together(step: Sequence[AskedGoal]) -> Iterator[list[AskedGoal]]:
-    """Goals that one command asks for: several objects that go to one place."""
+def _together(task: TaskToWord, step: Sequence[AskedGoal]) -> Iterator[list[AskedGoal]]:
+    """Goals that one command asks for: several objects that go from one place to one place."""
     places: dict[object, list[AskedGoal]] = {}
     for number, asked in enumerate(step):
-        goal = asked.goal
+        goal, told = asked.goal, task.sources.get(asked.goal)
         alone = number if goal.reference is None or goal.relation == "handed" else None
-        places.setdefault((goal.relation, goal.reference, goal.part, asked.arm, alone), []).append(asked)
+        source = told and (told.relation, told.reference, told.part)
+        places.setdefault((goal.relation, goal.reference, goal.part, asked.arm, source, alone), []).append(asked)
     yield from places.values()
 
 
@@ -44,10 +45,13 @@ def _part_wordings(task: TaskToWord, part: Sequence[AskedGoal], short: bool, pus
     goal, arm = part[0].goal, part[0].arm
     thing = _thing(task, [asked.goal.subject for asked in part], short)
     place = _place(task, goal, short)
-    if thing is None or place is None:
+    told = task.sources.get(goal)
+    holder = _holder(task, told, short) if told else ""
+    if thing is None or place is None or holder is None:
         return []
     by_push = all(asked.goal in pushed for asked in part)
-    texts = worded(goal, thing, place, several=len(part) > 1, pushed=by_push)
+    source = Source("out of" if told.relation == "inside" else "off", holder) if told else None
+    texts = worded(goal, thing, place, several=len(part) > 1, pushed=by_push, source=source)
     return by_arm(texts, arm) if arm is not None else texts
 
 
@@ -74,6 +78,12 @@ def _names(task: TaskToWord, ids: Sequence[str], short: bool) -> Iterator[str | 
             yield from _names(task, group, short=False)
         else:
             yield None
+
+
+def _holder(task: TaskToWord, told: Description, short: bool) -> str | None:
+    """Name what something is taken from; None where that has no clear name."""
+    name = _thing(task, [told.reference], short)
+    return name if name is None or told.part is None else f"the {part_words(told.part)} of {name}"
 
 
 def _place(task: TaskToWord, goal: Goal, short: bool) -> str | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from typing import Literal, NamedTuple
 
 from vcage.schema.goals import Goal, part_words
 
@@ -68,7 +69,16 @@ def push_wordings(goal: Goal, phrases: Mapping[str, str]) -> list[str]:
     return worded(goal, *_named(goal, phrases), pushed=True)
 
 
-def worded(goal: Goal, thing: str, place: str, *, several: bool = False, pushed: bool = False) -> list[str]:
+class Source(NamedTuple):
+    """What something is taken out of or off, by its name with an article."""
+
+    out: Literal["out of", "off"]
+    holder: str
+
+
+def worded(
+    goal: Goal, thing: str, place: str, *, several: bool = False, pushed: bool = False, source: Source | None = None
+) -> list[str]:
     """Sentences that ask for a goal of something, the plainest first.
 
     Args:
@@ -76,22 +86,29 @@ def worded(goal: Goal, thing: str, place: str, *, several: bool = False, pushed:
         thing, place: what to call its subject and its reference, with their articles.
         several: whether the subject is more than one object.
         pushed: whether it is brought about by a push.
+        source: what the subject is taken from, where that is to be said.
     """
+    whole = thing if source is None else f"{thing} from {source.holder}"
     if goal.relation not in _PREPOSITIONS:
-        part = thing if goal.part is None else _part(goal.part, thing)
+        part = whole if goal.part is None else _part(goal.part, thing)
         return [p.format(part, part[0].upper() + part[1:], goal.reference) for p in _PATTERNS[goal.relation].split("|")]
     place = _part(goal.part, place) if goal.part else place
     preps = _PREPOSITIONS[goal.relation]
     if pushed:
-        commands = [f"{move} {thing} {prep} {place}." for prep in preps for move in _PUSHES]
-        return [*commands, f"Could you push {thing} {preps[0]} {place}?", f"Please slide {thing} {preps[0]} {place}."]
-    commands = [f"{move} {thing} {prep} {place}." for prep in preps for move in _MOVES[: 7 if prep == preps[0] else 3]]
-    wishes = [
-        f"Pick up {thing} and put {'them' if several else 'it'} {preps[0]} {place}.",
-        f"T{thing[1:]} {'go' if several else 'goes'} {preps[1]} {place}.",
-        f"Could you put {thing} {preps[1]} {place}?",
+        commands = [f"{move} {whole} {prep} {place}." for prep in preps for move in _PUSHES]
+        return [*commands, f"Could you push {whole} {preps[0]} {place}?", f"Please slide {whole} {preps[0]} {place}."]
+    then = f"and put {'them' if several else 'it'} {preps[0]} {place}"
+    taken = [] if source is None else [f"Take {thing} {source.out} {source.holder} {then}."]
+    first, *others = preps
+    return [
+        f"{_MOVES[0]} {whole} {first} {place}.",
+        *taken,
+        *(f"{move} {whole} {first} {place}." for move in _MOVES[1:]),
+        *(f"{move} {whole} {prep} {place}." for prep in others for move in _MOVES[:3]),
+        f"Pick up {whole} {then}.",
+        f"T{whole[1:]} {'go' if several else 'goes'} {preps[1]} {place}.",
+        f"Could you put {whole} {preps[1]} {place}?",
     ]
-    return [*commands, *wishes]
 
 
 def _named(goal: Goal, phrases: Mapping[str, str]) -> tuple[str, str]:

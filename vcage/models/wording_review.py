@@ -1,0 +1,216 @@
+"""The review of a sentence that may say a task: is it true of the scene, clear in it, and exactly what is asked for?"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from functools import cached_property
+from itertools import pairwise, takewhile
+from typing import TYPE_CHECKING
+
+from vcage.base.text import listed
+from vcage.base.words import COLOURS, NUMBERS, SIDES
+from vcage.models.goal_words import (
+    ASKS_MORE,
+    FIRST,
+    FROM,
+    IN_ORDER,
+    LIES,
+    NOT,
+    SAYS,
+    SIDE_WORDS,
+    VERB_TO_PART,
+    WITHIN,
+    levels,
+)
+from vcage.models.quantifiers import quantified
+from vcage.objects.mentions import names_in
+from vcage.objects.scene_names import Mention, words_of
+from vcage.schema.goals import OF_TWO, AskedGoal, Description, Goal, part_words
+from vcage.schema.plan import TABLE
+
+if TYPE_CHECKING:
+    from vcage.models.wordings import TaskToWord
+
+
+class Review:
+    """The review of one sentence.
+
+    Args:
+        task: that it may say.
+        sentence: in plain language.
+    """
+
+    def __init__(self, task: TaskToWord, sentence: str):
+        self._task, self._sentence = task, sentence
+        self._said = words_of(sentence)
+        self._mentions = task.names.mentions(sentence)
+        self._taken = {place for m in self._mentions for place in range(m.start, m.end)}
+        self._loose = {word for n, word in enumerate(self._said) if n not in self._taken}
+
+    def complaints(self) -> Iterator[str]:
+        """What keeps the sentence from being true of the scene, clear in it, and exactly what is asked for."""
+        for mention in self._mentions:
+            yield from self._unclear(mention)
+        for name in names_in(self._said, self._task.strangers, self._taken):
+            yield f"there is no {name!r}"
+        for asked in self._task.goals:
+            yield from self._unsaid(asked)
+        yield from self._unsourced()
+        yield from self._extra()
+        yield from self._out_of_order()
+        yield from self._other_range()
+
+    def _unclear(self, mention: Mention) -> Iterator[str]:
+        subjects = {asked.goal.subject for asked in self._task.goals}
+        if not mention.ids:
+            yield f"{mention.words!r}: there is none"
+        elif len(mention.ids) > 1 and not (mention.plural and mention.ids <= subjects):
+            yield f"{mention.words!r} may mean {listed(sorted(mention.ids))}"
+        elif not mention.ids <= self._task.spoken:
+            yield f"{mention.words!r} is nothing that the task is about"
+        elif mention.count not in (None, len(mention.ids)) or (mention.plural and len(mention.ids) == 1):
+            yield f"{mention.words!r}: there are {len(mention.ids)}"
+
+    # --- what is asked for -----------------------------------------------------------------------------
+
+    def _unsaid(self, asked: AskedGoal) -> Iterator[str]:
+        goal, says = asked.goal, SAYS[asked.goal.relation]
+        if not any(goal.subject in mention.ids for mention in self._mentions):
+            yield f"names no {self._task.phrases[goal.subject]}, of which {str(goal)!r} is asked"
+        elif not any(says & {*span} for span in self._spans(goal)):
+            yield f"does not say {str(goal)!r} in one of the words {listed(sorted(says))}"
+        elif goal.relation == "handed" and goal.reference not in self._loose:
+            yield f"does not say that the {goal.reference} arm has it then"
+        if goal.part is not None and not self._says_part(goal, part_words(goal.part)):
+            yield f"does not say which part: the {part_words(goal.part)}"
+        if asked.arm is not None and not (asked.arm in self._loose and {"arm", "hand", "gripper"} & self._loose):
+            yield f"does not say that the {asked.arm} arm does it"
+
+    def _unsourced(self) -> Iterator[str]:
+        for told in self._task.sources.values():
+            part = part_words(told.part).split() if told.part else []
+            if not any(told.reference in ids and {*part} <= {*words} for ids, words in self._left_by(told)):
+                thing, holder = self._task.phrases[told.subject], self._task.phrases[told.reference]
+                holder = f"{' '.join(part)} of the {holder}" if part else holder
+                yield f"does not say that the {thing} is taken from the {holder}"
+
+    def _left_by(self, told: Description) -> Iterator[tuple[Collection[str], list[str]]]:
+        """What a sentence says that an object is taken from, with the words between: "from the top drawer of the
+        cabinet", "out of the top drawer", or straight after the object "in the pot"."""
+        for number, mention in enumerate(self._mentions):
+            words = self._before(number)
+            after = number and told.subject in self._mentions[number - 1].ids and told.reference not in self._references
+            if {*words} & (FROM | LIES[told.relation] if after else FROM):
+                yield mention.ids, words
+        owners = [name for name, kind in self._task.things.items() if told.part in kind.moving_parts]
+        for number, word in enumerate(self._said):
+            if word in FROM and len(owners) == 1:
+                yield owners, [*takewhile(self._within.__contains__, self._said[number + 1 :])]
+
+    def _before(self, number: int) -> list[str]:
+        """The words that lead to a mention: articles, drawers, and the one before these."""
+        begun = self._mentions[number - 1].end if number else 0
+        words = self._said[begun : self._mentions[number].start]
+        return words[max((n for n, word in enumerate(words) if word not in self._within), default=0) :]
+
+    @cached_property
+    def _within(self) -> frozenset[str]:
+        """Words that may stand before the name of what something is taken from."""
+        parts = (part_words(told.part) for told in self._task.sources.values() if told.part)
+        return WITHIN.union(*(part.split() for part in parts))
+
+    def _says_part(self, goal: Goal, part: str) -> bool:
+        """Check if the sentence says which part is meant; with the goal itself where there are several."""
+        parts = {asked.goal.part for asked in self._task.goals if asked.goal.part is not None}
+        texts = map(" ".join, self._spans(goal)) if len(parts) > 1 else [" ".join(self._said)]
+        return any(levels(text) >= levels(part) for text in texts)
+
+    def _spans(self, goal: Goal) -> Iterator[list[str]]:
+        """The words that can say a goal: between a mention of its subject and the place that is named next, if that is
+        the goal's (where none follows, after the place that was named last); without a place, all from its verb on."""
+        if goal.reference != TABLE and goal.reference not in self._task.things:
+            verbs = [n for n, word in enumerate(self._said) if word in SAYS[goal.relation] and n not in self._taken]
+            yield from (self._said[n : n + VERB_TO_PART] for n in verbs)
+            return
+        for mention in self._mentions:
+            if goal.subject in mention.ids:
+                after = [place for place in self._places if place[0] >= mention.end and place[1] != mention.ids]
+                before = [place for place in self._places if place[0] < mention.start]
+                end, ids = after[0] if after else (len(self._said), before[-1][1] if before else frozenset())
+                if ids == {goal.reference}:
+                    yield self._said[mention.end : end]
+
+    @cached_property
+    def _references(self) -> set[str]:
+        return {name for asked in self._task.goals if (name := asked.goal.reference) is not None}
+
+    @cached_property
+    def _places(self) -> list[tuple[int, frozenset[str]]]:
+        """Where the sentence names a reference of a goal, and nothing is taken from it there."""
+        to = [m for n, m in enumerate(self._mentions) if not FROM & {*self._before(n)}]
+        found = [(m.start, m.ids) for m in to if m.ids & self._references]
+        if TABLE in self._references:
+            found += [(n, frozenset((TABLE,))) for n, word in enumerate(self._said) if word == TABLE]
+        return sorted(found, key=lambda place: place[0])
+
+    # --- what is not asked for -------------------------------------------------------------------------
+
+    def _extra(self) -> Iterator[str]:
+        allowed = self._allowed()
+        for word in sorted(self._loose):
+            if word in ASKS_MORE | SIDE_WORDS and word not in allowed:
+                yield f"{word!r} is not asked for"
+            elif word in COLOURS or (word in NUMBERS and word not in ("a", "an")):
+                yield f"{word!r} says nothing of an object that is named"
+        for level in levels(" ".join(self._loose)) - levels(" ".join(allowed)) - {"middle"}:
+            yield f"{level!r} is not asked for"
+        if NOT & self._loose and not self._task.untouched:
+            yield "nothing is to be left alone"
+        if {"arm", "arms", "gripper"} & self._loose and not self._armed():
+            yield "no arm is asked for"
+
+    def _armed(self) -> set[str]:
+        """The arms that the task speaks of."""
+        handed = {asked.goal.reference for asked in self._task.goals if asked.goal.relation == "handed"}
+        return {arm for arm in {asked.arm for asked in self._task.goals} | handed if arm is not None}
+
+    def _allowed(self) -> set[str]:
+        """Words of goals, sides and levels that something is asked for in, or described by."""
+        goals = [asked.goal for asked in self._task.goals]
+        found = {word for goal in goals for word in SAYS[goal.relation]} | self._armed()
+        for goal in goals:
+            found |= {*part_words(goal.part).split()} if goal.part else set()
+        for told in self._task.descriptions:
+            found |= {*told.relation.split("_")} | ({*part_words(told.part).split()} if told.part else set())
+        told_sides = {SIDES[word] for word in found if word in SIDES}
+        return found | {word for word, side in SIDES.items() if side in told_sides}
+
+    # --- order and range -------------------------------------------------------------------------------
+
+    def _out_of_order(self) -> Iterator[str]:
+        steps = sorted({asked.step for asked in self._task.goals})
+        ordered = IN_ORDER & self._loose
+        if len(steps) == 1 and (ordered or FIRST & self._loose):
+            yield "asks for an order, but the goals may come in any"
+        elif len(steps) > 1:
+            places = [[self._place(asked.goal) for asked in self._task.goals if asked.step == step] for step in steps]
+            if not ordered or any(max(a) > min(b) for a, b in pairwise(places)):
+                yield f"does not say the {len(steps)} steps in their order, with 'then'"
+
+    def _place(self, goal: Goal) -> int:
+        """Where the sentence asks for a goal."""
+        own = [m.start for m in self._mentions if goal.subject in m.ids]
+        said = [n for n, word in enumerate(self._said) if word in SAYS[goal.relation] and n not in self._taken]
+        return min(own if goal.relation in OF_TWO else said, default=0)
+
+    def _other_range(self) -> Iterator[str]:
+        ranging, subjects = self._task.ranges_over(self._sentence), {a.goal.subject for a in self._task.goals}
+        nouns = all(quantifier.noun for quantifier in quantified(self._sentence))
+        if self._task.quantified:
+            if ranging != self._task.quantified:
+                yield f"the instruction speaks of all of {listed(sorted(self._task.quantified))}, the sentence does not"
+        elif not nouns or not ranging <= subjects:
+            yield "speaks of all of something, the instruction does not"
+        missing = {*self._task.untouched} - {name for mention in self._mentions for name in mention.ids}
+        if missing or (self._task.untouched and not NOT & self._loose):
+            yield f"does not say that {listed(sorted(missing or self._task.untouched))} is to be left alone"
