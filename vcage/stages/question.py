@@ -139,7 +139,7 @@ def verdict(context: StageContext, scene: Scene, asking: Asking) -> Verdict:
 def _question(context: StageContext, scene: Scene, asking: Asking) -> CriticQuestion:
     goals, seen = asking.goals, asking.seen
     objects, taken_by = {o.id: o for o in context.objects(scene)}, cameras(scene, goals)
-    opened = _opened(goals, asking.requires)
+    opened = _opened(goals, asking.requires, asking.statements)
     if asking.background is not None:
         _view(asking.background, taken_by[TOP], "empty table")
 
@@ -159,7 +159,7 @@ def _question(context: StageContext, scene: Scene, asking: Asking) -> CriticQues
         opened=opened,
         parts={o.id: [link.name for link in o.asset.model.links] for o in objects.values()},
         rooms=_rooms(goals, objects, opened),
-        looks=_part_looks(goals, scene, context),
+        looks=_part_looks(goals, scene, context, opened),
         draw=draw,
         readings=readings,
         readers=[o.id for o in objects.values() if o.asset.annotation.faces_of("reader")],
@@ -197,13 +197,16 @@ def _view(picture: np.ndarray, camera: Camera, name: str) -> View:
     return View(picture, camera)
 
 
-def _part_looks(goals: Sequence[Goal], scene: Scene, context: StageContext) -> dict[str, Reference]:
+def _part_looks(
+    goals: Sequence[Goal], scene: Scene, context: StageContext, opened: Mapping[str, Sequence[str]]
+) -> dict[str, Reference]:
     """What each object with a part that a goal speaks of looks like before, by its id."""
-    of_parts = [goal for goal in goals if goal.relation in OF_A_PART and goal.part is not None]
-    return {
-        goal.subject: context.look(scene.object(goal.subject), [str(goal.part)] if goal.relation == "closed" else ())
-        for goal in of_parts
-    }
+    found = {}
+    for goal in goals:
+        if goal.relation in OF_A_PART and goal.part is not None:
+            own = [goal.part] if goal.relation == "closed" else []
+            found[goal.subject] = context.look(scene.object(goal.subject), [*opened.get(goal.subject, ()), *own])
+    return found
 
 
 def _rooms(
@@ -239,10 +242,11 @@ def _tops(objects: Iterable[SceneObject], table_height: float) -> list[float]:
     return [table_height + top for top in sorted({round(top, 2) for top in tops if top > SETTINGS.low_m})]
 
 
-def _opened(goals: Sequence[Goal], requires: Sequence[Goal]) -> dict[str, list[str]]:
+def _opened(goals: Sequence[Goal], requires: Sequence[Goal], statements: Sequence[Statement]) -> dict[str, list[str]]:
     """The parts that are open before and after, by the plan: by the object that they belong to."""
+    stays = [statement.goal for statement in statements if statement.goal is not None]
     found: dict[str, list[str]] = {}
-    for goal in (*requires, *(g for g in goals if g.relation == "inside" and g.part)):
+    for goal in (*requires, *stays, *(g for g in goals if g.relation == "inside" and g.part)):
         owner = goal.subject if goal.relation == "open" else goal.reference
         if goal.relation in ("open", "inside") and goal.part and owner:
             found.setdefault(owner, []).append(goal.part)

@@ -11,7 +11,7 @@ from vcage.base.errors import InfeasibleScene, NoFeasibleTask
 from vcage.models.protocols import Reasoner
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import SlotAnswer, SlotQuestion, Subtask
-from vcage.tasks.choosing import checked, filled, slot_questions
+from vcage.tasks.choosing import checked, filled, slot_questions, watched
 from vcage.tasks.readiness import ready_for
 from vcage.tasks.rehearsal import proven
 from vcage.tasks.scene_objects import SceneObject
@@ -55,8 +55,8 @@ def with_chosen_slots(
         else [SlotAnswer(subtask=question.subtask) for question in flat]
     )
     found = []
-    for chain in chains:
-        told = [next(answers) for _ in chain]
+    for chain, questions in zip(chains, asked, strict=True):
+        told = [watched(subtask, question, next(answers)) for subtask, question in zip(chain, questions, strict=True)]
         if scene.goals:
             found.append(_proven(chain, told, kept, scene, objects, rng))
         else:  # what is alone has been proven by the search

@@ -91,6 +91,20 @@ def checked(chain: Sequence[Subtask], answers: Sequence[SlotAnswer]) -> list[Sub
     return [s.model_copy(update={"statements": a.statements}) for s, a in zip(chain, answers, strict=True)]
 
 
+def watched(subtask: Subtask, question: SlotQuestion, answer: SlotAnswer) -> SlotAnswer:
+    """An answer that also wants checked which other parts of the things that the sub-task handles stay open: what they
+    look like depends on it.
+
+    Args:
+        subtask: that is asked about.
+        question: with all that it leaves true.
+        answer: of the reasoner.
+    """
+    things = {subtask.object, subtask.receptacle, subtask.grasped}
+    hanging = [s for s in question.statements if s.word == "open" and s.subject in things]
+    return answer.model_copy(update={"statements": list(dict.fromkeys([*answer.statements, *hanging]))})
+
+
 def as_chosen(found: Subtask, subtask: Subtask) -> Subtask:
     """A sub-task that was looked for anew, with what had been chosen of it.
 
