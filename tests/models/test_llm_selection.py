@@ -11,6 +11,7 @@ from vcage.base.errors import ModelRefused, NoAssetFits
 from vcage.models.llm_reasoner import LlmReasoner
 from vcage.models.search import LexicalSearch
 from vcage.objects.catalogue import catalogue_text
+from vcage.objects.library import Library
 from vcage.schema.plan import Selection
 
 TASK = "Put the apple on the plate"
@@ -71,6 +72,13 @@ def test_a_wrong_choice_goes_back_with_what_is_wrong(wrong: dict, complaint: str
     who = Scripted(select_assets=[wrong, GOOD])
     assert [o.asset for o in select(who).objects] == ["apple", "plate"]
     assert complaint in who.complaints()
+
+
+def test_a_cabinet_alone_is_enough_to_open_or_close_its_drawers() -> None:
+    who = Scripted(select_assets=[selected(chosen("cabinet_two_drawers/white", "receptacle"))])
+    catalogue = [entry for entry in Library.load().entries() if entry.name == "cabinet_two_drawers"]
+    assert [o.asset for o in select(who, catalogue).objects] == ["cabinet_two_drawers"]
+    assert len(who.asked) == 1
 
 
 def test_what_the_check_objects_to_goes_back_within_the_rounds() -> None:

@@ -5,7 +5,7 @@ It sees the catalogue whole, or of a large one what it searches for.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
 from vcage.base.commands import vcage_command
@@ -86,7 +86,8 @@ def select_assets(
     answer = narrowed(_SelectionAnswer, objects=list[item])
     lines = [catalogue_line(entry) for entry in catalogue]
     prompt = prompts.fill("select_assets", instruction=instruction, scene=_place(scene), catalogue=lines, legend=LEGEND)
-    found = ask(prompt, answer, lambda a: _complaints(a, check))
+    operable = {entry.name for entry in catalogue if entry.moving_parts}
+    found = ask(prompt, answer, lambda a: _complaints(a, operable, check))
     if found.missing:
         listed = " and ".join(repr(name) for name in found.missing)
         raise NoAssetFits(
@@ -149,11 +150,12 @@ def _search_complaints(answer: _SearchAnswer, settings: CatalogueSettings) -> li
     return found
 
 
-def _complaints(answer: _SelectionAnswer, check: SelectionCheck) -> list[str]:
+def _complaints(answer: _SelectionAnswer, operable: Collection[str], check: SelectionCheck) -> list[str]:
     if answer.missing:
         return ["objects: is not empty, although missing says that nothing fits"] if answer.objects else []
-    roles = {chosen.role for chosen in answer.objects}
-    found = [] if "content" in roles else ["objects: none has the role 'content', so there is nothing to move"]
+    found = []
+    if not any(_gives_work(chosen, operable) for chosen in answer.objects):
+        found.append("objects: none has the role 'content' or is a receptacle with moving parts: nothing is to do")
     found += starting_complaints((chosen.look.partition("/")[0], chosen.starts_in) for chosen in answer.objects)
     found += [
         f"objects: {chosen.look} starts in the part {chosen.starts_in_part!r} of nothing: say the thing in starts_in"
@@ -161,6 +163,11 @@ def _complaints(answer: _SelectionAnswer, check: SelectionCheck) -> list[str]:
         if chosen.starts_in_part and not chosen.starts_in
     ]
     return found or list(check(_selection(answer)))
+
+
+def _gives_work(chosen: _ChosenObject, operable: Collection[str]) -> bool:
+    """Check if something can be done with an object: it is moved, or a part of it is."""
+    return chosen.role == "content" or (chosen.role == "receptacle" and chosen.look.partition("/")[0] in operable)
 
 
 def _selection(answer: _SelectionAnswer) -> Selection:
