@@ -9,7 +9,7 @@ import numpy as np
 from tests.scenes import GROUND, block_and_plate, kinematics, sensible, subtask, thing
 from vcage.schema.goals import goal_of
 from vcage.schema.subtasks import Grasp, Preference, SlotAnswer, SlotQuestion, Statement, Subtask
-from vcage.tasks.choosing import as_chosen, filled, preferred_first, slot_questions
+from vcage.tasks.choosing import as_chosen, filled, preferred_first, slot_questions, watched
 from vcage.tasks.rehearsal import examined
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import action_of, find_subtasks, initial_state
@@ -143,3 +143,15 @@ def test_of_what_is_put_away_with_its_contents_neither_is_said_to_be_unmoved():
 def test_a_statement_reads_as_a_goal_does():
     assert Statement(subject="c", word="open", part="lid").goal == goal_of(["c", "open", None, "lid"])
     assert str(STILL) == "plate unmoved" and STILL.goal is None
+
+
+def test_what_else_hangs_open_of_the_handled_thing_is_checked_too():
+    both = tuple(link.joint.far_end for link in thing("cabinet_two_drawers").asset.model.links)
+    cabinet = thing("cabinet_two_drawers", (0.0, 0.06))
+    cabinet = cabinet.moved(cabinet.pose, both)
+    shut = [goal_of([cabinet.id, "closed", None, "drawer_top"])]
+    step = subtask(cabinet.id, template="close", goals=shut)
+    (question,) = asked([step], {}, [cabinet])
+    told = watched(step, question, SlotAnswer(subtask=step.id))
+    assert [str(s) for s in told.statements] == [f"{cabinet.id}/drawer_bottom open"]
+    assert watched(step, question, told) == told
