@@ -130,11 +130,11 @@ def starting_as_described(
     """The objects, starting in or on what they are described to lie in or on; and what contradicts that, a sentence
     each."""
     named = dict.fromkeys(name for d in descriptions for name in (d.subject, d.reference))
-    strangers = [name for name in named if name not in {TABLE, *(o.id for o in objects)}]
+    known = {TABLE, *(o.id for o in objects)}
     holding = [d for d in descriptions if d.relation in HOLDING]
     by_thing = {d.subject: d for d in holding if d.reference != TABLE}
     by_table = {d.subject: d for d in holding if d.reference == TABLE}
-    complaints = [f"there is no object {name!r}" for name in strangers]
+    complaints = [f"there is no object {name!r}" for name in named if name not in known]
     for o in objects:
         complaints += _contradictions(o, by_thing.get(o.id), by_table.get(o.id))
     return [_starting(o, by_thing.get(o.id)) for o in objects], complaints

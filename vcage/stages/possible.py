@@ -10,6 +10,7 @@ import numpy as np
 from vcage.base.errors import UnknownName
 from vcage.base.geometry import Pose
 from vcage.plans.plain_words import in_words
+from vcage.schema.asset import FunctionalPoint
 from vcage.schema.base import PoseRecord, box_record
 from vcage.schema.goals import Goal
 from vcage.schema.plan import TABLE
@@ -184,15 +185,19 @@ def _require_on_table(path: Path, scene: Scene, objects: Sequence[SceneObject]) 
 def _require_containers(path: Path, objects: Sequence[SceneObject]) -> None:
     """That ``container`` names what each object lies in or on, which is what goals and plans start from."""
     for number, o in enumerate(objects):
-        points = {other.id: resting_point(o, other) for other in objects if other is not o}
-        bearers, named = [name for name, point in points.items() if point is not None], o.record.container
-        if named not in (bearers or [None]):
+        bearers, named = _bearers(o, objects), o.record.container
+        if named not in ([*bearers] or [None]):
             found = f"{named!r}, but {o.id} lies in or on {' or '.join(bearers) or 'no object'}"
             refuse(path, f"objects.{number}.container", found, " or ".join(map(repr, bearers)) or "null")
-        point = points.get(named or "")
-        part = None if point is None else point.link
+        part = None if named is None else bearers[named].link
         if o.record.container_part != part:
             refuse(path, f"objects.{number}.container_part", repr(o.record.container_part), repr(part or "null"))
+
+
+def _bearers(o: SceneObject, objects: Sequence[SceneObject]) -> dict[str, FunctionalPoint]:
+    """The functional points that an object rests at, by the id of what has them."""
+    points = {other.id: resting_point(o, other) for other in objects if other is not o}
+    return {name: point for name, point in points.items() if point is not None}
 
 
 def _require_descriptions(path: Path, scene: Scene, objects: Sequence[SceneObject]) -> None:

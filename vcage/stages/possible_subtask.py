@@ -114,14 +114,19 @@ def _require_offered(path: Path, field: str, subtask: Subtask, scene: Scene, obj
         refuse(path, f"{field}.receptacle", repr(subtask.receptacle), "another than the object itself")
     if subtask.template == "hand_over" and subtask.hand_to is None:
         refuse(path, f"{field}.hand_to", "null", "the arm that it is handed to")
-    asked = {*subtask.goals, *(one.goal for one in scene.goals)}
-    offered = [p for template in TEMPLATES.values() for p in template.proposals(objects, asked)[0] if p.offers(subtask)]
+    offered = _offering(subtask, scene, objects)
     mine = [proposal for proposal in offered if subtask.template in proposal.templates]
     if not mine:
         _refuse_template(path, field, subtask, offered)
     refusals = [proposal.impossible() for proposal in mine]
     if all(refusals):
         refuse(path, field, str(refusals[0] and refusals[0].reason), "what is possible by size")
+
+
+def _offering(subtask: Subtask, scene: Scene, objects: Sequence[SceneObject]) -> list[Proposal]:
+    """All proposals of templates that a sub-task may be one of."""
+    asked = {*subtask.goals, *(one.goal for one in scene.goals)}
+    return [p for template in TEMPLATES.values() for p in template.proposals(objects, asked)[0] if p.offers(subtask)]
 
 
 def _refuse_template(path: Path, field: str, subtask: Subtask, offered: Sequence[Proposal]) -> NoReturn:

@@ -53,7 +53,7 @@ class _RuledOut(NamedTuple):
 def _ruled_out(goals: Sequence[AskedGoal], objects: Sequence[SceneObject]) -> list[_RuledOut]:
     """Each goal that no sensible proposal brings about, where something is known to prevent it."""
     proposals, refused, _ = sensible(objects, _all_sensible, [one.goal for one in goals])
-    able = {goal for proposal in proposals for goal in proposal.goals}
+    able = set[Goal]().union(*(proposal.goals for proposal in proposals))
     by_id = {o.id: o for o in objects}
     found = []
     for goal, one in {one.goal: one for one in goals if one.goal not in able}.items():
