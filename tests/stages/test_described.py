@@ -209,7 +209,7 @@ def test_it_goes_where_the_cabinet_goes_and_is_taken_out_of_the_open_drawer(tmp_
     for stage in (inpaint_plan, match, optimize, search_subtasks):
         stage.execute(run, OPTIONS, context)
     made = LaidOut(run, context)
-    assert [subtask.template for subtask in made.chain] == ["open", "set_down", "close"]
+    assert [subtask.template for subtask in made.chain] == ["open", "set_down"]
     layout = Layouts(made.scene, made.relations, made.chain, context).draw(np.random.default_rng(0))
     there = [o.moved(layout.poses[o.id]) for o in context.objects(made.scene)]
     assert untrue(made.scene, there) == []
