@@ -10,22 +10,7 @@ from vcage.base.words import COLOURS, DETERMINERS, NUMBERS, PARTS, lemma, tokens
 from vcage.objects.names import texts_of
 from vcage.schema.asset import CatalogueEntry
 
-_ASIDE = frozenset(
-    word
-    for line in (
-        "except but not no without sorry wait mean actually instead rather don't isn't aren't never nothing neither",
-        "nor unless leave only otherwise besides excluding skip forget oops scratch correction apart alone hang or",
-        "bar meant",
-    )
-    for word in line.split()
-)
-"""Words by which an instruction names what it does not ask for."""
 _LATIN = re.compile(r"[^\W\d_]")
-
-
-def is_plain(instruction: str) -> bool:
-    """Check if an instruction names only what it asks for: it takes nothing back and leaves nothing out."""
-    return not any(word in _ASIDE or word.endswith("n't") for word in tokens(instruction))
 
 
 def in_english(instruction: str, entries: Iterable[CatalogueEntry]) -> bool:

@@ -10,56 +10,89 @@ import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 
-from vcage.base.text import listed
 from vcage.base.word_classes import FUNCTION_WORDS, HANDLING, VERBS
+from vcage.base.text import listed
 from vcage.base.words import (
     ANYTHING,
     COLOURS,
     COUNTED,
     DETERMINERS,
-    HIGHEST,
-    LOWEST,
+    MASS_KINDS,
+    NO_PLURAL,
     NUMBERS,
     PARTS,
     lemma,
     same_word,
     tokens,
 )
-from vcage.models.plain_english import in_english, is_plain
+from vcage.models.asides import Asked, asked_part
+from vcage.models.clauses import Clauses
+from vcage.models.directions import plain_sides, stated, wrong_arms, wrong_drawers, wrong_sides
+from vcage.models.plain_english import in_english
 from vcage.models.quantifiers import left_over
 from vcage.objects.mentions import Noun, nouns
-from vcage.objects.names import has_colour, look_texts
+from vcage.objects.names import has_colour, look_texts, names_of
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import Description, Goal, Reading, goal_of
+from vcage.schema.plan import TABLE
 
 _MANY = frozenset(("each", "every", "all", "everything", "both", "another", "other", "others", "rest", "more", "any"))
 """Words by which "a mug" may be several."""
 
-_END = r"(?= of\b| side\b| and\b| then\b|$)"
-_SIDES: tuple[tuple[str, str, str], ...] = (
-    (rf"\b(?:to|on|at) (?:the|its) (?:far |very )?left{_END}|\bleft of\b", "left_of", "right_of"),
-    (rf"\b(?:to|on|at) (?:the|its) (?:far |very )?right{_END}|\bright of\b", "right_of", "left_of"),
-    (r"\bin front of\b", "in_front_of", "behind"),
-    (r"\bbehind\b", "behind", "in_front_of"),
-)
-"""Words for a side, the relation that they ask for, and the opposite one."""
-
-_WHICH = re.compile(r"\bthe (left|right)(?:most|hand| hand)? (?!arm\b|hand\b|gripper\b|side\b|of\b|one\b)\w+")
-_ARM = re.compile(r"\b(left|right) (?:arm|hand|gripper)\b")
-_TO_ARM = re.compile(r"\bto (?:the |its |your )?(left|right)\b(?! of\b| side\b)")
 _TOOLS = (("scan", "scanned"), ("weigh", "weighed"))
 """Verbs for which there is one goal."""
-_ROW = re.compile(r"\bfrom (?:the )?(?:left|right) to (?:the )?(?:left|right)\b")
-_WHICH_DRAWERS = frozenset(
-    ("both", "all", "each", "every", "other", "others", "same", "any", "drawers", "them", *COUNTED, "next", "last")
-)
-"""Words by which another drawer may be meant than one that is called top, middle or bottom."""
 _OPENING, _CLOSING = frozenset(("open", "opened", "opening")), frozenset(("close", "closed", "closing", "shut"))
 _PULLING, _PUSHING = frozenset(("up", "out", "lift", "ajar", "pull")), frozenset(("in", "back", "down", "push"))
 """Words for opening and closing, and words that may mean it."""
 _OPEN = frozenset((*ANYTHING, *_MANY, "anything", "something", "whatever", "them"))
 """Words by which objects are meant that no noun names."""
-_DRAWER = re.compile(rf"(?<!second )\b({'|'.join((*HIGHEST, *LOWEST, 'middle'))}) (?:drawer|shelf|compartment|one)\b")
+_ALONE = re.compile(
+    r"(?<!of )(?<!of the )\b(both|two|three|four|five)"
+    r"(?= (?:of (?:them|these|those)|in|into|on|onto|to|go|together|[,.;:!?])|$)"
+)
+"""Numbers that stand without a noun."""
+_ASIDE = ("left", "right", "leftmost", "rightmost", "between", "middle", "row")
+_AWAY = ("front", "back", "behind", "rear", "near", "nearer", "nearest", "far", "farther", "farthest", "furthest",
+         "closer", "closest", "between", "middle")  # fmt: skip
+_BY = ("beside", "next", "near", "nearby", "by", "close", "closest", "alongside", "adjacent", "with", "at", "against")
+_TELLING: Mapping[str, frozenset[str]] = {
+    **dict.fromkeys(("left_of", "right_of"), frozenset(_ASIDE)),
+    **dict.fromkeys(("in_front_of", "behind"), frozenset(_AWAY)),
+    **dict.fromkeys(("beside", "near"), frozenset(_BY)),
+    "center": frozenset(("middle", "center", "centre", "central")),
+    "inside": frozenset(("in", "inside", "into", "out", "from", "within", "of", "contains", "holding")),
+    "on": frozenset(("on", "off", "from", "top", "upon", "onto")),
+}
+"""Relations of descriptions → words of which one says so."""
+_MODIFIERS = frozenset(
+    ["of", "with", "that", "that's", "which", "which's", "whose", "you", "i", "we", "labelled", "marked", "called"]
+)
+"""Words after a noun by which it may be told from its likes."""
+_TO_READER = frozenset(
+    [
+        "ignore",
+        "disregard",
+        "override",
+        "forget",
+        "answer",
+        "respond",
+        "reply",
+        "output",
+        "print",
+        "json",
+        "prompt",
+        "instruction",
+        "instructions",
+        "schema",
+        "above",
+        "previous",
+        "prior",
+        "system",
+        "reveal",
+        "repeat",
+    ]
+)
+"""Words by which a text speaks to whoever reads it, and not of things."""
 
 
 def second_look(
@@ -88,14 +121,16 @@ def second_look(
     found += [f"{goal} is a goal, but true at the start already" for goal in dict.fromkeys(begun)]
     if not in_english(instruction, things.values()):
         return found
-    said = nouns(instruction, things.values())
-    found += left_over(instruction, things, spoken) + _unnamed(instruction, said, things, reading)
-    found += _wrong_parts(instruction, reading)
-    if is_plain(instruction):
-        found += _unanswered(instruction, things, reading, spoken) + _misnamed(said, things, spoken)
-        found += _miscounted(instruction, said, things, reading, spoken) + _wrong_sides(instruction, reading)
-        found += _wrong_doing(instruction, reading)
-    return found
+    task = asked_part(plain_sides(instruction), things.values())
+    said, named = nouns(task.text, things.values()), nouns(task.open_text, things.values())
+    found += left_over(instruction, things, spoken) + _unnamed(task.open_text, named, things, reading)
+    found += _unasked(instruction, named, reading, things) + _excluded(task, named, things, reading)
+    found += _unanswered(task.text, things, reading, spoken) + _misnamed(said, things, spoken)
+    found += _unclear(task.text, said, things, reading)
+    found += _miscounted(task.text, said, things, reading, spoken) + wrong_sides(task.text, said, things, reading)
+    found += wrong_drawers(task.text, things, reading) + wrong_arms(task.text, reading.goals)
+    found += _wrong_doing(task.text, reading) + Clauses(task.text, said, things, reading).complaints()
+    return list(dict.fromkeys(found))
 
 
 def unmet_names(instruction: str, catalogue: Iterable[CatalogueEntry], chosen: Collection[CatalogueEntry]) -> list[str]:
@@ -106,9 +141,10 @@ def unmet_names(instruction: str, catalogue: Iterable[CatalogueEntry], chosen: C
         catalogue: whose names are looked for.
         chosen: the kinds that were chosen, with no other look than the chosen one.
     """
-    if not in_english(instruction, chosen) or not is_plain(instruction):
+    if not in_english(instruction, chosen):
         return []
-    said = nouns(instruction, catalogue)
+    kinds = list(catalogue)
+    said = nouns(asked_part(instruction, kinds).text, kinds)
     return [
         f"the task names {noun.words!r}, but nothing is chosen that is called so"
         for noun in dict.fromkeys(said)
@@ -118,7 +154,7 @@ def unmet_names(instruction: str, catalogue: Iterable[CatalogueEntry], chosen: C
 
 def _spoken(things: Mapping[str, CatalogueEntry], reading: Reading) -> set[str]:
     """Ids of the objects that a reading speaks of, and of what they are scanned, weighed or presented with."""
-    named = {*_named(_stated(reading))}
+    named = {*_named(stated(reading))}
     done = {asked.goal.relation for asked in reading.goals}
     tools = {name for name, entry in things.items() if done & _done_with(entry)}
     return {*reading.untouched, *tools, *(name for name in things if name in named)}
@@ -213,109 +249,109 @@ def _all_known(words: Collection[str], said: Sequence[Noun]) -> bool:
 
 
 def _miscounted(
-    instruction: str,
-    said: Sequence[Noun],
-    things: Mapping[str, CatalogueEntry],
-    reading: Reading,
-    spoken: Collection[str],
+    text: str, said: Sequence[Noun], things: Mapping[str, CatalogueEntry], reading: Reading, spoken: Collection[str]
 ) -> list[str]:
     """Number words that do not match how many objects of that name the reading speaks of."""
-    subjects = {asked.goal.subject for asked in reading.goals}
-    times = Counter(noun.name for noun in said if _MANY.isdisjoint(tokens(instruction)))
-    found = list[str]()
+    goals = [asked.goal for asked in reading.goals]
+    subjects, words = {goal.subject for goal in goals}, text.split(" ")
+    times = Counter(noun.name for noun in said if _MANY.isdisjoint(words))
+    most = max(len({(g.subject, g.part) for g in goals}), len({(g.reference, g.part) for g in goals}))
+    found = [f"{n!r} is said, but the goals are about {most}" for n in _ALONE.findall(text) if most < NUMBERS[n]]
     counted = [noun for noun in said if noun.name and noun.name[-1] not in COUNTED]
-    for noun, number in ((noun, noun.number) for noun in counted if noun.number is not None):
+    for noun, number in ((noun, noun.number or _pair(words, noun)) for noun in counted):
         there, moved = len(_meant(noun, things, spoken)), len(_meant(noun, things, subjects))
-        if there < number:
+        if number is not None and there < number:
             found.append(f"{noun.words!r} asks for {number}, but the goals speak of {there}")
-        elif times[noun.name] == 1 and moved > number > 0:
+        elif number is not None and times[noun.name] == 1 and moved > number > 0:
             found.append(f"{noun.words!r} asks for {number}, but goals are given for {moved}")
     return found
 
 
-def _wrong_sides(instruction: str, reading: Reading) -> list[str]:
-    """Sides in the instruction that the reading does not say, or the other way round."""
-    text = " ".join(tokens(instruction))
-    handed = {asked.goal.reference for asked in reading.goals if asked.goal.relation == "handed"}
-    if handed and _ARM.search(text):
-        return []  # "from the left hand to the right one"
-    arms = {asked.arm for asked in reading.goals} | handed
-    wrong = [side for side in _WHICH.findall(text) if not _on_side(side, reading)]
-    return [
-        *_unsaid_sides(text, {one.relation for one in _stated(reading)}),
-        *(f"'the {side} …' is said, but no description has an object of a goal '{side}_of' another" for side in wrong),
-        *(f"'{arm} arm' is said, but no goal names that arm" for arm in _ARM.findall(text) if arm not in arms),
-    ]
+def _pair(words: Sequence[str], noun: Noun) -> int | None:
+    """Two, of "a pair of mugs" but not "a pair of scissors"."""
+    before = [word for word in words[max(noun.at - 3, 0) : noun.at] if word not in ("of", "the")]
+    return 2 if before[-1:] in (["pair"], ["couple"]) and noun.name[-1] not in NO_PLURAL else None
 
 
-def _unsaid_sides(text: str, relations: Collection[str]) -> list[str]:
-    """Words for a side that no relation of the reading says."""
-    if _ROW.search(text):
-        said = {"left_of", "right_of"}.intersection(relations)
-        return [] if said else ["a row from one side to the other is asked, but no goal says 'left_of' or 'right_of'"]
-    found = []
-    for pattern, word, opposite in _SIDES if "scanned" not in relations else ():  # in front of the scanner
-        if (said := re.search(pattern, text)) and word not in relations:
-            other = f", but {opposite!r}" if opposite in relations else ""
-            found.append(f"{said[0]!r} is asked, but no goal or description says {word!r}{other}")
+def _excluded(task: Asked, named: Sequence[Noun], things: Mapping[str, CatalogueEntry], reading: Reading) -> list[str]:
+    """Objects of goals that the instruction names only to leave them out."""
+    moved = {asked.goal.subject for asked in reading.goals}
+    used = moved.union(asked.goal.reference for asked in reading.goals)
+    found = list[str]()
+    for noun, among in [*((noun, used) for noun in task.excluded), *((noun, moved) for noun in task.kept)]:
+        asked_too = any(other.name == noun.name and {*noun.colours} <= {*other.colours} for other in named)
+        out = [name for name in _coloured(noun, things) if name in among and noun.name and not asked_too]
+        found += [f"{name} is in a goal, but the instruction leaves out {noun.words!r}" for name in out]
     return found
 
 
-def _stated(reading: Reading) -> list[Goal | Description]:
-    return [*(asked.goal for asked in reading.goals), *reading.descriptions]
+def _coloured(noun: Noun, things: Mapping[str, CatalogueEntry]) -> list[str]:
+    """The objects that a noun may mean, by its colours too."""
+    return [n for n in _meant(noun, things, things) if all(has_colour(things[n], colour) for colour in noun.colours)]
 
 
-def _wrong_doing(instruction: str, reading: Reading) -> list[str]:
-    """Verbs without the goal that they ask for, and things that are handed the wrong way."""
-    words, goals = tokens(instruction), [asked.goal for asked in reading.goals]
-    relations = {goal.relation for goal in goals}
-    found = [f"{v!r} is said, but no goal says {g!r}" for v, g in _TOOLS if v in words and g not in relations]
-    to = _TO_ARM.findall(" ".join(words))
-    handed = [goal.reference for goal in goals if goal.relation == "handed"]
-    return found + [
-        f"it is handed {arm!r}, but the instruction says 'to the {to[0]}'" for arm in handed if to and arm not in to
-    ]
+def _unclear(text: str, said: Sequence[Noun], things: Mapping[str, CatalogueEntry], reading: Reading) -> list[str]:
+    """Objects of goals that "the mug" means as well as another one of their kind, and that nothing tells apart."""
+    words, found = text.split(" "), list[str]()
+    used = {asked.goal.subject for asked in reading.goals}.union(asked.goal.reference for asked in reading.goals)
+    for noun in {noun.name: noun for noun in reversed(said)}.values():
+        if not _is_bare(noun, words) or any(o.name in (noun.name, ()) and o.words != noun.words for o in said):
+            continue
+        alike = [name for name in _meant(noun, things, things) if [*noun.name] in names_of(things[name]).all]
+        kinds = {things[name].name for name in alike if name in used}
+        alike = [name for name in alike if things[name].name in kinds]
+        if len(alike) > 1 and not any(_tells(one, alike, said, things) for one in reading.descriptions):
+            found.append(f"nobody can tell which of {listed(alike)} is meant by {noun.words!r}")
+    return found
 
 
-def _on_side(side: str, reading: Reading) -> bool:
-    """Check if some object of a goal is said to stand on that side at the start, or a part is called after it."""
-    if any(side in (one.part or "").split("_") for one in _stated(reading)):
-        return True
-    other = {"left": "right_of", "right": "left_of"}[side]
-    there = {told.subject for told in reading.descriptions if told.relation == f"{side}_of"}
-    there |= {told.reference for told in reading.descriptions if told.relation == other}
-    return any({asked.goal.subject, asked.goal.reference} & there for asked in reading.goals)
+def _is_bare(noun: Noun, words: Sequence[str]) -> bool:
+    """Check if a noun is for one thing and says nothing else of it: "the mug"."""
+    name = noun.words.split(" ")
+    one = noun.number is None and lemma(name[-1]) == name[-1] and name[-1] not in MASS_KINDS
+    return (
+        one
+        and noun.name == tuple(name)
+        and words[noun.at - 1] in ("the", "my", "your", "our")
+        and (*words, "")[noun.end] not in _MODIFIERS
+    )
 
 
-def _named(stated: Iterable[Goal | Description]) -> list[str | None]:
-    return [name for one in stated for name in (one.subject, one.reference)]
+def _tells(
+    told: Description, alike: Collection[str], said: Sequence[Noun], things: Mapping[str, CatalogueEntry]
+) -> bool:
+    """Check if a description tells one of some objects from the others by words that say so."""
+    about = {told.subject, told.reference} & {*alike}
+    if not about or _TELLING[told.relation].isdisjoint(tokens(told.words)):
+        return False
+    others = {told.subject, told.reference} - about - {TABLE}
+    return all(any(noun.name and noun.may_mean(things[name]) for noun in said) for name in others)
 
 
-def _wrong_parts(instruction: str, reading: Reading) -> list[str]:
-    """Drawers that the instruction names and the reading does not, or the reverse; opening for closing."""
-    words, plain = set(tokens(instruction)), is_plain(instruction)
-    parts = {one.part.partition("_")[2] for one in _stated(reading) if one.part}
-    meant = {_height(which): which for which in _DRAWER.findall(" ".join(tokens(instruction)))}
+def _unasked(
+    instruction: str, named: Sequence[Noun], reading: Reading, things: Mapping[str, CatalogueEntry]
+) -> list[str]:
+    """Goals of a sentence that names no object and speaks to its reader instead."""
+    words = _TO_READER.intersection(tokens(instruction))
+    spoken = {name for asked in reading.goals for name in (asked.goal.subject, asked.goal.reference)}
+    if not words or any(_meant(noun, things, spoken) for noun in named):
+        return []
+    return [f"the instruction names no object of a goal, but says {listed(map(repr, sorted(words)))}"]
+
+
+def _wrong_doing(text: str, reading: Reading) -> list[str]:
+    """Verbs without the goal that they ask for, and opening for closing."""
+    words, done = {*text.split(" ")}, {asked.goal.relation for asked in reading.goals}
     found = [
-        f"the {meant[height]} drawer is named, but no goal or description names a part '..._{height}'"
-        for height in (meant if plain else ())
-        if height not in parts
+        f"{verb!r} is said, but no goal says {goal!r}" for verb, goal in _TOOLS if verb in words and goal not in done
     ]
-    if meant and not words & _WHICH_DRAWERS:
-        wrong = sorted((parts - meant.keys()) & {"top", "middle", "bottom"})
-        found += [f"a goal or description names the {part} drawer, which the instruction does not" for part in wrong]
-    return found + (_opened_for_closed(words, reading) if plain else [])
-
-
-def _opened_for_closed(words: Collection[str], reading: Reading) -> list[str]:
-    done = {asked.goal.relation for asked in reading.goals}
     pairs = (("open", _OPENING | _PULLING, _CLOSING), ("closed", _CLOSING | _PUSHING, _OPENING))
-    return [
-        f"a goal says {relation!r}, but the instruction says {' and '.join(sorted(other.intersection(words)))!r}"
+    return found + [
+        f"a goal says {relation!r}, but the instruction says {' and '.join(sorted(other & words))!r}"
         for relation, one, other in pairs
         if relation in done and not other.isdisjoint(words) and one.isdisjoint(words)
     ]
 
 
-def _height(which: str) -> str:
-    return "top" if which in HIGHEST else "bottom" if which in LOWEST else which
+def _named(stated: Iterable[Goal | Description]) -> list[str | None]:
+    return [name for one in stated for name in (one.subject, one.reference)]

@@ -7,7 +7,7 @@ passed over.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from vcage.base.word_classes import AFTER_A_NOUN, FUNCTION_WORDS, VERBS
 from vcage.base.words import (
@@ -53,12 +53,15 @@ class Noun:
         name: its lemmas; empty for "one" and "ones".
         colours: that are said of it.
         number: how many are said, None where it is not said.
+        at, end: place of its words among the sentence's words and marks, the end not included.
     """
 
     words: str
     name: Name
     colours: tuple[str, ...] = ()
     number: int | None = None
+    at: int = field(default=0, compare=False)
+    end: int = field(default=0, compare=False)
 
     def may_mean(self, entry: CatalogueEntry) -> bool:
         """Check if an object of this kind may be called so, its colour aside."""
@@ -184,7 +187,7 @@ def _noun(words: Sequence[str], at: int, end: int, name: Name, last: int) -> Nou
     colours = tuple(colour for word in reversed(words[begin:at]) if (colour := colour_of(word)))
     number = _number(words[:begin])
     begin -= number is not None and words[begin - 1] not in ("of", "the")
-    return Noun(" ".join(words[begin:end]), name, colours, number)
+    return Noun(" ".join(words[begin:end]), name, colours, number, begin, end)
 
 
 def _describes(words: Sequence[str], at: int) -> bool:

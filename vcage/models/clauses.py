@@ -1,0 +1,185 @@
+"""Goals against the order of an instruction's words: what is said together, and what is said to come first."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+
+from vcage.base.words import tokens
+from vcage.models.directions import arms, heights, sides
+from vcage.objects.mentions import Noun
+from vcage.objects.names import has_colour
+from vcage.schema.asset import CatalogueEntry
+from vcage.schema.goals import AskedGoal, Goal, Reading
+
+_LEANING = frozenset(
+    [
+        "there",
+        "too",
+        "also",
+        "same",
+        "likewise",
+        "together",
+        "respectively",
+        "each",
+        "other",
+        "others",
+        "rest",
+        "alternately",
+    ]
+)
+"""Words by which a clause leans on another one, so that the nearest place is not its own."""
+_VERBS = {
+    "open": r"open(?:ed|ing)?|pull\w*",
+    "closed": r"(?:clos|shut)\w*|push\w*",
+    "pressed": r"(?:press|push|ring|rung|rang|click)\w*",
+    "turned": r"(?:turn|switch|start|run)\w*",
+    "scanned": r"scan\w*",
+    "weighed": r"weigh\w*",
+    "back": r"back|return\w*|where",
+    "presented": r"(?:present|show|giv|hand|offer)\w*",
+}
+"""Goals that are no place of a thing → the verbs that ask for them."""
+
+_DONE = r"(?:that|this|it|which)(?:'s| is| has been)?(?: all)?(?: done| finished| over)"
+_THEN = re.compile(
+    rf"\b(?:then|afterwards|finally|lastly|after (?:that|this|which)\b|(?:once|when|as soon as|after) (?:{_DONE}|done)\b)"
+)
+_FIRST = re.compile(r"\bbut first\b|\bbefore (?:that|this|doing so)\b")
+_BEFORE = re.compile(r"\bbefore\b(?! (?:that|this|doing so)\b)")
+_AFTER = re.compile(rf"\b(?:after(?! (?:that|this|which)\b)|(?:once|when|as soon as)\b(?! (?:{_DONE}|done)\b))")
+_BEGINNING = 3
+"""Words that may stand before a subordinate clause which begins a sentence: "please, before"."""
+
+Span = tuple[int, int]
+
+
+class Clauses:
+    """The words of an instruction and where they name objects of a reading.
+
+    Args:
+        text: words and marks of what is asked for, with blanks between them.
+        said: its nouns.
+        things: the catalogue's entries by object id.
+        reading: of it.
+    """
+
+    def __init__(self, text: str, said: Sequence[Noun], things: Mapping[str, CatalogueEntry], reading: Reading) -> None:
+        self._text, self._words, self._goals = text, text.split(" "), reading.goals
+        spoken = {name for asked in reading.goals for name in (asked.goal.subject, asked.goal.reference)}
+        self._things = {name: entry for name, entry in things.items() if name in spoken}
+        self._meant = {noun.at: names for noun in said if (names := self._names(noun, reading))}
+
+    def _names(self, noun: Noun, reading: Reading) -> frozenset[str]:
+        """The objects of goals that a noun may mean, by its colours and the side that it says."""
+        found = {n for n, e in self._things.items() if noun.may_mean(e) and all(has_colour(e, c) for c in noun.colours)}
+        side = next((word for word in ("left", "right") if word in tokens(noun.words)), None)
+        there = {told.subject for told in reading.descriptions if told.relation == f"{side}_of"}
+        return frozenset(found & there if side else found)
+
+    def complaints(self) -> list[str]:
+        """Complaints about goals whose arm, side, drawer or place is said of another thing, or whose order is not."""
+        parts = {part for entry in self._things.values() for part in entry.moving_parts}
+        places = {at: next(iter(names)) for at, names in self._of("reference").items() if len(names) == 1}
+        found = self._mispaired(arms(self._text), lambda asked: asked.arm or "no")
+        found += self._mispaired(sides(self._text), lambda asked: asked.goal.relation)
+        found += self._mispaired(heights(self._text, parts), lambda asked: (asked.goal.part or "").rpartition("_")[2])
+        return found + self._mispaired(places, lambda asked: asked.goal.reference) + self._disordered()
+
+    def _of(self, end: str) -> dict[int, frozenset[str]]:
+        """Places of nouns that mean subjects of goals alone, or references alone; none where one may mean both."""
+        mine = {getattr(asked.goal, end) for asked in self._goals}
+        return {at: names for at, names in self._meant.items() if names <= mine}
+
+    def _mispaired(self, others: Mapping[int, str], of: Callable[[AskedGoal], str | None]) -> list[str]:
+        subjects = self._of("subject")
+        clear = len(subjects) + len(self._of("reference")) == len(self._meant) and not _LEANING.intersection(
+            self._words
+        )
+        if not clear or len({*others.values()}) < 2:
+            return []
+        said = paired(subjects, others)
+        count = Counter(asked.goal.subject for asked in self._goals)
+        return [
+            f"the goal {asked.goal}{f' by the {asked.arm} arm' if asked.arm else ''} is not what the instruction says, "
+            f"which names {said[asked.goal.subject]!r} with {asked.goal.subject}"
+            for asked in self._goals
+            if count[asked.goal.subject] == 1 and of(asked) and said.get(asked.goal.subject, of(asked)) != of(asked)
+        ]
+
+    def _disordered(self) -> list[str]:
+        """Complaints about goals whose steps are not in the order that the words say."""
+        count = Counter(asked.goal for asked in self._goals)
+        at = {asked.goal: place for asked in self._goals if (place := self._place(asked)) and count[asked.goal] == 1}
+        steps = {asked.goal: asked.step for asked in self._goals}
+        found = dict.fromkeys(
+            f"{goal} comes before {other} in the instruction, but not in the steps of the goals"
+            for first, then in ordered(self._words)
+            for goal in at
+            for other in at
+            if first[0] <= at[goal] < first[1] and then[0] <= at[other] < then[1] and steps[goal] >= steps[other]
+        )
+        return list(found)
+
+    def _place(self, asked: AskedGoal) -> int | None:
+        """Place of the last word that a goal needs, each thing where it is named first."""
+        goal = asked.goal
+        named = [
+            min((at for at, names in self._meant.items() if end in names), default=None) for end in self._ends(goal)
+        ]
+        if goal.relation in _VERBS:
+            verbs = [at for at, word in enumerate(self._words) if re.fullmatch(_VERBS[goal.relation], word)]
+            named = [*named, verbs[0] if len(verbs) == 1 else None]
+        return None if None in named else max(at for at in named if at is not None)
+
+    def _ends(self, goal: Goal) -> list[str]:
+        return [goal.subject, *([goal.reference] if goal.reference in self._things else [])]
+
+
+def paired(subjects: Mapping[int, Iterable[str]], others: Mapping[int, str]) -> dict[str, str]:
+    """What is said with each subject, where one of the others stands after each run of subjects, or before each.
+
+    Args:
+        subjects: place → ids.
+        others: place → what may be said of a subject.
+    """
+    runs = [list(run) for _, run in itertools.groupby(sorted({*subjects, *others}), key=lambda at: at in others)]
+    if len(runs) % 2 or any(len(run) > 1 and run[0] in others for run in runs):
+        return {}
+    found = dict[str, set[str]]()
+    for one, two in zip(runs[::2], runs[1::2], strict=True):
+        mine, other = (two, one[0]) if one[0] in others else (one, two[0])
+        for name in (name for at in mine for name in subjects[at]):
+            found.setdefault(name, set()).add(others[other])
+    return {name: next(iter(said)) for name, said in found.items() if len(said) == 1}
+
+
+def ordered(words: Sequence[str]) -> Iterator[tuple[Span, Span]]:
+    """Spans of places in a text of words and marks: what stands in the first must come before what stands in the other.
+
+    A clause that begins with "before", "after" or "once" ends with a comma where it stands in front.
+    """
+    text = " ".join(words)
+    for pattern, turned in ((_THEN, False), (_FIRST, True), (_BEFORE, True), (_AFTER, False)):
+        for found in pattern.finditer(text):
+            at = text[: found.start()].count(" ")
+            if pattern in (_THEN, _FIRST):
+                spans = (0, at), (at, len(words))
+            elif (split := _subordinate(words, at)) is None:
+                continue
+            else:
+                spans = split
+            yield spans[::-1] if turned else spans
+
+
+def _subordinate(words: Sequence[str], at: int) -> tuple[Span, Span] | None:
+    """The spans of a clause that begins at a place, and of the clause that it belongs to; None where that is open."""
+    begin = max((place for place in range(at) if words[place] in ".;:!"), default=-1) + 1
+    end = next((place for place in range(at, len(words)) if words[place] in ".;:!"), len(words))
+    comma = next((place for place in range(at, end) if words[place] == ","), None)
+    leads = at - begin < _BEGINNING or words[at - 1] in (",", "and", "then")
+    if comma is not None:
+        return ((at, comma), (comma, end)) if leads else None
+    return None if leads and words[at - 1] != "," else ((at, end), (begin, at))

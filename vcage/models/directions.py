@@ -1,0 +1,180 @@
+"""Sides, arms and drawers that an instruction says, and the goals and descriptions that say them otherwise."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Mapping, Sequence
+
+from vcage.base.words import COUNTED, HIGHEST, LOWEST, WHICH_PART
+from vcage.objects.mentions import Noun
+from vcage.schema.asset import CatalogueEntry
+from vcage.schema.goals import AskedGoal, Description, Goal, Reading
+
+_END = r"(?= of\b| side\b| and\b| then\b| [,.;:!?)]|$)"
+_TO_SIDE = r"\b(?:to|on|at) (?:the|its) (?:far |very )?"
+_SIDES: tuple[tuple[str, str, str], ...] = (
+    (rf"{_TO_SIDE}left(?: hand)?{_END}|\bleft(?: hand)?(?: side)? of\b", "left_of", "right_of"),
+    (rf"{_TO_SIDE}right(?: hand)?{_END}|\bright(?: hand)?(?: side)? of\b", "right_of", "left_of"),
+    (r"\bin front of\b(?! (?:the |a |our |your )?(?:customer|client|robot|me|us|you)\b)", "in_front_of", "behind"),
+    (r"\bbehind\b", "behind", "in_front_of"),
+)
+"""Words for a side, the relation that they ask for, and the opposite one."""
+_OWNED = re.compile(
+    r"\b(the|my|a) ((?:\w+ ){0,2}\w+)(?:'s|s') (left|right)\b(?: hand)?(?: side)?(?! (?:arm|hand|gripper)\b)"
+)
+"""The plate's left."""
+
+_WHICH = re.compile(r"\bthe (left|right)(?:most|hand| hand)? (?!arm\b|hand\b|gripper\b|side\b|of\b|one\b)\w+")
+_ARM = re.compile(
+    r"\b(left|right) (?:robot(?:ic)? )?(?:arm|hand|gripper)s?\b(?! side)"
+    r"|\b(?:with|use|using) (?:the|your|its) (left|right)(?: one)?(?= to\b| and\b| then\b| [,.;]|$)"
+)
+_BOTH_ARMS = re.compile(r"\b(?:arms|hands|grippers|(?:other|each|one|either|opposite) (?:arm|hand|gripper|one))\b")
+_TO_ARM = re.compile(r"\bto (?:the |its |your )?(left|right)\b(?! of\b| side\b)")
+_ROW = re.compile(r"\bfrom (?:the )?(?:left|right) to (?:the )?(?:left|right)\b")
+_DRAWER = r"(?:drawer|shelf|compartment|layer|one)"
+_FROM_END = re.compile(
+    rf"\b({'|'.join(COUNTED[:3])})(?: {_DRAWER})?(?: (?:from|to) the| from)? ({'|'.join((*HIGHEST, *LOWEST))})\b"
+    rf"|\b({'|'.join((*HIGHEST, *LOWEST, 'middle'))})(?: {_DRAWER})\b"
+)
+"""The second drawer from the top; the top drawer."""
+_WHICH_DRAWERS = re.compile(
+    r"\b(?:both|all|each|every|others?|same|any|drawers|them)\b"
+    rf"|\b(?:{'|'.join(COUNTED)}|next|last) {_DRAWER}\b(?! from\b| to\b)"
+)
+"""Words by which another drawer may be meant than one that is called top, middle or bottom."""
+_BESIDE = 4
+"""Words that stand at most between a side and what it is of."""
+
+
+def plain_sides(text: str) -> str:
+    """A text in which "the plate's left" is "the left of the plate"."""
+    return _OWNED.sub(r"\1 \3 of \1 \2", text)
+
+
+def sides(text: str) -> dict[int, str]:
+    """Relations that a text of words and marks asks for, by the place of their words."""
+    return (
+        {}
+        if _ROW.search(text)
+        else {_at(text, f): word for pattern, word, _ in _SIDES for f in re.finditer(pattern, text)}
+    )
+
+
+def arms(text: str) -> dict[int, str]:
+    """Arms that a text of words and marks names, by the place of their words."""
+    return {_at(text, found): found[1] or found[2] for found in _ARM.finditer(text)}
+
+
+def heights(text: str, parts: Collection[str]) -> dict[int, str]:
+    """Ends of the names of drawers that a text of words and marks asks for, by the place of their words.
+
+    Args:
+        parts: names of the parts that there are.
+    """
+    order = [height for height in ("top", "middle", "bottom") if any(part.endswith(height) for part in parts)]
+    found = {}
+    for said in _FROM_END.finditer(text):
+        if said[3]:
+            found[_at(text, said)] = WHICH_PART[said[3]]
+        elif (number := COUNTED.index(said[1])) < len(order):
+            found[_at(text, said)] = (order if WHICH_PART[said[2]] == "top" else order[::-1])[number]
+    return found
+
+
+def _at(text: str, found: re.Match[str]) -> int:
+    return text[: found.start()].count(" ")
+
+
+def stated(reading: Reading) -> list[Goal | Description]:
+    """The goals of a reading and what it says of the start."""
+    return [*(asked.goal for asked in reading.goals), *reading.descriptions]
+
+
+def wrong_sides(text: str, said: Sequence[Noun], things: Mapping[str, CatalogueEntry], reading: Reading) -> list[str]:
+    """Complaints about sides of a text that the reading does not say, or says of something else.
+
+    Args:
+        text: words and marks of what is asked for.
+        said: its nouns.
+        things: the catalogue's entries by object id.
+        reading: of it.
+    """
+    relations = {one.relation for one in stated(reading)}
+    if "handed" in relations:  # "from the left hand to the right one"
+        return []
+    if _ROW.search(text):
+        row = {"left_of", "right_of"}.intersection(relations)
+        return [] if row else ["a row from one side to the other is asked, but no goal says 'left_of' or 'right_of'"]
+    wrong = [side for side in _WHICH.findall(text) if not _on_side(side, reading)]
+    found = [
+        f"'the {side} …' is said, but no description has an object of a goal '{side}_of' another" for side in wrong
+    ]
+    if "scanned" in relations:  # in front of the scanner
+        return found
+    for pattern, word, opposite in _SIDES:
+        for match in re.finditer(pattern, text):
+            if word not in relations:
+                other = f", but {opposite!r}" if opposite in relations else ""
+                found.append(f"{match[0]!r} is asked, but no goal or description says {word!r}{other}")
+            elif (noun := _side_of(text[: match.end()].count(" "), text, said)) and not any(
+                _is_said(one, word, opposite, noun, things) for one in stated(reading)
+            ):
+                found.append(f"'{match[0]} {noun.words}' is asked, but no goal or description says that of it")
+    return found
+
+
+def _side_of(at: int, text: str, said: Sequence[Noun]) -> Noun | None:
+    """The noun right after the words of a side that end at a place: "left of" the "plate"."""
+    words = text.split(" ")
+    after = at + 1 + (words[at + 1 : at + 2] == ["of"])
+    if after == at + 1 and words[at] not in ("of", "behind"):
+        return None
+    near = [noun for noun in said if after <= noun.at <= after + 1 and noun.name]
+    return near[0] if near else None
+
+
+def _is_said(
+    one: Goal | Description, word: str, opposite: str, noun: Noun, things: Mapping[str, CatalogueEntry]
+) -> bool:
+    """Check if a relation says a side of what a noun means, in either direction."""
+    name = {word: one.reference, opposite: one.subject}.get(one.relation)
+    return name in things and noun.may_mean(things[name])
+
+
+def _on_side(side: str, reading: Reading) -> bool:
+    """Check if some object of a goal is said to stand on that side at the start, or a part is called after it."""
+    if any(side in (one.part or "").split("_") for one in stated(reading)):
+        return True
+    other = {"left": "right_of", "right": "left_of"}[side]
+    there = {told.subject for told in reading.descriptions if told.relation == f"{side}_of"}
+    there |= {told.reference for told in reading.descriptions if told.relation == other}
+    return any({asked.goal.subject, asked.goal.reference} & there for asked in reading.goals)
+
+
+def wrong_arms(text: str, goals: Sequence[AskedGoal]) -> list[str]:
+    """Complaints about arms that a text names and no goal, or the reverse; and about things handed the wrong way."""
+    said, used = {*arms(text).values()}, {asked.arm for asked in goals if asked.arm}
+    handed = [asked.goal.reference for asked in goals if asked.goal.relation == "handed"]
+    if handed:
+        to = _TO_ARM.findall(text)
+        wrong = [arm for arm in handed if to and arm not in to]
+        return [f"it is handed {arm!r}, but the instruction says 'to the {to[0]}'" for arm in wrong]
+    found = [f"'{arm} arm' is said, but no goal names that arm" for arm in sorted(said - used)]
+    strange = () if said and _BOTH_ARMS.search(text) else sorted(used - said)
+    return found + [f"a goal names the {arm} arm, but the instruction does not" for arm in strange]
+
+
+def wrong_drawers(text: str, things: Mapping[str, CatalogueEntry], reading: Reading) -> list[str]:
+    """Complaints about drawers that a text names and the reading does not, or the reverse."""
+    owners = {name for one in stated(reading) for name in (one.subject, one.reference) if one.part and name in things}
+    meant = {*heights(text, [part for name in owners for part in things[name].moving_parts]).values()}
+    parts = {one.part.partition("_")[2] for one in stated(reading) if one.part}
+    found = [
+        f"the {height} drawer is named, but no goal or description names a part '..._{height}'"
+        for height in sorted(meant - parts)
+    ]
+    if meant and not _WHICH_DRAWERS.search(text):
+        wrong = sorted((parts - meant) & {"top", "middle", "bottom"})
+        found += [f"a goal or description names the {part} drawer, which the instruction does not" for part in wrong]
+    return found
