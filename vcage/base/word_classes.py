@@ -43,6 +43,7 @@ VERBS = HANDLING | _words(
 """Verbs that instructions often have."""
 
 AFTER_A_NOUN = _words(
-    "behind beside near close left separately belong against neatly carefully above below",
+    "behind beside near close left separately belong against neatly carefully above below went alone untouched",
+    "top bottom nearest closest ends ended sits stands",
 )
 """Words that may follow a noun and do not make it part of a longer name."""

@@ -11,7 +11,7 @@ import re
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 
-from vcage.base.words import marked_tokens
+from vcage.base.words import COLOURS, marked_tokens
 from vcage.objects.mentions import Noun, nouns
 from vcage.schema.asset import CatalogueEntry
 
@@ -34,32 +34,35 @@ _ASIDE = re.compile(
     r"|without|instead of|rather than|skip(?:ping)?|(?<!if )(?<!or )(?<!why )not(?! only\b))(?!\w)"
 )
 """Beginnings of asides: what is not so, or not done; what is left out; what stays where it is."""
-_ALL = re.compile(
-    r"\b(?:all|every|everything|anything|each|any)\b(?!.*\b(?:go|goes|in|into|on|onto)\b.* (?:but|bar|save)$)"
-)
+_ALL = re.compile(r"\b(?:all|every|everything|anything|each|any)\b")
+_CLAUSE = re.compile(r"\b(?:all|every|everything|anything|each|any)\b.* (?:go|goes|in|into|on|onto)\b")
+_GOES = re.compile(r"(?:go|goes|should|must|belongs?|has|needs?)\b")
 _LEFT_ALONE = re.compile(r"(?:is |are |it |they |be )*(?:alone|where|out|be|as|untouched|there|behind|in peace)\b")
 _LATER = re.compile(r"until\b|till\b|before\b|, (?:which|that|it|those|they|he|she)\b")
 """Words after an aside that say when or where its things are used after all."""
 _GAP = 3
 """Words between an aside's first word and the noun that it is about."""
-_JOINTS = frozenset(("or", "nor", "and"))
+_PREPOSITIONS = frozenset(("in", "into", "on", "onto", "to", "from", "off", "inside"))
+_TO = re.compile(r"(?:in|into|on|onto|inside|to|next to|behind|beside|near)(?: (?:the|a|an|my|your|any))?")
 
 
 @dataclass(frozen=True)
 class Asked:
-    """An instruction without its asides.
+    """An instruction without its asides, whose words give way to commas.
 
     Args:
+        whole: all words and marks.
         text: what must be answered.
         open_text: the same with the things of which one is to be chosen: "the apple or the pear".
         excluded: nouns for what is not to be used.
-        kept: nouns for what is not to be moved.
+        kept: nouns for what is not to be moved, and where to if that is said.
     """
 
+    whole: str
     text: str
     open_text: str
     excluded: tuple[Noun, ...] = ()
-    kept: tuple[Noun, ...] = ()
+    kept: tuple[tuple[Noun, Noun | None], ...] = ()
 
 
 def asked_part(instruction: str, entries: Collection[CatalogueEntry]) -> Asked:
@@ -70,26 +73,38 @@ def asked_part(instruction: str, entries: Collection[CatalogueEntry]) -> Asked:
         entries: kinds that its nouns may name.
     """
     words = marked_tokens(instruction.replace("’", "'"))
-    text = " ".join(words)
-    if _TAKEN_BACK.search(text):
-        return Asked("", text)
-    said = nouns(text, entries)
-    out, excluded, kept = set[int](), list[Noun](), list[Noun]()
-    for found in _ASIDE.finditer(text):
-        begin, end = (text[:place].count(" ") for place in found.span())
-        if begin in out or (found["but"] and not _ALL.search(text[: found.end()])):
-            continue
-        named = list(_named(words, end + 1, said, _JOINTS if found["list"] else _JOINTS - {"and"}))
+    whole = " ".join(words)
+    if _TAKEN_BACK.search(whole):
+        return Asked(whole, "", whole)
+    said = nouns(whole, entries)
+    out, places = set[int](), _alternatives(words, said)
+    excluded, kept = list[Noun](), list[tuple[Noun, Noun | None]]()
+    for found in _ASIDE.finditer(whole):
+        begin, end = (whole[:place].count(" ") for place in found.span())
+        named = list(_named(words, end + 1, said, found))
         last = max((noun.end for noun in named), default=_next_mark(words, end + 1))
-        out |= {*range(begin, last)}
         after = " ".join(words[last : last + 3])
+        if begin in out or (found["but"] and _adds(whole[: found.start()], after)):
+            continue
+        out |= {*range(begin, last)}
         if found["state"] or _LATER.match(after) or (found[0].startswith("leav") and not _LEFT_ALONE.match(after)):
             continue
-        (kept if found["kept"] else excluded).extend(named)
-    chosen = _alternatives(words, said)
-    open_text = " ".join("," if at in out else word for at, word in enumerate(words))
-    rest = " ".join("," if at in out | chosen else word for at, word in enumerate(words))
-    return Asked(rest, open_text, tuple(excluded), tuple(kept))
+        if found["kept"]:
+            place = next((noun for noun in said if _TO.fullmatch(" ".join(words[last : noun.at]))), None)
+            places |= {*range(last, place.end)} if place else set()
+            kept += [(noun, place) for noun in named]
+        else:
+            excluded += named
+    return Asked(whole, _without(words, out | places), _without(words, out), tuple(excluded), tuple(kept))
+
+
+def _without(words: list[str], out: Collection[int]) -> str:
+    return " ".join("," if at in out else word for at, word in enumerate(words))
+
+
+def _adds(before: str, after: str) -> bool:
+    """Check if "but" begins a clause of its own: "all cups go in the box, but the plate goes on the tray"."""
+    return not _ALL.search(before) or bool(_GOES.match(after) and _CLAUSE.search(before))
 
 
 def _next_mark(words: list[str], at: int) -> int:
@@ -97,23 +112,34 @@ def _next_mark(words: list[str], at: int) -> int:
     return next((place for place in range(at, min(at + _GAP + 2, len(words))) if not words[place].isalnum()), at)
 
 
-def _named(words: list[str], at: int, said: list[Noun], joints: frozenset[str]) -> Iterator[Noun]:
-    """The noun after a place and those that are joined to it; "one" is named after the noun before."""
+def _named(words: list[str], at: int, said: list[Noun], found: re.Match[str]) -> Iterator[Noun]:
+    """The noun after the beginning of an aside and those that are joined to it; "one" is named after the noun before.
+
+    Args:
+        words: of the sentence.
+        at: place of the word after the beginning.
+        said: nouns of the sentence.
+        found: the beginning.
+    """
+    joints = ("or", "nor", "and") if found["list"] else ("or", "nor")
     for number, noun in enumerate(said):
         between = words[at : noun.at]
-        if noun.at < at or len(between) > _GAP or not all(word.isalpha() or word in joints for word in between):
+        apart = not all(word.isalpha() or word in joints for word in between)
+        if noun.at < at or len(between) > _GAP or apart or (found[0] != "not" and _PREPOSITIONS.intersection(between)):
             continue
         yield noun if noun.name or not number else replace(noun, name=said[number - 1].name)
         at = noun.end
-        if not joints.intersection(words[at : at + 1]):
+        if not {*joints}.intersection(words[at : at + 1]):
             return
 
 
 def _alternatives(words: list[str], said: list[Noun]) -> set[int]:
     """Places of the words of which one is to be chosen."""
     found = set[int]()
-    for before, after in itertools.pairwise(said):
+    for before, after in itertools.pairwise([Noun("", ()), *said]):
         between = words[before.end : after.at]
-        if "or" in between and len(between) <= _GAP + 1:
+        if "or" in between and words[before.end + between.index("or") - 1] in COLOURS:
+            found |= {*range(before.end + between.index("or") - 1, after.end)}  # the red or the green mug
+        elif "or" in between and len(between) <= _GAP + 1:
             found |= {*range(before.at, after.end)}
     return found

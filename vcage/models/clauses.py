@@ -83,7 +83,8 @@ class Clauses:
         """Complaints about goals whose arm, side, drawer or place is said of another thing, or whose order is not."""
         parts = {part for entry in self._things.values() for part in entry.moving_parts}
         places = {at: next(iter(names)) for at, names in self._of("reference").items() if len(names) == 1}
-        found = self._mispaired(arms(self._text), lambda asked: asked.arm or "no")
+        handed = any(asked.goal.relation == "handed" for asked in self._goals)
+        found = self._mispaired({} if handed else arms(self._text), lambda asked: asked.arm or "no")
         found += self._mispaired(sides(self._text), lambda asked: asked.goal.relation)
         found += self._mispaired(heights(self._text, parts), lambda asked: (asked.goal.part or "").rpartition("_")[2])
         return found + self._mispaired(places, lambda asked: asked.goal.reference) + self._disordered()
@@ -179,7 +180,6 @@ def _subordinate(words: Sequence[str], at: int) -> tuple[Span, Span] | None:
     begin = max((place for place in range(at) if words[place] in ".;:!"), default=-1) + 1
     end = next((place for place in range(at, len(words)) if words[place] in ".;:!"), len(words))
     comma = next((place for place in range(at, end) if words[place] == ","), None)
-    leads = at - begin < _BEGINNING or words[at - 1] in (",", "and", "then")
-    if comma is not None:
-        return ((at, comma), (comma, end)) if leads else None
-    return None if leads and words[at - 1] != "," else ((at, end), (begin, at))
+    if at - begin < _BEGINNING or words[at - 1] in ("and", "then") or (words[at - 1] == "," and comma is not None):
+        return ((at, comma), (comma, end)) if comma is not None else None
+    return (at, comma or end), (begin, at)

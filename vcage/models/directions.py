@@ -33,9 +33,12 @@ _BOTH_ARMS = re.compile(r"\b(?:arms|hands|grippers|(?:other|each|one|either|oppo
 _TO_ARM = re.compile(r"\bto (?:the |its |your )?(left|right)\b(?! of\b| side\b)")
 _ROW = re.compile(r"\bfrom (?:the )?(?:left|right) to (?:the )?(?:left|right)\b")
 _DRAWER = r"(?:drawer|shelf|compartment|layer|one)"
+_HEIGHTS = "|".join((*HIGHEST, *LOWEST))
 _FROM_END = re.compile(
-    rf"\b({'|'.join(COUNTED[:3])})(?: {_DRAWER})?(?: (?:from|to) the| from)? ({'|'.join((*HIGHEST, *LOWEST))})\b"
-    rf"|\b({'|'.join((*HIGHEST, *LOWEST, 'middle'))})(?: {_DRAWER})\b"
+    rf"\b(?P<nth>{'|'.join(COUNTED[:3])})(?: {_DRAWER})?(?: (?:from|to) the| from)? (?P<end>{_HEIGHTS})\b"
+    rf"|\b(?P<step>{'|'.join(COUNTED[:3])}) {_DRAWER} (?P<way>down|up)\b"
+    rf"|\b(?P<height>{_HEIGHTS}|middle) {_DRAWER}\b"
+    r"|\b(?P<most>highest|uppermost|topmost|lowest|bottommost|middle)(?: one)? of the (?:\w+ )?drawers\b"
 )
 """The second drawer from the top; the top drawer."""
 _WHICH_DRAWERS = re.compile(
@@ -75,10 +78,13 @@ def heights(text: str, parts: Collection[str]) -> dict[int, str]:
     order = [height for height in ("top", "middle", "bottom") if any(part.endswith(height) for part in parts)]
     found = {}
     for said in _FROM_END.finditer(text):
-        if said[3]:
-            found[_at(text, said)] = WHICH_PART[said[3]]
-        elif (number := COUNTED.index(said[1])) < len(order):
-            found[_at(text, said)] = (order if WHICH_PART[said[2]] == "top" else order[::-1])[number]
+        number = COUNTED.index(said["nth"] or said["step"] or COUNTED[0])
+        height = said["end"] or said["height"] or said["most"] or {"down": "top", "up": "bottom"}[said["way"]]
+        counted = order[::-1] if WHICH_PART[height] == "bottom" else order
+        if number:
+            found |= {_at(text, said): counted[number]} if number < len(order) else {}
+        else:
+            found[_at(text, said)] = WHICH_PART[height]
     return found
 
 

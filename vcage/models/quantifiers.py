@@ -32,6 +32,8 @@ _ENDS_THE_NOUN = frozenset(
     )
     for word in words.split()
 )
+_NOTHING = re.compile(r"\b(?:without|not|never|\w+n't|before|near|than|if)\b(?: \w+){0,2} any(?:thing)?\b(?: else)?")
+"""Phrases in which "any" is no quantifier of what is asked for: "without touching anything else"."""
 _EXCEPT = re.compile(r"\b(?:except|but|bar|apart from|other than|excluding|save|without|isn't|aren't|not)\b")
 
 
@@ -65,6 +67,7 @@ def quantified(instruction: str) -> list[Quantified]:
     text = instruction.lower()
     for phrase in _FIXED:
         text = re.sub(rf"\b{phrase}\b", " , ", text)
+    text = _NOTHING.sub(" , ", text)
     words, found = marked_tokens(text), list[Quantified]()
     for at, word in enumerate(words):
         if word in _EVERYTHING or word in _EVERY:

@@ -64,6 +64,7 @@ _TELLING: Mapping[str, frozenset[str]] = {
     "on": frozenset(("on", "off", "from", "top", "upon", "onto")),
 }
 """Relations of descriptions → words of which one says so."""
+_BEFORE_ONE = frozenset(("the", "my", "your", "our", ",", ".", ":", *HANDLING))
 _MODIFIERS = frozenset(
     ["of", "with", "that", "that's", "which", "which's", "whose", "you", "i", "we", "labelled", "marked", "called"]
 )
@@ -119,14 +120,16 @@ def second_look(
     }
     begun = [str(asked.goal) for asked in reading.goals if asked.step == first and asked.goal in starts]
     found += [f"{goal} is a goal, but true at the start already" for goal in dict.fromkeys(begun)]
-    if not in_english(instruction, things.values()):
+    english = in_english(instruction, things.values())
+    found += _unasked(instruction, reading, things, least=1 if english else 2)
+    if not english:
         return found
     task = asked_part(plain_sides(instruction), things.values())
     said, named = nouns(task.text, things.values()), nouns(task.open_text, things.values())
     found += left_over(instruction, things, spoken) + _unnamed(task.open_text, named, things, reading)
-    found += _unasked(instruction, named, reading, things) + _excluded(task, named, things, reading)
+    found += _excluded(task, named, things, reading)
     found += _unanswered(task.text, things, reading, spoken) + _misnamed(said, things, spoken)
-    found += _unclear(task.text, said, things, reading)
+    found += _unclear(task.whole, said, things, reading)
     found += _miscounted(task.text, said, things, reading, spoken) + wrong_sides(task.text, said, things, reading)
     found += wrong_drawers(task.text, things, reading) + wrong_arms(task.text, reading.goals)
     found += _wrong_doing(task.text, reading) + Clauses(task.text, said, things, reading).complaints()
@@ -275,13 +278,15 @@ def _pair(words: Sequence[str], noun: Noun) -> int | None:
 
 def _excluded(task: Asked, named: Sequence[Noun], things: Mapping[str, CatalogueEntry], reading: Reading) -> list[str]:
     """Objects of goals that the instruction names only to leave them out."""
-    moved = {asked.goal.subject for asked in reading.goals}
-    used = moved.union(asked.goal.reference for asked in reading.goals)
+    goals = [asked.goal for asked in reading.goals]
+    used = [*((goal.subject, None) for goal in goals), *((goal.reference, None) for goal in goals)]
+    moved = [(goal.subject, goal.reference) for goal in goals]
     found = list[str]()
-    for noun, among in [*((noun, used) for noun in task.excluded), *((noun, moved) for noun in task.kept)]:
-        asked_too = any(other.name == noun.name and {*noun.colours} <= {*other.colours} for other in named)
-        out = [name for name in _coloured(noun, things) if name in among and noun.name and not asked_too]
-        found += [f"{name} is in a goal, but the instruction leaves out {noun.words!r}" for name in out]
+    for noun, place, among in [*((n, None, used) for n in task.excluded), *((n, p, moved) for n, p in task.kept)]:
+        out, away = _coloured(noun, things), _coloured(place, things) if place else None
+        again = any(o.name in (noun.name, ()) and {*noun.colours} <= {*o.colours} for o in named) and not place
+        wrong = dict.fromkeys(name for name, to in among if name in out and (away is None or to in away))
+        found += [f"{name} is in a goal, but the instruction leaves out {noun.words!r}" for name in wrong if not again]
     return found
 
 
@@ -290,9 +295,9 @@ def _coloured(noun: Noun, things: Mapping[str, CatalogueEntry]) -> list[str]:
     return [n for n in _meant(noun, things, things) if all(has_colour(things[n], colour) for colour in noun.colours)]
 
 
-def _unclear(text: str, said: Sequence[Noun], things: Mapping[str, CatalogueEntry], reading: Reading) -> list[str]:
+def _unclear(whole: str, said: Sequence[Noun], things: Mapping[str, CatalogueEntry], reading: Reading) -> list[str]:
     """Objects of goals that "the mug" means as well as another one of their kind, and that nothing tells apart."""
-    words, found = text.split(" "), list[str]()
+    words, found = whole.split(" "), list[str]()
     used = {asked.goal.subject for asked in reading.goals}.union(asked.goal.reference for asked in reading.goals)
     for noun in {noun.name: noun for noun in reversed(said)}.values():
         if not _is_bare(noun, words) or any(o.name in (noun.name, ()) and o.words != noun.words for o in said):
@@ -312,7 +317,7 @@ def _is_bare(noun: Noun, words: Sequence[str]) -> bool:
     return (
         one
         and noun.name == tuple(name)
-        and words[noun.at - 1] in ("the", "my", "your", "our")
+        and (not noun.at or words[noun.at - 1] in _BEFORE_ONE)
         and (*words, "")[noun.end] not in _MODIFIERS
     )
 
@@ -328,13 +333,11 @@ def _tells(
     return all(any(noun.name and noun.may_mean(things[name]) for noun in said) for name in others)
 
 
-def _unasked(
-    instruction: str, named: Sequence[Noun], reading: Reading, things: Mapping[str, CatalogueEntry]
-) -> list[str]:
-    """Goals of a sentence that names no object and speaks to its reader instead."""
+def _unasked(instruction: str, reading: Reading, things: Mapping[str, CatalogueEntry], least: int) -> list[str]:
+    """Goals of a sentence that names no object of them and speaks to its reader instead, by so many words at least."""
     words = _TO_READER.intersection(tokens(instruction))
-    spoken = {name for asked in reading.goals for name in (asked.goal.subject, asked.goal.reference)}
-    if not words or any(_meant(noun, things, spoken) for noun in named):
+    spoken = _named(stated(reading))
+    if len(words) < least or any(_meant(noun, things, spoken) for noun in nouns(instruction, things.values())):
         return []
     return [f"the instruction names no object of a goal, but says {listed(map(repr, sorted(words)))}"]
 
