@@ -16,11 +16,12 @@ from vcage.objects.mentions import Noun, nouns
 from vcage.schema.asset import CatalogueEntry
 
 _TAKEN_BACK = re.compile(
-    r"\b(?:sorry(?! to\b| for\b| about\b)|wait|(?<!not )actually|i mean|meant|oops|scratch|correction|unless|otherwise"
-    r"|nothing|hang|or rather|[,;:] rather|instead(?! of\b)"
-    r"|no(?! (?:rush|hurry|problem|worries|matter|need|doubt|longer|one|idea|particular)\b))\b"
+    r"\b(?:sorry(?! to\b| for\b| about\b)|wait|(?<!not )actually|i mean|meant|oops|scratch(?: that)?|correction"
+    r"|nothing|hang on|or rather|[,;:] rather|instead(?! of\b)"
+    r"|no(?= (?:[,.;:!?]|the|an?|not|that|it|i|make|put|on|in|into|to)(?!\w)))\b"
 )
-"""Words by which a speaker changes the sentence: what it asks for then is a matter of grammar."""
+"""Words by which a speaker changes the sentence: how much of what was said before still stands is open."""
+_UNLESS = re.compile(r"\b(?:unless|otherwise)\b")
 _MOVED = r"(?:put|mov|touch|tak|pick|us|disturb|add|plac|includ|bring|grab)\w*"
 _STATE = (
     r"(?:is|are|was|were|be|that's|it's|they're) not|(?:is|are|was|were)n't|(?:doesn't|didn't|does not|did not) \w+"
@@ -31,7 +32,7 @@ _ASIDE = re.compile(
     rf"\b(?:(?P<state>{_STATE})|(?P<but>(?:but|bar|save)(?! not\b)(?: for)?)"
     r"|(?P<list>except(?:ing)?(?: for)?|with the exception of|apart from|other than|excluding|neither|never mind)"
     rf"|(?P<kept>leav(?:e|ing)|(?:don't|do not|never|mustn't|must not|shouldn't|should not|without) {_MOVED})"
-    r"|without|instead of|rather than|skip(?:ping)?|(?<!if )(?<!or )(?<!why )not(?! only\b))(?!\w)"
+    r"|without|instead of|rather than|skip(?:ping)?|no(?= \w+s\b)|(?<!if )(?<!or )(?<!why )not(?! only\b))(?!\w)"
 )
 """Beginnings of asides: what is not so, or not done; what is left out; what stays where it is."""
 _ALL = re.compile(r"\b(?:all|every|everything|anything|each|any)\b")
@@ -66,7 +67,7 @@ class Asked:
 
 
 def asked_part(instruction: str, entries: Collection[CatalogueEntry]) -> Asked:
-    """Leave out the asides of an instruction; of one that takes something back no words must be answered.
+    """Leave out the asides of an instruction; where it takes something back, all that stands before that.
 
     Args:
         instruction: in English.
@@ -74,10 +75,12 @@ def asked_part(instruction: str, entries: Collection[CatalogueEntry]) -> Asked:
     """
     words = marked_tokens(instruction.replace("’", "'"))
     whole = " ".join(words)
-    if _TAKEN_BACK.search(whole):
+    if _UNLESS.search(whole):
         return Asked(whole, "", whole)
     said = nouns(whole, entries)
     out, places = set[int](), _alternatives(words, said)
+    for found in _TAKEN_BACK.finditer(whole):
+        places |= {*range(whole[: found.end()].count(" ") + 1)}
     excluded, kept = list[Noun](), list[tuple[Noun, Noun | None]]()
     for found in _ASIDE.finditer(whole):
         begin, end = (whole[:place].count(" ") for place in found.span())

@@ -7,7 +7,7 @@ import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
-from vcage.base.words import tokens
+from vcage.base.words import PART_WORDS, lemma, tokens
 from vcage.models.directions import arms, heights, sides
 from vcage.objects.mentions import Noun
 from vcage.objects.names import has_colour
@@ -71,6 +71,7 @@ class Clauses:
         spoken = {name for asked in reading.goals for name in (asked.goal.subject, asked.goal.reference)}
         self._things = {name: entry for name, entry in things.items() if name in spoken}
         self._meant = {noun.at: names for noun in said if (names := self._names(noun, reading))}
+        self._vague = any(len(self._meant.get(noun.at, ())) > 1 and not noun.is_several for noun in said)
 
     def _names(self, noun: Noun, reading: Reading) -> frozenset[str]:
         """The objects of goals that a noun may mean, by its colours and the side that it says."""
@@ -95,13 +96,14 @@ class Clauses:
         return {at: names for at, names in self._meant.items() if names <= mine}
 
     def _mispaired(self, others: Mapping[int, str], of: Callable[[AskedGoal], str | None]) -> list[str]:
-        subjects = self._of("subject")
-        clear = len(subjects) + len(self._of("reference")) == len(self._meant) and not _LEANING.intersection(
-            self._words
-        )
-        if not clear or len({*others.values()}) < 2:
+        subjects, references = self._of("subject"), self._of("reference")
+        clear = len(subjects) + len(references) == len(self._meant) and _LEANING.isdisjoint(self._words)
+        if self._vague or not clear or len({*others.values()}) < 2:
             return []
-        said = paired(subjects, others)
+        said = dict[str, str]()
+        for begin, end in self._sentences():
+            mine, its = ({at: one[at] for at in one if begin <= at < end} for one in (subjects, others))
+            said |= paired(mine, its)
         count = Counter(asked.goal.subject for asked in self._goals)
         return [
             f"the goal {asked.goal}{f' by the {asked.arm} arm' if asked.arm else ''} is not what the instruction says, "
@@ -110,33 +112,54 @@ class Clauses:
             if count[asked.goal.subject] == 1 and of(asked) and said.get(asked.goal.subject, of(asked)) != of(asked)
         ]
 
+    def _sentences(self) -> Iterable[Span]:
+        ends = [at for at, word in enumerate(self._words) if word in ".;!"]
+        return itertools.pairwise([0, *ends, len(self._words)])
+
     def _disordered(self) -> list[str]:
-        """Complaints about goals whose steps are not in the order that the words say."""
+        """Complaints about goals whose steps are not in the order that the words say, or that their drawer needs."""
         count = Counter(asked.goal for asked in self._goals)
         at = {asked.goal: place for asked in self._goals if (place := self._place(asked)) and count[asked.goal] == 1}
         steps = {asked.goal: asked.step for asked in self._goals}
-        found = dict.fromkeys(
+        spans = list(ordered(self._words))
+        pairs = [
+            (goal, other)
+            for goal, other in itertools.permutations(at, 2)
+            if any(first[0] <= at[goal] < first[1] and then[0] <= at[other] < then[1] for first, then in spans)
+            or (not spans and at[goal] < at[other] and _opens_or_closes(goal, other))
+        ]
+        return [
             f"{goal} comes before {other} in the instruction, but not in the steps of the goals"
-            for first, then in ordered(self._words)
-            for goal in at
-            for other in at
-            if first[0] <= at[goal] < first[1] and then[0] <= at[other] < then[1] and steps[goal] >= steps[other]
-        )
-        return list(found)
+            for goal, other in pairs
+            if steps[goal] >= steps[other]
+        ]
 
     def _place(self, asked: AskedGoal) -> int | None:
-        """Place of the last word that a goal needs, each thing where it is named first."""
+        """Place of the last word that a goal needs, each thing or part of it where it is named first."""
         goal = asked.goal
-        named = [
-            min((at for at, names in self._meant.items() if end in names), default=None) for end in self._ends(goal)
-        ]
+        named = [self._first(name, goal.part) for name in (goal.subject, goal.reference) if name in self._things]
         if goal.relation in _VERBS:
             verbs = [at for at, word in enumerate(self._words) if re.fullmatch(_VERBS[goal.relation], word)]
-            named = [*named, verbs[0] if len(verbs) == 1 else None]
-        return None if None in named else max(at for at in named if at is not None)
+            named.append(verbs[0] if len(verbs) == 1 else None)
+        return None if None in named else max((at for at in named if at is not None), default=None)
 
-    def _ends(self, goal: Goal) -> list[str]:
-        return [goal.subject, *([goal.reference] if goal.reference in self._things else [])]
+    def _first(self, name: str, part: str | None) -> int | None:
+        """Place where an object is named first, or else the part of it."""
+        kind, _, which = (part or "").partition("_")
+        parts = [at for at, word in enumerate(self._words) if kind and PART_WORDS.get(lemma(word)) == kind]
+        if which and part in self._things[name].moving_parts:
+            parts = [
+                at for at, height in heights(self._text, self._things[name].moving_parts).items() if height == which
+            ]
+        named = [at for at, names in self._meant.items() if name in names]
+        return min(named or (parts if part in self._things[name].moving_parts else []), default=None)
+
+
+def _opens_or_closes(goal: Goal, other: Goal) -> bool:
+    """Check if the first goal opens what the second one puts something into, or the second closes it after the first."""
+    if other.relation == "closed":
+        return goal.relation == "inside" and (goal.reference, goal.part) == (other.subject, other.part)
+    return goal.relation == "open" and (goal.subject, goal.part) == (other.reference, other.part)
 
 
 def paired(subjects: Mapping[int, Iterable[str]], others: Mapping[int, str]) -> dict[str, str]:

@@ -6,6 +6,7 @@ import re
 from collections.abc import Collection, Mapping, Sequence
 
 from vcage.base.words import COUNTED, HIGHEST, LOWEST, WHICH_PART
+from vcage.models.asides import Asked
 from vcage.objects.mentions import Noun
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import AskedGoal, Description, Goal, Reading
@@ -118,7 +119,10 @@ def wrong_sides(text: str, said: Sequence[Noun], things: Mapping[str, CatalogueE
     ]
     if "scanned" in relations:  # in front of the scanner
         return found
+    goals, asked = {asked.goal.relation for asked in reading.goals}, {*sides(text).values()}
     for pattern, word, opposite in _SIDES:
+        if word in asked and opposite in goals - asked and word in relations:
+            found.append(f"a goal says {opposite!r}, but the instruction asks for {word!r} alone")
         for match in re.finditer(pattern, text):
             if word not in relations:
                 other = f", but {opposite!r}" if opposite in relations else ""
@@ -171,16 +175,17 @@ def wrong_arms(text: str, goals: Sequence[AskedGoal]) -> list[str]:
     return found + [f"a goal names the {arm} arm, but the instruction does not" for arm in strange]
 
 
-def wrong_drawers(text: str, things: Mapping[str, CatalogueEntry], reading: Reading) -> list[str]:
-    """Complaints about drawers that a text names and the reading does not, or the reverse."""
+def wrong_drawers(task: Asked, things: Mapping[str, CatalogueEntry], reading: Reading) -> list[str]:
+    """Complaints about drawers that an instruction names and the reading does not, or the reverse."""
     owners = {name for one in stated(reading) for name in (one.subject, one.reference) if one.part and name in things}
-    meant = {*heights(text, [part for name in owners for part in things[name].moving_parts]).values()}
+    there = [part for name in owners for part in things[name].moving_parts]
+    meant, named = ({*heights(text, there).values()} for text in (task.text, task.open_text))
     parts = {one.part.partition("_")[2] for one in stated(reading) if one.part}
     found = [
         f"the {height} drawer is named, but no goal or description names a part '..._{height}'"
         for height in sorted(meant - parts)
     ]
-    if meant and not _WHICH_DRAWERS.search(text):
-        wrong = sorted((parts - meant) & {"top", "middle", "bottom"})
+    if named and not _WHICH_DRAWERS.search(task.open_text):
+        wrong = sorted((parts - named) & {"top", "middle", "bottom"})
         found += [f"a goal or description names the {part} drawer, which the instruction does not" for part in wrong]
     return found

@@ -34,7 +34,9 @@ _ENDS_THE_NOUN = frozenset(
 )
 _NOTHING = re.compile(r"\b(?:without|not|never|\w+n't|before|near|than|if)\b(?: \w+){0,2} any(?:thing)?\b(?: else)?")
 """Phrases in which "any" is no quantifier of what is asked for: "without touching anything else"."""
-_EXCEPT = re.compile(r"\b(?:except|but|bar|apart from|other than|excluding|save|without|isn't|aren't|not)\b")
+_EXCEPT = re.compile(
+    r"\b(?:except|exception of|but|bar|apart from|other than|excluding|save|without|isn't|aren't|not)\b"
+)
 
 
 @dataclass(frozen=True)

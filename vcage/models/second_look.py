@@ -17,7 +17,6 @@ from vcage.base.words import (
     COLOURS,
     COUNTED,
     DETERMINERS,
-    MASS_KINDS,
     NO_PLURAL,
     NUMBERS,
     PARTS,
@@ -39,7 +38,14 @@ from vcage.schema.plan import TABLE
 _MANY = frozenset(("each", "every", "all", "everything", "both", "another", "other", "others", "rest", "more", "any"))
 """Words by which "a mug" may be several."""
 
-_TOOLS = (("scan", "scanned"), ("weigh", "weighed"))
+_ACTS = (
+    (r"scan\b", "scanned"),
+    (r"weigh\b", "weighed"),
+    (r"(?:ring(?! up)|press)\b", "pressed"),
+    (r"open (?:the|it|that|both)\b", "open"),
+    (r"(?:shut|close) (?:the|it|that|both)\b", "closed"),
+    (r"(?:turn|switch) on\b", "turned"),
+)
 """Verbs for which there is one goal."""
 _OPENING, _CLOSING = frozenset(("open", "opened", "opening")), frozenset(("close", "closed", "closing", "shut"))
 _PULLING, _PUSHING = frozenset(("up", "out", "lift", "ajar", "pull")), frozenset(("in", "back", "down", "push"))
@@ -131,7 +137,7 @@ def second_look(
     found += _unanswered(task.text, things, reading, spoken) + _misnamed(said, things, spoken)
     found += _unclear(task.whole, said, things, reading)
     found += _miscounted(task.text, said, things, reading, spoken) + wrong_sides(task.text, said, things, reading)
-    found += wrong_drawers(task.text, things, reading) + wrong_arms(task.text, reading.goals)
+    found += wrong_drawers(task, things, reading) + wrong_arms(task.text, reading.goals)
     found += _wrong_doing(task.text, reading) + Clauses(task.text, said, things, reading).complaints()
     return list(dict.fromkeys(found))
 
@@ -312,11 +318,10 @@ def _unclear(whole: str, said: Sequence[Noun], things: Mapping[str, CatalogueEnt
 
 def _is_bare(noun: Noun, words: Sequence[str]) -> bool:
     """Check if a noun is for one thing and says nothing else of it: "the mug"."""
-    name = noun.words.split(" ")
-    one = noun.number is None and lemma(name[-1]) == name[-1] and name[-1] not in MASS_KINDS
     return (
-        one
-        and noun.name == tuple(name)
+        not noun.is_several
+        and noun.number is None
+        and " ".join(noun.name) == noun.words
         and (not noun.at or words[noun.at - 1] in _BEFORE_ONE)
         and (*words, "")[noun.end] not in _MODIFIERS
     )
@@ -345,9 +350,8 @@ def _unasked(instruction: str, reading: Reading, things: Mapping[str, CatalogueE
 def _wrong_doing(text: str, reading: Reading) -> list[str]:
     """Verbs without the goal that they ask for, and opening for closing."""
     words, done = {*text.split(" ")}, {asked.goal.relation for asked in reading.goals}
-    found = [
-        f"{verb!r} is said, but no goal says {goal!r}" for verb, goal in _TOOLS if verb in words and goal not in done
-    ]
+    said = [(match[0], goal) for verb, goal in _ACTS if (match := re.search(rf"\b{verb}", text))]
+    found = [f"{verb!r} is said, but no goal says {goal!r}" for verb, goal in said if goal not in done]
     pairs = (("open", _OPENING | _PULLING, _CLOSING), ("closed", _CLOSING | _PUSHING, _OPENING))
     return found + [
         f"a goal says {relation!r}, but the instruction says {' and '.join(sorted(other & words))!r}"

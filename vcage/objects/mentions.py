@@ -15,10 +15,12 @@ from vcage.base.words import (
     COLOURS,
     DETERMINERS,
     KINDS,
+    MASS_KINDS,
     NUMBERS,
     PARTS,
     SIDES,
     colour_of,
+    is_plural,
     lemma,
     lemmas,
     marked_tokens,
@@ -62,6 +64,12 @@ class Noun:
     number: int | None = None
     at: int = field(default=0, compare=False)
     end: int = field(default=0, compare=False)
+
+    @property
+    def is_several(self) -> bool:
+        """Whether it may mean more than one object: "mugs", "two mugs", "fruit"."""
+        head = tokens(self.words)[-1]
+        return self.number not in (None, 1) or is_plural(head) or head in MASS_KINDS
 
     def may_mean(self, entry: CatalogueEntry) -> bool:
         """Check if an object of this kind may be called so, its colour aside."""
