@@ -38,7 +38,7 @@ _VERBS = {
     "turned": r"(?:turn|switch|start|run)\w*",
     "scanned": r"scan\w*",
     "weighed": r"weigh\w*",
-    "back": r"back|return\w*|where",
+    "back": r"back|return\w*",
     "presented": r"(?:present|show|giv|hand|offer)\w*",
 }
 """Goals that are no place of a thing → the verbs that ask for them."""
@@ -50,6 +50,7 @@ _THEN = re.compile(
 _FIRST = re.compile(r"\bbut first\b|\bbefore (?:that|this|doing so)\b")
 _BEFORE = re.compile(r"\bbefore\b(?! (?:that|this|doing so)\b)")
 _AFTER = re.compile(rf"\b(?:after(?! (?:that|this|which)\b)|(?:once|when|as soon as)\b(?! (?:{_DONE}|done)\b))")
+_CUES = frozenset(["then", "once", "after", "before", "when", "afterwards", "finally", "lastly"])
 _BEGINNING = 3
 """Words that may stand before a subordinate clause which begins a sentence: "please, before"."""
 
@@ -70,12 +71,16 @@ class Clauses:
         self._text, self._words, self._goals = text, text.split(" "), reading.goals
         spoken = {name for asked in reading.goals for name in (asked.goal.subject, asked.goal.reference)}
         self._things = {name: entry for name, entry in things.items() if name in spoken}
-        self._meant = {noun.at: names for noun in said if (names := self._names(noun, reading))}
+        self._meant = {noun.at: names for noun in said if (names := self._names(noun, said, reading))}
         self._vague = any(len(self._meant.get(noun.at, ())) > 1 and not noun.is_several for noun in said)
 
-    def _names(self, noun: Noun, reading: Reading) -> frozenset[str]:
+    def _names(self, noun: Noun, said: Sequence[Noun], reading: Reading) -> frozenset[str]:
         """The objects of goals that a noun may mean, by its colours and the side that it says."""
         found = {n for n, e in self._things.items() if noun.may_mean(e) and all(has_colour(e, c) for c in noun.colours)}
+        if not noun.name:  # "the blue one"
+            before = (other for other in reversed(said) if other.at < noun.at and other.name)
+            alike = ({n for n in found if other.may_mean(self._things[n])} for other in before)
+            found = next((several for several in alike if several), found)
         side = next((word for word in ("left", "right") if word in tokens(noun.words)), None)
         there = {told.subject for told in reading.descriptions if told.relation == f"{side}_of"}
         return frozenset(found & there if side else found)
@@ -140,7 +145,8 @@ class Clauses:
         named = [self._first(name, goal.part) for name in (goal.subject, goal.reference) if name in self._things]
         if goal.relation in _VERBS:
             verbs = [at for at, word in enumerate(self._words) if re.fullmatch(_VERBS[goal.relation], word)]
-            named.append(verbs[0] if len(verbs) == 1 else None)
+            alone = [asked.goal.subject for asked in self._goals].count(goal.subject) == 1
+            named += verbs if len(verbs) == 1 else [] if alone and not verbs else [None]
         return None if None in named else max((at for at in named if at is not None), default=None)
 
     def _first(self, name: str, part: str | None) -> int | None:
@@ -204,5 +210,6 @@ def _subordinate(words: Sequence[str], at: int) -> tuple[Span, Span] | None:
     end = next((place for place in range(at, len(words)) if words[place] in ".;:!"), len(words))
     comma = next((place for place in range(at, end) if words[place] == ","), None)
     if at - begin < _BEGINNING or words[at - 1] in ("and", "then") or (words[at - 1] == "," and comma is not None):
-        return ((at, comma), (comma, end)) if comma is not None else None
+        later = (place for place in range(comma or end, end) if words[place] in _CUES)
+        return ((at, comma), (comma, next(later, end))) if comma is not None else None
     return (at, comma or end), (begin, at)
