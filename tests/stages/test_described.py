@@ -184,6 +184,16 @@ def test_a_scene_that_is_edited_so_that_it_is_false_is_refused_by_field(made, tm
         edited_scene(path, made.context)
 
 
+def test_a_goal_that_is_edited_to_another_plate_than_the_one_that_is_said_is_refused(made, tmp_path):
+    shutil.copytree(made.run.root, tmp_path / "run")
+    path = RunFolder(tmp_path / "run").layout
+    data = read_json(path)
+    data["goals"][0]["goal"]["reference"] = "plate_blue"
+    write_json(path, data)
+    with pytest.raises(InputFileError, match=r"scene\.json: field goals: 'the left …' is said, but"):
+        edited_scene(path, made.context)
+
+
 # --- what starts in a drawer -------------------------------------------------------------------------------
 
 CABINET = "cabinet_one_drawer_oak"

@@ -337,6 +337,14 @@ IMPOSSIBLE = {
         lambda s: s["goals"][0].update(words="Cook"),
         r"goals\.0\.words: 'Cook'; expected words of",
     ),
+    "what the instruction does not say": (
+        lambda s: s["goals"][0]["goal"].update(relation="beside"),
+        r"goals: .*; expected what the instruction says: 'Put the blocks on the plate'",
+    ),
+    "an arm that nobody asked for": (
+        lambda s: s["goals"][0].update(arm="left"),
+        "goals: a goal names the left arm, but the instruction does not; expected",
+    ),
     "no goals": (lambda s: s.update(goals=[]), "goals: none; expected those of the instruction"),
     "another instruction": (
         lambda s: s.update(instruction="Cook the soup"),

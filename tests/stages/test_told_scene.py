@@ -136,6 +136,37 @@ def test_an_instruction_that_names_what_is_not_there_is_refused(choose):
         choose("marker inside packaging_box", text="Put the apple in the box")
 
 
+@pytest.mark.parametrize(
+    "text, goals",
+    [
+        (
+            "Put the red block in the box, then put the blue block in it",
+            ("block/blue inside packaging_box", "then block/red inside packaging_box"),
+        ),
+        ("Put the apple to the left of the bowl", ("apple right_of bowl",)),
+        ("Put the apple in the bowl with the left arm", ("apple inside bowl with the right arm",)),
+        ("Put the apple in the bowl", ("apple inside bowl with the right arm",)),
+        ("Stack the red block on the blue block", ("block/blue on block/red",)),
+    ],
+)
+def test_goals_that_say_otherwise_than_the_instruction_are_refused(choose, text: str, goals: tuple[str, ...]):
+    with pytest.raises(UsageError, match="the goals do not do what the instruction says"):
+        choose(*goals, text=text)
+
+
+def test_a_source_that_is_not_told_is_refused_with_the_option_for_it(choose):
+    text = "Take the lemon out of the basket and put it on the table"
+    with pytest.raises(UsageError, match="basket") as caught:
+        choose("lemon on table", text=text)
+    assert "--start" in caught.value.hint
+    _, chosen = choose("lemon on table", starts=("lemon inside basket",), text=text)
+    assert len(chosen.reading.descriptions) == 1
+
+
+def test_what_is_left_alone_needs_no_goal(choose):
+    choose("apple inside bowl", objects="apple, bowl, lemon", text="Put all the fruit except the lemon in the bowl")
+
+
 # --- bad input -----------------------------------------------------------------------------------------
 
 

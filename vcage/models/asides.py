@@ -82,32 +82,47 @@ def asked_part(instruction: str, entries: Collection[CatalogueEntry]) -> Asked:
     for found in _TAKEN_BACK.finditer(whole):
         places |= {*range(whole[: found.end()].count(" ") + 1)}
     excluded, kept = list[Noun](), list[tuple[Noun, Noun | None]]()
-    for found in _ASIDE.finditer(whole):
-        begin, end = (whole[:place].count(" ") for place in found.span())
-        named = list(_named(words, end + 1, said, found))
-        last = max((noun.end for noun in named), default=_next_mark(words, end + 1))
-        after = " ".join(words[last : last + 3])
-        if begin in out or (found["but"] and _adds(whole[: found.start()], after)):
-            continue
+    for found, begin, last, named in _asides(whole, words, said):
         out |= {*range(begin, last)}
-        if found["state"] or _LATER.match(after) or (found[0].startswith("leav") and not _LEFT_ALONE.match(after)):
+        if _is_used(found, " ".join(words[last : last + 3])):
             continue
         if found["kept"]:
             place = next((noun for noun in said if _TO.fullmatch(" ".join(words[last : noun.at]))), None)
-            places |= {*range(last, place.end)} if place else set()
+            places |= {*range(last, place.end if place else last)}
             kept += [(noun, place) for noun in named]
         else:
             excluded += named
     return Asked(whole, _without(words, out | places), _without(words, out), tuple(excluded), tuple(kept))
 
 
+def _asides(whole: str, words: list[str], said: list[Noun]) -> Iterator[tuple[re.Match[str], int, int, list[Noun]]]:
+    """The beginning of each aside, the places of its first word and of that after its last, and its nouns."""
+    last = 0
+    for found in _ASIDE.finditer(whole):
+        begin, end = (whole[:place].count(" ") for place in found.span())
+        if begin < last:
+            continue
+        named = list(_named(words, end + 1, said, found))
+        until = named[-1].end if named else _next_mark(words, end + 1)
+        if not _adds(found, whole[: found.start()], " ".join(words[until : until + 3])):
+            last = until
+            yield found, begin, last, named
+
+
+def _is_used(found: re.Match[str], after: str) -> bool:
+    """Check if what an aside names is used after all: only its state is said, or when and where it is used."""
+    left = found[0].startswith("leav") and not _LEFT_ALONE.match(after)
+    return bool(left or found["state"] or _LATER.match(after))
+
+
 def _without(words: list[str], out: Collection[int]) -> str:
     return " ".join("," if at in out else word for at, word in enumerate(words))
 
 
-def _adds(before: str, after: str) -> bool:
+def _adds(found: re.Match[str], before: str, after: str) -> bool:
     """Check if "but" begins a clause of its own: "all cups go in the box, but the plate goes on the tray"."""
-    return not _ALL.search(before) or bool(_GOES.match(after) and _CLAUSE.search(before))
+    own = not _ALL.search(before) or (_GOES.match(after) and _CLAUSE.search(before))
+    return bool(found["but"] and own)
 
 
 def _next_mark(words: list[str], at: int) -> int:
@@ -124,15 +139,16 @@ def _named(words: list[str], at: int, said: list[Noun], found: re.Match[str]) ->
         said: nouns of the sentence.
         found: the beginning.
     """
-    joints = ("or", "nor", "and") if found["list"] else ("or", "nor")
-    for number, noun in enumerate(said):
+    joints = {"or", "nor", "and"} if found["list"] else {"or", "nor"}
+    prepositions = _PREPOSITIONS if found[0] != "not" else frozenset[str]()
+    for before, noun in itertools.pairwise([Noun("", ()), *said]):
         between = words[at : noun.at]
-        apart = not all(word.isalpha() or word in joints for word in between)
-        if noun.at < at or len(between) > _GAP or apart or (found[0] != "not" and _PREPOSITIONS.intersection(between)):
+        fits = len(between) <= _GAP and " ".join(["a", *between]).replace(" ", "").isalpha()
+        if noun.at < at or not fits or prepositions.intersection(between):
             continue
-        yield noun if noun.name or not number else replace(noun, name=said[number - 1].name)
+        yield noun if noun.name else replace(noun, name=before.name)
         at = noun.end
-        if not {*joints}.intersection(words[at : at + 1]):
+        if joints.isdisjoint(words[at : at + 1]):
             return
 
 

@@ -9,26 +9,13 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 from vcage.base.words import PART_WORDS, lemma, tokens
 from vcage.models.directions import arms, heights, sides
+from vcage.models.which_one import coloured
 from vcage.objects.mentions import Noun
-from vcage.objects.names import has_colour
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import AskedGoal, Goal, Reading
 
 _LEANING = frozenset(
-    [
-        "there",
-        "too",
-        "also",
-        "same",
-        "likewise",
-        "together",
-        "respectively",
-        "each",
-        "other",
-        "others",
-        "rest",
-        "alternately",
-    ]
+    ("there", "too", "also", "same", "likewise", "together", "respectively", "each", "other", "others", "rest")
 )
 """Words by which a clause leans on another one, so that the nearest place is not its own."""
 _VERBS = {
@@ -45,7 +32,8 @@ _VERBS = {
 
 _DONE = r"(?:that|this|it|which)(?:'s| is| has been)?(?: all)?(?: done| finished| over)"
 _THEN = re.compile(
-    rf"\b(?:then|afterwards|finally|lastly|after (?:that|this|which)\b|(?:once|when|as soon as|after) (?:{_DONE}|done)\b)"
+    r"\b(?:then|afterwards|finally|lastly|after (?:that|this|which)\b"
+    rf"|(?:once|when|as soon as|after) (?:{_DONE}|done)\b)"
 )
 _FIRST = re.compile(r"\bbut first\b|\bbefore (?:that|this|doing so)\b")
 _BEFORE = re.compile(r"\bbefore\b(?! (?:that|this|doing so)\b)")
@@ -76,7 +64,7 @@ class Clauses:
 
     def _names(self, noun: Noun, said: Sequence[Noun], reading: Reading) -> frozenset[str]:
         """The objects of goals that a noun may mean, by its colours and the side that it says."""
-        found = {n for n, e in self._things.items() if noun.may_mean(e) and all(has_colour(e, c) for c in noun.colours)}
+        found = {*coloured(noun, self._things)}
         if not noun.name:  # "the blue one"
             before = (other for other in reversed(said) if other.at < noun.at and other.name)
             alike = ({n for n in found if other.may_mean(self._things[n])} for other in before)
@@ -101,21 +89,25 @@ class Clauses:
         return {at: names for at, names in self._meant.items() if names <= mine}
 
     def _mispaired(self, others: Mapping[int, str], of: Callable[[AskedGoal], str | None]) -> list[str]:
-        subjects, references = self._of("subject"), self._of("reference")
-        clear = len(subjects) + len(references) == len(self._meant) and _LEANING.isdisjoint(self._words)
-        if self._vague or not clear or len({*others.values()}) < 2:
+        if len({*others.values()}) < 2 or not self._clear():
             return []
         said = dict[str, str]()
         for begin, end in self._sentences():
-            mine, its = ({at: one[at] for at in one if begin <= at < end} for one in (subjects, others))
-            said |= paired(mine, its)
+            mine = {at: names for at, names in self._of("subject").items() if begin <= at < end}
+            said |= paired(mine, {at: other for at, other in others.items() if begin <= at < end})
         count = Counter(asked.goal.subject for asked in self._goals)
+        alone = [asked for asked in self._goals if count[asked.goal.subject] == 1 and asked.goal.subject in said]
         return [
-            f"the goal {asked.goal}{f' by the {asked.arm} arm' if asked.arm else ''} is not what the instruction says, "
-            f"which names {said[asked.goal.subject]!r} with {asked.goal.subject}"
-            for asked in self._goals
-            if count[asked.goal.subject] == 1 and of(asked) and said.get(asked.goal.subject, of(asked)) != of(asked)
+            f"the goal {asked.goal}, arm {asked.arm}, is not what the instruction says, which names "
+            f"{said[asked.goal.subject]!r} with {asked.goal.subject}"
+            for asked in alone
+            if of(asked) not in (None, "", said[asked.goal.subject])
         ]
+
+    def _clear(self) -> bool:
+        """Check if each noun means a subject or a reference, and no clause leans on another."""
+        one_way = len(self._of("subject")) + len(self._of("reference")) == len(self._meant)
+        return one_way and not self._vague and _LEANING.isdisjoint(self._words)
 
     def _sentences(self) -> Iterable[Span]:
         ends = [at for at, word in enumerate(self._words) if word in ".;!"]
@@ -124,19 +116,14 @@ class Clauses:
     def _disordered(self) -> list[str]:
         """Complaints about goals whose steps are not in the order that the words say, or that their drawer needs."""
         count = Counter(asked.goal for asked in self._goals)
-        at = {asked.goal: place for asked in self._goals if (place := self._place(asked)) and count[asked.goal] == 1}
+        places = {asked.goal: self._place(asked) for asked in self._goals if count[asked.goal] == 1}
+        at = {goal: place for goal, place in places.items() if place is not None}
         steps = {asked.goal: asked.step for asked in self._goals}
         spans = list(ordered(self._words))
-        pairs = [
-            (goal, other)
-            for goal, other in itertools.permutations(at, 2)
-            if any(first[0] <= at[goal] < first[1] and then[0] <= at[other] < then[1] for first, then in spans)
-            or (not spans and at[goal] < at[other] and _opens_or_closes(goal, other))
-        ]
         return [
             f"{goal} comes before {other} in the instruction, but not in the steps of the goals"
-            for goal, other in pairs
-            if steps[goal] >= steps[other]
+            for goal, other in itertools.permutations(at, 2)
+            if steps[goal] >= steps[other] and _precedes(goal, other, at, spans)
         ]
 
     def _place(self, asked: AskedGoal) -> int | None:
@@ -161,11 +148,13 @@ class Clauses:
         return min(named or (parts if part in self._things[name].moving_parts else []), default=None)
 
 
-def _opens_or_closes(goal: Goal, other: Goal) -> bool:
-    """Check if the first goal opens what the second one puts something into, or the second closes it after the first."""
-    if other.relation == "closed":
-        return goal.relation == "inside" and (goal.reference, goal.part) == (other.subject, other.part)
-    return goal.relation == "open" and (goal.subject, goal.part) == (other.reference, other.part)
+def _precedes(goal: Goal, other: Goal, at: Mapping[Goal, int], spans: Sequence[tuple[Span, Span]]) -> bool:
+    """Check if words put a goal before another; without such words, what opens or closes a drawer is in their order."""
+    if spans:
+        return any(first[0] <= at[goal] < first[1] and then[0] <= at[other] < then[1] for first, then in spans)
+    part, held = (goal, other) if goal.relation == "open" else (other, goal)
+    drawer = held.relation == "inside" and (held.reference, held.part) == (part.subject, part.part)
+    return drawer and at[goal] < at[other] and part.relation == ("open" if part is goal else "closed")
 
 
 def paired(subjects: Mapping[int, Iterable[str]], others: Mapping[int, str]) -> dict[str, str]:
@@ -179,11 +168,11 @@ def paired(subjects: Mapping[int, Iterable[str]], others: Mapping[int, str]) -> 
     if len(runs) % 2 or any(len(run) > 1 and run[0] in others for run in runs):
         return {}
     found = dict[str, set[str]]()
-    for one, two in zip(runs[::2], runs[1::2], strict=True):
-        mine, other = (two, one[0]) if one[0] in others else (one, two[0])
-        for name in (name for at in mine for name in subjects[at]):
+    for pair in zip(runs[::2], runs[1::2], strict=True):
+        mine, (other,) = sorted(pair, key=lambda run: run[0] in others)
+        for name in itertools.chain.from_iterable(subjects[at] for at in mine):
             found.setdefault(name, set()).add(others[other])
-    return {name: next(iter(said)) for name, said in found.items() if len(said) == 1}
+    return {name: said.pop() for name, said in found.items() if len(said) == 1}
 
 
 def ordered(words: Sequence[str]) -> Iterator[tuple[Span, Span]]:
@@ -206,10 +195,10 @@ def ordered(words: Sequence[str]) -> Iterator[tuple[Span, Span]]:
 
 def _subordinate(words: Sequence[str], at: int) -> tuple[Span, Span] | None:
     """The spans of a clause that begins at a place, and of the clause that it belongs to; None where that is open."""
-    begin = max((place for place in range(at) if words[place] in ".;:!"), default=-1) + 1
-    end = next((place for place in range(at, len(words)) if words[place] in ".;:!"), len(words))
+    ends = [-1, *(place for place, word in enumerate(words) if word in ".;:!"), len(words)]
+    begin, end = next((one + 1, two) for one, two in itertools.pairwise(ends) if two > at)
     comma = next((place for place in range(at, end) if words[place] == ","), None)
-    if at - begin < _BEGINNING or words[at - 1] in ("and", "then") or (words[at - 1] == "," and comma is not None):
-        later = (place for place in range(comma or end, end) if words[place] in _CUES)
-        return ((at, comma), (comma, next(later, end))) if comma is not None else None
-    return (at, comma or end), (begin, at)
+    if at - begin >= _BEGINNING and words[at - 1] not in ("and", "then", "," if comma else ""):
+        return (at, comma or end), (begin, at)
+    later = next((place for place in range(comma or end, end) if words[place] in _CUES), end)
+    return ((at, comma), (comma, later)) if comma else None

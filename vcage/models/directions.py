@@ -42,6 +42,7 @@ _FROM_END = re.compile(
     r"|\b(?P<most>highest|uppermost|topmost|lowest|bottommost|middle)(?: one)? of the (?:\w+ )?drawers\b"
 )
 """The second drawer from the top; the top drawer."""
+_WAYS = {"down": "top", "up": "bottom"}
 _WHICH_DRAWERS = re.compile(
     r"\b(?:both|all|each|every|others?|same|any|drawers|them)\b"
     rf"|\b(?:{'|'.join(COUNTED)}|next|last) {_DRAWER}\b(?! from\b| to\b)"
@@ -76,16 +77,14 @@ def heights(text: str, parts: Collection[str]) -> dict[int, str]:
     Args:
         parts: names of the parts that there are.
     """
-    order = [height for height in ("top", "middle", "bottom") if any(part.endswith(height) for part in parts)]
+    ends = {part.rpartition("_")[2] for part in parts}
+    order = [height for height in ("top", "middle", "bottom") if height in ends]
     found = {}
     for said in _FROM_END.finditer(text):
         number = COUNTED.index(said["nth"] or said["step"] or COUNTED[0])
-        height = said["end"] or said["height"] or said["most"] or {"down": "top", "up": "bottom"}[said["way"]]
-        counted = order[::-1] if WHICH_PART[height] == "bottom" else order
-        if number:
-            found |= {_at(text, said): counted[number]} if number < len(order) else {}
-        else:
-            found[_at(text, said)] = WHICH_PART[height]
+        height = {**WHICH_PART, **_WAYS}[next(filter(None, said.group("end", "height", "most", "way")))]
+        counted = [*dict.fromkeys((height, *order[:: -1 if height == "bottom" else 1]))]
+        found |= {_at(text, said): height for height in counted[number : number + 1]}
     return found
 
 
@@ -113,32 +112,56 @@ def wrong_sides(text: str, said: Sequence[Noun], things: Mapping[str, CatalogueE
     if _ROW.search(text):
         row = {"left_of", "right_of"}.intersection(relations)
         return [] if row else ["a row from one side to the other is asked, but no goal says 'left_of' or 'right_of'"]
-    wrong = [side for side in _WHICH.findall(text) if not _on_side(side, reading)]
     found = [
-        f"'the {side} …' is said, but no description has an object of a goal '{side}_of' another" for side in wrong
+        f"'the {side} …' is said, but no description has an object of a goal '{side}_of' another"
+        for side in _WHICH.findall(text)
+        if not _on_side(side, reading)
     ]
-    if "scanned" in relations:  # in front of the scanner
-        return found
-    goals, asked = {asked.goal.relation for asked in reading.goals}, {*sides(text).values()}
-    for pattern, word, opposite in _SIDES:
-        if word in asked and opposite in goals - asked and word in relations:
-            found.append(f"a goal says {opposite!r}, but the instruction asks for {word!r} alone")
-        for match in re.finditer(pattern, text):
-            if word not in relations:
-                other = f", but {opposite!r}" if opposite in relations else ""
-                found.append(f"{match[0]!r} is asked, but no goal or description says {word!r}{other}")
-            elif (noun := _side_of(text[: match.end()].count(" "), text, said)) and not any(
-                _is_said(one, word, opposite, noun, things) for one in stated(reading)
-            ):
-                found.append(f"'{match[0]} {noun.words}' is asked, but no goal or description says that of it")
+    if "scanned" not in relations:  # in front of the scanner
+        found += _unsaid_sides(text, relations, {asked.goal.relation for asked in reading.goals})
+        found += _of_another(text, said, things, stated(reading))
     return found
+
+
+def _unsaid_sides(text: str, relations: Collection[str], goals: Collection[str]) -> list[str]:
+    """Words for a side that no relation says, and goals for the opposite of the only side that is said."""
+    found, asked = list[str](), sides(text).values()
+    for pattern, word, opposite in _SIDES:
+        match = re.search(pattern, text)
+        if match and word not in relations:
+            other = f", but {opposite!r}" if opposite in relations else ""
+            found.append(f"{match[0]!r} is asked, but no goal or description says {word!r}{other}")
+        elif match and opposite in goals and opposite not in asked:
+            found.append(f"a goal says {opposite!r}, but the instruction asks for {word!r} alone")
+    return found
+
+
+def _of_another(
+    text: str,
+    said: Sequence[Noun],
+    things: Mapping[str, CatalogueEntry],
+    found: Sequence[Goal | Description],
+) -> list[str]:
+    """Words for a side of something that relations say of another thing alone."""
+    return [
+        f"'{match[0]} {noun.words}' is asked, but no goal or description says that of it"
+        for pattern, word, opposite in _SIDES
+        for match in re.finditer(pattern, text)
+        if any(one.relation == word for one in found)
+        and (noun := _side_of(text[: match.end()].count(" "), text, said))
+        and not any(_is_said(one, word, opposite, noun, things) for one in found)
+    ]
 
 
 def _side_of(at: int, text: str, said: Sequence[Noun]) -> Noun | None:
     """The noun right after the words of a side that end at a place: "left of" the "plate"."""
     words = text.split(" ")
-    after = at + 1 + (words[at + 1 : at + 2] == ["of"])
-    if after == at + 1 and words[at] not in ("of", "behind"):
+    after = next(
+        place for place in range(at + 1, len(words) + 1) if words[place : place + 1] not in (["hand"], ["side"])
+    )
+    if words[after : after + 1] == ["of"]:
+        after += 1
+    elif words[at] not in ("of", "behind"):
         return None
     near = [noun for noun in said if after <= noun.at <= after + 1 and noun.name]
     return near[0] if near else None
@@ -164,28 +187,27 @@ def _on_side(side: str, reading: Reading) -> bool:
 
 def wrong_arms(text: str, goals: Sequence[AskedGoal]) -> list[str]:
     """Complaints about arms that a text names and no goal, or the reverse; and about things handed the wrong way."""
-    said, used = {*arms(text).values()}, {asked.arm for asked in goals if asked.arm}
-    handed = [asked.goal.reference for asked in goals if asked.goal.relation == "handed"]
+    handed = [str(asked.goal.reference) for asked in goals if asked.goal.relation == "handed"]
     if handed:
         to = _TO_ARM.findall(text)
-        wrong = [arm for arm in handed if to and arm not in to]
-        return [f"it is handed {arm!r}, but the instruction says 'to the {to[0]}'" for arm in wrong]
+        wrong = {*handed}.difference(to) if to else ()
+        return [f"it is handed {arm!r}, but the instruction says 'to the {to[0]}'" for arm in sorted(wrong)]
+    said, used = {*arms(text).values()}, {str(asked.arm) for asked in goals} - {"None"}
     found = [f"'{arm} arm' is said, but no goal names that arm" for arm in sorted(said - used)]
-    strange = () if said and _BOTH_ARMS.search(text) else sorted(used - said)
-    return found + [f"a goal names the {arm} arm, but the instruction does not" for arm in strange]
+    allowed = used if said and _BOTH_ARMS.search(text) else said
+    return found + [f"a goal names the {arm} arm, but the instruction does not" for arm in sorted(used - allowed)]
 
 
 def wrong_drawers(task: Asked, things: Mapping[str, CatalogueEntry], reading: Reading) -> list[str]:
     """Complaints about drawers that an instruction names and the reading does not, or the reverse."""
-    owners = {name for one in stated(reading) for name in (one.subject, one.reference) if one.part and name in things}
-    there = [part for name in owners for part in things[name].moving_parts]
-    meant, named = ({*heights(text, there).values()} for text in (task.text, task.open_text))
+    owners = [one.reference or one.subject for one in stated(reading) if one.part]
+    there = [part for name in owners if name in things for part in things[name].moving_parts]
+    meant, named = {*heights(task.text, there).values()}, {*heights(task.open_text, there).values()}
     parts = {one.part.partition("_")[2] for one in stated(reading) if one.part}
     found = [
         f"the {height} drawer is named, but no goal or description names a part '..._{height}'"
         for height in sorted(meant - parts)
     ]
-    if named and not _WHICH_DRAWERS.search(task.open_text):
-        wrong = sorted((parts - named) & {"top", "middle", "bottom"})
-        found += [f"a goal or description names the {part} drawer, which the instruction does not" for part in wrong]
-    return found
+    other = named and not _WHICH_DRAWERS.search(task.open_text)
+    wrong = sorted((parts - named) & {"top", "middle", "bottom"}) if other else ()
+    return found + [f"a goal or description names the {part} drawer, which the instruction does not" for part in wrong]

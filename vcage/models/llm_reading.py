@@ -5,21 +5,14 @@ Three checks follow an answer: by code, by a reader without a model where it rea
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-
-from vcage.base.errors import UnreadInstruction, VcageError
+from vcage.base.errors import UnreadInstruction
 from vcage.models import prompts
 from vcage.models.goal_answers import GoalsAnswer, Instructed, answer_type, misshapen, reading_of
-from vcage.models.same_reading import differences
-from vcage.models.second_look import second_look
+from vcage.models.same_reading import ThirdReader, contradictions
 from vcage.models.structured import Answer, Asking
 from vcage.plans.consistency import inconsistencies
 from vcage.plans.plain_words import reading_in_words
-from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import Reading
-
-ThirdReader = Callable[[str, Mapping[str, CatalogueEntry], Mapping[str, str]], Reading]
-"""Reads an instruction without a model, or raises UnreadInstruction."""
 
 
 class _ReviewAnswer(Answer):
@@ -68,25 +61,9 @@ def _complaints(answer: GoalsAnswer, read: Instructed, reviewer: Asking | None, 
     reading = reading_of(answer)
     return (
         inconsistencies(reading.goals, reading.descriptions)
-        or second_look(read.instruction, read.things, reading, read.moved)
-        or _differs(reading, read, third)
+        or contradictions(read.instruction, read.things, reading, read.moved, read.lying, third)
         or _review(reading, read, reviewer)
     )
-
-
-def _differs(reading: Reading, read: Instructed, third: ThirdReader | None) -> list[str]:
-    """How a reader without a model reads it otherwise, where it reads all of it."""
-    if third is None:
-        return []
-    try:
-        other = third(read.instruction, read.things, read.lying)
-    except VcageError:  # it says that it cannot read the sentence, which is no complaint about the model
-        return []
-    if second_look(read.instruction, read.things, other):
-        return []
-    missing, more = differences(reading, other, read.things)
-    found = [f"a grammar reads the instruction otherwise: it asks for {one}" for one in missing]
-    return found + [f"a grammar reads the instruction otherwise: it does not ask for {one}" for one in more]
 
 
 def _review(reading: Reading, read: Instructed, reviewer: Asking | None) -> list[str]:

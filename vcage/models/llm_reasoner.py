@@ -10,10 +10,11 @@ import numpy as np
 from vcage.models import prompts
 from vcage.models.exchange import Answerer
 from vcage.models.goal_answers import Instructed
-from vcage.models.llm_reading import ThirdReader, read_goals
+from vcage.models.llm_reading import read_goals
 from vcage.models.llm_selection import select_assets
 from vcage.models.llm_slots import STEPS_PER_CALL, answer_type, complaints, meaning
 from vcage.models.llm_wordings import ask_wordings
+from vcage.models.same_reading import ThirdReader
 from vcage.models.search import Search, best_search
 from vcage.models.structured import Answer, asking, narrowed, one_of
 from vcage.models.wordings import TaskToWord, TaskWordings

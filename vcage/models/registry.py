@@ -28,6 +28,7 @@ from vcage.models.llm_reasoner import LlmReasoner
 from vcage.models.ollama import OLLAMA
 from vcage.models.protocols import OFFLINE, Critic, ImageEditor, Models, Reasoner
 from vcage.models.providers import PROVIDERS, found_keys
+from vcage.models.same_reading import ThirdReader
 from vcage.models.spending import Cap, Spending
 from vcage.schema.exchange import Asked
 from vcage.vision.protocols import Detector, Embedder
@@ -215,8 +216,15 @@ def _reasoner(choice: Choice) -> Reasoner:
     from vcage.models.rules.reasoner import OfflineReasoner
 
     if who := choice.answerer("reasoner"):
-        return LlmReasoner(who, reviewer=who if choice.review else None, third=OfflineReasoner().read_goals)
+        return LlmReasoner(who, reviewer=who if choice.review else None, third=third_reader())
     return OfflineReasoner()
+
+
+def third_reader() -> ThirdReader:
+    """The reader that needs no model, and hears what others read."""
+    from vcage.models.rules.reasoner import OfflineReasoner
+
+    return OfflineReasoner().read_goals
 
 
 def _editor(choice: Choice) -> ImageEditor:

@@ -3,13 +3,50 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Collection, Mapping
 
+from vcage.base.errors import VcageError
+from vcage.models.second_look import second_look
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import AskedGoal, Description, Reading
 
+ThirdReader = Callable[[str, Mapping[str, CatalogueEntry], Mapping[str, str]], Reading]
+"""Reads an instruction without a model, or raises UnreadInstruction."""
+
 _SWAPPED = {"right_of": "left_of", "behind": "in_front_of"}
 """Relations that say the same as another one with subject and reference exchanged."""
+
+
+def contradictions(
+    instruction: str,
+    things: Mapping[str, CatalogueEntry],
+    reading: Reading,
+    moved: Collection[str],
+    lying: Mapping[str, str],
+    third: ThirdReader | None,
+) -> list[str]:
+    """Complaints about a reading by the second look, or else by a reader without a model where it reads all of it.
+
+    Args:
+        instruction: in plain language.
+        things: the catalogue's entries by object id, with no other look than the object's.
+        reading: what is taken from it.
+        moved: ids of the objects that were chosen to be moved.
+        lying: object id → id of what it lies in or on at the start.
+        third: a reader without a model; None for none.
+    """
+    found = second_look(instruction, things, reading, moved)
+    if found or third is None:
+        return found
+    try:
+        other = third(instruction, things, lying)
+    except VcageError:  # it says that it cannot read the sentence, which is no complaint about the reading
+        return []
+    if second_look(instruction, things, other):
+        return []
+    missing, more = differences(reading, other, things)
+    found = [f"a grammar reads the instruction otherwise: it asks for {one}" for one in missing]
+    return found + [f"a grammar reads the instruction otherwise: it does not ask for {one}" for one in more]
 
 
 def differences(reading: Reading, other: Reading, things: Mapping[str, CatalogueEntry]) -> tuple[list[str], list[str]]:
@@ -62,11 +99,13 @@ def _one_way(subject: str, word: str, reference: str) -> tuple[str, str, str]:
 
 
 def _out_of_order(reading: Reading, other: Reading, looks: Mapping[str, str]) -> list[str]:
-    """Pairs of goals that the other reading orders and this one does not."""
+    """Pairs of goals that the other reading orders and this one does not; a goal that comes again is passed over."""
     steps = {_goal(asked, looks): asked.step for asked in reading.goals}
+    count = Counter(_goal(asked, looks) for asked in other.goals)
+    once = [asked for asked in other.goals if count[_goal(asked, looks)] == 1]
     return [
         f"{first.goal} before {then.goal}"
-        for first in other.goals
-        for then in other.goals
+        for first in once
+        for then in once
         if first.step < then.step and steps[_goal(first, looks)] >= steps[_goal(then, looks)]
     ]

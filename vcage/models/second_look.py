@@ -29,11 +29,11 @@ from vcage.models.clauses import Clauses
 from vcage.models.directions import plain_sides, stated, wrong_arms, wrong_drawers, wrong_sides
 from vcage.models.plain_english import in_english
 from vcage.models.quantifiers import left_over
-from vcage.objects.mentions import Noun, nouns
-from vcage.objects.names import has_colour, look_texts, names_of
+from vcage.models.which_one import coloured, meant, unclear
+from vcage.objects.mentions import Noun, exact_count, nouns
+from vcage.objects.names import has_colour, look_texts
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import Description, Goal, Reading, goal_of
-from vcage.schema.plan import TABLE
 
 _MANY = frozenset(("each", "every", "all", "everything", "both", "another", "other", "others", "rest", "more", "any"))
 """Words by which "a mug" may be several."""
@@ -47,9 +47,6 @@ _ACTS = (
     (r"(?:turn|switch) on\b", "turned"),
 )
 """Verbs for which there is one goal."""
-_OPENING, _CLOSING = frozenset(("open", "opened", "opening")), frozenset(("close", "closed", "closing", "shut"))
-_PULLING, _PUSHING = frozenset(("up", "out", "lift", "ajar", "pull")), frozenset(("in", "back", "down", "push"))
-"""Words for opening and closing, and words that may mean it."""
 _OPEN = frozenset((*ANYTHING, *_MANY, "anything", "something", "whatever", "them"))
 """Words by which objects are meant that no noun names."""
 _ALONE = re.compile(
@@ -57,48 +54,10 @@ _ALONE = re.compile(
     r"(?= (?:of (?:them|these|those)|in|into|on|onto|to|go|together|[,.;:!?])|$)"
 )
 """Numbers that stand without a noun."""
-_ASIDE = ("left", "right", "leftmost", "rightmost", "between", "middle", "row")
-_AWAY = ("front", "back", "behind", "rear", "near", "nearer", "nearest", "far", "farther", "farthest", "furthest",
-         "closer", "closest", "between", "middle")  # fmt: skip
-_BY = ("beside", "next", "near", "nearby", "by", "close", "closest", "alongside", "adjacent", "with", "at", "against")
-_TELLING: Mapping[str, frozenset[str]] = {
-    **dict.fromkeys(("left_of", "right_of"), frozenset(_ASIDE)),
-    **dict.fromkeys(("in_front_of", "behind"), frozenset(_AWAY)),
-    **dict.fromkeys(("beside", "near"), frozenset(_BY)),
-    "center": frozenset(("middle", "center", "centre", "central")),
-    "inside": frozenset(("in", "inside", "into", "out", "from", "within", "of", "contains", "holding")),
-    "on": frozenset(("on", "off", "from", "top", "upon", "onto")),
-}
-"""Relations of descriptions → words of which one says so."""
-_BEFORE_ONE = frozenset(("the", "my", "your", "our", ",", ".", ":", *HANDLING))
-_MODIFIERS = frozenset(
-    ["of", "with", "that", "that's", "which", "which's", "whose", "you", "i", "we", "labelled", "marked", "called"]
-)
-"""Words after a noun by which it may be told from its likes."""
 _TO_READER = frozenset(
-    [
-        "ignore",
-        "disregard",
-        "override",
-        "forget",
-        "answer",
-        "respond",
-        "reply",
-        "output",
-        "print",
-        "json",
-        "prompt",
-        "instruction",
-        "instructions",
-        "schema",
-        "above",
-        "previous",
-        "prior",
-        "system",
-        "reveal",
-        "repeat",
-    ]
-)
+    ("ignore", "disregard", "override", "forget", "answer", "respond", "reply", "output", "print", "json", "prompt",
+     "instruction", "instructions", "schema", "above", "previous", "prior", "system", "reveal", "repeat")
+)  # fmt: skip
 """Words by which a text speaks to whoever reads it, and not of things."""
 
 
@@ -114,18 +73,7 @@ def second_look(
         moved: ids of the objects that were chosen to be moved.
     """
     spoken = _spoken(things, reading)
-    idle = [name for name in moved if name not in spoken]
-    found = (
-        [f"{listed(idle)} {'is' if len(idle) == 1 else 'are'} to be moved, but no goal speaks of it"] if idle else []
-    )
-    first = min((asked.step for asked in reading.goals), default=1)
-    starts = {
-        goal_of([told.subject, told.relation, told.reference, told.part])
-        for told in reading.descriptions
-        if told.relation != "center"
-    }
-    begun = [str(asked.goal) for asked in reading.goals if asked.step == first and asked.goal in starts]
-    found += [f"{goal} is a goal, but true at the start already" for goal in dict.fromkeys(begun)]
+    found = _idle(spoken, moved) + _done_already(reading)
     english = in_english(instruction, things.values())
     found += _unasked(instruction, reading, things, least=1 if english else 2)
     if not english:
@@ -135,11 +83,29 @@ def second_look(
     found += left_over(instruction, things, spoken) + _unnamed(task.open_text, named, things, reading)
     found += _excluded(task, named, things, reading)
     found += _unanswered(task.text, things, reading, spoken) + _misnamed(said, things, spoken)
-    found += _unclear(task.whole, said, things, reading)
+    found += unclear(task.whole, said, things, reading)
     found += _miscounted(task.text, said, things, reading, spoken) + wrong_sides(task.text, said, things, reading)
     found += wrong_drawers(task, things, reading) + wrong_arms(task.text, reading.goals)
-    found += _wrong_doing(task.text, reading) + Clauses(task.text, said, things, reading).complaints()
+    found += _undone(task.text, reading) + Clauses(task.text, said, things, reading).complaints()
     return list(dict.fromkeys(found))
+
+
+def _idle(spoken: Collection[str], moved: Iterable[str]) -> list[str]:
+    idle = [name for name in moved if name not in spoken]
+    are = "is" if len(idle) == 1 else "are"
+    return [f"{listed(idle)} {are} to be moved, but no goal speaks of it"] if idle else []
+
+
+def _done_already(reading: Reading) -> list[str]:
+    """Goals of the first step that are true at the start."""
+    first = min((asked.step for asked in reading.goals), default=1)
+    starts = {
+        goal_of([told.subject, told.relation, told.reference, told.part])
+        for told in reading.descriptions
+        if told.relation != "center"
+    }
+    begun = dict.fromkeys(asked.goal for asked in reading.goals if asked.step == first and asked.goal in starts)
+    return [f"{goal} is a goal, but true at the start already" for goal in begun]
 
 
 def unmet_names(instruction: str, catalogue: Iterable[CatalogueEntry], chosen: Collection[CatalogueEntry]) -> list[str]:
@@ -227,9 +193,9 @@ def _unnamed(
     subjects, references = [goal.subject for goal in goals], [goal.reference for goal in goals]
     found = list[str]()
     for mine, others in ((subjects, references), (references, subjects)):
-        if all(_meant(noun, things, (*others, *told)) for noun in said):
+        if all(meant(noun, things, (*others, *told)) for noun in said):
             continue  # "put the pens away" leaves open where to, "fill the box" with what
-        named = {name for noun in said for name in _meant(noun, things, mine)}
+        named = {name for noun in said for name in meant(noun, things, mine)}
         found += _not_named([pair for pair in zip(mine, goals, strict=True) if pair[0] in things.keys() - named], parts)
     return list(dict.fromkeys(found))
 
@@ -241,11 +207,6 @@ def _not_named(strange: Iterable[tuple[str | None, Goal]], parts: Collection[str
         for name, goal in strange
         if (goal.part or "").split("_")[0] not in parts
     ]
-
-
-def _meant(noun: Noun, things: Mapping[str, CatalogueEntry], names: Iterable[str | None]) -> list[str]:
-    """Those of some names that are of objects which a noun may mean."""
-    return [name for name in names if name in things and noun.may_mean(things[name])]
 
 
 def _all_known(words: Collection[str], said: Sequence[Noun]) -> bool:
@@ -261,19 +222,25 @@ def _miscounted(
     text: str, said: Sequence[Noun], things: Mapping[str, CatalogueEntry], reading: Reading, spoken: Collection[str]
 ) -> list[str]:
     """Number words that do not match how many objects of that name the reading speaks of."""
-    goals = [asked.goal for asked in reading.goals]
-    subjects, words = {goal.subject for goal in goals}, text.split(" ")
+    subjects, words = {asked.goal.subject for asked in reading.goals}, text.split(" ")
     times = Counter(noun.name for noun in said if _MANY.isdisjoint(words))
-    most = max(len({(g.subject, g.part) for g in goals}), len({(g.reference, g.part) for g in goals}))
-    found = [f"{n!r} is said, but the goals are about {most}" for n in _ALONE.findall(text) if most < NUMBERS[n]]
     counted = [noun for noun in said if noun.name and noun.name[-1] not in COUNTED]
-    for noun, number in ((noun, noun.number or _pair(words, noun)) for noun in counted):
-        there, moved = len(_meant(noun, things, spoken)), len(_meant(noun, things, subjects))
-        if number is not None and there < number:
+    found = _too_few(text, [asked.goal for asked in reading.goals])
+    for noun in counted:
+        number = noun.number or _pair(words, noun) or 0
+        there, moved = len(meant(noun, things, spoken)), len(meant(noun, things, subjects))
+        if there < number:
             found.append(f"{noun.words!r} asks for {number}, but the goals speak of {there}")
-        elif number is not None and times[noun.name] == 1 and moved > number > 0:
+        elif moved > number > 0 and times[noun.name] == 1:
             found.append(f"{noun.words!r} asks for {number}, but goals are given for {moved}")
     return found
+
+
+def _too_few(text: str, goals: Sequence[Goal]) -> list[str]:
+    """Numbers without a noun that are larger than the number of things or places of the goals."""
+    most = max(len({(g.subject, g.part) for g in goals}), len({(g.reference, g.part) for g in goals}))
+    alone = [word for word in _ALONE.findall(text) if most < (exact_count(word) or 0)]
+    return [f"{word!r} is said, but the goals are about {most}" for word in alone]
 
 
 def _pair(words: Sequence[str], noun: Noun) -> int | None:
@@ -283,81 +250,41 @@ def _pair(words: Sequence[str], noun: Noun) -> int | None:
 
 
 def _excluded(task: Asked, named: Sequence[Noun], things: Mapping[str, CatalogueEntry], reading: Reading) -> list[str]:
-    """Objects of goals that the instruction names only to leave them out."""
-    goals = [asked.goal for asked in reading.goals]
-    used = [*((goal.subject, None) for goal in goals), *((goal.reference, None) for goal in goals)]
-    moved = [(goal.subject, goal.reference) for goal in goals]
-    found = list[str]()
-    for noun, place, among in [*((n, None, used) for n in task.excluded), *((n, p, moved) for n, p in task.kept)]:
-        out, away = _coloured(noun, things), _coloured(place, things) if place else None
-        again = any(o.name in (noun.name, ()) and {*noun.colours} <= {*o.colours} for o in named) and not place
-        wrong = dict.fromkeys(name for name, to in among if name in out and (away is None or to in away))
-        found += [f"{name} is in a goal, but the instruction leaves out {noun.words!r}" for name in wrong if not again]
+    """Objects of goals that the instruction names only to leave them out, or not to move them."""
+    goals, found = [asked.goal for asked in reading.goals], list[str]()
+    used = {name for goal in goals for name in (goal.subject, goal.reference)}
+    for noun, place in [*((noun, None) for noun in task.excluded), *task.kept]:
+        among = used if noun in task.excluded else _moved_to(goals, place, things)
+        out = [name for name in coloured(noun, things) if name in among]
+        if place or not _is_named(noun, named):
+            found += [f"{name} is in a goal, but the instruction leaves out {noun.words!r}" for name in out]
     return found
 
 
-def _coloured(noun: Noun, things: Mapping[str, CatalogueEntry]) -> list[str]:
-    """The objects that a noun may mean, by its colours too."""
-    return [n for n in _meant(noun, things, things) if all(has_colour(things[n], colour) for colour in noun.colours)]
+def _moved_to(goals: Sequence[Goal], place: Noun | None, things: Mapping[str, CatalogueEntry]) -> set[str]:
+    """Subjects of goals, of those about a place if one is said."""
+    places = None if place is None else coloured(place, things)
+    return {goal.subject for goal in goals if places is None or goal.reference in places}
 
 
-def _unclear(whole: str, said: Sequence[Noun], things: Mapping[str, CatalogueEntry], reading: Reading) -> list[str]:
-    """Objects of goals that "the mug" means as well as another one of their kind, and that nothing tells apart."""
-    words, found = whole.split(" "), list[str]()
-    used = {asked.goal.subject for asked in reading.goals}.union(asked.goal.reference for asked in reading.goals)
-    for noun in {noun.name: noun for noun in reversed(said)}.values():
-        if not _is_bare(noun, words) or any(o.name in (noun.name, ()) and o.words != noun.words for o in said):
-            continue
-        alike = [name for name in _meant(noun, things, things) if [*noun.name] in names_of(things[name]).all]
-        kinds = {things[name].name for name in alike if name in used}
-        alike = [name for name in alike if things[name].name in kinds]
-        if len(alike) > 1 and not any(_tells(one, alike, said, things) for one in reading.descriptions):
-            found.append(f"nobody can tell which of {listed(alike)} is meant by {noun.words!r}")
-    return found
-
-
-def _is_bare(noun: Noun, words: Sequence[str]) -> bool:
-    """Check if a noun is for one thing and says nothing else of it: "the mug"."""
-    return (
-        not noun.is_several
-        and noun.number is None
-        and " ".join(noun.name) == noun.words
-        and (not noun.at or words[noun.at - 1] in _BEFORE_ONE)
-        and (*words, "")[noun.end] not in _MODIFIERS
-    )
-
-
-def _tells(
-    told: Description, alike: Collection[str], said: Sequence[Noun], things: Mapping[str, CatalogueEntry]
-) -> bool:
-    """Check if a description tells one of some objects from the others by words that say so."""
-    about = {told.subject, told.reference} & {*alike}
-    if not about or _TELLING[told.relation].isdisjoint(tokens(told.words)):
-        return False
-    others = {told.subject, told.reference} - about - {TABLE}
-    return all(any(noun.name and noun.may_mean(things[name]) for noun in said) for name in others)
+def _is_named(noun: Noun, named: Iterable[Noun]) -> bool:
+    return any(one.name in (noun.name, ()) and {*noun.colours} <= {*one.colours} for one in named)
 
 
 def _unasked(instruction: str, reading: Reading, things: Mapping[str, CatalogueEntry], least: int) -> list[str]:
     """Goals of a sentence that names no object of them and speaks to its reader instead, by so many words at least."""
     words = _TO_READER.intersection(tokens(instruction))
     spoken = _named(stated(reading))
-    if len(words) < least or any(_meant(noun, things, spoken) for noun in nouns(instruction, things.values())):
+    if len(words) < least or any(meant(noun, things, spoken) for noun in nouns(instruction, things.values())):
         return []
     return [f"the instruction names no object of a goal, but says {listed(map(repr, sorted(words)))}"]
 
 
-def _wrong_doing(text: str, reading: Reading) -> list[str]:
-    """Verbs without the goal that they ask for, and opening for closing."""
-    words, done = {*text.split(" ")}, {asked.goal.relation for asked in reading.goals}
+def _undone(text: str, reading: Reading) -> list[str]:
+    """Verbs without the goal that they ask for."""
+    done = {asked.goal.relation for asked in reading.goals}
     said = [(match[0], goal) for verb, goal in _ACTS if (match := re.search(rf"\b{verb}", text))]
-    found = [f"{verb!r} is said, but no goal says {goal!r}" for verb, goal in said if goal not in done]
-    pairs = (("open", _OPENING | _PULLING, _CLOSING), ("closed", _CLOSING | _PUSHING, _OPENING))
-    return found + [
-        f"a goal says {relation!r}, but the instruction says {' and '.join(sorted(other & words))!r}"
-        for relation, one, other in pairs
-        if relation in done and not other.isdisjoint(words) and one.isdisjoint(words)
-    ]
+    return [f"{verb!r} is said, but no goal says {goal!r}" for verb, goal in said if goal not in done]
 
 
 def _named(stated: Iterable[Goal | Description]) -> list[str | None]:

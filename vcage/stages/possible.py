@@ -9,10 +9,12 @@ import numpy as np
 
 from vcage.base.errors import UnknownName
 from vcage.base.geometry import Pose
+from vcage.models.registry import third_reader
+from vcage.models.same_reading import contradictions
 from vcage.plans.plain_words import in_words
 from vcage.schema.asset import FunctionalPoint
 from vcage.schema.base import PoseRecord, box_record
-from vcage.schema.goals import Goal
+from vcage.schema.goals import Goal, Reading
 from vcage.schema.plan import TABLE
 from vcage.schema.scene import ObjectRecord, Scene
 from vcage.sim.bodies import Body
@@ -50,7 +52,25 @@ def edited_scene(path: Path, context: StageContext) -> Scene:
     scene = Scene.read(path)
     if written_record(path, Scene).goals and not scene.goals:
         refuse(path, "goals", "none", f"those of the instruction {scene.instruction!r}")
-    return possible_scene(path, scene, context)
+    found = possible_scene(path, scene, context)
+    _require_instructed(path, scene, context)
+    return found
+
+
+def _require_instructed(path: Path, scene: Scene, context: StageContext) -> None:
+    """That goals and descriptions that were edited still are what the instruction says."""
+    before = written_record(path, Scene)
+    edited = [
+        field for field in ("goals", "descriptions", "untouched") if getattr(scene, field) != getattr(before, field)
+    ]
+    if not edited or scene.instruction is None:
+        return
+    reading = Reading(goals=scene.goals, descriptions=scene.descriptions, untouched=scene.untouched)
+    things = {o.id: o.kind() for o in context.objects(scene)}
+    moved = [o.id for o in scene.objects if o.role == "content"]
+    lying = {o.id: o.container for o in scene.objects if o.container is not None}
+    if found := contradictions(scene.instruction, things, reading, moved, lying, third_reader()):
+        refuse(path, edited[0], "; ".join(found), f"what the instruction says: {scene.instruction!r}")
 
 
 def possible_scene(path: Path, scene: Scene, context: StageContext) -> Scene:

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from vcage.base.errors import UsageError
 from vcage.base.text import listed
-from vcage.models.second_look import second_look, unmet_names
+from vcage.models.registry import third_reader
+from vcage.models.same_reading import contradictions
+from vcage.models.second_look import unmet_names
 from vcage.models.selection_check import NamedObject, entries_of
 from vcage.models.wordings import TaskToWord
 from vcage.schema.asset import CatalogueEntry
@@ -149,10 +152,18 @@ def _second_look(
         UsageError: it does; names what the goals lack.
     """
     moved = [o.id for o in objects if o.role == "content"]
+    lying = {o.id: o.starts_in for o in objects if o.starts_in is not None}
+
+    def third(*read: Any) -> Reading:
+        """The reading without a model; nothing can be told of what is left alone, and of starts more than is said."""
+        found = third_reader()(*read)
+        return found.model_copy(update={"untouched": [], "descriptions": [*found.descriptions, *reading.descriptions]})
+
     unmet = unmet_names(instruction, catalogue, list(kinds.values()))
-    if complaints := unmet + second_look(instruction, kinds, reading, moved):
+    if complaints := unmet + contradictions(instruction, kinds, reading, moved, lying, third):
         raise UsageError(
             f"the goals do not do what the instruction says: {'; '.join(complaints)}",
-            hint="add the goals that it lacks, or leave the instruction out",
+            hint="add the goals that it lacks, say by --start where things lie or stand at first, or leave the "
+            "instruction out",
             details={"complaints": complaints},
         )

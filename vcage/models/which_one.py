@@ -1,0 +1,90 @@
+"""The objects that a noun may mean, and whether anything tells which of them it does."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+
+from vcage.base.word_classes import HANDLING
+from vcage.base.text import listed
+from vcage.base.words import tokens
+from vcage.objects.mentions import Noun
+from vcage.objects.names import has_colour, names_of
+from vcage.schema.asset import CatalogueEntry
+from vcage.schema.goals import Description, Reading
+from vcage.schema.plan import TABLE
+
+_ASIDE = ("left", "right", "leftmost", "rightmost", "between", "middle", "row")
+_AWAY = ("front", "back", "behind", "rear", "near", "nearer", "nearest", "far", "farther", "farthest", "furthest",
+         "closer", "closest", "between", "middle")  # fmt: skip
+_BY = ("beside", "next", "near", "nearby", "by", "close", "closest", "alongside", "adjacent", "with", "at", "against")
+_TELLING: Mapping[str, frozenset[str]] = {
+    **dict.fromkeys(("left_of", "right_of"), frozenset(_ASIDE)),
+    **dict.fromkeys(("in_front_of", "behind"), frozenset(_AWAY)),
+    **dict.fromkeys(("beside", "near"), frozenset(_BY)),
+    "center": frozenset(("middle", "center", "centre", "central")),
+    "inside": frozenset(("in", "inside", "into", "out", "from", "within", "of", "contains", "holding")),
+    "on": frozenset(("on", "off", "from", "top", "upon", "onto")),
+}
+"""Relations of descriptions → words of which one says so."""
+_BEFORE_ONE = frozenset(("the", "my", "your", "our", ",", ".", ":", *HANDLING))
+_MODIFIERS = frozenset(
+    ("of", "with", "that", "that's", "which", "which's", "whose", "you", "i", "we", "labelled", "marked", "called")
+)
+"""Words after a noun by which it may be told from its likes."""
+
+
+def meant(noun: Noun, things: Mapping[str, CatalogueEntry], names: Iterable[str | None]) -> list[str]:
+    """Those of some names that are of objects which a noun may mean, its colours aside."""
+    return [name for name in names if name in things and noun.may_mean(things[name])]
+
+
+def coloured(noun: Noun, things: Mapping[str, CatalogueEntry]) -> list[str]:
+    """The objects that a noun may mean, by its colours too."""
+    return [n for n in meant(noun, things, things) if all(has_colour(things[n], colour) for colour in noun.colours)]
+
+
+def unclear(whole: str, said: Sequence[Noun], things: Mapping[str, CatalogueEntry], reading: Reading) -> list[str]:
+    """Objects of goals that "the mug" means as well as another one of their kind, and that nothing tells apart."""
+    used = {name for asked in reading.goals for name in (asked.goal.subject, asked.goal.reference)}
+    first = {noun.name: noun for noun in reversed(said)}.values()
+    bare = [noun for noun in first if _is_bare(noun, whole.split(" ")) and not _told_apart(noun, said)]
+    alike = {noun.words: _alike(noun, things, used) for noun in bare}
+    return [
+        f"nobody can tell which of {listed(names)} is meant by {words!r}"
+        for words, names in alike.items()
+        if len(names) > 1 and not any(_tells(one, names, said, things) for one in reading.descriptions)
+    ]
+
+
+def _alike(noun: Noun, things: Mapping[str, CatalogueEntry], used: Collection[str | None]) -> list[str]:
+    """The objects that go by the name of a noun, of kinds of which one is used."""
+    named = [name for name in meant(noun, things, things) if [*noun.name] in names_of(things[name]).all]
+    kinds = {things[name].name for name in named if name in used}
+    return [name for name in named if things[name].name in kinds]
+
+
+def _told_apart(noun: Noun, said: Sequence[Noun]) -> bool:
+    """Check if there is more of the same name: "the red mug"."""
+    return any(other.name in (noun.name, ()) and other.words != noun.words for other in said)
+
+
+def _is_bare(noun: Noun, words: Sequence[str]) -> bool:
+    """Check if a noun is for one thing and says nothing else of it: "the mug"."""
+    return (
+        not noun.is_several
+        and noun.number is None
+        and " ".join(noun.name) == noun.words
+        and (not noun.at or words[noun.at - 1] in _BEFORE_ONE)
+        and (*words, "")[noun.end] not in _MODIFIERS
+    )
+
+
+def _tells(
+    told: Description, alike: Collection[str], said: Sequence[Noun], things: Mapping[str, CatalogueEntry]
+) -> bool:
+    """Check if a description tells one of some objects from the others by words that say so."""
+    about = {told.subject, told.reference} & {*alike}
+    if not about or _TELLING[told.relation].isdisjoint(tokens(told.words)):
+        return False
+    others = {told.subject, told.reference} - about - {TABLE}
+    return all(any(noun.name and noun.may_mean(things[name]) for noun in said) for name in others)
