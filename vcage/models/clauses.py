@@ -197,7 +197,7 @@ def _subordinate(words: Sequence[str], at: int) -> tuple[Span, Span] | None:
     """The spans of a clause that begins at a place, and of the clause that it belongs to; None where that is open."""
     ends = [-1, *(place for place, word in enumerate(words) if word in ".;:!"), len(words)]
     begin, end = next((one + 1, two) for one, two in itertools.pairwise(ends) if two > at)
-    comma = next((place for place in range(at, end) if words[place] == ","), None)
+    comma = words.index(",", at, end) if "," in words[at:end] else None
     if at - begin >= _BEGINNING and words[at - 1] not in ("and", "then", "," if comma else ""):
         return (at, comma or end), (begin, at)
     later = next((place for place in range(comma or end, end) if words[place] in _CUES), end)

@@ -49,6 +49,8 @@ _ACTS = (
 """Verbs for which there is one goal."""
 _OPEN = frozenset((*ANYTHING, *_MANY, "anything", "something", "whatever", "them"))
 """Words by which objects are meant that no noun names."""
+_ORDINALS = frozenset(((), *((word,) for word in COUNTED)))
+"""Ends of names that are not counted: "the second"."""
 _ALONE = re.compile(
     r"(?<!of )(?<!of the )\b(both|two|three|four|five)"
     r"(?= (?:of (?:them|these|those)|in|into|on|onto|to|go|together|[,.;:!?])|$)"
@@ -224,7 +226,7 @@ def _miscounted(
     """Number words that do not match how many objects of that name the reading speaks of."""
     subjects, words = {asked.goal.subject for asked in reading.goals}, text.split(" ")
     times = Counter(noun.name for noun in said if _MANY.isdisjoint(words))
-    counted = [noun for noun in said if noun.name and noun.name[-1] not in COUNTED]
+    counted = [noun for noun in said if noun.name[-1:] not in _ORDINALS]
     found = _too_few(text, [asked.goal for asked in reading.goals])
     for noun in counted:
         number = noun.number or _pair(words, noun) or 0
