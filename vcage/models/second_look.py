@@ -10,8 +10,8 @@ import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 
-from vcage.base.word_classes import FUNCTION_WORDS, HANDLING, VERBS
 from vcage.base.text import listed
+from vcage.base.word_classes import FUNCTION_WORDS, HANDLING, VERBS
 from vcage.base.words import (
     ANYTHING,
     COLOURS,

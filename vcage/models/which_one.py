@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 
-from vcage.base.word_classes import HANDLING
 from vcage.base.text import listed
+from vcage.base.word_classes import HANDLING
 from vcage.base.words import tokens
 from vcage.objects.mentions import Noun
 from vcage.objects.names import has_colour, names_of
