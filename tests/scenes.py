@@ -65,9 +65,10 @@ def thing(
     id: str | None = None,
     height: float = TABLE_TOP,
     container: str | None = None,
+    variant: str | None = None,
 ) -> SceneObject:
-    """An object of the library in its first look, standing at ``xy``; its id is its asset's name by default."""
-    geometry = library().asset(asset)
+    """An object of the library standing at ``xy``; by default in its first look, its id its asset's name."""
+    geometry = library().asset(asset, variant)
     pose = Pose.from_yaw([*xy, height], yaw)
     lower, upper = world_aabb(geometry.bounds, pose).tolist()
     record = ObjectRecord(

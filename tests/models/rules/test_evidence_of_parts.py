@@ -24,12 +24,19 @@ def context() -> StageContext:
 
 
 def judged(
-    context: StageContext, subject: SceneObject, word: str, before: float, after: float, part: int = 0, moved: int = 0
+    context: StageContext,
+    subject: SceneObject,
+    word: str,
+    before: float,
+    after: float,
+    part: int = 0,
+    moved: int = 0,
+    table: str = "grey_stone",
 ) -> Verdict:
     """The verdict on pictures of an object with a part at two shares of its range, where the goal is about ``part``."""
     scene = scene_of([subject, thing("block", (0.3, -0.1))])
     models = context.physical_models(scene)
-    world = World.of_scene(scene, models, appearance=context.appearance("grey_stone"), render=True)
+    world = World.of_scene(scene, models, appearance=context.appearance(table), render=True)
     links = subject.asset.model.links
     pictures = []
     for share in (before, after):
@@ -83,3 +90,15 @@ def test_a_door_that_is_left_ajar_is_not_shut(context: StageContext) -> None:
     cabinet = thing("hinged_cabinet", (-0.05, 0.05), 0.1)
     assert judged(context, cabinet, "closed", 1.0, 0.0).accepted
     assert not judged(context, cabinet, "closed", 1.0, 0.33).accepted
+
+
+@pytest.mark.parametrize("table", ["grey_stone", "white_laminate"])
+@pytest.mark.parametrize(("word", "start", "end"), [("open", 0.0, 1.0), ("closed", 1.0, 0.0)])
+def test_a_grey_drawer_is_told_from_the_table_in_the_shadow_of_its_cabinet(
+    context: StageContext, table: str, word: str, start: float, end: float
+) -> None:
+    cabinet = thing("cabinet_three_drawers", (-0.05, 0.05), 0.0, variant="steel")
+    done = judged(context, cabinet, word, start, end, table=table)
+    assert done.accepted, done.reason
+    for stopped in (start, 0.5):
+        assert not judged(context, cabinet, word, start, stopped, table=table).accepted
