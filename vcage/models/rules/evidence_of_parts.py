@@ -23,9 +23,6 @@ from vcage.vision.protocols import View
 POSITIONS = np.linspace(0.0, 1.0, 17)
 """Positions of a joint that are drawn, as shares of its range."""
 
-INSTEAD = (0.0, 0.3, 0.65, 1.0)
-"""Positions, as shares of their ranges, that other parts are drawn at."""
-
 DIFFERENT = 10.0
 """Least colour distance between two of the drawings of a pixel that tells positions apart."""
 
@@ -111,13 +108,19 @@ def gather_part(
     begun = own[-1] if start else own[0]
     gain, touched = brightness(begun, before.picture), 0.0
     sight = _Sight(own, gain, background)
-    others = _Sight([begun, *(drawn(share, rival) for rival in rivals for share in INSTEAD)], gain, background)
     if moment is not None:
         part = sight.telling if sight.telling.any() else sight.covered
         touched = float(changed(*(to_lab(view.picture) for view in (after, moment)))[part].mean())
     first, then = sight.costs(before.picture), sight.costs(after.picture)
-    where = sight.telling | others.telling
-    rival = float(others.costs(after.picture, where)[1:].min(initial=np.inf) - sight.costs(after.picture, where).min())
+    sights = [sight, *(_Sight([drawn(share, rival) for share in POSITIONS], gain, background) for rival in rivals)]
+    where = np.any([one.telling for one in sights], axis=0)
+    least = []
+    for one, how in zip(sights, (draw, *rivals), strict=True):
+        costs = one.costs(after.picture, where)
+        # Drawers look so much alike that a step between two positions hides which of them moved.
+        between = _Sight([drawn(likeliest(costs), how)], gain, background).costs(after.picture, where)
+        least.append(min(costs.min(), between.min()))
+    rival = float(min(least[1:], default=np.inf) - least[0])
     moved = likeliest(first), likeliest(then)
     return PartEvidence(int(sight.telling.sum()), *moved, then, rival, touched, sight.covered)
 
