@@ -152,7 +152,7 @@ class Meanings:
     def _at_position(self, noun: Noun, found: list[str]) -> str:
         """The left one of several, which is described against the others; of one, against the table."""
         position = str(noun.position)
-        if len(found) == 1:
+        if len(found) == 1 and position in _AT_TABLE:
             self._describe(found[0], _AT_TABLE[position], TABLE, noun)
             return found[0]
         same = [n for n in self.nouns if (n.words, n.colour) == (noun.words, noun.colour)]
@@ -212,7 +212,7 @@ class Meanings:
             hold = [(name, p) for name, p in pairs if p in {f.link for f in self.things[name].functional_points}]
             return [Spot(name, "inside", part) for name, part in self._these(noun, hold)]
         owners = {name for name, _ in pairs}
-        if len(owners) != 1 or noun.which is not None:
+        if len(owners) != 1 or noun.position is not None:
             raise Doubt(noun.text, "nobody can tell where that is")
         return [self.spot_of(owners.pop(), how, noun)]
 
@@ -246,7 +246,7 @@ class Meanings:
     def _these(self, noun: Noun, found: list[tuple[str, str]]) -> list[tuple[str, str]]:
         """Those of some parts that a noun means: of the objects that were named before, if there are such."""
         found = [pair for pair in found if pair[0] in self._used()] or found
-        if noun.several and noun.which is not None:
+        if noun.quantifier == "rest" or (noun.several and noun.position is not None):
             raise Doubt(noun.text, "nobody can tell which of them are meant")
         if noun.but:
             raise Doubt(noun.but[0].text, "no part can be left out: name those that are meant")

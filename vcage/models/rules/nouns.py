@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from lark import Token
 
-from vcage.base.words import COLOURS, MASS_KINDS, NUMBERS, PART_WORDS, SIDES, WHICH_PART, colour_of, lemma
+from vcage.base.words import COLOURS, MASS_KINDS, NUMBERS, PART_WORDS, SIDES, WHICH_PART, colour_of, is_plural, lemma
 from vcage.objects.names import EXACT, HEAD, KIND, SYNONYM, looks_named
 from vcage.schema.asset import CatalogueEntry, Variant
 
@@ -27,9 +28,7 @@ class Noun:
         quantifier: the, a, all, other, rest, or "" where it has none.
         count: how many, if that is said.
         plural: whether its form says several.
-        part: first word of the name of a moving part that it may mean, and ``which``: top, middle, bottom.
-        owner: lemmas of what has the part; empty where nothing is said of it.
-        position: left, right, middle, front or back among several, or on the table.
+        position: left, right, middle, front or back among several, or on the table; of parts top, middle or bottom.
         relation: (preposition, noun) that says which one is meant, or where it lies at the start.
         but: what is excepted.
         pronoun: it, them or both, where it is one.
@@ -41,15 +40,17 @@ class Noun:
     quantifier: str = ""
     count: int | None = None
     plural: bool = False
-    part: str | None = None
-    which: str | None = None
-    owner: tuple[str, ...] = ()
     position: str | None = None
     relation: tuple[str, Noun] | None = None
     but: tuple[Noun, ...] = ()
     pronoun: str = ""
     text: str = ""
     at: int = 0
+
+    @property
+    def part(self) -> str | None:
+        """First word of the name of a moving part that it may mean; the words before the head say what has it."""
+        return PART_WORDS.get(self.words[-1]) if self.words else None
 
     @property
     def headless(self) -> bool:
@@ -69,8 +70,7 @@ class Noun:
 
     def like(self, other: Noun) -> Noun:
         """The same of another noun's kind."""
-        same = replace(self, words=other.words, part=other.part, owner=other.owner, which=self.which or other.which)
-        return replace(same, but=()).without(self.but)
+        return replace(self, words=other.words, but=()).without(self.but)
 
     def without(self, but: Sequence[Noun]) -> Noun:
         """The same, but for some; "the red one" is one of its kind."""
@@ -79,11 +79,12 @@ class Noun:
     def names_part(self, part: str) -> bool:
         """Check if it may mean a moving part of this name."""
         kind, *which = part.split("_")
-        return (kind == self.part or (kind, self.part) == ("screen", "lid")) and self.which in (None, *which)
+        return (kind == self.part or (kind, self.part) == ("screen", "lid")) and self.position in (None, *which)
 
     def of_part(self, entries: Iterable[CatalogueEntry]) -> bool:
         """Check if it names a part, and not a thing whose name ends so, such as "the cash drawer"."""
-        return self.part is not None and (len(self.words) == 1 or all(self.fit(e)[0] < HEAD for e in entries))
+        named = not self.words[1:] or "of" in self.words or all(self.fit(entry)[0] < HEAD for entry in entries)
+        return self.part is not None and named
 
     def named(self, entries: Mapping[str, CatalogueEntry], short: bool = False) -> dict[str, list[Variant]]:
         """Those of some kinds that it names best, or whose part it means, by name, with the looks that it fits.
@@ -110,8 +111,9 @@ class Noun:
         """How well its words for an owner name a kind that has the part, and the looks that they fit."""
         if sum(map(self.names_part, entry.moving_parts)) < (self.count or 2 if self.several else 1):
             return 0, []
-        anyone = self.owner in ((), (self.part,))
-        return (KIND, entry.variants) if anyone else Noun(words=self.owner, colour=self.colour).fit(entry)
+        owner = [word for word in self.words[:-1] if word != "of"]
+        anyone = owner in ([], [self.part])  # "the layer of the drawer"
+        return (KIND, entry.variants) if anyone else looks_named(owner, self.colour, entry)
 
     def fit(self, entry: CatalogueEntry) -> tuple[int, list[Variant]]:
         """How well it names a kind (0: not at all), and the kind's looks that it fits; see :func:`looks_named`."""
@@ -121,56 +123,29 @@ class Noun:
 def noun_of(parts: Sequence[Token | list[str]], text: str, at: int) -> Noun:
     """A noun from its tokens and the words after "of", as typed and where."""
     found = [part for part in parts if isinstance(part, Token)]
-    types = [token.type for token in found]
-    told = _words(found, ("WORD",))
-    quantifier, count = _quantity(_words(found, ("DET", "REST", "EVERYTHING")))
-    last = [*told[-1:], *_words(found, ("ONE", "REST"))[-1:], ""][0].removesuffix("'s")
-    position, *_ = [*(SIDES[word] for word in _words(found, ("AT",)) if word in SIDES), None]
-    noun = Noun(quantifier=quantifier, count=count, plural=lemma(last) != last, text=text, at=at)
-    if "EVERYTHING" in types:
-        return _everything(noun, told)
-    of = [lemma(word) for part in parts if not isinstance(part, Token) for word in part]
-    return _named(replace(noun, position=position), told, of, one="ONE" in types)
+    types = {token.type for token in found}
+    quantifier, count = _quantity(_words(found, "DET", "REST", "EVERYTHING"))
+    last, *_ = [*_words(found, "WORD", "ONE")[-1:], ""]
+    plural = "EVERYTHING" in types or is_plural(last)
+    noun = Noun(quantifier=quantifier, count=count, plural=plural, text=text, at=at)
+    told, sides = list(map(lemma, _words(found, "WORD"))), _words(found, "AT")
+    colours = COLOURS if "EVERYTHING" in types else COLOURS - {"orange"}
+    if not types.isdisjoint(("ONE", "REST")) or set(told) <= colours:
+        noun = _named(noun, told, [], {**SIDES, **WHICH_PART}, sides)
+        return replace(noun, words=noun.words or ("thing",) * ("EVERYTHING" in types))
+    of = [lemma(word) for part in parts if not isinstance(part, Token) for word in [*part, "of"]]
+    return _named(noun, told[:-1], [*of, told[-1]], WHICH_PART if told[-1] in PART_WORDS else SIDES, sides)
 
 
-def _words(found: Sequence[Token], types: Sequence[str]) -> list[str]:
-    return [word for token in found if token.type in types for word in token.replace("-", " ").split()]
+def _named(noun: Noun, before: list[str], name: list[str], sides: Mapping[str, str], at: list[str]) -> Noun:
+    """With the words before its name: a colour, a side, or more of the name."""
+    where = [*(sides[word] for word in before if word in sides), *(SIDES[word] for word in at if word in SIDES), None]
+    words = [word for word in before if word not in COLOURS and word not in sides]
+    return replace(noun, words=(*words, *name), colour=colour_of(" ".join(before)), position=where[0])
 
 
-def _everything(noun: Noun, told: list[str]) -> Noun:
-    """'Everything', or 'everything red'; other words must name a kind."""
-    coloured = len(told) == 1 and told[0] in COLOURS
-    words = tuple(map(lemma, told)) if told and not coloured else ("thing",)
-    return replace(noun, words=words, colour=colour_of(" ".join(told)) if coloured else None, plural=True)
-
-
-def _named(noun: Noun, told: list[str], of: list[str], one: bool) -> Noun:
-    """With the words that are left when colour, position and part are told."""
-    plain = [lemma(word.removesuffix("'s")) for word in told]
-    if one or (not of and set(plain) <= COLOURS - {"orange"}):
-        return _headless(noun, plain)
-    noun = replace(noun, colour=colour_of(" ".join(plain[:-1])))
-    words = [*filter(lambda word: word not in COLOURS, plain[:-1]), plain[-1]]
-    if words[-1] in PART_WORDS:
-        return _part(noun, words, of)
-    if words[0] in SIDES and words[1:]:
-        noun, words = replace(noun, position=SIDES[words[0]]), words[1:]
-    return replace(noun, words=(*of, *words))
-
-
-def _headless(noun: Noun, plain: list[str]) -> Noun:
-    """'The red one', 'the top one', 'the red', 'the rest'."""
-    first, *_ = [*(word for word in plain if word not in COLOURS), ""]
-    noun = replace(noun, position=SIDES.get(first, noun.position), which=WHICH_PART.get(first))
-    return replace(noun, colour=colour_of(" ".join(plain)))
-
-
-def _part(noun: Noun, words: list[str], of: list[str]) -> Noun:
-    """'The top drawer of the cabinet'."""
-    which, *_ = [*(WHICH_PART[word] for word in words if word in WHICH_PART), None]
-    words = [word for word in words if word not in WHICH_PART]
-    owner = tuple(of or words[:-1])
-    return replace(noun, words=tuple(words), part=PART_WORDS[words[-1]], owner=owner, which=which)
+def _words(found: Sequence[Token], *types: str) -> list[str]:
+    return [word for token in found if token.type in types for word in re.split("[ -]|'s\\b", token) if word]
 
 
 def _quantity(words: list[str]) -> tuple[str, int | None]:

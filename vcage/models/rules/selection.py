@@ -151,7 +151,7 @@ class _Selector:
         """Check if a chosen object is meant again: 'the mug' after 'the red mug', the other drawer of a cabinet."""
         if not noun.definite or (noun.several and noun.part is None):
             return False
-        return (noun.part is not None and not noun.owner and noun.owns(entry)[0] > 0) or noun.fit(entry)[0] >= HEAD
+        return (noun.part is not None and not noun.words[1:] and noun.owns(entry)[0] > 0) or noun.fit(entry)[0] >= HEAD
 
     def _kinds(self, noun: Noun) -> list[tuple[CatalogueEntry, list[Variant]]]:
         """The kinds that a noun means, with the looks that it fits."""
@@ -194,7 +194,7 @@ class _Selector:
 
     def _count(self, noun: Noun) -> int | None:
         """How many a noun asks for; None where it says only that there are several."""
-        if noun.position is not None:
+        if noun.position is not None and noun.part is None:
             return 3 if "middle" in self._positions(noun) else max(2, len(self._positions(noun)))
         if noun.count is not None and not 0 < noun.count <= LIMITS.objects:
             wanted = f"the instruction asks for {noun.count} × {noun.text!r}"
