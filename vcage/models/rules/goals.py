@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TypeVar
 
 from vcage.base.errors import InfeasibleScene, NoAssetFits, UsageError
@@ -114,6 +114,8 @@ class Goals:
             if name not in subjects:
                 raise Doubt(command.words, "picking up is no goal by itself; say where it goes")
         found = self._meanings
+        if used := {asked.goal.reference for asked in goals} & {*found.excepted}:
+            raise Doubt("", f"{', '.join(map(str, used))} is excepted")
         untouched = [name for name in dict.fromkeys(found.excepted) if name not in subjects]
         return Reading(goals=goals, untouched=untouched, descriptions=list(found.descriptions.values()))
 
@@ -188,9 +190,6 @@ class Goals:
             spot = spots[number % len(spots)]
             self._add(command, name, spot.relation, spot.name, spot.part)
 
-    def _stack(self, command: Command) -> None:
-        self._put(replace(command, how="stack" if command.how in ("in", "on") else command.how))
-
     def _tower(self, command: Command) -> None:
         for below, above in itertools.pairwise(self._named(command, least=2)):
             spot = self._meanings.spot_of(below, "stack", command.things[0])
@@ -201,10 +200,9 @@ class Goals:
             self._add(command, left, "left_of", right)
 
     def _hand(self, command: Command) -> None:
-        *before, arm = command.how.split()
         for name in self._named(command):
-            giver = before[0] if before else command.arm or self._arms.get(name)
-            gets = _OTHER.get(giver or "") if arm == "other" else arm
+            giver = command.arm or self._arms.get(name)
+            gets = _OTHER.get(giver or "") if command.how == "other" else command.how
             if gets not in _OTHER or gets == giver:
                 raise Doubt(command.words, "say which arm gets it: left or right")
             self._add(command, name, "handed", gets, arm=giver)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 from vcage.base.text import listed
@@ -58,7 +58,7 @@ class Meanings:
     nouns: Sequence[Noun]
     descriptions: dict[str, Description] = field(default_factory=dict)
     excepted: list[str] = field(default_factory=list)
-    _meant: dict[tuple[int, tuple[str, ...]], list[str]] = field(default_factory=dict)
+    _meant: dict[Noun, list[str]] = field(default_factory=dict)
     _parts_named: list[tuple[str, str]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -75,22 +75,23 @@ class Meanings:
         Raises:
             Doubt: there are none, or nobody can tell which.
         """
-        key = (noun.at, noun.words)
-        if key in self._meant:
-            return self._meant[key]
+        if noun in self._meant:
+            return self._meant[noun]
         for but in noun.but:
-            out = self._called(but)
-            self.excepted += self._chosen(but, out, ()) if out else []
+            out = self._chosen(but, self._good(but, self._called(but), holds=False), ())
+            if but.words == noun.words and not set(out) & set(self._called(replace(noun, colour=None, but=()))):
+                raise Doubt(but.text, f"{listed(out)} is none of them")
+            self.excepted += out
         found = self._good(noun, self._called(noun, () if noun.position else besides), holds)
         used = self._used()
-        self._meant[key] = [self._at_position(noun, found)] if noun.position else self._chosen(noun, found, used)
+        self._meant[noun] = [self._at_position(noun, found)] if noun.position else self._chosen(noun, found, used)
         how, other = noun.relation or ("", noun)
         if how and other.words not in ON_TABLE:
             if noun.several:  # everything in the bowl, but for the bowl
-                self._meant[key] = [name for name in self._meant[key] if name not in self.objects(other)]
-            for name in self._meant[key]:
+                self._meant[noun] = [name for name in self._meant[noun] if name not in self.objects(other)]
+            for name in self._meant[noun]:
                 self.lies(name, how, other)
-        return self._meant[key]
+        return self._meant[noun]
 
     def one(self, noun: Noun, besides: Collection[str] = (), holds: bool = False) -> str:
         """The only object that a noun means.
@@ -112,7 +113,7 @@ class Meanings:
         return [name for name in found if self.things[name].can_be_carried or not noun.several] or found
 
     def _used(self) -> set[str]:
-        return {name for names in self._meant.values() for name in names}
+        return {name for names in self._meant.values() for name in names} | {name for name, _ in self._parts_named}
 
     def _called(self, noun: Noun, besides: Collection[str] = ()) -> list[str]:
         """All objects that the words of a noun fit: those that they name best."""
@@ -146,7 +147,7 @@ class Meanings:
 
     def _named_before(self, noun: Noun) -> list[object]:
         """'The mug' after 'the red mug' is that mug."""
-        same = [names for (at, words), names in self._meant.items() if at < noun.at and words == noun.words]
+        same = [names for one, names in self._meant.items() if one.at < noun.at and one.words == noun.words]
         return [names[0] for names in same if len(names) == 1 and noun.colour is None]
 
     def _at_position(self, noun: Noun, found: list[str]) -> str:
@@ -252,5 +253,4 @@ class Meanings:
             raise Doubt(noun.but[0].text, "no part can be left out: name those that are meant")
         chosen = self._chosen(noun, found, self._parts_named)
         self._parts_named += chosen
-        self._meant.setdefault((noun.at, ("part",)), [name for name, _ in chosen])
         return chosen

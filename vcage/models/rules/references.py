@@ -21,16 +21,17 @@ def resolved(commands: tuple[Command, ...], done: tuple[Command, ...] = ()) -> I
         yield done
         return
     command, *later = commands
-    for choice in itertools.product(*(_thing_for(noun, done, command) for noun in command.things)):
-        told = replace(command, things=tuple(noun for nouns in choice for noun in nouns))
-        for place in _place_for(told, done):
-            yield from resolved(tuple(later), (*done, replace(told, place=place)))
+    things = (_things_for(noun, done, command) for noun in command.things)
+    for *told, place in itertools.product(*things, _places_for(command, done)):
+        named = tuple(noun for nouns in told for noun in nouns)
+        yield from resolved(tuple(later), (*done, replace(command, things=named, place=place)))
 
 
-def _thing_for(noun: Noun, done: tuple[Command, ...], command: Command) -> list[tuple[Noun, ...]]:
-    """Referents of a noun for things: itself, those of a pronoun, or the noun that "the red one" leans on."""
+def _things_for(noun: Noun, done: tuple[Command, ...], command: Command) -> list[tuple[Noun, ...]]:
+    """Referents of a noun for things: itself, those of a pronoun, or of the kind that "the red one" leans on."""
     if noun.pronoun and done:
-        return [(other,) for other in _single(done, command.verb)] if noun.pronoun == "it" else _several(noun, done)
+        several = [(other,) for other in _single(done, command.verb)] if noun.pronoun == "it" else _several(noun, done)
+        return [tuple(other.without(noun.but) for other in nouns) for nouns in several]
     heads = _heads((*done, command))
     if not noun.headless or not heads:
         return [(noun,)]
@@ -38,16 +39,28 @@ def _thing_for(noun: Noun, done: tuple[Command, ...], command: Command) -> list[
     return [] if heads[-1].several and not noun.several and heads[-1].at > noun.at else [(noun.like(heads[-1]),)]
 
 
+def _places_for(command: Command, done: tuple[Command, ...]) -> list[Noun | None]:
+    """Referents of a noun for a place: of a pronoun what was named last, of "the blue one" a kind."""
+    place = command.place
+    if place is None or not (place.pronoun or place.headless):
+        return [place] if place is None or not place.but or not place.definite else []
+    if place.pronoun:
+        return [*_single(done, command.verb)] or [place]
+    heads = [place for c in done for place in _places(c)][-1:] + _heads((*done, command))[-1:]
+    return [place.like(head) for head in heads] or [place]
+
+
 def _heads(commands: tuple[Command, ...]) -> list[Noun]:
     return [noun for c in commands for noun in c.things if not noun.headless and not noun.pronoun]
 
 
 def _single(done: tuple[Command, ...], verb: str) -> list[Noun]:
-    """Referents of "it": nouns of the command before; for closing also what was opened longer ago."""
-    opened = [noun for c in done if c.verb == "open" == verb.replace("close", "open") for noun in c.things]
-    closed = [noun for c in done if c.verb == "close" for noun in c.things]
-    nouns = [*done[-1].things, *_places(done[-1]), *(noun for noun in opened if noun not in closed)]
-    return [noun for noun in dict.fromkeys(nouns) if not noun.several] if len(done[-1].things) == 1 else []
+    """Referents of "it": the thing of the command before, and its place; for closing also what was opened before."""
+    nouns = [noun for c in done[-1:] if len(c.things) == 1 for noun in (*c.things, *_places(c))]
+    if verb == "close":
+        closed = [noun for c in done if c.verb == "close" for noun in c.things]
+        nouns += [noun for c in done if c.verb == "open" for noun in c.things if noun not in closed]
+    return [noun for noun in dict.fromkeys(nouns) if not noun.several]
 
 
 def _places(command: Command) -> list[Noun]:
@@ -58,23 +71,7 @@ def _several(pronoun: Noun, done: tuple[Command, ...]) -> list[tuple[Noun, ...]]
     """Referents of "them" or "both": the things of the command before, or, where that is one, of all commands."""
     told = done[-1].things
     if len(told) == 1 and not told[0].several:
-        told = tuple(dict.fromkeys(noun for c in done for noun in c.things))
-        told = told if len(told) > 1 else (*told, *_places(done[-1]))
-    elif len(told) == 1 and pronoun.pronoun == "both":
-        told = (replace(told[0], count=2, quantifier="the"),)
-    return [told] if pronoun.pronoun == "them" or len(told) <= 2 else []
-
-
-def _place_for(command: Command, done: tuple[Command, ...]) -> list[Noun | None]:
-    """Referents of a noun for a place: of a pronoun a thing or the place before, of "the blue one" a kind."""
-    place = command.place
-    if place is None:
-        return [None]
-    if not (place.pronoun or place.headless):
-        of_things = command.things[-1].several and not place.several  # "all pens into the box except the red one"
-        return [replace(place, but=tuple(noun for noun in place.but if not (noun.headless and of_things)))]
-    found = [noun for c in done[-1:] for noun in (*c.things, *_places(c)) if not noun.several]
-    if place.headless:
-        former = [noun for c in done for noun in _places(c)]
-        found = [place.like(head) for head in (*former[-1:], *_heads((*done, command))[-1:])]
-    return [*dict.fromkeys(found)] or [place]
+        told = tuple(dict.fromkeys(noun for command in done for noun in command.things))
+    if pronoun.pronoun == "both":
+        return [told] if len(told) == 2 else []
+    return [told] if len(told) > 1 or told[0].several else []

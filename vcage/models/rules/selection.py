@@ -77,7 +77,7 @@ class _Selector:
     commands: Sequence[Command]
     _chosen: list[SelectedAsset] = field(default_factory=list)
     _there: list[CatalogueEntry] = field(default_factory=list)
-    _of: dict[tuple[int, tuple[str, ...]], CatalogueEntry] = field(default_factory=dict)
+    _of: dict[Noun, CatalogueEntry] = field(default_factory=dict)
 
     def select(self) -> Selection:
         """Select the objects that the commands need, contents first."""
@@ -99,7 +99,7 @@ class _Selector:
 
     def _things(self, command: Command) -> None:
         role, good = _wanted(command)
-        place = self._of.get(_key(command.place)) if command.place is not None else None
+        place = self._of.get(command.place) if command.place is not None else None
         for noun in command.things:
             how, source = noun.relation or ("to", command.source)
             starts = self._source(source, how) if source and source.words not in ON_TABLE else (None, None)
@@ -126,7 +126,7 @@ class _Selector:
 
     def _roomy(self, noun: Noun, command: Command) -> Good:
         """Tells of a kind if the contents go in, on or to it, and have room there, if some of these have."""
-        how = "to" if command.verb == "stack" else command.how
+        how = command.how.replace("stack", "to")
         if how not in ("in", "on", "to"):
             return lambda e: True
 
@@ -134,7 +134,7 @@ class _Selector:
             free = (point.holds for point in entry.functional_points if point.link is None)
             return noun.part is not None or any(how in (holds, "to") for holds in free)
 
-        contents = [self._of[key] for key in map(_key, command.things) if key in self._of]
+        contents = [self._of[thing] for thing in command.things if thing in self._of]
         fits = self._occasion().goes_in
         roomy = [e for e, _ in self._kinds(noun) if takes(e) and all(fits(content, e) for content in contents)]
         return roomy.__contains__ if roomy else takes
@@ -143,9 +143,9 @@ class _Selector:
         self, noun: Noun, role: Role, good: Good, place: CatalogueEntry | None = None, starts: Start = (None, None)
     ) -> CatalogueEntry:
         """Choose what a noun means, unless it was chosen before; the first of its kinds."""
-        known = self._of.get(_key(noun)) or next((entry for entry in self._there if self._same(noun, entry)), None)
-        self._of[_key(noun)] = known or self._draw(noun, role, good, place, starts)
-        return self._of[_key(noun)]
+        known = self._of.get(noun) or next((entry for entry in self._there if self._same(noun, entry)), None)
+        self._of[noun] = known or self._draw(noun, role, good, place, starts)
+        return self._of[noun]
 
     def _same(self, noun: Noun, entry: CatalogueEntry) -> bool:
         """Check if a chosen object is meant again: 'the mug' after 'the red mug', the other drawer of a cabinet."""
@@ -202,15 +202,11 @@ class _Selector:
         return noun.count or (None if noun.several and noun.part is None else 1)
 
 
-def _key(noun: Noun) -> tuple[int, tuple[str, ...]]:
-    return noun.at, noun.words
-
-
 def _wanted(command: Command) -> tuple[Role, Good]:
     """The role of the things of a command, and the test that they must pass."""
     if command.verb in ACTS:
         return "receptacle", lambda e: any(part_that(ACTS[command.verb], part) for part in e.moving_parts)
     if command.verb == "scan":
         return "content", lambda e: e.can_be_carried and any(face.kind == "code" for face in e.faces)
-    pushed = command.verb == "put" and command.how not in ("in", "on", "to")
+    pushed = command.verb == "put" and command.how not in ("in", "on", "to", "stack")
     return "content", lambda e: e.can_be_carried or pushed

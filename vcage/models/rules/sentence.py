@@ -167,7 +167,7 @@ _HOW = {
     "behind": "behind", "near": "near", "close": "near",
 }  # fmt: skip
 """Terminals and words for places → relations."""
-_JOINT = re.compile(r"^[\s,.;]+|(?:[\s,.;]|\b(?:and|then|but)\b)+$", re.IGNORECASE)
+_JOINT = re.compile(r"(?:[\s,.;]|\b(?:and|then|but)\b)+$", re.IGNORECASE)
 """Words and signs that join a command to the next."""
 _PRONOUNS = {"it": "it", "both": "both", "both of them": "both", "them both": "both"}
 
@@ -181,19 +181,10 @@ class _Commands(Transformer[Token, Any]):
         self._typed = typed
 
     def start(self, _: Any, groups: list[list[Command]]) -> tuple[Command, ...]:
-        commands = [replace(c, group=number) for number, group in enumerate(groups) for c in group]
-        begins, begin = list[int](), None
-        for command in sorted(commands, key=lambda c: c.at):
-            begin = command.at if begin is None else begin
-            if command.verb != "pick":  # which belongs to what is done with it
-                begins, begin = [*begins, begin], None
-        begins = [0, *sorted({*begins})[1:], len(self._typed)]
-        return tuple(replace(c, words=self._words_from(c.at, begins)) for c in commands)
-
-    def _words_from(self, at: int, begins: list[int]) -> str:
-        """The words of the command at a place, up to the next."""
-        number = max(k for k, begin in enumerate(begins[:-1]) if begin <= at)
-        return _JOINT.sub("", self._typed[begins[number] : begins[number + 1]])
+        begins = sorted({command.at for group in groups for command in group})
+        ends = dict(zip(begins, [*begins[1:], len(self._typed)], strict=True))
+        words = {at: _JOINT.sub("", self._typed[at:end]) for at, end in ends.items()}
+        return tuple(replace(c, group=number, words=words[c.at]) for number, group in enumerate(groups) for c in group)
 
     def before(self, meta: Any, groups: list[list[Command]]) -> tuple[Command, ...]:
         return self.start(meta, groups[::-1])
@@ -203,26 +194,21 @@ class _Commands(Transformer[Token, Any]):
 
     def clause(self, meta: Any, parts: list[Any]) -> list[Command]:
         arm = next((part["arm"] for part in parts if isinstance(part, dict)), None)
-        first, *more = [replace(c, arm=c.arm or arm) for part in parts if isinstance(part, list) for c in part]
-        return [replace(first, at=meta.start_pos), *more]
-
-    def put(self, _: Any, items: list[list[Command]]) -> list[Command]:
-        return [command for item in items for command in item]
+        commands = [command for part in parts if isinstance(part, list) for command in part]
+        return [replace(command, arm=command.arm or arm, at=meta.start_pos) for command in commands]
 
     def stack(self, _: Any, items: list[list[Command]]) -> list[Command]:
-        return [replace(command, verb="stack") for item in items for command in item]
+        return [replace(c, how="stack" if c.how in ("in", "on") else c.how) for item in items for c in item]
 
     def item(self, meta: Any, parts: list[Any]) -> list[Command]:
-        but = next((part for part in parts if isinstance(part, list)), [])
-        (command,) = self.__default__("put", [part for part in parts if part is not but], meta)
-        if but and command.place is not None:  # it may be a thing that is excepted, or a place
-            things = tuple(noun.without(but) for noun in command.things)
-            command = replace(command, things=things, place=command.place.without(but))
-        return [command]
+        but = [noun for part in parts if isinstance(part, list) for noun in part]
+        (command,) = self.__default__("put", [part for part in parts if isinstance(part, dict)], meta)
+        return [replace(command, things=tuple(noun.without(but) for noun in command.things))]
 
     def hand(self, meta: Any, parts: list[Any]) -> list[Command]:
-        arms = [part.pop("arm") or "any" for part in parts if "arm" in part]
-        return self.__default__("hand", [*parts, {"how": " ".join(arms)}], meta)
+        *giver, gets = [part for part in parts if "arm" in part]
+        things = [part for part in parts if "things" in part]
+        return self.__default__("hand", [*things, *giver, {"how": gets["arm"] or "any"}], meta)
 
     def row(self, meta: Any, parts: list[Any]) -> list[Command]:
         things, *order, where = parts
@@ -239,10 +225,8 @@ class _Commands(Transformer[Token, Any]):
     def but(self, _: Any, parts: list[Noun]) -> list[Noun]:
         return parts
 
-    def thing(self, meta: Any, parts: list[Any]) -> Noun:
-        if isinstance(parts[0], Noun):
-            return parts[0]
-        return Noun(pronoun=_PRONOUNS.get(parts[0], "them"), text=parts[0], at=meta.start_pos)
+    def PRONOUN(self, words: Token) -> Noun:
+        return Noun(pronoun=_PRONOUNS.get(words, "them"), text=words, at=words.start_pos or 0)
 
     def noun(self, meta: Any, parts: list[Any]) -> Noun:
         return noun_of(parts, self._typed[meta.start_pos : meta.end_pos], meta.start_pos)
@@ -253,17 +237,17 @@ class _Commands(Transformer[Token, Any]):
     def place(self, meta: Any, parts: list[Any]) -> dict[str, Any]:
         told = (parts[0].type, *parts[0].split())
         how = next((_HOW[word] for word in told if word in _HOW), parts[0].type.lower())
-        noun = [*parts, Noun(pronoun="it", text=str(parts[0]), at=meta.start_pos)][1]
-        return {"how": how, "place": noun["things"][0] if isinstance(noun, dict) else noun}
+        noun, *but = parts[1:] or [Noun(pronoun="it", text=str(parts[0]), at=meta.start_pos)]
+        return {"how": how, "place": noun.without([one for several in but for one in several])}
 
     def tool(self, _: Any, parts: list[Noun]) -> dict[str, Noun]:
         return {"place": parts[0]}
 
     def source(self, _: Any, parts: list[Any]) -> dict[str, Noun]:
-        return {"source": parts[0]["things"][0] if isinstance(parts[0], dict) else parts[0]}
+        return {"source": parts[0]}
 
-    def placed(self, _: Any, parts: list[Any]) -> dict[str, Any]:
-        return {"things": (replace(parts[0], relation=tuple(parts[1].values())),)}
+    def placed(self, _: Any, parts: list[Any]) -> Noun:
+        return replace(parts[0], relation=tuple(parts[1].values()))
 
     def ARM(self, words: Token) -> dict[str, str | None]:
         return {"arm": next((arm for arm in ("left", "right", "other") if arm in words.split()), None)}
