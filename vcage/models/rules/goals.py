@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from typing import TypeVar
 
 from vcage.base.errors import InfeasibleScene, NoAssetFits, UsageError
-from vcage.models.rules.meanings import ON_TABLE, Conflict, Doubt, Meanings, Things
-from vcage.models.rules.nouns import Noun
+from vcage.models.rules.meanings import Meanings, Things
+from vcage.models.rules.nouns import Conflict, Doubt, Noun
 from vcage.models.rules.references import resolved
 from vcage.models.rules.sentence import Command, not_read, parse
 from vcage.plans.consistency import unordered_contradictions
@@ -54,27 +54,20 @@ def agreed(instruction: str, ground: Callable[[tuple[Command, ...]], Found], tol
         UnreadInstruction: the readings differ, or there is none.
     """
     found: dict[str, Found] = {}
-    troubles: list[UsageError] = []
-    conflicts: list[UsageError] = []
+    doubts: list[Doubt | UsageError] = []
     for commands in (way for parsed in parse(instruction) for way in resolved(parsed)):
         try:
             result = ground(commands)
-        except Doubt as doubt:
-            words, why = doubt.args
-            troubles.append(not_read(instruction, words or instruction, why))
-            conflicts += troubles[-1:] if isinstance(doubt, Conflict) else []
-        except (NoAssetFits, InfeasibleScene) as error:
-            troubles.append(error)
-        else:
             found.setdefault(told(result), result)
-    if found and conflicts:
-        raise conflicts[0]
+        except (Doubt, NoAssetFits, InfeasibleScene) as doubt:
+            doubts.append(doubt)
+    conflicts = [doubt for doubt in doubts if isinstance(doubt, Conflict)]
     if len(found) > 1:
-        one, other, *_ = found
-        raise not_read(instruction, instruction, f"it can mean two things: {one}; or {other}")
-    if not found:
-        raise troubles[0] if troubles else not_read(instruction, instruction, "what 'it' or 'them' means is open")
-    return next(iter(found.values()))
+        conflicts.append(Conflict("", f"it can mean two things: {'; or '.join([*found][:2])}"))
+    if not conflicts and found:
+        return next(iter(found.values()))
+    doubt = [*conflicts, *doubts, Doubt("", "what 'it' or 'them' means is open")][0]
+    raise not_read(instruction, doubt.args[0] or instruction, doubt.args[1]) if isinstance(doubt, Doubt) else doubt
 
 
 def in_words(reading: Reading) -> str:
@@ -149,7 +142,7 @@ class Goals:
         """The objects of a command's nouns for things, and where they are taken from."""
         found = [name for noun in command.things for name in self._meanings.objects(noun, besides)]
         names = list(dict.fromkeys(found))
-        if command.source is not None and command.source.words not in ON_TABLE:
+        if command.source is not None:
             for name in names:
                 self._meanings.lies(name, "to", command.source)
         if len(names) < least:
@@ -164,11 +157,11 @@ class Goals:
     def _put(self, command: Command) -> None:
         assert command.place is not None
         place, how = command.place, command.how
-        if place.words in ON_TABLE and how == "on":
+        if place.of_table:
+            if how != "on":
+                raise Doubt(place.text, "this place of the table is none that a goal can name")
             for name in self._named(command):
                 self._add(command, name, "on", TABLE)
-        elif place.words in ON_TABLE:
-            raise Doubt(place.text, "this place of the table is none that a goal can name")
         elif how in ("in", "on", "to", "stack"):
             self._put_there(command, place, how)
         else:

@@ -8,7 +8,7 @@ from typing import TypeVar
 
 from vcage.base.text import listed
 from vcage.base.words import SHALLOW
-from vcage.models.rules.nouns import Noun
+from vcage.models.rules.nouns import Doubt, Noun
 from vcage.objects.names import names_of
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import Description, part_that
@@ -16,7 +16,6 @@ from vcage.schema.plan import TABLE
 
 Things = Mapping[str, CatalogueEntry]
 
-ON_TABLE = (("table",), ("desk",), ("counter",), ("tabletop",))
 _ORDERS = {"x": ("left", "middle", "right"), "y": ("front", "middle", "back")}
 _AT_TABLE = {
     "left": "left_of", "right": "right_of", "front": "in_front_of", "back": "behind", "middle": "center",
@@ -24,14 +23,6 @@ _AT_TABLE = {
 _RELATION = {"in": "inside", "on": "on"}
 _BEFORE = {"x": ("left_of", "right_of"), "y": ("in_front_of", "behind")}
 Choice = TypeVar("Choice")
-
-
-class Doubt(Exception):
-    """Words that mean nothing or too much in a scene, and why; of the whole sentence where there are no words."""
-
-
-class Conflict(Doubt):
-    """A reading that makes sense word by word and contradicts itself: the sentence may have been meant so."""
 
 
 @dataclass(frozen=True)
@@ -85,8 +76,8 @@ class Meanings:
         found = self._good(noun, self._called(noun, () if noun.position else besides), holds)
         used = self._used()
         self._meant[noun] = [self._at_position(noun, found)] if noun.position else self._chosen(noun, found, used)
-        how, other = noun.relation or ("", noun)
-        if how and other.words not in ON_TABLE:
+        if noun.relation is not None:
+            how, other = noun.relation
             if noun.several:  # everything in the bowl, but for the bowl
                 self._meant[noun] = [name for name in self._meant[noun] if name not in self.objects(other)]
             for name in self._meant[noun]:

@@ -18,6 +18,14 @@ _QUANTIFIERS = {
 }  # fmt: skip
 
 
+class Doubt(Exception):
+    """Words that mean nothing or too much in a scene, and why; of the whole sentence where there are no words."""
+
+
+class Conflict(Doubt):
+    """A reading that makes sense word by word and contradicts itself: the sentence may have been meant so."""
+
+
 @dataclass(frozen=True)
 class Noun:
     """A noun phrase for a thing.
@@ -51,6 +59,11 @@ class Noun:
     def part(self) -> str | None:
         """First word of the name of a moving part that it may mean; the words before the head say what has it."""
         return PART_WORDS.get(self.words[-1]) if self.words else None
+
+    @property
+    def of_table(self) -> bool:
+        """True for the table that all stands on."""
+        return self.words in (("table",), ("desk",), ("counter",), ("tabletop",))
 
     @property
     def headless(self) -> bool:
@@ -97,9 +110,11 @@ class Noun:
         fits = {name: fit(entry) for name, entry in entries.items()}
         least = self._least([level for level, _ in fits.values()], short)
         told = {name: looks for name, (level, looks) in fits.items() if level >= least}
-        for out in [but.named(entries) for but in self.but]:
-            told = {name: [v for v in looks if v not in out.get(name, ())] for name, looks in told.items()}
-        return {name: looks for name, looks in told.items() if looks}
+        out = [but.named(entries) for but in self.but if but.part is None]
+        left = {name: [v for v in looks if all(v not in o.get(name, ()) for o in out)] for name, looks in told.items()}
+        if told and not any(left.values()):
+            raise Doubt(self.but[0].text, "nothing is left without it")
+        return {name: looks for name, looks in left.items() if looks}
 
     def _least(self, levels: Sequence[int], short: bool) -> int:
         best = max([KIND, *levels])

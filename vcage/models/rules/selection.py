@@ -12,7 +12,6 @@ from vcage.base.words import tokens
 from vcage.models.occasion import Look, Occasion, one_of_each
 from vcage.models.quantifiers import quantified
 from vcage.models.rules.goals import ACTS, TOOLS, Goals, agreed, in_words
-from vcage.models.rules.meanings import ON_TABLE
 from vcage.models.rules.nouns import Noun
 from vcage.models.rules.sentence import LIMITS, Command
 from vcage.models.search import Search, best_search, no_asset
@@ -102,7 +101,7 @@ class _Selector:
         place = self._of.get(command.place) if command.place is not None else None
         for noun in command.things:
             how, source = noun.relation or ("to", command.source)
-            starts = self._source(source, how) if source and source.words not in ON_TABLE else (None, None)
+            starts = self._source(source, how) if source else (None, None)
             sign = command.verb == "show" and all(entry.words.category == "sign" for entry, _ in self._kinds(noun))
             self._take(noun, "tool" if sign else role, good, place, starts)
 
@@ -119,9 +118,9 @@ class _Selector:
         if verb in _TOOLS:
             noun = noun or Noun(words=tuple(_TOOLS[verb].split()), text=_TOOLS[verb], at=-1)
             self._take(noun, "tool", TOOLS[verb])
-        elif noun is not None and noun.words not in ON_TABLE and not noun.pronoun:
+        elif noun is not None and not noun.of_table and not noun.pronoun:
             self._take(noun, "receptacle", self._roomy(noun, command))
-            if noun.relation is not None and noun.relation[1].words not in ON_TABLE:
+            if noun.relation is not None:
                 self._take(noun.relation[1], "context", lambda e: True)
 
     def _roomy(self, noun: Noun, command: Command) -> Good:

@@ -244,10 +244,12 @@ class _Commands(Transformer[Token, Any]):
         return {"place": parts[0]}
 
     def source(self, _: Any, parts: list[Any]) -> dict[str, Noun]:
-        return {"source": parts[0]}
+        return {} if parts[0].of_table else {"source": parts[0]}
 
     def placed(self, _: Any, parts: list[Any]) -> Noun:
-        return replace(parts[0], relation=tuple(parts[1].values()))
+        noun, where = parts
+        told = where["how"] != "on" or not where["place"].of_table
+        return replace(noun, relation=tuple(where.values()) if told else None)
 
     def ARM(self, words: Token) -> dict[str, str | None]:
         return {"arm": next((arm for arm in ("left", "right", "other") if arm in words.split()), None)}
