@@ -9,13 +9,12 @@ from typing import TypeVar
 
 from vcage.base.errors import InfeasibleScene, NoAssetFits, UsageError
 from vcage.models.rules.meanings import Meanings, Things
-from vcage.models.rules.nouns import Conflict, Doubt, Noun
+from vcage.models.rules.nouns import Conflict, Doubt
 from vcage.models.rules.references import resolved
 from vcage.models.rules.sentence import Command, not_read, parse
 from vcage.plans.consistency import unordered_contradictions
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import AskedGoal, Goal, Reading, goal_of
-from vcage.schema.plan import TABLE
 
 Found = TypeVar("Found")
 
@@ -155,32 +154,14 @@ class Goals:
             self._arms |= {name: command.arm} if command.arm is not None else {}
 
     def _put(self, command: Command) -> None:
+        """Things in, on or beside what is there; of several drawers each gets one in turn."""
         assert command.place is not None
-        place, how = command.place, command.how
-        if place.of_table:
-            if how != "on":
-                raise Doubt(place.text, "this place of the table is none that a goal can name")
-            for name in self._named(command):
-                self._add(command, name, "on", TABLE)
-        elif how in ("in", "on", "to", "stack"):
-            self._put_there(command, place, how)
-        else:
-            reference = self._meanings.one(place, self._first(command))
-            for name in self._named(command, [reference]):
-                self._add(command, name, how, reference)
-
-    def _first(self, command: Command) -> list[str]:
-        """The things of a command, where they are found before its place: "everything" is all but that."""
-        return [] if any(noun.several for noun in command.things) else self._named(command)
-
-    def _put_there(self, command: Command, place: Noun, how: str) -> None:
-        """Things in or on what holds them; of several drawers each gets one in turn."""
-        spots = self._meanings.spots(place, how, self._first(command))
+        loose = any(noun.several for noun in command.things)  # "everything" is all but the place
+        spots = self._meanings.spots(command.place, command.how, [] if loose else self._named(command))
         names = self._named(command, [spot.name for spot in spots], least=len(spots))
-        for number, name in enumerate(names):
-            if not self.things[name].can_be_carried:
+        for name, spot in zip(names, itertools.cycle(spots), strict=False):
+            if spot.relation in ("inside", "on") and not self.things[name].can_be_carried:
                 raise Doubt(command.words, f"{name} cannot be lifted")
-            spot = spots[number % len(spots)]
             self._add(command, name, spot.relation, spot.name, spot.part)
 
     def _tower(self, command: Command) -> None:

@@ -69,7 +69,7 @@ class Meanings:
         if noun in self._meant:
             return self._meant[noun]
         for but in noun.but:
-            out = self._chosen(but, self._good(but, self._called(but), holds=False), ())
+            out = self.objects(but)
             if but.words == noun.words and not set(out) & set(self._called(replace(noun, colour=None, but=()))):
                 raise Doubt(but.text, f"{listed(out)} is none of them")
             self.excepted += out
@@ -83,17 +83,6 @@ class Meanings:
             for name in self._meant[noun]:
                 self.lies(name, how, other)
         return self._meant[noun]
-
-    def one(self, noun: Noun, besides: Collection[str] = (), holds: bool = False) -> str:
-        """The only object that a noun means.
-
-        Raises:
-            Doubt: there is none, or several.
-        """
-        found = self.objects(noun, besides, holds)
-        if len(found) != 1:
-            raise Doubt(noun.text, f"nobody can tell which of {listed(found)} is meant")
-        return found[0]
 
     def _good(self, noun: Noun, found: list[str], holds: bool) -> list[str]:
         """Those of some objects that hold things or can be carried, if some of them do."""
@@ -153,8 +142,8 @@ class Meanings:
         at = _ORDERS[axis] if len(found) > 2 else _ORDERS[axis][::2]
         if noun.several or len(found) > 3 or not set(asked) <= set(at):
             raise Doubt(noun.text, f"which of {listed(found)} it is cannot be told by where it is")
-        order = dict(zip(sorted(at, key=lambda where: (*asked, *at).index(where)), found))  # as mentioned
-        for where in set(order) - {position}:
+        order = dict(zip([*asked, *(where for where in at if where not in asked)], found))  # as mentioned
+        for where in order.keys() - {position}:
             word = _BEFORE[axis][at.index(position) > at.index(where)]
             self._describe(order[position], word, order[where], noun)
         return order[position]
@@ -165,13 +154,10 @@ class Meanings:
         Raises:
             Doubt: it lies somewhere else.
         """
-        if how not in ("in", "on", "to"):
-            self._describe(name, how, self.one(other, [name]), other)
-            return
         spot = self.spots(other, how, [name])[0]
         if spot.name == name:
             raise Doubt(other.text, f"{name} cannot lie in or on itself")
-        if self.lying.get(name, spot.name) != spot.name:
+        if spot.relation in ("inside", "on") and self.lying.get(name, spot.name) != spot.name:
             raise Doubt(other.text, f"{name} lies in {self.lying[name]}")
         self._describe(name, spot.relation, spot.name, other, spot.part)
 
@@ -192,40 +178,43 @@ class Meanings:
         return self._these(noun, found)
 
     def spots(self, noun: Noun, how: str, besides: Collection[str] = ()) -> list[Spot]:
-        """Where things go that are put in, on or to what a noun means.
+        """Where things go that are put in, on, to or beside what a noun means.
 
         Raises:
             Doubt: nothing is put there, or nobody can tell where.
         """
+        if noun.of_table and how == "on":
+            return [Spot(TABLE, "on")]
         if not noun.of_part(self.things.values()):
-            return [self.spot_of(self.one(noun, besides, holds=True), how, noun)]
-        pairs = self._parts(noun)
-        if how != "on":
-            hold = [(name, p) for name, p in pairs if p in {f.link for f in self.things[name].functional_points}]
-            return [Spot(name, "inside", part) for name, part in self._these(noun, hold)]
-        owners = {name for name, _ in pairs}
-        if len(owners) != 1 or noun.position is not None:
-            raise Doubt(noun.text, "nobody can tell where that is")
-        return [self.spot_of(owners.pop(), how, noun)]
+            owners = self.objects(noun, besides, holds=how in ("in", "on", "to", "stack"))
+        elif how != "on":
+            holding = [(n, p) for n, p in self._parts(noun) if p in {f.link for f in self.things[n].functional_points}]
+            return [Spot(name, "inside", part) for name, part in self._these(noun, holding)]
+        else:
+            owners = [name for name, _ in self._parts(noun)] if noun.position is None else []
+        if len({*owners}) != 1:
+            raise Doubt(noun.text, f"nobody can tell which of {listed(owners)} is meant")
+        return [self.spot_of(owners[0], how, noun)]
 
     def spot_of(self, name: str, how: str, noun: Noun) -> Spot:
-        """Where things go that are put in, on or to an object, or stacked there.
+        """Where things go that are put in, on, to or beside an object, or stacked there.
 
         Raises:
             Doubt: nothing is put there.
         """
+        if how not in ("in", "on", "to", "stack"):
+            return Spot(name, how)
         entry = self.things[name]
         free = [point.holds for point in entry.functional_points if point.link is None]
         inner = [point.link for point in entry.functional_points if point.link is not None]
         if how in free:
             return Spot(name, _RELATION[how])
-        if how in ("in", "to") and inner:
+        if inner and how in ("in", "to"):
             if len(inner) == 1:
                 return Spot(name, "inside", inner[0])
-            raise Doubt(noun.text, "say in which of its parts")
-        if free and (how in ("to", "stack") or names_of(entry).words[-1] in SHALLOW):
+        elif free and (how in ("to", "stack") or names_of(entry).words[-1] in SHALLOW):
             return Spot(name, _RELATION[free[0]])
-        raise Doubt(noun.text, f"nothing can be put {how.replace('stack', 'on')} it")
+        raise Doubt(noun.text, f"nothing can be put {how.replace('stack', 'on')} it, or not without saying where")
 
     def _parts(self, noun: Noun) -> list[tuple[str, str]]:
         """Every moving part that a noun fits, or that the things have that it fits."""
