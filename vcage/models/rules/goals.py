@@ -89,8 +89,7 @@ class Goals:
     _arms: dict[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        nouns = [noun for c in self.commands for noun in (*c.things, c.place) if noun is not None]
-        self._meanings = Meanings(self.things, self.lying, nouns)
+        self._meanings = Meanings(self.things, self.lying, [noun for c in self.commands for noun in c.nouns])
 
     def read(self) -> Reading:
         """The goals in their order: commands of one group in any, unless one of them needs another.

@@ -20,6 +20,7 @@ _ORDERS = {"x": ("left", "middle", "right"), "y": ("front", "middle", "back")}
 _AT_TABLE = {
     "left": "left_of", "right": "right_of", "front": "in_front_of", "back": "behind", "middle": "center",
 }  # fmt: skip
+BESIDE = ("left_of", "right_of", "in_front_of", "behind", "beside", "near")
 _RELATION = {"in": "inside", "on": "on"}
 _BEFORE = {"x": ("left_of", "right_of"), "y": ("in_front_of", "behind")}
 Choice = TypeVar("Choice")
@@ -115,20 +116,11 @@ class Meanings:
         return chosen
 
     def _known(self, noun: Noun, found: list[Choice]) -> list[Choice]:
-        """All of those that fit, if they are as many as the noun says, or the one that was named before."""
+        """All of those that fit, if they are as many as the noun says; any one where a description says which."""
         count = noun.count or (None if noun.several or noun.quantifier == "rest" else 1)
         if count in (None, len(found)):
             return found
-        if noun.relation is not None and not noun.several:
-            return found[:1]
-        before = self._named_before(noun)
-        known = [one for one in found if one in before]
-        return known if len(known) == count == 1 else []
-
-    def _named_before(self, noun: Noun) -> list[object]:
-        """'The mug' after 'the red mug' is that mug."""
-        same = [names for one, names in self._meant.items() if one.at < noun.at and one.words == noun.words]
-        return [names[0] for names in same if len(names) == 1 and noun.colour is None]
+        return found[:1] if noun.relation is not None and not noun.several else []
 
     def _at_position(self, noun: Noun, found: list[str]) -> str:
         """The left one of several, which is described against the others; of one, against the table."""
@@ -136,8 +128,7 @@ class Meanings:
         if len(found) == 1 and position in _AT_TABLE:
             self._describe(found[0], _AT_TABLE[position], TABLE, noun)
             return found[0]
-        same = [n for n in self.nouns if (n.words, n.colour) == (noun.words, noun.colour)]
-        asked = list(dict.fromkeys(n.position for n in same if n.position is not None))
+        asked = noun.positions(self.nouns)
         axis = "x" if {"front", "back"}.isdisjoint(asked) else "y"
         at = _ORDERS[axis] if len(found) > 2 else _ORDERS[axis][::2]
         if noun.several or len(found) > 3 or not set(asked) <= set(at):
@@ -186,7 +177,7 @@ class Meanings:
         if noun.of_table and how == "on":
             return [Spot(TABLE, "on")]
         if not noun.of_part(self.things.values()):
-            owners = self.objects(noun, besides, holds=how in ("in", "on", "to", "stack"))
+            owners = self.objects(noun, besides, holds=how not in BESIDE)
         elif how != "on":
             holding = [(n, p) for n, p in self._parts(noun) if p in {f.link for f in self.things[n].functional_points}]
             return [Spot(name, "inside", part) for name, part in self._these(noun, holding)]
@@ -202,7 +193,7 @@ class Meanings:
         Raises:
             Doubt: nothing is put there.
         """
-        if how not in ("in", "on", "to", "stack"):
+        if how in BESIDE:
             return Spot(name, how)
         entry = self.things[name]
         free = [point.holds for point in entry.functional_points if point.link is None]

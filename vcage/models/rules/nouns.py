@@ -81,6 +81,11 @@ class Noun:
         """True if it names known things, and not any that are alike."""
         return self.quantifier not in ("a", "other") and (self.count is None or self.quantifier in ("the", "all"))
 
+    def positions(self, nouns: Sequence[Noun]) -> list[str]:
+        """Where the things stand that a sentence tells apart by that, of those that are called so."""
+        same = [noun for noun in nouns if (noun.words, noun.colour) == (self.words, self.colour)]
+        return list(dict.fromkeys(noun.position for noun in same if noun.position is not None))
+
     def like(self, other: Noun) -> Noun:
         """The same of another noun's kind."""
         return replace(self, words=other.words, but=()).without(self.but)

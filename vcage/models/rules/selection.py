@@ -9,9 +9,10 @@ import numpy as np
 
 from vcage.base.errors import InfeasibleScene
 from vcage.base.words import tokens
-from vcage.models.occasion import Look, Occasion, one_of_each
+from vcage.models.occasion import Occasion, one_of_each
 from vcage.models.quantifiers import quantified
 from vcage.models.rules.goals import ACTS, TOOLS, Goals, agreed, in_words
+from vcage.models.rules.meanings import BESIDE
 from vcage.models.rules.nouns import Noun
 from vcage.models.rules.sentence import LIMITS, Command
 from vcage.models.search import Search, best_search, no_asset
@@ -24,8 +25,11 @@ from vcage.schema.plan import SelectedAsset, Selection
 from vcage.schema.scene import Role
 
 Good = Callable[[CatalogueEntry], bool]
-Start = tuple[str | None, str | None]
-"""Asset that a thing lies in or on at the start, and which part of it."""
+
+
+def _any(_: CatalogueEntry) -> bool:
+    return True
+
 
 _TOOLS = {"scan": "barcode scanner", "weigh": "electronic scale"}
 _ROLES: tuple[Role, ...] = ("content", "receptacle", "tool", "context")
@@ -57,9 +61,7 @@ def select_assets(
 
     def ground(commands: tuple[Command, ...]) -> tuple[Selection, Reading]:
         chosen = _Selector(instruction, entries, np.random.default_rng(seed), scene, search, commands).select()
-        named = name_objects(chosen, catalogue)
-        lying = {o.id: o.starts_in for o in named if o.starts_in is not None}
-        return chosen, Goals(entries_of(named, catalogue), lying, commands).read()
+        return chosen, Goals(entries_of(name_objects(chosen, catalogue), catalogue), {}, commands).read()
 
     return agreed(instruction, ground, lambda found: in_words(found[1]))[0]
 
@@ -77,6 +79,9 @@ class _Selector:
     _chosen: list[SelectedAsset] = field(default_factory=list)
     _there: list[CatalogueEntry] = field(default_factory=list)
     _of: dict[Noun, CatalogueEntry] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self._nouns = [noun for command in self.commands for noun in command.nouns]
 
     def select(self) -> Selection:
         """Select the objects that the commands need, contents first."""
@@ -101,16 +106,10 @@ class _Selector:
         place = self._of.get(command.place) if command.place is not None else None
         for noun in command.things:
             how, source = noun.relation or ("to", command.source)
-            starts = self._source(source, how) if source else (None, None)
+            if source is not None:
+                self._take(source, "context", _any if how in BESIDE else lambda e: bool(e.functional_points))
             sign = command.verb == "show" and all(entry.words.category == "sign" for entry, _ in self._kinds(noun))
-            self._take(noun, "tool" if sign else role, good, place, starts)
-
-    def _source(self, noun: Noun, how: str) -> Start:
-        """The asset and part that contents lie in or on at the start; none where they only stand beside it."""
-        inside = how in ("in", "on", "to")
-        entry = self._take(noun, "context", lambda e: bool(e.functional_points) or not inside)
-        parts = [part for part in entry.moving_parts if noun.part and noun.names_part(part)]
-        return (entry.name, parts[0] if parts else None) if inside else (None, None)
+            self._take(noun, "tool" if sign else role, good, place)
 
     def _place(self, command: Command) -> None:
         """Where things go, what they stand beside, or the tool."""
@@ -121,30 +120,28 @@ class _Selector:
         elif noun is not None and not noun.of_table and not noun.pronoun:
             self._take(noun, "receptacle", self._roomy(noun, command))
             if noun.relation is not None:
-                self._take(noun.relation[1], "context", lambda e: True)
+                self._take(noun.relation[1], "context")
 
     def _roomy(self, noun: Noun, command: Command) -> Good:
-        """Tells of a kind if the contents go in, on or to it, and have room there, if some of these have."""
+        """Tells of a kind if the contents go in, on or to it, and have room there."""
         how = command.how.replace("stack", "to")
-        if how not in ("in", "on", "to"):
-            return lambda e: True
-
-        def takes(entry: CatalogueEntry) -> bool:
-            free = (point.holds for point in entry.functional_points if point.link is None)
-            return noun.part is not None or any(how in (holds, "to") for holds in free)
-
+        if how in BESIDE:
+            return _any
         contents = [self._of[thing] for thing in command.things if thing in self._of]
         fits = self._occasion().goes_in
-        roomy = [e for e, _ in self._kinds(noun) if takes(e) and all(fits(content, e) for content in contents)]
-        return roomy.__contains__ if roomy else takes
 
-    def _take(
-        self, noun: Noun, role: Role, good: Good, place: CatalogueEntry | None = None, starts: Start = (None, None)
-    ) -> CatalogueEntry:
-        """Choose what a noun means, unless it was chosen before; the first of its kinds."""
-        known = self._of.get(noun) or next((entry for entry in self._there if self._same(noun, entry)), None)
-        self._of[noun] = known or self._draw(noun, role, good, place, starts)
-        return self._of[noun]
+        def roomy(entry: CatalogueEntry) -> bool:
+            free = (point.holds for point in entry.functional_points if point.link is None)
+            takes = noun.part is not None or any(how in (holds, "to") for holds in free)
+            return takes and all(fits(content, entry) for content in contents)
+
+        return roomy
+
+    def _take(self, noun: Noun, role: Role, good: Good = _any, place: CatalogueEntry | None = None) -> None:
+        """Choose what a noun means, unless it was chosen before."""
+        known = next((entry for entry in self._there if self._same(noun, entry)), None)
+        if noun not in self._of:
+            self._of[noun] = known or self._draw(noun, role, good, place)
 
     def _same(self, noun: Noun, entry: CatalogueEntry) -> bool:
         """Check if a chosen object is meant again: 'the mug' after 'the red mug', the other drawer of a cabinet."""
@@ -156,15 +153,19 @@ class _Selector:
         """The kinds that a noun means, with the looks that it fits."""
         return [(self.entries[name], looks) for name, looks in noun.named(self.entries).items()]
 
-    def _draw(self, noun: Noun, role: Role, good: Good, place: CatalogueEntry | None, starts: Start) -> CatalogueEntry:
+    def _draw(self, noun: Noun, role: Role, good: Good, place: CatalogueEntry | None) -> CatalogueEntry:
+        """Choose what a noun means; the first of its kinds."""
         count, taken = self._count(noun), [(entry.name, entry.variants) for entry in self._there]
         looks = one_of_each(self._able(noun, good, place, count), self.rng)
         fresh = [(entry, look) for entry, look in looks if (entry.name, [look]) not in taken] or looks
         for number in range(count or min(LIMITS.several, max(2, len(fresh)))):
-            asked = noun.position is None or number < len(self._positions(noun))
-            self._add(noun, fresh[number % len(fresh)], role if asked else "context", starts)
+            entry, look = fresh[number % len(fresh)]
+            asked: Role = role if noun.position is None or number < len(noun.positions(self._nouns)) else "context"
+            reason = f"asked for: {noun.text!r}"
+            self._chosen.append(SelectedAsset(asset=entry.name, variant=look.id, role=asked, reason=reason))
+            self._there.append(entry.model_copy(update={"variants": [look]}))
         for but in noun.but:
-            self._take(but, "context", lambda e: True)
+            self._take(but, "context")
         return fresh[0][0]
 
     def _able(
@@ -180,21 +181,11 @@ class _Selector:
         able = [able[i] for i in self.rng.permutation(len(able))] if noun.several else able[:1]
         return [(entry, kinds[entry.name]) for entry in able]
 
-    def _add(self, noun: Noun, look: Look, role: Role, starts: Start) -> None:
-        entry, variant = look
-        told = {"starts_in": starts[0], "starts_in_part": starts[1], "reason": f"asked for: {noun.text!r}"}
-        self._chosen.append(SelectedAsset(asset=entry.name, variant=variant.id, role=role, **told))
-        self._there.append(entry.model_copy(update={"variants": [variant]}))
-
-    def _positions(self, noun: Noun) -> set[str]:
-        """Of all that are told apart by where they are, those that are asked for."""
-        nouns = [other for c in self.commands for other in (*c.things, c.place) if other is not None]
-        return {other.position for other in nouns if other.words == noun.words and other.position is not None}
-
     def _count(self, noun: Noun) -> int | None:
         """How many a noun asks for; None where it says only that there are several."""
         if noun.position is not None and noun.part is None:
-            return 3 if "middle" in self._positions(noun) else max(2, len(self._positions(noun)))
+            asked = noun.positions(self._nouns)
+            return 3 if "middle" in asked else max(2, len(asked))
         if noun.count is not None and not 0 < noun.count <= LIMITS.objects:
             wanted = f"the instruction asks for {noun.count} × {noun.text!r}"
             raise InfeasibleScene(wanted, hint=f"ask for 1 to {LIMITS.objects} of them")
@@ -207,5 +198,5 @@ def _wanted(command: Command) -> tuple[Role, Good]:
         return "receptacle", lambda e: any(part_that(ACTS[command.verb], part) for part in e.moving_parts)
     if command.verb == "scan":
         return "content", lambda e: e.can_be_carried and any(face.kind == "code" for face in e.faces)
-    pushed = command.verb == "put" and command.how not in ("in", "on", "to", "stack")
+    pushed = command.verb == "put" and command.how in BESIDE
     return "content", lambda e: e.can_be_carried or pushed

@@ -82,6 +82,11 @@ class Command:
     at: int = 0
     words: str = ""
 
+    @property
+    def nouns(self) -> tuple[Noun, ...]:
+        """What it is done to, and the place."""
+        return self.things if self.place is None else (*self.things, self.place)
+
 
 _GRAMMAR = Path(__file__).with_name("instruction.lark").read_text(encoding="utf-8")
 FORMS = tuple(re.findall(r"^// > (.+)$", _GRAMMAR, re.MULTILINE))
