@@ -24,7 +24,6 @@ _DONE = {"open": "open", "close": "closed", "turn": "turned", "press": "pressed"
 _EVENTS = {"scan": "scanned", "weigh": "weighed", "show": "presented"}
 TOOLS: dict[str, Callable[[CatalogueEntry], bool]] = {"scan": lambda e: e.reads_codes, "weigh": lambda e: e.weighs}
 """Commands → the test of a tool for them."""
-_OTHER = {"left": "right", "right": "left"}
 
 
 def read_goals(instruction: str, things: Things, lying: Mapping[str, str] | None = None) -> Reading:
@@ -117,22 +116,18 @@ class Goals:
             self._added = []
             getattr(self, f"_{command.verb}", self._event)(command)
             added += [self._added] if self._added else []
-        if complaints := unordered_contradictions([asked.goal for several in added for asked in several]):
+        goals = list(itertools.chain(*added))
+        if complaints := unordered_contradictions([asked.goal for asked in goals]):
             raise Conflict("", "; ".join(complaints))
-        self._require_arms([asked for several in added for asked in several if asked.goal.relation != "handed"])
+        arms = {asked.arm for asked in goals if asked.goal.relation != "handed"}
+        if None in arms and len(arms) > 1:
+            raise Conflict("", "say for each thing that is done which arm does it")
         ordered = any(_needs(before, after) for before, after in itertools.combinations(added, 2))
         steps = enumerate(added)
         return [a.model_copy(update={"step": first + number * ordered}) for number, several in steps for a in several]
 
-    def _require_arms(self, goals: Sequence[AskedGoal]) -> None:
-        arms = {asked.arm for asked in goals}
-        if None in arms and len(arms) > 1:
-            raise Conflict("", "say for each thing that is done which arm does it")
-
     def _add(self, command: Command, subject: str, relation: str, *rest: str | None, arm: str | None = None) -> None:
         goal, arm = goal_of([subject, relation, *rest]), arm or command.arm or self._arms.get(subject)
-        if arm == "other":
-            raise Doubt(command.words, "say which arm: left or right")
         if goal not in [asked.goal for asked in self._added]:
             self._added.append(AskedGoal(goal=goal, step=1, words=command.words, arm=arm))
 
@@ -175,11 +170,10 @@ class Goals:
     def _hand(self, command: Command) -> None:
         for name in self._named(command):
             giver = command.arm or self._arms.get(name)
-            gets = _OTHER.get(giver or "") if command.how == "other" else command.how
-            if gets not in _OTHER or gets == giver:
+            if command.how in ("any", giver):
                 raise Doubt(command.words, "say which arm gets it: left or right")
-            self._add(command, name, "handed", gets, arm=giver)
-            self._arms[name] = gets
+            self._add(command, name, "handed", command.how, arm=giver)
+            self._arms[name] = command.how
 
     def _event(self, command: Command) -> None:
         """Add the goal of an act on a part of a thing, or on a thing with a tool."""

@@ -108,19 +108,14 @@ class Meanings:
         if noun.quantifier == "a" or (noun.count is not None and noun.quantifier == ""):
             free = [one for one in found if one not in used and one not in self._claimed]
             count = 1 if noun.count is None else noun.count
-            chosen = free[:count] if 0 < count <= len(free) else []
-        else:
-            chosen = self._known(noun, found)
+            chosen = free[:count] if count <= len(free) else []
+        elif noun.number in (None, len(found)):
+            chosen = found
+        else:  # a description says which one
+            chosen = found[:1] if noun.relation is not None and not noun.several else []
         if not chosen:
             raise Doubt(noun.text, f"nobody can tell which of {listed(found)} is meant, and how many")
         return chosen
-
-    def _known(self, noun: Noun, found: list[Choice]) -> list[Choice]:
-        """All of those that fit, if they are as many as the noun says; any one where a description says which."""
-        count = noun.count or (None if noun.several or noun.quantifier == "rest" else 1)
-        if count in (None, len(found)):
-            return found
-        return found[:1] if noun.relation is not None and not noun.several else []
 
     def _at_position(self, noun: Noun, found: list[str]) -> str:
         """The left one of several, which is described against the others; of one, against the table."""
@@ -218,10 +213,8 @@ class Meanings:
     def _these(self, noun: Noun, found: list[tuple[str, str]]) -> list[tuple[str, str]]:
         """Those of some parts that a noun means: of the objects that were named before, if there are such."""
         found = [pair for pair in found if pair[0] in self._used()] or found
-        if noun.quantifier == "rest" or (noun.several and noun.position is not None):
-            raise Doubt(noun.text, "nobody can tell which of them are meant")
-        if noun.but:
-            raise Doubt(noun.but[0].text, "no part can be left out: name those that are meant")
+        if noun.but or noun.quantifier == "rest" or (noun.several and noun.position is not None):
+            raise Doubt(noun.text, "name the parts that are meant: none can be left out")
         chosen = self._chosen(noun, found, self._parts_named)
         self._parts_named += chosen
         return chosen

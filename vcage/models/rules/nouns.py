@@ -77,6 +77,11 @@ class Noun:
         return self.count not in (None, 1) or (self.count is None and (self.plural or self.quantifier == "all" or mass))
 
     @property
+    def number(self) -> int | None:
+        """How many it means; None for several or all that are left."""
+        return self.count or (None if self.several or self.quantifier == "rest" else 1)
+
+    @property
     def definite(self) -> bool:
         """True if it names known things, and not any that are alike."""
         return self.quantifier not in ("a", "other") and (self.count is None or self.quantifier in ("the", "all"))

@@ -15,7 +15,7 @@ from vcage.models.rules.goals import ACTS, TOOLS, Goals, agreed, in_words
 from vcage.models.rules.meanings import BESIDE
 from vcage.models.rules.nouns import Noun
 from vcage.models.rules.sentence import LIMITS, Command
-from vcage.models.search import Search, best_search, no_asset
+from vcage.models.search import best_search, no_asset
 from vcage.models.selection_check import entries_of, name_objects
 from vcage.objects.bystanders import bystanders
 from vcage.objects.names import HEAD
@@ -40,7 +40,6 @@ def select_assets(
     catalogue: Sequence[CatalogueEntry],
     rng: np.random.Generator,
     scene: str = "table",
-    search: Callable[[], Search] = best_search,
 ) -> Selection:
     """Contents, receptacles and tools of a sentence, what tells them apart, and small objects of the occasion.
 
@@ -49,7 +48,6 @@ def select_assets(
         catalogue: what there is.
         rng: of all choices.
         scene: name of the scene template: kinds that belong there are preferred.
-        search: makes the search that suggests names for a noun that nothing answers.
 
     Raises:
         UnreadInstruction: the sentence is of no form that is read, or can mean two things.
@@ -60,7 +58,7 @@ def select_assets(
     entries = {entry.name: entry for entry in sorted(catalogue, key=lambda entry: entry.name)}
 
     def ground(commands: tuple[Command, ...]) -> tuple[Selection, Reading]:
-        chosen = _Selector(instruction, entries, np.random.default_rng(seed), scene, search, commands).select()
+        chosen = _Selector(instruction, entries, np.random.default_rng(seed), scene, commands).select()
         return chosen, Goals(entries_of(name_objects(chosen, catalogue), catalogue), {}, commands).read()
 
     return agreed(instruction, ground, lambda found: in_words(found[1]))[0]
@@ -74,7 +72,6 @@ class _Selector:
     entries: Mapping[str, CatalogueEntry]
     rng: np.random.Generator
     scene: str
-    search: Callable[[], Search]
     commands: Sequence[Command]
     _chosen: list[SelectedAsset] = field(default_factory=list)
     _there: list[CatalogueEntry] = field(default_factory=list)
@@ -176,7 +173,7 @@ class _Selector:
         able = [entry for entry, _ in self._kinds(noun) if good(entry)] or [self.entries[name] for name in kinds]
         if not able:
             bare = [entry for entry, _ in self._kinds(replace(noun, colour=None))]
-            raise no_asset(noun.text, bare, list(self.entries.values()), self.search())
+            raise no_asset(noun.text, bare, list(self.entries.values()), best_search())
         able = self._occasion().suiting(able, place, noun.several, least=min(2, count or 2))
         able = [able[i] for i in self.rng.permutation(len(able))] if noun.several else able[:1]
         return [(entry, kinds[entry.name]) for entry in able]
@@ -189,7 +186,7 @@ class _Selector:
         if noun.count is not None and not 0 < noun.count <= LIMITS.objects:
             wanted = f"the instruction asks for {noun.count} × {noun.text!r}"
             raise InfeasibleScene(wanted, hint=f"ask for 1 to {LIMITS.objects} of them")
-        return noun.count or (None if noun.several and noun.part is None else 1)
+        return noun.number if noun.part is None else noun.count or 1
 
 
 def _wanted(command: Command) -> tuple[Role, Good]:

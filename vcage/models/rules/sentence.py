@@ -18,10 +18,9 @@ from vcage.base.words import tokens
 from vcage.models.rules.nouns import Noun, noun_of
 
 REFUSED = {
-    r"simultaneously|at the same time|both arms|both hands|two arms|separate arms|each arm|another arm":
-        "two arms at once cannot be promised; say which arm does what, or leave the arms out",
+    r"simultaneously|at the same time|(both|two|separate|each|(an)?other) (arms?|hands?)":
+        "two arms at once cannot be promised; say which arm does what, left or right, or leave the arms out",
     r"(cent(er|re)|middle|corner|edge) of the (table|desk)": "this place of the table is none that a goal can name",
-    r"between": "what stands between two things is none of the relations that a goal can name",
     r"sorry|i mean|or rather|no wait": "a correction is not read; say only what is meant",
 }  # fmt: skip
 """Words that no goal of the vocabulary can keep, and why."""
@@ -257,7 +256,7 @@ class _Commands(Transformer[Token, Any]):
         return replace(noun, relation=tuple(where.values()) if told else None)
 
     def ARM(self, words: Token) -> dict[str, str | None]:
-        return {"arm": next((arm for arm in ("left", "right", "other") if arm in words.split()), None)}
+        return {"arm": next((arm for arm in ("left", "right") if arm in words.split()), None)}
 
     def __default__(self, data: Any, children: Any, meta: Any) -> Any:  # pyrefly: ignore
         told: dict[str, Any] = {key: value for part in children for key, value in part.items()}
