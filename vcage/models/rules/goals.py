@@ -14,7 +14,7 @@ from vcage.models.rules.references import resolved
 from vcage.models.rules.sentence import Command, not_read, parse
 from vcage.plans.consistency import unordered_contradictions
 from vcage.schema.asset import CatalogueEntry
-from vcage.schema.goals import AskedGoal, Goal, Reading, goal_of
+from vcage.schema.goals import AskedGoal, Goal, Reading, goal_of, part_that
 
 Found = TypeVar("Found")
 
@@ -179,7 +179,7 @@ class Goals:
         """Add the goal of an act on a part of a thing, or on a thing with a tool."""
         if command.verb in ACTS:
             for noun in command.things:
-                for name, part in self._meanings.parts(noun, ACTS[command.verb]):
+                for name, part in self._meanings.parts(noun, lambda _, part: part_that(ACTS[command.verb], part)):
                     self._add(command, name, _DONE[command.verb], None, part)
             return
         able = TOOLS.get(command.verb)

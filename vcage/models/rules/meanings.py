@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
@@ -11,7 +11,7 @@ from vcage.base.words import SHALLOW
 from vcage.models.rules.nouns import Doubt, Noun
 from vcage.objects.names import names_of
 from vcage.schema.asset import CatalogueEntry
-from vcage.schema.goals import Description, part_that
+from vcage.schema.goals import Description
 from vcage.schema.plan import TABLE
 
 Things = Mapping[str, CatalogueEntry]
@@ -57,63 +57,60 @@ class Meanings:
         certain = (self._called(noun) for noun in self.nouns if noun.definite and not noun.several)
         self._claimed = {found[0] for found in certain if len(found) == 1}  # "another one" is none of these
 
-    def objects(self, noun: Noun, besides: Collection[str] = (), holds: bool = False) -> list[str]:
+    def objects(self, noun: Noun, besides: Collection[str] = ()) -> list[str]:
         """The objects that a noun means.
 
         Args:
             besides: what it does not mean.
-            holds: of several that it may mean, only those that hold things.
 
         Raises:
             Doubt: there are none, or nobody can tell which.
         """
-        if noun in self._meant:
-            return self._meant[noun]
+        if noun not in self._meant:
+            self._except(noun)
+            found = self._called(noun, () if noun.position else besides)
+            if not found:
+                raise Doubt(noun.text, "nothing that is there is called so")
+            used = self._used()
+            self._meant[noun] = [self._at_position(noun, found)] if noun.position else self._chosen(noun, found, used)
+            self._relate(noun)
+        return self._meant[noun]
+
+    def _except(self, noun: Noun) -> None:
+        """Keep what a noun leaves out, which must be of its kind where it says no other."""
         for but in noun.but:
             out = self.objects(but)
             if but.words == noun.words and not set(out) & set(self._called(replace(noun, colour=None, but=()))):
                 raise Doubt(but.text, f"{listed(out)} is none of them")
             self.excepted += out
-        found = self._good(noun, self._called(noun, () if noun.position else besides), holds)
-        used = self._used()
-        self._meant[noun] = [self._at_position(noun, found)] if noun.position else self._chosen(noun, found, used)
+
+    def _relate(self, noun: Noun) -> None:
+        """Describe what a noun means by where it stands."""
         if noun.relation is not None:
             how, other = noun.relation
             if noun.several:  # everything in the bowl, but for the bowl
                 self._meant[noun] = [name for name in self._meant[noun] if name not in self.objects(other)]
             for name in self._meant[noun]:
                 self.lies(name, how, other)
-        return self._meant[noun]
-
-    def _good(self, noun: Noun, found: list[str], holds: bool) -> list[str]:
-        """Those of some objects that hold things or can be carried, if some of them do."""
-        if not found:
-            raise Doubt(noun.text, "nothing that is there is called so")
-        if holds:
-            return [name for name in found if self.things[name].functional_points] or found
-        return [name for name in found if self.things[name].can_be_carried or not noun.several] or found
 
     def _used(self) -> set[str]:
         return {name for names in self._meant.values() for name in names} | {name for name, _ in self._parts_named}
 
     def _called(self, noun: Noun, besides: Collection[str] = ()) -> list[str]:
-        """All objects that the words of a noun fit: those that they name best."""
-        others = {name: entry for name, entry in self.things.items() if name not in besides}
-        return list(noun.named(others, short=True))
+        """All objects that the words of a noun fit: those that they name best; of several those that can be carried."""
+        found = list(noun.named({name: e for name, e in self.things.items() if name not in besides}, short=True))
+        return [name for name in found if self.things[name].can_be_carried or not noun.several] or found
 
     def _chosen(self, noun: Noun, found: list[Choice], used: Collection[Choice]) -> list[Choice]:
         """As many of those that fit as the noun asks for."""
         if noun.quantifier in ("other", "rest"):
             found = [one for one in found if one not in used]
         if noun.quantifier == "a" or (noun.count is not None and noun.quantifier == ""):
-            free = [one for one in found if one not in used and one not in self._claimed]
-            count = 1 if noun.count is None else noun.count
-            chosen = free[:count] if count <= len(free) else []
-        elif noun.number in (None, len(found)):
-            chosen = found
-        else:  # a description says which one
-            chosen = found[:1] if noun.relation is not None and not noun.several else []
-        if not chosen:
+            found = [one for one in found if one not in used and one not in self._claimed]
+            chosen = found[: 1 if noun.count is None else noun.count]
+        else:
+            chosen = found[:1] if noun.relation is not None and not noun.several else found  # it says which one
+        if not chosen or noun.number not in (None, len(chosen)):
             raise Doubt(noun.text, f"nobody can tell which of {listed(found)} is meant, and how many")
         return chosen
 
@@ -152,16 +149,24 @@ class Meanings:
         found = Description.model_validate(values)
         self.descriptions[str(found)] = found
 
-    def parts(self, noun: Noun, action: str) -> list[tuple[str, str]]:
-        """The moving parts that a noun means to open, press or turn: (object, part).
+    def parts(self, noun: Noun, good: Callable[[str, str], bool]) -> list[tuple[str, str]]:
+        """The moving parts that a noun means, or that the things have which it means: (object, part).
+
+        Args:
+            good: tells of an object and a part if the part will do.
 
         Raises:
             Doubt: there are none, or nobody can tell which.
         """
-        found = [(name, part) for name, part in self._parts(noun) if part_that(action, part)]
-        if not found:
-            raise Doubt(noun.text, f"nothing of it can be made to {action}")
-        return self._these(noun, found)
+        of_part = noun.of_part(self.things.values())
+        owners, named = (self._called(noun), noun.names_part) if of_part else (self.objects(noun), bool)
+        found = [(n, p) for n in owners for p in self.things[n].moving_parts if named(p) and good(n, p)]
+        found = [pair for pair in found if pair[0] in self._used()] or found  # of what was named before
+        if noun.but or noun.quantifier == "rest" or (noun.several and noun.position is not None):
+            raise Doubt(noun.text, "name the parts that are meant: none can be left out")
+        chosen = self._chosen(noun, found, self._parts_named)
+        self._parts_named += chosen
+        return chosen
 
     def spots(self, noun: Noun, how: str, besides: Collection[str] = ()) -> list[Spot]:
         """Where things go that are put in, on, to or beside what a noun means.
@@ -172,13 +177,13 @@ class Meanings:
         if noun.of_table and how == "on":
             return [Spot(TABLE, "on")]
         if not noun.of_part(self.things.values()):
-            owners = self.objects(noun, besides, holds=how not in BESIDE)
+            owners = self.objects(noun, besides)
         elif how != "on":
-            holding = [(n, p) for n, p in self._parts(noun) if p in {f.link for f in self.things[n].functional_points}]
-            return [Spot(name, "inside", part) for name, part in self._these(noun, holding)]
+            links = {name: {point.link for point in entry.functional_points} for name, entry in self.things.items()}
+            return [Spot(name, "inside", part) for name, part in self.parts(noun, lambda n, p: p in links[n])]
         else:
-            owners = [name for name, _ in self._parts(noun)] if noun.position is None else []
-        if len({*owners}) != 1:
+            owners = self._called(noun) if noun.position is None else []
+        if len(owners) != 1:
             raise Doubt(noun.text, f"nobody can tell which of {listed(owners)} is meant")
         return [self.spot_of(owners[0], how, noun)]
 
@@ -201,20 +206,3 @@ class Meanings:
         elif free and (how in ("to", "stack") or names_of(entry).words[-1] in SHALLOW):
             return Spot(name, _RELATION[free[0]])
         raise Doubt(noun.text, f"nothing can be put {how.replace('stack', 'on')} it, or not without saying where")
-
-    def _parts(self, noun: Noun) -> list[tuple[str, str]]:
-        """Every moving part that a noun fits, or that the things have that it fits."""
-        if noun.of_part(self.things.values()):
-            owners, named = self._called(noun), noun.names_part
-        else:
-            owners, named = self.objects(noun), bool
-        return [(name, part) for name in owners for part in self.things[name].moving_parts if named(part)]
-
-    def _these(self, noun: Noun, found: list[tuple[str, str]]) -> list[tuple[str, str]]:
-        """Those of some parts that a noun means: of the objects that were named before, if there are such."""
-        found = [pair for pair in found if pair[0] in self._used()] or found
-        if noun.but or noun.quantifier == "rest" or (noun.several and noun.position is not None):
-            raise Doubt(noun.text, "name the parts that are meant: none can be left out")
-        chosen = self._chosen(noun, found, self._parts_named)
-        self._parts_named += chosen
-        return chosen
