@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypeVar
 
-from vcage.base.errors import InfeasibleScene, NoAssetFits, UsageError
+from vcage.base.errors import NoAssetFits
 from vcage.models.rules.meanings import Meanings, Things
 from vcage.models.rules.nouns import Conflict, Doubt
 from vcage.models.rules.references import resolved
@@ -52,12 +52,12 @@ def agreed(instruction: str, ground: Callable[[tuple[Command, ...]], Found], tol
         UnreadInstruction: the readings differ, or there is none.
     """
     found: dict[str, Found] = {}
-    doubts: list[Doubt | UsageError] = []
+    doubts: list[Doubt | NoAssetFits] = []
     for commands in (way for parsed in parse(instruction) for way in resolved(parsed)):
         try:
             result = ground(commands)
             found.setdefault(told(result), result)
-        except (Doubt, NoAssetFits, InfeasibleScene) as doubt:
+        except (Doubt, NoAssetFits) as doubt:
             doubts.append(doubt)
     conflicts = [doubt for doubt in doubts if isinstance(doubt, Conflict)]
     if len(found) > 1:

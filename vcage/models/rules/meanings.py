@@ -17,9 +17,7 @@ from vcage.schema.plan import TABLE
 Things = Mapping[str, CatalogueEntry]
 
 _ORDERS = {"x": ("left", "middle", "right"), "y": ("front", "middle", "back")}
-_AT_TABLE = {
-    "left": "left_of", "right": "right_of", "front": "in_front_of", "back": "behind", "middle": "center",
-}  # fmt: skip
+_AT_TABLE = {"left": "left_of", "right": "right_of", "front": "in_front_of", "back": "behind", "middle": "center"}
 BESIDE = ("left_of", "right_of", "in_front_of", "behind", "beside", "near")
 _RELATION = {"in": "inside", "on": "on"}
 _BEFORE = {"x": ("left_of", "right_of"), "y": ("in_front_of", "behind")}
@@ -68,7 +66,7 @@ class Meanings:
         """
         if noun not in self._meant:
             self._except(noun)
-            found = self._called(noun, () if noun.position else besides)
+            found = self._called(noun, () if noun.position or noun.quantifier == "other" else besides)
             if not found:
                 raise Doubt(noun.text, "nothing that is there is called so")
             used = self._used()
@@ -104,14 +102,16 @@ class Meanings:
     def _chosen(self, noun: Noun, found: list[Choice], used: Collection[Choice]) -> list[Choice]:
         """As many of those that fit as the noun asks for."""
         if noun.quantifier in ("other", "rest"):
-            found = [one for one in found if one not in used]
+            others = [one for one in found if one in used]
+            found = [one for one in found if one not in used] if others else []
         if noun.quantifier == "a" or (noun.count is not None and noun.quantifier == ""):
             found = [one for one in found if one not in used and one not in self._claimed]
             chosen = found[: 1 if noun.count is None else noun.count]
         else:
             chosen = found[:1] if noun.relation is not None and not noun.several else found  # it says which one
         if not chosen or noun.number not in (None, len(chosen)):
-            raise Doubt(noun.text, f"nobody can tell which of {listed(found)} is meant, and how many")
+            which = f"which of {listed(found)}" if found else "which one besides those that are named"
+            raise Doubt(noun.text, f"nobody can tell {which} is meant, and how many")
         return chosen
 
     def _at_position(self, noun: Noun, found: list[str]) -> str:

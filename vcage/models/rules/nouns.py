@@ -39,7 +39,7 @@ class Noun:
         position: left, right, middle, front or back among several, or on the table; of parts top, middle or bottom.
         relation: (preposition, noun) that says which one is meant, or where it lies at the start.
         but: what is excepted.
-        pronoun: it, them or both, where it is one.
+        pronoun: it or them, where it is one.
         text, at: as typed, and where in the sentence.
     """
 

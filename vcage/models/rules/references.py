@@ -30,7 +30,7 @@ def resolved(commands: tuple[Command, ...], done: tuple[Command, ...] = ()) -> I
 def _things_for(noun: Noun, done: tuple[Command, ...], command: Command) -> list[tuple[Noun, ...]]:
     """Referents of a noun for things: itself, those of a pronoun, or of the kind that "the red one" leans on."""
     if noun.pronoun and done:
-        several = [(other,) for other in _single(done, command.verb)] if noun.pronoun == "it" else _several(noun, done)
+        several = [(other,) for other in _single(done, command.verb)] if noun.pronoun == "it" else _several(done)
         return [tuple(other.without(noun.but) for other in nouns) for nouns in several]
     heads = _heads((*done, command))
     if not noun.headless or not heads:
@@ -67,11 +67,9 @@ def _places(command: Command) -> list[Noun]:
     return [command.place] if command.place is not None and command.how else []
 
 
-def _several(pronoun: Noun, done: tuple[Command, ...]) -> list[tuple[Noun, ...]]:
-    """Referents of "them" or "both": the things of the command before, or, where that is one, of all commands."""
+def _several(done: tuple[Command, ...]) -> list[tuple[Noun, ...]]:
+    """Referents of "them": the things of the command before, or, where that is one, of all commands."""
     told = done[-1].things
     if len(told) == 1 and not told[0].several:
         told = tuple(dict.fromkeys(noun for command in done for noun in command.things))
-    if pronoun.pronoun == "both":
-        return [told] if len(told) == 2 else []
     return [told] if len(told) > 1 or told[0].several else []

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from vcage.base.errors import InfeasibleScene
 from vcage.base.words import tokens
 from vcage.models.occasion import Occasion, one_of_each
 from vcage.models.quantifiers import quantified
@@ -52,7 +51,6 @@ def select_assets(
     Raises:
         UnreadInstruction: the sentence is of no form that is read, or can mean two things.
         NoAssetFits: nothing is called what it names, or comes in that colour.
-        InfeasibleScene: it asks for none of a thing, or for more than any table holds.
     """
     seed = int(rng.integers(2**32))
     entries = {entry.name: entry for entry in sorted(catalogue, key=lambda entry: entry.name)}
@@ -183,9 +181,6 @@ class _Selector:
         if noun.position is not None and noun.part is None:
             asked = noun.positions(self._nouns)
             return 3 if "middle" in asked else max(2, len(asked))
-        if noun.count is not None and not 0 < noun.count <= LIMITS.objects:
-            wanted = f"the instruction asks for {noun.count} × {noun.text!r}"
-            raise InfeasibleScene(wanted, hint=f"ask for 1 to {LIMITS.objects} of them")
         return noun.number if noun.part is None else noun.count or 1
 
 

@@ -41,15 +41,11 @@ _NOT_READ = re.compile(r"[^a-z0-9 ,.;'-]")
 
 @dataclass(frozen=True)
 class Limits:
-    """How long a sentence may be, how many ways to read it are tried, and how many objects it may ask for.
-
-    ``several`` are chosen where it says only that there are several.
-    """
+    """How long a sentence may be, how many ways to read it are tried, and how many objects "several" are at first."""
 
     words: int = 60
     readings: int = 200
     several: int = 3
-    objects: int = 40
 
 
 LIMITS = Limits()
@@ -173,7 +169,6 @@ _HOW = {
 """Terminals and words for places → relations."""
 _JOINT = re.compile(r"(?:[\s,.;]|\b(?:and|then|but)\b)+$", re.IGNORECASE)
 """Words and signs that join a command to the next."""
-_PRONOUNS = {"it": "it", "both": "both", "both of them": "both", "them both": "both"}
 
 
 @v_args(meta=True)
@@ -230,7 +225,7 @@ class _Commands(Transformer[Token, Any]):
         return parts
 
     def PRONOUN(self, words: Token) -> Noun:
-        return Noun(pronoun=_PRONOUNS.get(words, "them"), text=words, at=words.start_pos or 0)
+        return Noun(pronoun="it" if words == "it" else "them", text=words, at=words.start_pos or 0)
 
     def noun(self, meta: Any, parts: list[Any]) -> Noun:
         return noun_of(parts, self._typed[meta.start_pos : meta.end_pos], meta.start_pos)
