@@ -160,7 +160,7 @@ class Goals:
 
     def _tower(self, command: Command) -> None:
         for below, above in itertools.pairwise(self._named(command, least=2)):
-            spot = self._meanings.spot_of(below, "stack", command.things[0])
+            spot = self._meanings.spot_of(below, "to", command.things[0])
             self._add(command, above, spot.relation, spot.name)
 
     def _row(self, command: Command) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TypeVar
 
 from vcage.base.text import listed
@@ -65,7 +65,7 @@ class Meanings:
             Doubt: there are none, or nobody can tell which.
         """
         if noun not in self._meant:
-            self._except(noun)
+            self.excepted += [name for but in noun.but for name in self.objects(but)]
             found = self._called(noun, () if noun.position or noun.quantifier == "other" else besides)
             if not found:
                 raise Doubt(noun.text, "nothing that is there is called so")
@@ -73,14 +73,6 @@ class Meanings:
             self._meant[noun] = [self._at_position(noun, found)] if noun.position else self._chosen(noun, found, used)
             self._relate(noun)
         return self._meant[noun]
-
-    def _except(self, noun: Noun) -> None:
-        """Keep what a noun leaves out, which must be of its kind where it says no other."""
-        for but in noun.but:
-            out = self.objects(but)
-            if but.words == noun.words and not set(out) & set(self._called(replace(noun, colour=None, but=()))):
-                raise Doubt(but.text, f"{listed(out)} is none of them")
-            self.excepted += out
 
     def _relate(self, noun: Noun) -> None:
         """Describe what a noun means by where it stands."""
@@ -188,7 +180,7 @@ class Meanings:
         return [self.spot_of(owners[0], how, noun)]
 
     def spot_of(self, name: str, how: str, noun: Noun) -> Spot:
-        """Where things go that are put in, on, to or beside an object, or stacked there.
+        """Where things go that are put in, on, to or beside an object.
 
         Raises:
             Doubt: nothing is put there.
@@ -203,6 +195,6 @@ class Meanings:
         if inner and how in ("in", "to"):
             if len(inner) == 1:
                 return Spot(name, "inside", inner[0])
-        elif free and (how in ("to", "stack") or names_of(entry).words[-1] in SHALLOW):
+        elif free and (how == "to" or names_of(entry).words[-1] in SHALLOW):
             return Spot(name, _RELATION[free[0]])
-        raise Doubt(noun.text, f"nothing can be put {how.replace('stack', 'on')} it, or not without saying where")
+        raise Doubt(noun.text, f"nothing can be put {how} it, or not without saying where")

@@ -25,11 +25,6 @@ from vcage.schema.scene import Role
 
 Good = Callable[[CatalogueEntry], bool]
 
-
-def _any(_: CatalogueEntry) -> bool:
-    return True
-
-
 _TOOLS = {"scan": "barcode scanner", "weigh": "electronic scale"}
 _ROLES: tuple[Role, ...] = ("content", "receptacle", "tool", "context")
 
@@ -102,7 +97,7 @@ class _Selector:
         for noun in command.things:
             how, source = noun.relation or ("to", command.source)
             if source is not None:
-                self._take(source, "context", _any if how in BESIDE else lambda e: bool(e.functional_points))
+                self._take(source, "context", lambda e, how=how: how in BESIDE or bool(e.functional_points))
             sign = command.verb == "show" and all(entry.words.category == "sign" for entry, _ in self._kinds(noun))
             self._take(noun, "tool" if sign else role, good, place)
 
@@ -119,20 +114,17 @@ class _Selector:
 
     def _roomy(self, noun: Noun, command: Command) -> Good:
         """Tells of a kind if the contents go in, on or to it, and have room there."""
-        how = command.how.replace("stack", "to")
-        if how in BESIDE:
-            return _any
         contents = [self._of[thing] for thing in command.things if thing in self._of]
-        fits = self._occasion().goes_in
+        fits, how = self._occasion().goes_in, command.how
 
         def roomy(entry: CatalogueEntry) -> bool:
             free = (point.holds for point in entry.functional_points if point.link is None)
             takes = noun.part is not None or any(how in (holds, "to") for holds in free)
-            return takes and all(fits(content, entry) for content in contents)
+            return how in BESIDE or (takes and all(fits(content, entry) for content in contents))
 
         return roomy
 
-    def _take(self, noun: Noun, role: Role, good: Good = _any, place: CatalogueEntry | None = None) -> None:
+    def _take(self, noun: Noun, role: Role, good: Good = lambda e: True, place: CatalogueEntry | None = None) -> None:
         """Choose what a noun means, unless it was chosen before."""
         known = next((entry for entry in self._there if self._same(noun, entry)), None)
         if noun not in self._of:

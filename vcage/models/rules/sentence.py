@@ -197,7 +197,7 @@ class _Commands(Transformer[Token, Any]):
         return [replace(command, arm=command.arm or arm, at=meta.start_pos) for command in commands]
 
     def stack(self, _: Any, items: list[list[Command]]) -> list[Command]:
-        return [replace(c, how="stack" if c.how in ("in", "on") else c.how) for item in items for c in item]
+        return [replace(c, how="to" if c.how in ("in", "on") else c.how) for item in items for c in item]
 
     def item(self, meta: Any, parts: list[Any]) -> list[Command]:
         but = [noun for part in parts if isinstance(part, list) for noun in part]
