@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 from vcage.base.errors import NoAssetFits
 from vcage.models.rules.meanings import Meanings, Things
-from vcage.models.rules.nouns import Conflict, Doubt
-from vcage.models.rules.references import resolved
+from vcage.models.rules.nouns import Conflict, Doubt, Noun
 from vcage.models.rules.sentence import Command, not_read, parse
 from vcage.plans.consistency import unordered_contradictions
 from vcage.schema.asset import CatalogueEntry
@@ -65,7 +64,7 @@ def agreed(instruction: str, ground: Callable[[tuple[Command, ...]], Found], tol
     if not conflicts and found:
         return next(iter(found.values()))
     doubt = [*conflicts, *doubts, Doubt("", "what 'it' or 'them' means is open")][0]
-    raise not_read(instruction, doubt.args[0] or instruction, doubt.args[1]) if isinstance(doubt, Doubt) else doubt
+    raise not_read(instruction, *doubt.args) if isinstance(doubt, Doubt) else doubt
 
 
 def in_words(reading: Reading) -> str:
@@ -74,6 +73,74 @@ def in_words(reading: Reading) -> str:
     told = [f"{goal}{f' by the {arm} arm' if arm else ''}" for _, goal, arm in goals]
     told += [f"{one} at the start" for one in sorted(map(str, reading.descriptions))]
     return ", ".join([*told, *(f"{name} left alone" for name in sorted(reading.untouched))])
+
+
+def resolved(commands: tuple[Command, ...], done: tuple[Command, ...] = ()) -> Iterator[tuple[Command, ...]]:
+    """Every way in which pronouns and "the red one" can stand for what was named before.
+
+    Args:
+        commands: those that are left.
+        done: those before them, resolved.
+    """
+    if not commands:
+        yield done
+        return
+    command, *later = commands
+    things = (_things_for(noun, done, command) for noun in command.things)
+    for *told, place in itertools.product(*things, _places_for(command, done)):
+        named = tuple(noun for nouns in told for noun in nouns)
+        yield from resolved(tuple(later), (*done, replace(command, things=named, place=place)))
+
+
+def _things_for(noun: Noun, done: tuple[Command, ...], command: Command) -> list[tuple[Noun, ...]]:
+    """Referents of a noun for things: itself, those of a pronoun, or of the kind that "the red one" leans on."""
+    if noun.pronoun and done:
+        found = _referents(noun, done, command.verb)
+        return [tuple(other.without(noun.but) for other in nouns) for nouns in found]
+    heads = _heads((*done, command))
+    if not noun.headless or not heads:
+        return [(noun,)]
+    # In "the red and blue mugs" nobody can tell how many are red.
+    return [] if heads[-1].several and not noun.several and heads[-1].at > noun.at else [(noun.like(heads[-1]),)]
+
+
+def _places_for(command: Command, done: tuple[Command, ...]) -> list[Noun | None]:
+    """Referents of a noun for a place: of a pronoun what was named last, of "the blue one" a kind."""
+    place = command.place
+    if place is None or not (place.pronoun or place.headless):
+        return [place]
+    if place.pronoun:
+        return [nouns[0] for nouns in _referents(place, done, command.verb) if len(nouns) == 1] or [place]
+    heads = [place for c in done for place in _places(c)][-1:] + _heads((*done, command))[-1:]
+    return [place.like(head) for head in heads] or [place]
+
+
+def _heads(commands: tuple[Command, ...]) -> list[Noun]:
+    return [noun for c in commands for noun in c.things if not noun.headless and not noun.pronoun]
+
+
+def _places(command: Command) -> list[Noun]:
+    return [command.place] if command.place is not None and command.how else []
+
+
+def _referents(pronoun: Noun, done: tuple[Command, ...], verb: str) -> list[tuple[Noun, ...]]:
+    """What a pronoun may stand for: "it" for the thing of the command before, its place, or what is to be closed.
+
+    "Them" are the things of the command before, or, where that is one, of all commands.
+    """
+    told = tuple(noun for command in done[-1:] for noun in command.things)
+    if pronoun.pronoun == "them":
+        if len(told) == 1 and not told[0].several:
+            told = tuple(dict.fromkeys(noun for command in done for noun in command.things))
+        return [told] if len(told) > 1 or any(noun.several for noun in told) else []
+    nouns = [*told, *_places(done[-1])] if len(told) == 1 else []
+    if verb == "close":
+        nouns += [noun for noun in _done("open", done) if noun not in _done("close", done)]
+    return [(noun,) for noun in dict.fromkeys(nouns) if not noun.several]
+
+
+def _done(verb: str, commands: tuple[Command, ...]) -> list[Noun]:
+    return [noun for command in commands if command.verb == verb for noun in command.things]
 
 
 @dataclass
@@ -87,15 +154,13 @@ class Goals:
     _picked: dict[str, Command] = field(default_factory=dict)
     _arms: dict[str, str] = field(default_factory=dict)
 
-    def __post_init__(self) -> None:
-        self._meanings = Meanings(self.things, self.lying, [noun for c in self.commands for noun in c.nouns])
-
     def read(self) -> Reading:
         """The goals in their order: commands of one group in any, unless one of them needs another.
 
         Raises:
             Doubt: a noun means nothing or too much here, or something cannot be done so.
         """
+        self._meanings = found = Meanings(self.things, self.lying, [noun for c in self.commands for noun in c.nouns])
         goals: list[AskedGoal] = []
         for _, group in itertools.groupby(self.commands, lambda command: command.group):
             goals += self._in_steps(list(group), max((asked.step + 1 for asked in goals), default=1))
@@ -103,7 +168,6 @@ class Goals:
         for name, command in self._picked.items():
             if name not in subjects:
                 raise Doubt(command.words, "picking up is no goal by itself; say where it goes")
-        found = self._meanings
         if used := {asked.goal.reference for asked in goals} & {*found.excepted}:
             raise Doubt("", f"{', '.join(map(str, used))} is excepted")
         untouched = [name for name in dict.fromkeys(found.excepted) if name not in subjects]
@@ -117,11 +181,12 @@ class Goals:
             getattr(self, f"_{command.verb}", self._event)(command)
             added += [self._added] if self._added else []
         goals = list(itertools.chain(*added))
-        if complaints := unordered_contradictions([asked.goal for asked in goals]):
-            raise Conflict("", "; ".join(complaints))
         arms = {asked.arm for asked in goals if asked.goal.relation != "handed"}
+        complaints = unordered_contradictions([asked.goal for asked in goals])
         if None in arms and len(arms) > 1:
-            raise Conflict("", "say for each thing that is done which arm does it")
+            complaints.append("say for each thing that is done which arm does it")
+        if complaints:
+            raise Conflict("", "; ".join(complaints))
         ordered = any(_needs(before, after) for before, after in itertools.combinations(added, 2))
         steps = enumerate(added)
         return [a.model_copy(update={"step": first + number * ordered}) for number, several in steps for a in several]
@@ -150,6 +215,8 @@ class Goals:
     def _put(self, command: Command) -> None:
         """Things in, on or beside what is there; of several drawers each gets one in turn."""
         assert command.place is not None
+        if command.place.but and command.place.definite:
+            raise Doubt(command.place.text, "nothing can be left out of it")
         loose = any(noun.several for noun in command.things)  # "everything" is all but the place
         spots = self._meanings.spots(command.place, command.how, [] if loose else self._named(command))
         names = self._named(command, [spot.name for spot in spots], least=len(spots))

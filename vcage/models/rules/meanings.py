@@ -188,13 +188,13 @@ class Meanings:
         if how in BESIDE:
             return Spot(name, how)
         entry = self.things[name]
-        free = [point.holds for point in entry.functional_points if point.link is None]
-        inner = [point.link for point in entry.functional_points if point.link is not None]
-        if how in free:
-            return Spot(name, _RELATION[how])
-        if inner and how in ("in", "to"):
-            if len(inner) == 1:
-                return Spot(name, "inside", inner[0])
-        elif free and (how == "to" or names_of(entry).words[-1] in SHALLOW):
-            return Spot(name, _RELATION[free[0]])
-        raise Doubt(noun.text, f"nothing can be put {how} it, or not without saying where")
+        shallow = names_of(entry).words[-1] in SHALLOW  # people put things both in and on it
+        suits = {
+            (point.link, point.holds)
+            for point in entry.functional_points
+            if how == "to" or (how == "in" if point.link else shallow or point.holds == how)
+        }
+        if len(suits) != 1:
+            raise Doubt(noun.text, f"nothing can be put {how} it, or not without saying where")
+        ((link, holds),) = suits
+        return Spot(name, _RELATION[holds], link)

@@ -116,15 +116,18 @@ class Noun:
             entries: by any name.
             short: "the eraser" may be short for the pencil eraser, where "eraser" is another's name.
         """
-        fit = self.owns if self.of_part(entries.values()) else self.fit
-        fits = {name: fit(entry) for name, entry in entries.items()}
-        least = self._least([level for level, _ in fits.values()], short)
-        told = {name: looks for name, (level, looks) in fits.items() if level >= least}
+        told = self._best(entries, short)
         out = [but.named(entries) for but in self.but if but.part is None]
         left = {name: [v for v in looks if all(v not in o.get(name, ()) for o in out)] for name, looks in told.items()}
         if told and not any(left.values()):
             raise Doubt(self.but[0].text, "nothing is left without it")
         return {name: looks for name, looks in left.items() if looks}
+
+    def _best(self, entries: Mapping[str, CatalogueEntry], short: bool) -> dict[str, list[Variant]]:
+        fit = self.owns if self.of_part(entries.values()) else self.fit
+        fits = {name: fit(entry) for name, entry in entries.items()}
+        least = self._least([level for level, _ in fits.values()], short)
+        return {name: looks for name, (level, looks) in fits.items() if level >= least}
 
     def _least(self, levels: Sequence[int], short: bool) -> int:
         best = max([KIND, *levels])
@@ -145,9 +148,8 @@ class Noun:
         return looks_named(self.words, self.colour, entry)
 
 
-def noun_of(parts: Sequence[Token | list[str]], text: str, at: int) -> Noun:
-    """A noun from its tokens and the words after "of", as typed and where."""
-    found = [part for part in parts if isinstance(part, Token)]
+def noun_of(found: Sequence[Token], text: str, at: int) -> Noun:
+    """A noun from its tokens, as typed and where."""
     types = {token.type for token in found}
     quantifier, count = _quantity(_words(found, "DET", "REST", "EVERYTHING"))
     last, *_ = [*_words(found, "WORD", "ONE")[-1:], ""]
@@ -158,8 +160,8 @@ def noun_of(parts: Sequence[Token | list[str]], text: str, at: int) -> Noun:
     if not types.isdisjoint(("ONE", "REST")) or set(told) <= colours:
         noun = _named(noun, told, [], {**SIDES, **WHICH_PART}, sides)
         return replace(noun, words=noun.words or ("thing",) * ("EVERYTHING" in types))
-    of = [lemma(word) for part in parts if not isinstance(part, Token) for word in [*part, "of"]]
-    return _named(noun, told[:-1], [*of, told[-1]], WHICH_PART if told[-1] in PART_WORDS else SIDES, sides)
+    name = [*map(lemma, _words(found, "OF")), told[-1]]
+    return _named(noun, told[:-1], name, WHICH_PART if told[-1] in PART_WORDS else SIDES, sides)
 
 
 def _named(noun: Noun, before: list[str], name: list[str], sides: Mapping[str, str], at: list[str]) -> Noun:

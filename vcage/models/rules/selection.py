@@ -70,9 +70,6 @@ class _Selector:
     _there: list[CatalogueEntry] = field(default_factory=list)
     _of: dict[Noun, CatalogueEntry] = field(default_factory=dict)
 
-    def __post_init__(self) -> None:
-        self._nouns = [noun for command in self.commands for noun in command.nouns]
-
     def select(self) -> Selection:
         """Select the objects that the commands need, contents first."""
         for command in self.commands:
@@ -142,12 +139,16 @@ class _Selector:
 
     def _draw(self, noun: Noun, role: Role, good: Good, place: CatalogueEntry | None) -> CatalogueEntry:
         """Choose what a noun means; the first of its kinds."""
-        count, taken = self._count(noun), [(entry.name, entry.variants) for entry in self._there]
+        taken = [(entry.name, entry.variants) for entry in self._there]
+        told_apart = noun.positions([other for command in self.commands for other in command.nouns])
+        count = noun.number if noun.part is None else noun.count or 1
+        if noun.position is not None and noun.part is None:
+            count = 3 if "middle" in told_apart else max(2, len(told_apart))
         looks = one_of_each(self._able(noun, good, place, count), self.rng)
         fresh = [(entry, look) for entry, look in looks if (entry.name, [look]) not in taken] or looks
         for number in range(count or min(LIMITS.several, max(2, len(fresh)))):
             entry, look = fresh[number % len(fresh)]
-            asked: Role = role if noun.position is None or number < len(noun.positions(self._nouns)) else "context"
+            asked: Role = role if noun.position is None or number < len(told_apart) else "context"
             reason = f"asked for: {noun.text!r}"
             self._chosen.append(SelectedAsset(asset=entry.name, variant=look.id, role=asked, reason=reason))
             self._there.append(entry.model_copy(update={"variants": [look]}))
@@ -167,13 +168,6 @@ class _Selector:
         able = self._occasion().suiting(able, place, noun.several, least=min(2, count or 2))
         able = [able[i] for i in self.rng.permutation(len(able))] if noun.several else able[:1]
         return [(entry, kinds[entry.name]) for entry in able]
-
-    def _count(self, noun: Noun) -> int | None:
-        """How many a noun asks for; None where it says only that there are several."""
-        if noun.position is not None and noun.part is None:
-            asked = noun.positions(self._nouns)
-            return 3 if "middle" in asked else max(2, len(asked))
-        return noun.number if noun.part is None else noun.count or 1
 
 
 def _wanted(command: Command) -> tuple[Role, Good]:

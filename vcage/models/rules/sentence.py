@@ -108,9 +108,8 @@ def parse(instruction: str) -> list[tuple[Command, ...]]:
 
 def not_read(instruction: str, words: str, why: str) -> UnreadInstruction:
     """The error about words that are not read: the nearest form that is, and how a model can read them."""
-    said = tokens(instruction)
-    same = [form for form in FORMS if form.split()[0].lower() in said] or FORMS
-    near = max(same, key=lambda form: difflib.SequenceMatcher(None, form.lower(), instruction.lower()).ratio())
+    near = max(FORMS, key=lambda form: difflib.SequenceMatcher(None, form.lower(), instruction.lower()).ratio())
+    words = words or instruction
     shown = instruction if len(instruction) <= 200 else f"{instruction[:200]}…"
     return UnreadInstruction(
         f"{words[:200]!r} in {shown!r} is not understood: {why}",
@@ -230,8 +229,8 @@ class _Commands(Transformer[Token, Any]):
     def noun(self, meta: Any, parts: list[Any]) -> Noun:
         return noun_of(parts, self._typed[meta.start_pos : meta.end_pos], meta.start_pos)
 
-    def of(self, _: Any, parts: list[Token]) -> list[str]:
-        return [str(part) for part in parts if part.type == "WORD"]
+    def of(self, _: Any, parts: list[Token]) -> Token:
+        return Token("OF", " ".join([*(part for part in parts if part.type == "WORD"), "of"]))
 
     def place(self, meta: Any, parts: list[Any]) -> dict[str, Any]:
         told = (parts[0].type, *parts[0].split())
