@@ -111,7 +111,7 @@ def _places_for(command: Command, done: tuple[Command, ...]) -> list[Noun | None
         return [place]
     if place.pronoun:
         return [nouns[0] for nouns in _referents(place, done, command.verb) if len(nouns) == 1] or [place]
-    heads = [place for c in done for place in _places(c)][-1:] + _heads((*done, command))[-1:]
+    heads = _places(*done)[-1:] + _heads((*done, command))[-1:]
     return [place.like(head) for head in heads] or [place]
 
 
@@ -119,8 +119,8 @@ def _heads(commands: tuple[Command, ...]) -> list[Noun]:
     return [noun for c in commands for noun in c.things if not noun.headless and not noun.pronoun]
 
 
-def _places(command: Command) -> list[Noun]:
-    return [command.place] if command.place is not None and command.how else []
+def _places(*commands: Command) -> list[Noun]:
+    return [command.place for command in commands if command.place is not None and command.how]
 
 
 def _referents(pronoun: Noun, done: tuple[Command, ...], verb: str) -> list[tuple[Noun, ...]]:
@@ -130,13 +130,17 @@ def _referents(pronoun: Noun, done: tuple[Command, ...], verb: str) -> list[tupl
     """
     told = tuple(noun for command in done[-1:] for noun in command.things)
     if pronoun.pronoun == "them":
-        if len(told) == 1 and not told[0].several:
-            told = tuple(dict.fromkeys(noun for command in done for noun in command.things))
-        return [told] if len(told) > 1 or any(noun.several for noun in told) else []
+        return _several(told, done)
     nouns = [*told, *_places(done[-1])] if len(told) == 1 else []
     if verb == "close":
         nouns += [noun for noun in _done("open", done) if noun not in _done("close", done)]
     return [(noun,) for noun in dict.fromkeys(nouns) if not noun.several]
+
+
+def _several(told: tuple[Noun, ...], done: tuple[Command, ...]) -> list[tuple[Noun, ...]]:
+    if len(told) == 1 and not told[0].several:
+        told = tuple(dict.fromkeys(noun for command in done for noun in command.things))
+    return [told] if len(told) > 1 or any(noun.several for noun in told) else []
 
 
 def _done(verb: str, commands: tuple[Command, ...]) -> list[Noun]:
@@ -160,7 +164,8 @@ class Goals:
         Raises:
             Doubt: a noun means nothing or too much here, or something cannot be done so.
         """
-        self._meanings = found = Meanings(self.things, self.lying, [noun for c in self.commands for noun in c.nouns])
+        nouns = [noun for c in self.commands for noun in (*c.things, c.place) if noun is not None]
+        self._meanings = found = Meanings(self.things, self.lying, nouns)
         goals: list[AskedGoal] = []
         for _, group in itertools.groupby(self.commands, lambda command: command.group):
             goals += self._in_steps(list(group), max((asked.step + 1 for asked in goals), default=1))
@@ -168,8 +173,6 @@ class Goals:
         for name, command in self._picked.items():
             if name not in subjects:
                 raise Doubt(command.words, "picking up is no goal by itself; say where it goes")
-        if used := {asked.goal.reference for asked in goals} & {*found.excepted}:
-            raise Doubt("", f"{', '.join(map(str, used))} is excepted")
         untouched = [name for name in dict.fromkeys(found.excepted) if name not in subjects]
         return Reading(goals=goals, untouched=untouched, descriptions=list(found.descriptions.values()))
 
@@ -179,7 +182,7 @@ class Goals:
         for command in group:
             self._added = []
             getattr(self, f"_{command.verb}", self._event)(command)
-            added += [self._added] if self._added else []
+            added.append(self._added)
         goals = list(itertools.chain(*added))
         arms = {asked.arm for asked in goals if asked.goal.relation != "handed"}
         complaints = unordered_contradictions([asked.goal for asked in goals])
@@ -188,11 +191,13 @@ class Goals:
         if complaints:
             raise Conflict("", "; ".join(complaints))
         ordered = any(_needs(before, after) for before, after in itertools.combinations(added, 2))
-        steps = enumerate(added)
+        steps = enumerate(filter(None, added))
         return [a.model_copy(update={"step": first + number * ordered}) for number, several in steps for a in several]
 
     def _add(self, command: Command, subject: str, relation: str, *rest: str | None, arm: str | None = None) -> None:
         goal, arm = goal_of([subject, relation, *rest]), arm or command.arm or self._arms.get(subject)
+        if goal.reference in self._meanings.excepted:
+            raise Doubt(command.words, f"{goal.reference} is excepted")
         if goal not in [asked.goal for asked in self._added]:
             self._added.append(AskedGoal(goal=goal, step=1, words=command.words, arm=arm))
 

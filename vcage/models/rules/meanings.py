@@ -94,16 +94,14 @@ class Meanings:
     def _chosen(self, noun: Noun, found: list[Choice], used: Collection[Choice]) -> list[Choice]:
         """As many of those that fit as the noun asks for."""
         if noun.quantifier in ("other", "rest"):
-            others = [one for one in found if one in used]
-            found = [one for one in found if one not in used] if others else []
-        if noun.quantifier == "a" or (noun.count is not None and noun.quantifier == ""):
-            found = [one for one in found if one not in used and one not in self._claimed]
-            chosen = found[: 1 if noun.count is None else noun.count]
+            chosen = [one for one in found if one not in used]
+            chosen = chosen if len(chosen) < len(found) else []  # there must be one besides
+        elif not noun.definite:
+            chosen = [one for one in found if one not in used and one not in self._claimed][: noun.count]
         else:
-            chosen = found[:1] if noun.relation is not None and not noun.several else found  # it says which one
+            chosen = found if noun.relation is None else found[: noun.number]  # which says which one
         if not chosen or noun.number not in (None, len(chosen)):
-            which = f"which of {listed(found)}" if found else "which one besides those that are named"
-            raise Doubt(noun.text, f"nobody can tell {which} is meant, and how many")
+            raise Doubt(noun.text, f"nobody can tell which of {listed(found)} is meant, and how many")
         return chosen
 
     def _at_position(self, noun: Noun, found: list[str]) -> str:
@@ -150,9 +148,7 @@ class Meanings:
         Raises:
             Doubt: there are none, or nobody can tell which.
         """
-        of_part = noun.of_part(self.things.values())
-        owners, named = (self._called(noun), noun.names_part) if of_part else (self.objects(noun), bool)
-        found = [(n, p) for n in owners for p in self.things[n].moving_parts if named(p) and good(n, p)]
+        found = [pair for pair in self._parts(noun) if good(*pair)]
         found = [pair for pair in found if pair[0] in self._used()] or found  # of what was named before
         if noun.but or noun.quantifier == "rest" or (noun.several and noun.position is not None):
             raise Doubt(noun.text, "name the parts that are meant: none can be left out")
@@ -198,3 +194,8 @@ class Meanings:
             raise Doubt(noun.text, f"nothing can be put {how} it, or not without saying where")
         ((link, holds),) = suits
         return Spot(name, _RELATION[holds], link)
+
+    def _parts(self, noun: Noun) -> list[tuple[str, str]]:
+        of_part = noun.of_part(self.things.values())
+        owners, named = (self._called(noun), noun.names_part) if of_part else (self.objects(noun), bool)
+        return [(name, part) for name in owners for part in self.things[name].moving_parts if named(part)]

@@ -178,10 +178,11 @@ def _words(found: Sequence[Token], *types: str) -> list[str]:
 def _quantity(words: list[str]) -> tuple[str, int | None]:
     """The quantifier and the number that words before a noun say."""
     numbers = [int(word) if word.isdigit() else NUMBERS.get(word) for word in words]
-    count, *_ = [*[1] * ("another" in words), *filter(lambda number: number is not None, numbers), None]
+    told = filter(lambda number: number is not None, numbers)
+    count, *_ = [*[1] * ("another" in words), *told, *[1] * ("any" in words), None]
     quantifiers = [_QUANTIFIERS[word] for word in words if word in _QUANTIFIERS]
     if quantifiers or not words:
         return "".join(quantifiers[:1]), count
     if words[0] not in ("any", "some", *NUMBERS) and not words[0].isdigit() and "of" not in words[:2]:
         return "the", count
-    return "a" * (count is not None or "any" in words), count
+    return "a" * (count is not None), count

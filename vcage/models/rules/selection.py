@@ -70,17 +70,19 @@ class _Selector:
     _there: list[CatalogueEntry] = field(default_factory=list)
     _of: dict[Noun, CatalogueEntry] = field(default_factory=dict)
 
+    def __post_init__(self) -> None:
+        self._nouns = [noun for c in self.commands for noun in (*c.things, c.place) if noun is not None]
+
     def select(self) -> Selection:
         """Select the objects that the commands need, contents first."""
         for command in self.commands:
             loose = any(n.several or len(self._kinds(n)) > 1 for n in command.things)
             for choose in (self._place, self._things) if loose else (self._things, self._place):
                 choose(command)
-        clear = {entry.name for entry in bystanders([self.instruction], self._there, list(self.entries.values()))}
-        everything = quantified(self.instruction)
-        self._chosen += self._occasion().standing_by(
-            list(self.entries.values()), lambda e: e.name not in clear or any(q.covers(e) for q in everything), self.rng
-        )
+        catalogue, everything = list(self.entries.values()), quantified(self.instruction)
+        clear = bystanders([self.instruction], self._there, catalogue)
+        clear = [entry for entry in clear if not any(quantifier.covers(entry) for quantifier in everything)]
+        self._chosen += self._occasion().standing_by(catalogue, lambda entry: entry not in clear, self.rng)
         return Selection(objects=sorted(self._chosen, key=lambda chosen: _ROLES.index(chosen.role)))
 
     def _occasion(self) -> Occasion:
@@ -126,6 +128,8 @@ class _Selector:
         known = next((entry for entry in self._there if self._same(noun, entry)), None)
         if noun not in self._of:
             self._of[noun] = known or self._draw(noun, role, good, place)
+        for but in noun.but:
+            self._take(but, "context")
 
     def _same(self, noun: Noun, entry: CatalogueEntry) -> bool:
         """Check if a chosen object is meant again: 'the mug' after 'the red mug', the other drawer of a cabinet."""
@@ -140,10 +144,8 @@ class _Selector:
     def _draw(self, noun: Noun, role: Role, good: Good, place: CatalogueEntry | None) -> CatalogueEntry:
         """Choose what a noun means; the first of its kinds."""
         taken = [(entry.name, entry.variants) for entry in self._there]
-        told_apart = noun.positions([other for command in self.commands for other in command.nouns])
-        count = noun.number if noun.part is None else noun.count or 1
-        if noun.position is not None and noun.part is None:
-            count = 3 if "middle" in told_apart else max(2, len(told_apart))
+        told_apart = noun.positions(self._nouns)
+        count = self._count(noun, told_apart)
         looks = one_of_each(self._able(noun, good, place, count), self.rng)
         fresh = [(entry, look) for entry, look in looks if (entry.name, [look]) not in taken] or looks
         for number in range(count or min(LIMITS.several, max(2, len(fresh)))):
@@ -152,9 +154,13 @@ class _Selector:
             reason = f"asked for: {noun.text!r}"
             self._chosen.append(SelectedAsset(asset=entry.name, variant=look.id, role=asked, reason=reason))
             self._there.append(entry.model_copy(update={"variants": [look]}))
-        for but in noun.but:
-            self._take(but, "context")
         return fresh[0][0]
+
+    def _count(self, noun: Noun, told_apart: Sequence[str]) -> int | None:
+        """How many a noun asks for; None where it says only that there are several."""
+        if noun.position is not None and noun.part is None:
+            return 3 if "middle" in told_apart else max(2, len(told_apart))
+        return noun.number if noun.part is None else noun.count or 1
 
     def _able(
         self, noun: Noun, good: Good, place: CatalogueEntry | None, count: int | None

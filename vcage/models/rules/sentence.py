@@ -21,7 +21,6 @@ REFUSED = {
     r"simultaneously|at the same time|(both|two|separate|each|(an)?other) (arms?|hands?)":
         "two arms at once cannot be promised; say which arm does what, left or right, or leave the arms out",
     r"(cent(er|re)|middle|corner|edge) of the (table|desk)": "this place of the table is none that a goal can name",
-    r"sorry|i mean|or rather|no wait": "a correction is not read; say only what is meant",
 }  # fmt: skip
 """Words that no goal of the vocabulary can keep, and why."""
 
@@ -76,11 +75,6 @@ class Command:
     group: int = 0
     at: int = 0
     words: str = ""
-
-    @property
-    def nouns(self) -> tuple[Noun, ...]:
-        """What it is done to, and the place."""
-        return self.things if self.place is None else (*self.things, self.place)
 
 
 _GRAMMAR = Path(__file__).with_name("instruction.lark").read_text(encoding="utf-8")
