@@ -48,11 +48,8 @@ def test_a_source_is_a_description_that_must_be_true_at_the_start() -> None:
 
 
 def test_a_drawer_that_a_thing_is_taken_from_is_part_of_the_description() -> None:
-    chosen, reading = read("Pick up the battery pack from the top drawer of the cabinet and put it in the basket")
+    _, reading = read("Pick up the battery pack from the top drawer of the cabinet and put it in the basket")
     assert reading.descriptions[0].part == "drawer_top"
-    assert [(o.starts_in is not None, o.starts_in_part) for o in chosen.objects if o.role == "content"] == [
-        (True, "drawer_top")
-    ]
 
 
 def test_the_left_one_of_two_is_described_against_the_other() -> None:
@@ -134,7 +131,7 @@ def test_everything_in_a_bowl_is_not_the_bowl() -> None:
 
 
 def test_an_exception_among_the_parts_of_a_thing_is_refused() -> None:
-    with pytest.raises(UnreadInstruction, match=r"nothing of it can be made to open|no part can be left out"):
+    with pytest.raises(UnreadInstruction, match="name the parts that are meant"):
         read_goals("Open all drawers except the top one", scene("cabinet_three_drawers/steel"))
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from tests.models.catalogue import CATALOGUE
 from tests.models.rules.scenes import kinds, selected
-from vcage.base.errors import InfeasibleScene, NoAssetFits, UnreadInstruction
+from vcage.base.errors import NoAssetFits, UnreadInstruction
 from vcage.models.quantifiers import quantified
 from vcage.models.rules.selection import select_assets
 
@@ -33,9 +33,9 @@ def test_a_colour_that_a_kind_does_not_come_in_is_refused_with_those_that_it_doe
     assert "bowl comes in white, green" in refused.value.hint
 
 
-@pytest.mark.parametrize("count", ["no", "200"])
-def test_none_and_more_than_a_table_holds_are_refused(count: str) -> None:
-    with pytest.raises(InfeasibleScene):
+@pytest.mark.parametrize(("count", "why"), [("no", "nobody can tell"), ("200", "so many"), ("40", "so many")])
+def test_none_and_more_than_a_table_holds_are_refused(count: str, why: str) -> None:
+    with pytest.raises(UnreadInstruction, match=why):
         selected(f"Put {count} apples in the basket")
 
 
@@ -77,10 +77,30 @@ def test_a_small_catalogue_without_sizes_will_do() -> None:
     assert [o.asset for o in found if o.role == "content"] == ["block"] * 3
 
 
-@pytest.mark.parametrize("sentence", ["Open all drawers except the top one", "Put the mugs except the mugs in the box"])
-def test_an_exception_that_leaves_nothing_is_refused(sentence: str) -> None:
+def test_an_exception_that_leaves_nothing_is_refused() -> None:
     with pytest.raises(UnreadInstruction, match="nothing is left without it"):
+        selected("Put the mugs except the mugs in the box")
+
+
+def test_an_exception_among_parts_is_refused() -> None:
+    with pytest.raises(UnreadInstruction, match="name the parts that are meant"):
+        selected("Open all drawers except the top one")
+
+
+@pytest.mark.parametrize("sentence", ["Put the other mug on the plate", "Put another mug on the plate"])
+def test_the_other_one_of_what_nobody_named_is_refused(sentence: str) -> None:
+    with pytest.raises(UnreadInstruction, match="nobody can tell which"):
         selected(sentence)
+
+
+def test_the_other_one_is_of_the_kind_that_was_named() -> None:
+    sentence = "Put the red mug in the box and the other mug on the plate"
+    assert chosen(sentence, "content") == ["mug", "mug"]
+
+
+def test_an_exception_from_them_is_one_of_them() -> None:
+    found = selected("Scan the cans, then put them in the basket except the green one").objects
+    assert ("can", "context") in [(o.asset, o.role) for o in found]
 
 
 def test_the_red_one_after_the_place_is_one_of_the_things() -> None:

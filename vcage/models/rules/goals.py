@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TypeVar
+from typing import Any
 
 from vcage.base.errors import NoAssetFits
 from vcage.models.rules.meanings import Meanings, Things
@@ -14,8 +14,6 @@ from vcage.models.rules.sentence import Command, not_read, parse
 from vcage.plans.consistency import unordered_contradictions
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import AskedGoal, Goal, Reading, goal_of, part_that
-
-Found = TypeVar("Found")
 
 ACTS = {"open": "open", "close": "open", "turn": "turn", "press": "press"}
 """Commands → actions on moving parts (:func:`part_that`)."""
@@ -39,7 +37,7 @@ def read_goals(instruction: str, things: Things, lying: Mapping[str, str] | None
     return agreed(instruction, lambda commands: Goals(things, lying or {}, commands).read(), in_words)
 
 
-def agreed(instruction: str, ground: Callable[[tuple[Command, ...]], Found], told: Callable[[Found], str]) -> Found:
+def agreed(instruction: str, ground: Callable[[tuple[Command, ...]], Any], told: Callable[[Any], str]) -> Any:
     """Ground every reading of a sentence; all that can be grounded must agree.
 
     Args:
@@ -50,7 +48,7 @@ def agreed(instruction: str, ground: Callable[[tuple[Command, ...]], Found], tol
     Raises:
         UnreadInstruction: the readings differ, or there is none.
     """
-    found: dict[str, Found] = {}
+    found: dict[str, Any] = {}
     doubts: list[Doubt | NoAssetFits] = []
     for commands in (way for parsed in parse(instruction) for way in resolved(parsed)):
         try:
@@ -87,7 +85,7 @@ def resolved(commands: tuple[Command, ...], done: tuple[Command, ...] = ()) -> I
         return
     command, *later = commands
     things = (_things_for(noun, done, command) for noun in command.things)
-    for *told, place in itertools.product(*things, _places_for(command, done)):
+    for told, place in itertools.product(itertools.product(*things), _places_for(command, done)):
         named = tuple(noun for nouns in told for noun in nouns)
         yield from resolved(tuple(later), (*done, replace(command, things=named, place=place)))
 
@@ -128,12 +126,13 @@ def _referents(pronoun: Noun, done: tuple[Command, ...], verb: str) -> list[tupl
 
     "Them" are the things of the command before, or, where that is one, of all commands.
     """
-    told = tuple(noun for command in done[-1:] for noun in command.things)
+    told = done[-1].things if done else ()
     if pronoun.pronoun == "them":
         return _several(told, done)
     nouns = [*told, *_places(done[-1])] if len(told) == 1 else []
     if verb == "close":
-        nouns += [noun for noun in _done("open", done) if noun not in _done("close", done)]
+        closed = [noun for command in done if command.verb == "close" for noun in command.things]
+        nouns += [n for command in done if command.verb == "open" for n in command.things if n not in closed]
     return [(noun,) for noun in dict.fromkeys(nouns) if not noun.several]
 
 
@@ -141,10 +140,6 @@ def _several(told: tuple[Noun, ...], done: tuple[Command, ...]) -> list[tuple[No
     if len(told) == 1 and not told[0].several:
         told = tuple(dict.fromkeys(noun for command in done for noun in command.things))
     return [told] if len(told) > 1 or any(noun.several for noun in told) else []
-
-
-def _done(verb: str, commands: tuple[Command, ...]) -> list[Noun]:
-    return [noun for command in commands if command.verb == verb for noun in command.things]
 
 
 @dataclass
@@ -254,10 +249,10 @@ class Goals:
                 for name, part in self._meanings.parts(noun, lambda _, part: part_that(ACTS[command.verb], part)):
                     self._add(command, name, _DONE[command.verb], None, part)
             return
-        able = TOOLS.get(command.verb)
-        tools = [name for name, entry in self.things.items() if able is not None and able(entry)]
+        able = TOOLS.get(command.verb, lambda e: False)
+        tools = [name for name, entry in self.things.items() if able(entry)]
         named = self._meanings.objects(command.place) if command.place is not None else tools
-        if able is not None and not set(named) & set(tools):
+        if command.verb in TOOLS and not set(named) & set(tools):
             raise Doubt(command.words, f"there is nothing to {command.verb} with")
         for name in self._named(command, tools):
             self._add(command, name, _EVENTS[command.verb])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TypeVar
+from typing import Any
 
 from vcage.base.text import listed
 from vcage.base.words import SHALLOW
@@ -21,7 +21,6 @@ _AT_TABLE = {"left": "left_of", "right": "right_of", "front": "in_front_of", "ba
 BESIDE = ("left_of", "right_of", "in_front_of", "behind", "beside", "near")
 _RELATION = {"in": "inside", "on": "on"}
 _BEFORE = {"x": ("left_of", "right_of"), "y": ("in_front_of", "behind")}
-Choice = TypeVar("Choice")
 
 
 @dataclass(frozen=True)
@@ -91,7 +90,7 @@ class Meanings:
         found = list(noun.named({name: e for name, e in self.things.items() if name not in besides}, short=True))
         return [name for name in found if self.things[name].can_be_carried or not noun.several] or found
 
-    def _chosen(self, noun: Noun, found: list[Choice], used: Collection[Choice]) -> list[Choice]:
+    def _chosen(self, noun: Noun, found: list[Any], used: Collection[Any]) -> list[Any]:
         """As many of those that fit as the noun asks for."""
         if noun.quantifier in ("other", "rest"):
             chosen = [one for one in found if one not in used]

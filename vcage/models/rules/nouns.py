@@ -177,9 +177,8 @@ def _words(found: Sequence[Token], *types: str) -> list[str]:
 
 def _quantity(words: list[str]) -> tuple[str, int | None]:
     """The quantifier and the number that words before a noun say."""
-    numbers = [int(word) if word.isdigit() else NUMBERS.get(word) for word in words]
-    told = filter(lambda number: number is not None, numbers)
-    count, *_ = [*[1] * ("another" in words), *told, *[1] * ("any" in words), None]
+    numbers = [int(word) if word.isdigit() else NUMBERS[word] for word in words if word.isdigit() or word in NUMBERS]
+    count, *_ = [*[1] * ("another" in words), *numbers, *[1] * ("any" in words), None]
     quantifiers = [_QUANTIFIERS[word] for word in words if word in _QUANTIFIERS]
     if quantifiers or not words:
         return "".join(quantifiers[:1]), count

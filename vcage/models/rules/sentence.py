@@ -20,6 +20,8 @@ from vcage.models.rules.nouns import Noun, noun_of
 REFUSED = {
     r"simultaneously|at the same time|(both|two|separate|each|(an)?other) (arms?|hands?)":
         "two arms at once cannot be promised; say which arm does what, left or right, or leave the arms out",
+    r"sorry|i mean|or rather|no wait": "a correction is not read; say only what is meant",
+    r"[4-9]\d|\d{3,}": "no table holds so many; ask for 1 to 39",
     r"(cent(er|re)|middle|corner|edge) of the (table|desk)": "this place of the table is none that a goal can name",
 }  # fmt: skip
 """Words that no goal of the vocabulary can keep, and why."""
@@ -77,7 +79,7 @@ class Command:
     words: str = ""
 
 
-_GRAMMAR = Path(__file__).with_name("instruction.lark").read_text(encoding="utf-8")
+_GRAMMAR = Path(__file__).with_name("instruction.lark").read_text("utf-8").replace("~?", " *").replace("~", " +")
 FORMS = tuple(re.findall(r"^// > (.+)$", _GRAMMAR, re.MULTILINE))
 """One sentence of each form."""
 
@@ -146,8 +148,7 @@ def _word_at(typed: str, at: int) -> str:
 
 @functools.lru_cache(maxsize=1)
 def _grammar() -> Lark:
-    source = _GRAMMAR.replace("~?", " *").replace("~", " +")
-    return Lark(source, ambiguity="explicit", propagate_positions=True, maybe_placeholders=False)
+    return Lark(_GRAMMAR, ambiguity="explicit", propagate_positions=True, maybe_placeholders=False)
 
 
 def _readings(tree: Tree[Any]) -> int:
@@ -173,9 +174,8 @@ class _Commands(Transformer[Token, Any]):
         self._typed = typed
 
     def start(self, _: Any, groups: list[list[Command]]) -> tuple[Command, ...]:
-        begins = sorted({command.at for group in groups for command in group})
-        ends = dict(zip(begins, [*begins[1:], len(self._typed)], strict=True))
-        words = {at: _JOINT.sub("", self._typed[at:end]) for at, end in ends.items()}
+        begun = {command.at for group in groups for command in group}
+        words = {at: _JOINT.sub("", self._typed[at : min((b for b in begun if b > at), default=None)]) for at in begun}
         return tuple(replace(c, group=number, words=words[c.at]) for number, group in enumerate(groups) for c in group)
 
     def before(self, meta: Any, groups: list[list[Command]]) -> tuple[Command, ...]:
@@ -198,9 +198,8 @@ class _Commands(Transformer[Token, Any]):
         return [replace(command, things=tuple(noun.without(but) for noun in command.things))]
 
     def hand(self, meta: Any, parts: list[Any]) -> list[Command]:
-        *giver, gets = [part for part in parts if "arm" in part]
-        things = [part for part in parts if "things" in part]
-        return self.__default__("hand", [*things, *giver, {"how": gets["arm"] or "any"}], meta)
+        things, *giver, gets = parts
+        return self.__default__("hand", [things, *giver, {"how": gets["arm"] or "any"}], meta)
 
     def row(self, meta: Any, parts: list[Any]) -> list[Command]:
         things, *order, where = parts
