@@ -131,7 +131,7 @@ def test_everything_in_a_bowl_is_not_the_bowl() -> None:
 
 
 def test_an_exception_among_the_parts_of_a_thing_is_refused() -> None:
-    with pytest.raises(UnreadInstruction, match="name the parts that are meant"):
+    with pytest.raises(UnreadInstruction, match="name each part that is meant"):
         read_goals("Open all drawers except the top one", scene("cabinet_three_drawers/steel"))
 
 

@@ -8,9 +8,9 @@ Which module answers what is asked in :mod:`vcage.models.protocols`:
 - ``Critic`` in ``critic``.
 
 An instruction is one of the sentences of ``instruction.lark`` (docs/instructions.md lists the forms). ``sentence``
-makes commands of it in every way that it can be read, ``references`` says what pronouns stand for, ``nouns`` how well
-a noun phrase names a kind, ``meanings`` which objects of a scene it means, ``goals`` what is asked of these. Readings
-that differ are refused.
+makes commands of it in every way that it can be read, ``nouns`` says how well a noun phrase names a kind, ``meanings``
+which objects of a scene it means, ``goals`` what pronouns stand for and what is asked for.
+Readings that differ are refused.
 """
 
 from vcage.models.protocols import OFFLINE as PROVIDER

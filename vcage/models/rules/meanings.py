@@ -149,8 +149,8 @@ class Meanings:
         """
         found = [pair for pair in self._parts(noun) if good(*pair)]
         found = [pair for pair in found if pair[0] in self._used()] or found  # of what was named before
-        if noun.but or noun.quantifier == "rest" or (noun.several and noun.position is not None):
-            raise Doubt(noun.text, "name the parts that are meant: none can be left out")
+        if not found or noun.but or noun.quantifier == "rest" or (noun.several and noun.position is not None):
+            raise Doubt(noun.text, "there is no such part, or it says too little: name each part that is meant")
         chosen = self._chosen(noun, found, self._parts_named)
         self._parts_named += chosen
         return chosen

@@ -125,9 +125,9 @@ class _Selector:
 
     def _take(self, noun: Noun, role: Role, good: Good = lambda e: True, place: CatalogueEntry | None = None) -> None:
         """Choose what a noun means, unless it was chosen before."""
-        known = next((entry for entry in self._there if self._same(noun, entry)), None)
-        if noun not in self._of:
-            self._of[noun] = known or self._draw(noun, role, good, place)
+        again = [entry for other, entry in self._of.items() if (other.at, other.words) == (noun.at, noun.words)]
+        known = [*again, *(entry for entry in self._there if self._same(noun, entry)), None][0]
+        self._of[noun] = known or self._draw(noun, role, good, place)
         for but in noun.but:
             self._take(but, "context")
 

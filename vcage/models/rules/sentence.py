@@ -104,11 +104,11 @@ def parse(instruction: str) -> list[tuple[Command, ...]]:
 
 def not_read(instruction: str, words: str, why: str) -> UnreadInstruction:
     """The error about words that are not read: the nearest form that is, and how a model can read them."""
-    near = max(FORMS, key=lambda form: difflib.SequenceMatcher(None, form.lower(), instruction.lower()).ratio())
+    same = [form for form in FORMS if form.split()[0].lower() in instruction.lower()] or FORMS
+    near, *_ = difflib.get_close_matches(instruction, same, n=1, cutoff=0)
     words = words or instruction
-    shown = instruction if len(instruction) <= 200 else f"{instruction[:200]}…"
     return UnreadInstruction(
-        f"{words[:200]!r} in {shown!r} is not understood: {why}",
+        f"{words[:200]!r} in {instruction[:200]!r} is not understood: {why}",
         hint=f"write it like {near!r} (forms: docs/instructions.md), or let a model read it: --models agent, "
         "gemini, openai, anthropic or ollama",
         details={"unread": words, "understood": [], "form": near},
