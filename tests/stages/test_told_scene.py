@@ -84,9 +84,9 @@ def test_listed_objects_that_no_goal_names_are_context(choose):
     }
 
 
-def test_what_is_opened_is_content_unless_something_is_put_into_it(choose):
+def test_a_cabinet_is_a_receptacle_filled_or_only_opened(choose):
     _, opened = choose("cabinet_one_drawer/oak/drawer open")
-    assert roles(opened) == {"cabinet_one_drawer_oak": "content"}
+    assert roles(opened) == {"cabinet_one_drawer_oak": "receptacle"}
     _, filled = choose("cabinet_one_drawer/oak/drawer open", "then stapler/red inside cabinet_one_drawer/drawer")
     assert roles(filled)["cabinet_one_drawer_oak"] == "receptacle"
     assert [str(one.goal) for one in filled.reading.goals] == [

@@ -99,10 +99,8 @@ def _role(name: str, entry: CatalogueEntry, goals: Sequence[Goal]) -> Role:
     words = {goal.relation for goal in goals}
     if any(word not in OF_A_PART for word in own):
         return "content"
-    if any(goal.reference == name for goal in goals):
+    if own or any(goal.reference == name for goal in goals):
         return "receptacle"
-    if own:
-        return "content"
     if ("scanned" in words and entry.reads_codes) or ("weighed" in words and entry.weighs):
         return "tool"
     return "context"
