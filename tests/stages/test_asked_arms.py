@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -14,36 +12,23 @@ from tests.scenes import block_and_plate, scene_of
 from vcage.base.errors import InputFileError
 from vcage.base.files import RunFolder, read_json, write_json
 from vcage.datasets.reader import EpisodeReader
-from vcage.models.rules.reasoner import OfflineReasoner
 from vcage.schema.episodes import Episodes
-from vcage.schema.goals import AskedGoal, Reading, goal_of
+from vcage.schema.goals import AskedGoal, goal_of
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
 from vcage.stages import chain, search_subtasks
 from vcage.stages.context import StageContext
 from vcage.stages.layout_items import layout_items
 
-INSTRUCTION = "Put the marker into the packaging box"
 STAGES = ("select_place", "inpaint_plan", "match", "optimize", "search_subtasks", "collect")
-
-
-class Told(OfflineReasoner):
-    """Reads every goal as asked of one arm."""
-
-    def __init__(self, arm: str):
-        self.arm = arm
-
-    def read_goals(self, *asked: Any) -> Reading:
-        found = super().read_goals(*asked)
-        return found.model_copy(update={"goals": [g.model_copy(update={"arm": self.arm}) for g in found.goals]})
 
 
 @pytest.fixture(scope="module", params=["left", "right"])
 def recorded(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[str, RunFolder]:
     """An arm, and a run in which it was asked to do all."""
     run, context = RunFolder(tmp_path_factory.mktemp(request.param) / "run"), StageContext("offline")
-    context.models = replace(context.models, reasoner=Told(request.param))
-    options = chain.ChainOptions(instruction=INSTRUCTION, models="offline", episodes=1, fps=FPS, workers=1)
+    instruction = f"Put the marker into the packaging box with the {request.param} arm"
+    options = chain.ChainOptions(instruction=instruction, models="offline", episodes=1, fps=FPS, workers=1)
     for name in STAGES:
         chain.STAGES[name].execute(run, options, context)
     return request.param, run
