@@ -36,7 +36,7 @@ _ASIDE = re.compile(
 )
 """Beginnings of asides: what is not so, or not done; what is left out; what stays where it is."""
 _ALL = re.compile(r"\b(?:all|every|everything|anything|each|any)\b")
-_CLAUSE = re.compile(r"\b(?:all|every|everything|anything|each|any)\b.* (?:go|goes|in|into|on|onto)\b")
+_CLAUSE = re.compile(rf"{_ALL.pattern}.* (?:go|goes|in|into|on|onto)\b")
 _GOES = re.compile(r"(?:go|goes|should|must|belongs?|has|needs?)\b")
 _LEFT_ALONE = re.compile(r"(?:is |are |it |they |be )*(?:alone|where|out|be|as|untouched|there|behind|in peace)\b")
 _LATER = re.compile(r"until\b|till\b|before\b|, (?:which|that|it|those|they|he|she)\b")

@@ -158,7 +158,7 @@ def _precedes(goal: Goal, other: Goal, at: Mapping[Goal, int], spans: Sequence[t
 
 
 def paired(subjects: Mapping[int, Iterable[str]], others: Mapping[int, str]) -> dict[str, str]:
-    """What is said with each subject, where one of the others stands after each run of subjects, or before each.
+    """Pair each subject with the other that follows its run, or that leads it; nothing unless each run has one.
 
     Args:
         subjects: place → ids.

@@ -48,8 +48,6 @@ _WHICH_DRAWERS = re.compile(
     rf"|\b(?:{'|'.join(COUNTED)}|next|last) {_DRAWER}\b(?! from\b| to\b)"
 )
 """Words by which another drawer may be meant than one that is called top, middle or bottom."""
-_BESIDE = 4
-"""Words that stand at most between a side and what it is of."""
 
 
 def plain_sides(text: str) -> str:

@@ -221,7 +221,7 @@ def _reasoner(choice: Choice) -> Reasoner:
 
 
 def third_reader() -> ThirdReader:
-    """The reader that needs no model, and hears what others read."""
+    """The reader without a model, with which readings by others are compared."""
     from vcage.models.rules.reasoner import OfflineReasoner
 
     return OfflineReasoner().read_goals

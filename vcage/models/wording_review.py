@@ -48,7 +48,7 @@ class Review:
         self._loose = {word for n, word in enumerate(self._said) if n not in self._taken}
 
     def complaints(self) -> Iterator[str]:
-        """What keeps the sentence from being true of the scene, clear in it, and exactly what is asked for."""
+        """Complaints where the sentence is untrue of the scene, unclear in it, or not exactly what is asked for."""
         for mention in self._mentions:
             yield from self._unclear(mention)
         for name in names_in(self._said, self._task.strangers, self._taken):
@@ -95,8 +95,10 @@ class Review:
                 yield f"does not say that the {thing} is taken from the {holder}"
 
     def _left_by(self, told: Description) -> Iterator[tuple[Collection[str], list[str]]]:
-        """What a sentence says that an object is taken from, with the words between: "from the top drawer of the
-        cabinet", "out of the top drawer", or straight after the object "in the pot"."""
+        """Ids of things that the sentence takes an object from, with the words before each name.
+
+        It may say "from the top drawer of the cabinet", "out of the top drawer", or "in the pot" after the object.
+        """
         for number, mention in enumerate(self._mentions):
             words = self._before(number)
             after = number and told.subject in self._mentions[number - 1].ids and told.reference not in self._references
@@ -126,8 +128,11 @@ class Review:
         return any(levels(text) >= levels(part) for text in texts)
 
     def _spans(self, goal: Goal) -> Iterator[list[str]]:
-        """The words that can say a goal: between a mention of its subject and the place that is named next, if that is
-        the goal's (where none follows, after the place that was named last); without a place, all from its verb on."""
+        """The words that can say a goal.
+
+        They stand between a mention of its subject and the next place, where that is the goal's. Where no place
+        follows, the last one before counts. A goal without a place is said from its verb on.
+        """
         if goal.reference != TABLE and goal.reference not in self._task.things:
             verbs = [n for n, word in enumerate(self._said) if word in SAYS[goal.relation] and n not in self._taken]
             yield from (self._said[n : n + VERB_TO_PART] for n in verbs)
@@ -146,7 +151,7 @@ class Review:
 
     @cached_property
     def _places(self) -> list[tuple[int, frozenset[str]]]:
-        """Where the sentence names a reference of a goal, and nothing is taken from it there."""
+        """Places of words that name the reference of a goal, but for those that something is taken from."""
         to = [m for n, m in enumerate(self._mentions) if not FROM & {*self._before(n)}]
         found = [(m.start, m.ids) for m in to if m.ids & self._references]
         if TABLE in self._references:
@@ -198,7 +203,7 @@ class Review:
                 yield f"does not say the {len(steps)} steps in their order, with 'then'"
 
     def _place(self, goal: Goal) -> int:
-        """Where the sentence asks for a goal."""
+        """Place of the word by which the sentence asks for a goal."""
         own = [m.start for m in self._mentions if goal.subject in m.ids]
         said = [n for n, word in enumerate(self._said) if word in SAYS[goal.relation] and n not in self._taken]
         return min(own if goal.relation in OF_TWO else said, default=0)

@@ -67,7 +67,7 @@ class Noun:
 
     @property
     def is_several(self) -> bool:
-        """Whether it may mean more than one object: "mugs", "two mugs", "fruit"."""
+        """True for a noun that may mean more than one object: "mugs", "two mugs", "fruit"."""
         head = tokens(self.words)[-1]
         return self.number not in (None, 1) or is_plural(head) or head in MASS_KINDS
 

@@ -42,13 +42,13 @@ def shown(pictures: Sequence[Path], scene: Scene) -> Seen:
 
 
 def beside(picture: Path) -> list[Path]:
-    """All pictures of the same attempt, where one lies as collect keeps it."""
+    """All kept pictures of the same attempt; none where the name is not one of collect's."""
     named = _NAMED.search(picture.name)
     return sorted(picture.parent.glob(f"{picture.name[: named.start()]}-*.png")) if named else []
 
 
 def scene_of(picture: Path, run: RunFolder) -> Scene:
-    """Where things stood in the episode of a picture that lies as collect keeps it (``e000002-s0-…``), or the run's."""
+    """The scene of the episode that a picture's name tells (``e000002-s0-…``), else the scene of the run."""
     scene, named = Scene.read(run.layout), re.match(r"e(\d+)-", picture.name)
     if named is None or not run.episodes.exists():
         return scene
@@ -56,7 +56,7 @@ def scene_of(picture: Path, run: RunFolder) -> Scene:
 
 
 def empty_beside(picture: Path, scene: Scene) -> np.ndarray | None:
-    """The empty table in the same light, where the picture lies as collect keeps it (``e000002-s0-…``)."""
+    """The empty table in the light of a kept picture's episode; None where it is not kept."""
     episode = re.match(r"e(\d+)-", picture.name)
     empty = picture.parent.parent / background_name(int(episode[1])) if episode else picture
     return top_view(empty, scene) if episode and empty.exists() else None

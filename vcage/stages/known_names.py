@@ -1,4 +1,4 @@
-"""Names that goals and sub-tasks of a scene may use, and words for those that it has."""
+"""Names that goals and sub-tasks of a scene may use, and the lists of them that errors show."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from vcage.tasks.scene_objects import SceneObject
 
 
 def near_names(name: str, known: Collection[str]) -> str:
-    """Known names like one that is not known, or some where none is like it."""
+    """Known names that are like an unknown one; some of all where none is."""
     near = difflib.get_close_matches(name, known, n=3) or sorted(known)[:12]
     return f"{', '.join(near)}{' or another of those that there are' if len(near) < len(known) else ''}"
 
 
 def all_names(objects: Sequence[SceneObject]) -> str:
-    """What goals may be about."""
+    """Objects and parts that goals may be about, for an error."""
     parts = [f"{o.id}/{link.name}" for o in objects for link in o.asset.model.links]
     return f"what there is: {', '.join([*(o.id for o in objects), *parts])}"
 

@@ -58,7 +58,7 @@ def edited_scene(path: Path, context: StageContext) -> Scene:
 
 
 def _require_instructed(path: Path, scene: Scene, context: StageContext) -> None:
-    """That goals and descriptions that were edited still are what the instruction says."""
+    """Refuse edited goals and descriptions that are not what the instruction says."""
     before = written_record(path, Scene)
     edited = [
         field for field in ("goals", "descriptions", "untouched") if getattr(scene, field) != getattr(before, field)
@@ -172,7 +172,7 @@ def _require_goals(path: Path, scene: Scene, objects: Sequence[SceneObject]) -> 
 
 
 def _places(goal: Goal, objects: Collection[str], arms: Collection[str]) -> Collection[str]:
-    """What a goal may refer to."""
+    """Names that a goal may refer to."""
     if goal.relation == "handed":
         return arms
     return objects if goal.relation == "inside" else {*objects, TABLE}

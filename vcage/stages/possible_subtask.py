@@ -22,7 +22,7 @@ from vcage.tasks.templates.proposal import Proposal
 
 
 def require_possible(path: Path, field: str, subtask: Subtask, scene: Scene, objects: Sequence[SceneObject]) -> None:
-    """That a sub-task is about what the scene, its assets and the robot have. Whether it is feasible is tried out.
+    """Refuse a sub-task that names what the scene, its assets or the robot do not have. Motions are not tried here.
 
     Args:
         path: the file that it was read from.
@@ -81,7 +81,7 @@ def _goals(subtask: Subtask) -> Iterator[tuple[str, Goal]]:
 
 
 def _require_arm(path: Path, field: str, subtask: Subtask, scene: Scene) -> None:
-    """That it is done by the arm that the instruction asks for, if it asks for one, and by no other."""
+    """Refuse another arm than the one that the instruction asks for."""
     asked, why = arm_for(subtask.goals, asked_arms(scene.goals), subtask.hand_to)
     if why is not None:
         refuse(path, f"{field}.goals", why, "goals that one arm is asked to bring about")
@@ -95,7 +95,7 @@ def _require_arm(path: Path, field: str, subtask: Subtask, scene: Scene) -> None
 
 
 def _require_choices(path: Path, field: str, subtask: Subtask, objects: dict[str, SceneObject]) -> None:
-    """That the preferred grasp is one of its grasps, and that what is to stay as it was can."""
+    """Refuse a preferred grasp that is none of its grasps, and statements about what it moves."""
     grasps, prefers = [f"{g.contact} {g.arm}" for g in subtask.grasps], subtask.prefers
     if prefers is not None and f"{prefers.contact} {prefers.arm}" not in grasps:
         refuse(path, f"{field}.prefers", f"{prefers.contact} {prefers.arm}", f"one of its grasps: {', '.join(grasps)}")
@@ -109,7 +109,7 @@ def _require_choices(path: Path, field: str, subtask: Subtask, objects: dict[str
 
 
 def _require_offered(path: Path, field: str, subtask: Subtask, scene: Scene, objects: Sequence[SceneObject]) -> None:
-    """That its template, looked for anew, offers just this: its object, where that goes, and what it brings about."""
+    """Refuse a sub-task that its template does not offer: with this object, this receptacle and these goals."""
     if subtask.receptacle == subtask.object:
         refuse(path, f"{field}.receptacle", repr(subtask.receptacle), "another than the object itself")
     if subtask.template == "hand_over" and subtask.hand_to is None:

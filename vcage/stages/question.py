@@ -200,7 +200,7 @@ def _view(picture: np.ndarray, camera: Camera, name: str) -> View:
 def _part_looks(
     goals: Sequence[Goal], scene: Scene, context: StageContext, opened: Mapping[str, Sequence[str]]
 ) -> dict[str, Reference]:
-    """What each object with a part that a goal speaks of looks like before, by its id."""
+    """Reference views of each object with a part that a goal names, as it looks before, by id."""
     found = {}
     for goal in goals:
         if goal.relation in OF_A_PART and goal.part is not None:
@@ -212,7 +212,7 @@ def _part_looks(
 def _rooms(
     goals: Sequence[Goal], objects: Mapping[str, SceneObject], opened: Mapping[str, Sequence[str]]
 ) -> dict[Goal, np.ndarray]:
-    """Where an object is that is in or on another as each goal says."""
+    """Corners of the space that each goal's object may take in or on another: see :func:`_room`."""
     held = [goal for goal in goals if goal.relation in HOLDING and goal.reference in objects]
     return {goal: _room(goal, objects, opened) for goal in held}
 

@@ -48,7 +48,7 @@ class SecondJudge:
     Args:
         run: the run folder.
         context: with the critic.
-        take_over: whether an earlier verdict stands where the question is the same.
+        take_over: keep an earlier verdict where the question is the same.
     """
 
     def __init__(self, run: RunFolder, context: StageContext, *, take_over: bool):
@@ -59,12 +59,12 @@ class SecondJudge:
         self.taken_over = 0
 
     def subtask(self, step: JudgedStep) -> Subtask:
-        """What was to be done, in the words of its episode."""
+        """The sub-task of a step, in the words of its episode."""
         phrases = other_phrases(self._scene, self._episodes[step.episode].objects)
         return reworded(self._subtasks[step.subtask], phrases)
 
     def sees(self, step: JudgedStep) -> bool:
-        """Whether all that was looked at is kept."""
+        """Check if all pictures that were looked at are kept."""
         pictures = (*step.pictures, background_name(step.episode))
         return bool(step.pictures) and all(self._picture(name).is_file() for name in pictures)
 
@@ -77,7 +77,7 @@ class SecondJudge:
         return self._run.file(name, self._run.episodes.parent.name)
 
     def from_verify(self, step: JudgedStep) -> list[str]:
-        """Their paths, relative to the folder of the verdicts."""
+        """Paths of a step's pictures, relative to the folder of the verdicts."""
         return [f"../{self._run.episodes.parent.name}/{name}" for name in step.pictures]
 
     def all_again(self, steps: Iterable[JudgedStep], progress: Progress) -> dict[tuple[str, ...], Verdict]:
@@ -99,7 +99,7 @@ class SecondJudge:
         return said
 
     def again(self, step: JudgedStep) -> Verdict:
-        """A verdict on it, or the earlier one where that stands."""
+        """A verdict on a step, or the earlier one where that stands."""
         empty = read_picture(self._picture(background_name(step.episode)))
         asking = Asking.of(self.subtask(step), self.seen(step), empty)
         known = self._take_over and step.earlier.question == asking.hash

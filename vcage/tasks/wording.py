@@ -70,7 +70,7 @@ def push_wordings(goal: Goal, phrases: Mapping[str, str]) -> list[str]:
 
 
 class Source(NamedTuple):
-    """What something is taken out of or off, by its name with an article."""
+    """The thing that something is taken out of or off, by its name with an article."""
 
     out: Literal["out of", "off"]
     holder: str

@@ -122,7 +122,7 @@ def _places(*commands: Command) -> list[Noun]:
 
 
 def _referents(pronoun: Noun, done: tuple[Command, ...], verb: str) -> list[tuple[Noun, ...]]:
-    """What a pronoun may stand for: "it" for the thing of the command before, its place, or what is to be closed.
+    """Meanings of a pronoun: "it" is the thing of the command before, its place, or what is to be closed.
 
     "Them" are the things of the command before, or, where that is one, of all commands.
     """

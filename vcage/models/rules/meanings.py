@@ -156,7 +156,7 @@ class Meanings:
         return chosen
 
     def spots(self, noun: Noun, how: str, besides: Collection[str] = ()) -> list[Spot]:
-        """Where things go that are put in, on, to or beside what a noun means.
+        """Targets of what is put in, on, to or beside what a noun means.
 
         Raises:
             Doubt: nothing is put there, or nobody can tell where.
@@ -175,7 +175,7 @@ class Meanings:
         return [self.spot_of(owners[0], how, noun)]
 
     def spot_of(self, name: str, how: str, noun: Noun) -> Spot:
-        """Where things go that are put in, on, to or beside an object.
+        """The target of what is put in, on, to or beside an object.
 
         Raises:
             Doubt: nothing is put there.

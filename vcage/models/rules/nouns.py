@@ -87,7 +87,7 @@ class Noun:
         return self.quantifier not in ("a", "other") and (self.count is None or self.quantifier in ("the", "all"))
 
     def positions(self, nouns: Sequence[Noun]) -> list[str]:
-        """Where the things stand that a sentence tells apart by that, of those that are called so."""
+        """Find the places by which a sentence tells things of this name apart."""
         same = [noun for noun in nouns if (noun.words, noun.colour) == (self.words, self.colour)]
         return list(dict.fromkeys(noun.position for noun in same if noun.position is not None))
 

@@ -225,7 +225,7 @@ class Pair(Proposal):
         return phrase if self.point.link is None else f"{part_words(self.point.link)} of the {phrase}"
 
     def _requires(self) -> list[Goal]:
-        """That what keeps the place in is open, with nothing over it."""
+        """Goals that must be true before: the drawer or lid of the place is open, with no open drawer over it."""
         part = kept_in_by(self.receptacle, self.point.id)
         return [] if part is None else open_to_a_hand(self.receptacle, part)
 
