@@ -57,7 +57,7 @@ class Clauses:
 
     def __init__(self, text: str, said: Sequence[Noun], things: Mapping[str, CatalogueEntry], reading: Reading) -> None:
         self._text, self._words, self._goals = text, text.split(" "), reading.goals
-        spoken = {name for asked in reading.goals for name in (asked.goal.subject, asked.goal.reference)}
+        spoken = reading.in_goals
         self._things = {name: entry for name, entry in things.items() if name in spoken}
         self._meant = {noun.at: names for noun in said if (names := self._names(noun, said, reading))}
         self._vague = any(len(self._meant.get(noun.at, ())) > 1 and not noun.is_several for noun in said)
@@ -197,8 +197,10 @@ def _subordinate(words: Sequence[str], at: int) -> tuple[Span, Span] | None:
     """The spans of a clause that begins at a place, and of the clause that it belongs to; None where that is open."""
     ends = [-1, *(place for place, word in enumerate(words) if word in ".;:!"), len(words)]
     begin, end = next((one + 1, two) for one, two in itertools.pairwise(ends) if two > at)
-    comma = words.index(",", at, end) if "," in words[at:end] else None
-    if at - begin >= _BEGINNING and words[at - 1] not in ("and", "then", "," if comma else ""):
-        return (at, comma or end), (begin, at)
-    later = next((place for place in range(comma or end, end) if words[place] in _CUES), end)
-    return ((at, comma), (comma, later)) if comma else None
+    comma = next((place for place in range(at, end) if words[place] == ","), end)
+    before = ("and", "then", ",") if comma < end else ("and", "then")
+    if at - begin >= _BEGINNING and words[at - 1] not in before:
+        return (at, comma), (begin, at)
+    if comma == end:
+        return None
+    return (at, comma), (comma, next((place for place in range(comma, end) if words[place] in _CUES), end))

@@ -57,11 +57,9 @@ def plain_sides(text: str) -> str:
 
 def sides(text: str) -> dict[int, str]:
     """Relations that a text of words and marks asks for, by the place of their words."""
-    return (
-        {}
-        if _ROW.search(text)
-        else {_at(text, f): word for pattern, word, _ in _SIDES for f in re.finditer(pattern, text)}
-    )
+    if _ROW.search(text):
+        return {}
+    return {_at(text, found): word for pattern, word, _ in _SIDES for found in re.finditer(pattern, text)}
 
 
 def arms(text: str) -> dict[int, str]:
@@ -90,11 +88,6 @@ def _at(text: str, found: re.Match[str]) -> int:
     return text[: found.start()].count(" ")
 
 
-def stated(reading: Reading) -> list[Goal | Description]:
-    """The goals of a reading and what it says of the start."""
-    return [*(asked.goal for asked in reading.goals), *reading.descriptions]
-
-
 def wrong_sides(text: str, said: Sequence[Noun], things: Mapping[str, CatalogueEntry], reading: Reading) -> list[str]:
     """Complaints about sides of a text that the reading does not say, or says of something else.
 
@@ -104,7 +97,7 @@ def wrong_sides(text: str, said: Sequence[Noun], things: Mapping[str, CatalogueE
         things: the catalogue's entries by object id.
         reading: of it.
     """
-    relations = {one.relation for one in stated(reading)}
+    relations = {one.relation for one in reading.stated}
     if "handed" in relations:  # "from the left hand to the right one"
         return []
     if _ROW.search(text):
@@ -117,7 +110,7 @@ def wrong_sides(text: str, said: Sequence[Noun], things: Mapping[str, CatalogueE
     ]
     if "scanned" not in relations:  # in front of the scanner
         found += _unsaid_sides(text, relations, {asked.goal.relation for asked in reading.goals})
-        found += _of_another(text, said, things, stated(reading))
+        found += _of_another(text, said, things, reading.stated)
     return found
 
 
@@ -175,12 +168,12 @@ def _is_said(
 
 def _on_side(side: str, reading: Reading) -> bool:
     """Check if some object of a goal is said to stand on that side at the start, or a part is called after it."""
-    if any(side in (one.part or "").split("_") for one in stated(reading)):
+    if any(side in (one.part or "").split("_") for one in reading.stated):
         return True
     other = {"left": "right_of", "right": "left_of"}[side]
     there = {told.subject for told in reading.descriptions if told.relation == f"{side}_of"}
     there |= {told.reference for told in reading.descriptions if told.relation == other}
-    return any({asked.goal.subject, asked.goal.reference} & there for asked in reading.goals)
+    return not there.isdisjoint(reading.in_goals)
 
 
 def wrong_arms(text: str, goals: Sequence[AskedGoal]) -> list[str]:
@@ -198,10 +191,10 @@ def wrong_arms(text: str, goals: Sequence[AskedGoal]) -> list[str]:
 
 def wrong_drawers(task: Asked, things: Mapping[str, CatalogueEntry], reading: Reading) -> list[str]:
     """Complaints about drawers that an instruction names and the reading does not, or the reverse."""
-    owners = [one.reference or one.subject for one in stated(reading) if one.part]
+    owners = [one.reference or one.subject for one in reading.stated if one.part]
     there = [part for name in owners if name in things for part in things[name].moving_parts]
     meant, named = {*heights(task.text, there).values()}, {*heights(task.open_text, there).values()}
-    parts = {one.part.partition("_")[2] for one in stated(reading) if one.part}
+    parts = {one.part.partition("_")[2] for one in reading.stated if one.part}
     found = [
         f"the {height} drawer is named, but no goal or description names a part '..._{height}'"
         for height in sorted(meant - parts)

@@ -26,14 +26,14 @@ from vcage.base.words import (
 )
 from vcage.models.asides import Asked, asked_part
 from vcage.models.clauses import Clauses
-from vcage.models.directions import plain_sides, stated, wrong_arms, wrong_drawers, wrong_sides
+from vcage.models.directions import plain_sides, wrong_arms, wrong_drawers, wrong_sides
 from vcage.models.plain_english import in_english
 from vcage.models.quantifiers import left_over
 from vcage.models.which_one import coloured, meant, unclear
 from vcage.objects.mentions import Noun, exact_count, nouns
 from vcage.objects.names import has_colour, look_texts
 from vcage.schema.asset import CatalogueEntry
-from vcage.schema.goals import Description, Goal, Reading, goal_of
+from vcage.schema.goals import Goal, Reading, goal_of, named_by
 
 _MANY = frozenset(("each", "every", "all", "everything", "both", "another", "other", "others", "rest", "more", "any"))
 """Words by which "a mug" may be several."""
@@ -131,7 +131,7 @@ def unmet_names(instruction: str, catalogue: Iterable[CatalogueEntry], chosen: C
 
 def _spoken(things: Mapping[str, CatalogueEntry], reading: Reading) -> set[str]:
     """Ids of the objects that a reading speaks of, and of what they are scanned, weighed or presented with."""
-    named = {*_named(stated(reading))}
+    named = {*named_by(reading.stated)}
     done = {asked.goal.relation for asked in reading.goals}
     tools = {name for name, entry in things.items() if done & _done_with(entry)}
     return {*reading.untouched, *tools, *(name for name in things if name in named)}
@@ -190,25 +190,24 @@ def _unnamed(
     words = tokens(instruction)
     if not _all_known(words, said):
         return []
-    goals, parts = [asked.goal for asked in reading.goals], {*map(lemma, words)}
-    told = _named(reading.descriptions)
-    subjects, references = [goal.subject for goal in goals], [goal.reference for goal in goals]
+    goals, told = [asked.goal for asked in reading.goals], named_by(reading.descriptions)
+    subjects, references = zip(*((goal.subject, goal.reference) for goal in goals), strict=True)
     found = list[str]()
     for mine, others in ((subjects, references), (references, subjects)):
         if all(meant(noun, things, (*others, *told)) for noun in said):
             continue  # "put the pens away" leaves open where to, "fill the box" with what
-        named = {name for noun in said for name in meant(noun, things, mine)}
-        found += _not_named([pair for pair in zip(mine, goals, strict=True) if pair[0] in things.keys() - named], parts)
+        unnamed = things.keys() - set[str]().union(*(meant(noun, things, mine) for noun in said))
+        found += [
+            f"{name} is in the goal {goal}, but the instruction names no such object"
+            for name, goal in zip(mine, goals, strict=True)
+            if name in unnamed and not _names_part(words, goal)
+        ]
     return list(dict.fromkeys(found))
 
 
-def _not_named(strange: Iterable[tuple[str | None, Goal]], parts: Collection[str]) -> list[str]:
-    """Complaints about objects and their goals, but for what is meant by a part of it that is named."""
-    return [
-        f"{name} is in the goal {goal}, but the instruction names no such object"
-        for name, goal in strange
-        if (goal.part or "").split("_")[0] not in parts
-    ]
+def _names_part(words: Iterable[str], goal: Goal) -> bool:
+    """Check if words name the part of a goal, by which its owner is meant."""
+    return (goal.part or "").split("_")[0] in map(lemma, words)
 
 
 def _all_known(words: Collection[str], said: Sequence[Noun]) -> bool:
@@ -229,7 +228,7 @@ def _miscounted(
     counted = [noun for noun in said if noun.name[-1:] not in _ORDINALS]
     found = _too_few(text, [asked.goal for asked in reading.goals])
     for noun in counted:
-        number = noun.number or _pair(words, noun) or 0
+        number = _number(words, noun)
         there, moved = len(meant(noun, things, spoken)), len(meant(noun, things, subjects))
         if there < number:
             found.append(f"{noun.words!r} asks for {number}, but the goals speak of {there}")
@@ -245,25 +244,27 @@ def _too_few(text: str, goals: Sequence[Goal]) -> list[str]:
     return [f"{word!r} is said, but the goals are about {most}" for word in alone]
 
 
-def _pair(words: Sequence[str], noun: Noun) -> int | None:
-    """Two, of "a pair of mugs" but not "a pair of scissors"."""
+def _number(words: Sequence[str], noun: Noun) -> int:
+    """How many a noun asks for, 0 where that is not said: 2 of "a pair of mugs", but not of "a pair of scissors"."""
     before = [word for word in words[max(noun.at - 3, 0) : noun.at] if word not in ("of", "the")]
-    return 2 if before[-1:] in (["pair"], ["couple"]) and noun.name[-1] not in NO_PLURAL else None
+    pair = before[-1:] in (["pair"], ["couple"]) and noun.name[-1] not in NO_PLURAL
+    return noun.number or (2 if pair else 0)
 
 
 def _excluded(task: Asked, named: Sequence[Noun], things: Mapping[str, CatalogueEntry], reading: Reading) -> list[str]:
     """Objects of goals that the instruction names only to leave them out, or not to move them."""
-    goals, found = [asked.goal for asked in reading.goals], list[str]()
-    used = {name for goal in goals for name in (goal.subject, goal.reference)}
-    for noun, place in [*((noun, None) for noun in task.excluded), *task.kept]:
-        among = used if noun in task.excluded else _moved_to(goals, place, things)
-        out = [name for name in coloured(noun, things) if name in among]
-        if place or not _is_named(noun, named):
-            found += [f"{name} is in a goal, but the instruction leaves out {noun.words!r}" for name in out]
-    return found
+    goals = [asked.goal for asked in reading.goals]
+    out = [(noun, reading.in_goals) for noun in task.excluded if not _is_named(noun, named)]
+    out += [(noun, _moved_to(goals, at, things)) for noun, at in task.kept if at or not _is_named(noun, named)]
+    return [
+        f"{name} is in a goal, but the instruction leaves out {noun.words!r}"
+        for noun, used in out
+        for name in coloured(noun, things)
+        if name in used
+    ]
 
 
-def _moved_to(goals: Sequence[Goal], place: Noun | None, things: Mapping[str, CatalogueEntry]) -> set[str]:
+def _moved_to(goals: Sequence[Goal], place: Noun | None, things: Mapping[str, CatalogueEntry]) -> set[str | None]:
     """Subjects of goals, of those about a place if one is said."""
     places = None if place is None else coloured(place, things)
     return {goal.subject for goal in goals if places is None or goal.reference in places}
@@ -276,7 +277,7 @@ def _is_named(noun: Noun, named: Iterable[Noun]) -> bool:
 def _unasked(instruction: str, reading: Reading, things: Mapping[str, CatalogueEntry], least: int) -> list[str]:
     """Goals of a sentence that names no object of them and speaks to its reader instead, by so many words at least."""
     words = _TO_READER.intersection(tokens(instruction))
-    spoken = _named(stated(reading))
+    spoken = named_by(reading.stated)
     if len(words) < least or any(meant(noun, things, spoken) for noun in nouns(instruction, things.values())):
         return []
     return [f"the instruction names no object of a goal, but says {listed(map(repr, sorted(words)))}"]
@@ -287,7 +288,3 @@ def _undone(text: str, reading: Reading) -> list[str]:
     done = {asked.goal.relation for asked in reading.goals}
     said = [(match[0], goal) for verb, goal in _ACTS if (match := re.search(rf"\b{verb}", text))]
     return [f"{verb!r} is said, but no goal says {goal!r}" for verb, goal in said if goal not in done]
-
-
-def _named(stated: Iterable[Goal | Description]) -> list[str | None]:
-    return [name for one in stated for name in (one.subject, one.reference)]

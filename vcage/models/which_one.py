@@ -45,10 +45,9 @@ def coloured(noun: Noun, things: Mapping[str, CatalogueEntry]) -> list[str]:
 
 def unclear(whole: str, said: Sequence[Noun], things: Mapping[str, CatalogueEntry], reading: Reading) -> list[str]:
     """Objects of goals that "the mug" means as well as another one of their kind, and that nothing tells apart."""
-    used = {name for asked in reading.goals for name in (asked.goal.subject, asked.goal.reference)}
     first = {noun.name: noun for noun in reversed(said)}.values()
     bare = [noun for noun in first if _is_bare(noun, whole.split(" ")) and not _told_apart(noun, said)]
-    alike = {noun.words: _alike(noun, things, used) for noun in bare}
+    alike = {noun.words: _alike(noun, things, reading.in_goals) for noun in bare}
     return [
         f"nobody can tell which of {listed(names)} is meant by {words!r}"
         for words, names in alike.items()

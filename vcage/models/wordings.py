@@ -14,7 +14,7 @@ from vcage.objects.mentions import full_names
 from vcage.objects.scene_names import SceneNames
 from vcage.plans.actions import HOLDING
 from vcage.schema.asset import CatalogueEntry
-from vcage.schema.goals import OF_A_PART, AskedGoal, Description, Goal
+from vcage.schema.goals import OF_A_PART, AskedGoal, Description, Goal, named_by
 
 LONGEST = 300
 """Characters of a sentence at most."""
@@ -83,9 +83,8 @@ class TaskToWord:
     @cached_property
     def spoken(self) -> frozenset[str]:
         """Ids of the objects that a sentence may name."""
-        of_goals = [name for asked in self.goals for name in (asked.goal.subject, asked.goal.reference)]
-        of_descriptions = [name for told in self.descriptions for name in (told.subject, told.reference)]
-        named = {*of_goals, *of_descriptions, *self.tools, *self.untouched}
+        stated = [*(asked.goal for asked in self.goals), *self.descriptions]
+        named = {*named_by(stated), *self.tools, *self.untouched}
         return frozenset(name for name in self.things if name in named)
 
     @cached_property

@@ -128,3 +128,18 @@ class Reading(Record):
     descriptions: list[Description] = Field(
         default=[], description="what must be true of where things are at the start"
     )
+
+    @property
+    def stated(self) -> list[Goal | Description]:
+        """The goals, and then what is said of the start."""
+        return [*(asked.goal for asked in self.goals), *self.descriptions]
+
+    @property
+    def in_goals(self) -> set[str | None]:
+        """Subjects and references of the goals."""
+        return {*named_by(asked.goal for asked in self.goals)}
+
+
+def named_by(stated: Iterable[Goal | Description]) -> list[str | None]:
+    """Subjects and references, in their order."""
+    return [name for one in stated for name in (one.subject, one.reference)]
