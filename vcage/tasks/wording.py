@@ -90,14 +90,13 @@ def worded(
     """
     whole = thing if source is None else f"{thing} from {source.holder}"
     if goal.relation not in _PREPOSITIONS:
-        part = whole if goal.part is None else _part(goal.part, thing)
-        return [p.format(part, part[0].upper() + part[1:], goal.reference) for p in _PATTERNS[goal.relation].split("|")]
-    place = _part(goal.part, place) if goal.part else place
+        return _patterned(goal, _part(goal.part, whole))
+    place = _part(goal.part, place)
     preps = _PREPOSITIONS[goal.relation]
     if pushed:
-        commands = [f"{move} {whole} {prep} {place}." for prep in preps for move in _PUSHES]
-        return [*commands, f"Could you push {whole} {preps[0]} {place}?", f"Please slide {whole} {preps[0]} {place}."]
-    then = f"and put {'them' if several else 'it'} {preps[0]} {place}"
+        return _pushed(whole, preps, place)
+    them, go = ("them", "go") if several else ("it", "goes")
+    then = f"and put {them} {preps[0]} {place}"
     taken = [] if source is None else [f"Take {thing} {source.out} {source.holder} {then}."]
     first, *others = preps
     return [
@@ -106,17 +105,27 @@ def worded(
         *(f"{move} {whole} {first} {place}." for move in _MOVES[1:]),
         *(f"{move} {whole} {prep} {place}." for prep in others for move in _MOVES[:3]),
         f"Pick up {whole} {then}.",
-        f"T{whole[1:]} {'go' if several else 'goes'} {preps[1]} {place}.",
+        f"T{whole[1:]} {go} {preps[1]} {place}.",
         f"Could you put {whole} {preps[1]} {place}?",
     ]
+
+
+def _patterned(goal: Goal, thing: str) -> list[str]:
+    capital = thing[0].upper() + thing[1:]
+    return [pattern.format(thing, capital, goal.reference) for pattern in _PATTERNS[goal.relation].split("|")]
+
+
+def _pushed(thing: str, preps: Sequence[str], place: str) -> list[str]:
+    commands = [f"{move} {thing} {prep} {place}." for prep in preps for move in _PUSHES]
+    return [*commands, f"Could you push {thing} {preps[0]} {place}?", f"Please slide {thing} {preps[0]} {place}."]
 
 
 def _named(goal: Goal, phrases: Mapping[str, str]) -> tuple[str, str]:
     return f"the {phrases[goal.subject]}", f"the {phrases.get(goal.reference or '', str(goal.reference))}"
 
 
-def _part(part: str, owner: str) -> str:
-    return f"the {part_words(part)} of {owner}"
+def _part(part: str | None, owner: str) -> str:
+    return owner if part is None else f"the {part_words(part)} of {owner}"
 
 
 def in_other_words(text: str, phrases: Mapping[str, str]) -> str:
