@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from vcage.base.words import SIDES, WHICH_PART
+
 SAYS: Mapping[str, frozenset[str]] = {
     word: frozenset(said.split())
     for word, said in {
@@ -29,17 +31,11 @@ SAYS: Mapping[str, frozenset[str]] = {
 """The words that say a goal: one of them must stand in a sentence that asks for it."""
 
 ASKS_MORE = frozenset(
-    word
-    for said in (
-        "left right front behind back rear open opened close closed shut press pressed turn turned rotate rotated",
-        "twist weigh weighs weighed scan scanned customer show return returned",
-    )
-    for word in said.split()
-)
+    (*SIDES, "behind", "open", "opened", "close", "closed", "shut", "press", "pressed", "turn", "turned", "rotate",
+     "rotated", "twist", "weigh", "weighs", "weighed", "scan", "scanned", "customer", "show", "return", "returned")
+)  # fmt: skip
 """Words of goals and sides that may stand only where something that is asked for is said so."""
 
-SIDE_WORDS = frozenset(("left", "right", "front", "back", "rear", "behind", "middle", "centre", "center"))
-_LEVELS = {"top": "top", "upper": "top", "bottom": "bottom", "lower": "bottom", "middle": "middle"}
 IN_ORDER = frozenset(("then", "afterwards", "afterward", "finally", "followed"))
 FIRST = frozenset(("first", "last", "lastly"))
 NOT = frozenset(("not", "don't", "never", "without", "except", "avoid", "leave", "no", "nothing", "but"))
@@ -49,9 +45,8 @@ VERB_TO_PART = 6
 FROM = frozenset(("from", "out", "off"))
 """Words before what something is taken from."""
 
-WITHIN = frozenset(("of", "the", "a", "inside", "within", *_LEVELS))
+WITHIN = frozenset(("of", "the", "a", "inside", "within", *WHICH_PART))
 """Words that may stand between such a word and the name, with those of a drawer."""
-
 
 LIES: Mapping[str, frozenset[str]] = {"inside": frozenset(("in", "inside", "within")), "on": frozenset(("on",))}
 """Words by which a name says where its object lies."""
@@ -59,4 +54,4 @@ LIES: Mapping[str, frozenset[str]] = {"inside": frozenset(("in", "inside", "with
 
 def levels(text: str) -> frozenset[str]:
     """The levels that words name: top, middle, bottom."""
-    return frozenset(_LEVELS[word] for word in text.split() if word in _LEVELS)
+    return frozenset(WHICH_PART[word] for word in text.split() if word in WHICH_PART)

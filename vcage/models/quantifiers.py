@@ -80,13 +80,19 @@ def quantified(instruction: str) -> list[Quantified]:
     return found
 
 
-def _quantified(words: list[str], at: int) -> Quantified:
-    end = at + 1
-    while end < len(words) and words[at] in _EVERY and (words[end] in _BEFORE_THE_NOUN or words[end].isdigit()):
-        end += 1
-    begun = end
+def _noun_after(words: list[str], at: int) -> tuple[int, int]:
+    """Begin and end of the words between a quantifier and what ends its noun, without articles and numbers."""
+    begun = at + 1
+    while begun < len(words) and words[at] in _EVERY and (words[begun] in _BEFORE_THE_NOUN or words[begun].isdigit()):
+        begun += 1
+    end = begun
     while end < len(words) and words[end].isalpha() and words[end] not in _ENDS_THE_NOUN:
         end += 1
+    return begun, end
+
+
+def _quantified(words: list[str], at: int) -> Quantified:
+    begun, end = _noun_after(words, at)
     said = words[begun:end] or _attribute(words, end)
     noun = tuple(lemma(word) for word in said if word not in COLOURS)
     if words[at] in _EVERYTHING and words[begun:end]:  # "everything blue", "everything on the desk"

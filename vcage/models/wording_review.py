@@ -17,7 +17,6 @@ from vcage.models.goal_words import (
     LIES,
     NOT,
     SAYS,
-    SIDE_WORDS,
     VERB_TO_PART,
     WITHIN,
     levels,
@@ -25,7 +24,7 @@ from vcage.models.goal_words import (
 from vcage.models.quantifiers import quantified
 from vcage.objects.mentions import names_in
 from vcage.objects.scene_names import Mention, words_of
-from vcage.schema.goals import OF_TWO, AskedGoal, Description, Goal, part_words
+from vcage.schema.goals import OF_TWO, AskedGoal, Description, Goal, in_steps, part_words
 from vcage.schema.plan import TABLE
 
 if TYPE_CHECKING:
@@ -59,6 +58,7 @@ class Review:
         yield from self._extra()
         yield from self._out_of_order()
         yield from self._other_range()
+        yield from self._unspared()
 
     def _unclear(self, mention: Mention) -> Iterator[str]:
         subjects = {asked.goal.subject for asked in self._task.goals}
@@ -75,7 +75,7 @@ class Review:
 
     def _unsaid(self, asked: AskedGoal) -> Iterator[str]:
         goal, says = asked.goal, SAYS[asked.goal.relation]
-        if not any(goal.subject in mention.ids for mention in self._mentions):
+        if not self._mentions_of(goal.subject):
             yield f"names no {self._task.phrases[goal.subject]}, of which {str(goal)!r} is asked"
         elif not any(says & {*span} for span in self._spans(goal)):
             yield f"does not say {str(goal)!r} in one of the words {listed(sorted(says))}"
@@ -83,8 +83,14 @@ class Review:
             yield f"does not say that the {goal.reference} arm has it then"
         if goal.part is not None and not self._says_part(goal, part_words(goal.part)):
             yield f"does not say which part: the {part_words(goal.part)}"
-        if asked.arm is not None and not (asked.arm in self._loose and {"arm", "hand", "gripper"} & self._loose):
+        if asked.arm is not None and not self._says_arm(asked.arm):
             yield f"does not say that the {asked.arm} arm does it"
+
+    def _mentions_of(self, name: str) -> list[Mention]:
+        return [mention for mention in self._mentions if name in mention.ids]
+
+    def _says_arm(self, arm: str) -> bool:
+        return arm in self._loose and not self._loose.isdisjoint(("arm", "hand", "gripper"))
 
     def _unsourced(self) -> Iterator[str]:
         for told in self._task.sources.values():
@@ -134,16 +140,24 @@ class Review:
         follows, the last one before counts. A goal without a place is said from its verb on.
         """
         if goal.reference != TABLE and goal.reference not in self._task.things:
-            verbs = [n for n, word in enumerate(self._said) if word in SAYS[goal.relation] and n not in self._taken]
-            yield from (self._said[n : n + VERB_TO_PART] for n in verbs)
+            yield from (self._said[n : n + VERB_TO_PART] for n in self._verbs(goal))
             return
-        for mention in self._mentions:
-            if goal.subject in mention.ids:
-                after = [place for place in self._places if place[0] >= mention.end and place[1] != mention.ids]
-                before = [place for place in self._places if place[0] < mention.start]
-                end, ids = after[0] if after else (len(self._said), before[-1][1] if before else frozenset())
-                if ids == {goal.reference}:
-                    yield self._said[mention.end : end]
+        for mention in self._mentions_of(goal.subject):
+            end, ids = self._next_place(mention)
+            if ids == {goal.reference}:
+                yield self._said[mention.end : end]
+
+    def _verbs(self, goal: Goal) -> list[int]:
+        """Places of the words that say a goal and are no part of a name."""
+        return [n for n, word in enumerate(self._said) if word in SAYS[goal.relation] and n not in self._taken]
+
+    def _next_place(self, mention: Mention) -> tuple[int, frozenset[str]]:
+        """Where the place after a mention begins, and its ids; of the last one before where none follows."""
+        after = [place for place in self._places if place[0] >= mention.end and place[1] != mention.ids]
+        if after:
+            return after[0]
+        before = [ids for start, ids in self._places if start < mention.start]
+        return len(self._said), before[-1] if before else frozenset()
 
     @cached_property
     def _references(self) -> set[str]:
@@ -161,18 +175,22 @@ class Review:
     # --- what is not asked for -------------------------------------------------------------------------
 
     def _extra(self) -> Iterator[str]:
+        yield from self._loose_words()
+        if NOT & self._loose and not self._task.untouched:
+            yield "nothing is to be left alone"
+        if {"arm", "arms", "gripper"} & self._loose and not self._armed():
+            yield "no arm is asked for"
+
+    def _loose_words(self) -> Iterator[str]:
+        """Complaints about words outside names that no goal or description allows."""
         allowed = self._allowed()
         for word in sorted(self._loose):
-            if word in ASKS_MORE | SIDE_WORDS and word not in allowed:
+            if word in ASKS_MORE and word not in allowed:
                 yield f"{word!r} is not asked for"
             elif word in COLOURS or (word in NUMBERS and word not in ("a", "an")):
                 yield f"{word!r} says nothing of an object that is named"
         for level in levels(" ".join(self._loose)) - levels(" ".join(allowed)) - {"middle"}:
             yield f"{level!r} is not asked for"
-        if NOT & self._loose and not self._task.untouched:
-            yield "nothing is to be left alone"
-        if {"arm", "arms", "gripper"} & self._loose and not self._armed():
-            yield "no arm is asked for"
 
     def _armed(self) -> set[str]:
         """The arms that the task speaks of."""
@@ -193,20 +211,18 @@ class Review:
     # --- order and range -------------------------------------------------------------------------------
 
     def _out_of_order(self) -> Iterator[str]:
-        steps = sorted({asked.step for asked in self._task.goals})
+        steps = in_steps(self._task.goals)
         ordered = IN_ORDER & self._loose
         if len(steps) == 1 and (ordered or FIRST & self._loose):
             yield "asks for an order, but the goals may come in any"
-        elif len(steps) > 1:
-            places = [[self._place(asked.goal) for asked in self._task.goals if asked.step == step] for step in steps]
-            if not ordered or any(max(a) > min(b) for a, b in pairwise(places)):
-                yield f"does not say the {len(steps)} steps in their order, with 'then'"
+        places = [[self._place(goal) for goal in step] for step in steps]
+        if len(steps) > 1 and not (ordered and all(max(a) <= min(b) for a, b in pairwise(places))):
+            yield f"does not say the {len(steps)} steps in their order, with 'then'"
 
     def _place(self, goal: Goal) -> int:
         """Place of the word by which the sentence asks for a goal."""
-        own = [m.start for m in self._mentions if goal.subject in m.ids]
-        said = [n for n, word in enumerate(self._said) if word in SAYS[goal.relation] and n not in self._taken]
-        return min(own if goal.relation in OF_TWO else said, default=0)
+        own = [mention.start for mention in self._mentions_of(goal.subject)]
+        return min(own if goal.relation in OF_TWO else self._verbs(goal), default=0)
 
     def _other_range(self) -> Iterator[str]:
         ranging, subjects = self._task.ranges_over(self._sentence), {a.goal.subject for a in self._task.goals}
@@ -216,6 +232,8 @@ class Review:
                 yield f"the instruction speaks of all of {listed(sorted(self._task.quantified))}, the sentence does not"
         elif not nouns or not ranging <= subjects:
             yield "speaks of all of something, the instruction does not"
+
+    def _unspared(self) -> Iterator[str]:
         missing = {*self._task.untouched} - {name for mention in self._mentions for name in mention.ids}
         if missing or (self._task.untouched and not NOT & self._loose):
             yield f"does not say that {listed(sorted(missing or self._task.untouched))} is to be left alone"
