@@ -104,6 +104,8 @@ def test_an_exception_after_the_place_may_be_one_of_the_places() -> None:
         ("Put the red block in the center of the table", "none that a goal can name"),
         ("Put the red block between the plate and the blue block", "between"),
         ("Use both arms to put the red block on the plate", "both arms"),
+        ("Put the red block on the plate with the other arm", "say which arm"),
+        ("Put the other one on the plate", "nothing that is there is called so"),
         ("Put the red block on the plate, no, sorry, the blue one", "correction"),
         ("Where is the red block?", "no plain statement"),
         ("Put the red block on the plate and leave the red block alone", "'leave'"),
