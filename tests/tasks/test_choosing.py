@@ -9,7 +9,7 @@ import numpy as np
 from tests.scenes import GROUND, block_and_plate, kinematics, sensible, subtask, thing
 from vcage.schema.goals import goal_of
 from vcage.schema.subtasks import Grasp, Preference, SlotAnswer, SlotQuestion, Statement, Subtask
-from vcage.tasks.choosing import as_chosen, filled, preferred_first, slot_questions, watched
+from vcage.tasks.choosing import as_chosen, filled, preferred_first, slot_questions, with_open_parts
 from vcage.tasks.rehearsal import examined
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import action_of, find_subtasks, initial_state
@@ -152,6 +152,6 @@ def test_what_else_hangs_open_of_the_handled_thing_is_checked_too():
     shut = [goal_of([cabinet.id, "closed", None, "drawer_top"])]
     step = subtask(cabinet.id, template="close", goals=shut)
     (question,) = asked([step], {}, [cabinet])
-    told = watched(step, question, SlotAnswer(subtask=step.id))
+    told = with_open_parts(step, question, SlotAnswer(subtask=step.id))
     assert [str(s) for s in told.statements] == [f"{cabinet.id}/drawer_bottom open"]
-    assert watched(step, question, told) == told
+    assert with_open_parts(step, question, told) == told

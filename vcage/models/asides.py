@@ -48,7 +48,7 @@ _TO = re.compile(r"(?:in|into|on|onto|inside|to|next to|behind|beside|near)(?: (
 
 
 @dataclass(frozen=True)
-class Asked:
+class AskedPart:
     """An instruction without its asides, whose words give way to commas.
 
     Args:
@@ -66,7 +66,7 @@ class Asked:
     kept: tuple[tuple[Noun, Noun | None], ...] = ()
 
 
-def asked_part(instruction: str, entries: Collection[CatalogueEntry]) -> Asked:
+def asked_part(instruction: str, entries: Collection[CatalogueEntry]) -> AskedPart:
     """Leave out the asides of an instruction; where it takes something back, all that stands before that.
 
     Args:
@@ -76,7 +76,7 @@ def asked_part(instruction: str, entries: Collection[CatalogueEntry]) -> Asked:
     words = marked_tokens(instruction.replace("’", "'"))
     whole = " ".join(words)
     if _UNLESS.search(whole):
-        return Asked(whole, "", whole)
+        return AskedPart(whole, "", whole)
     said = nouns(whole, entries)
     out, places = set[int](), _alternatives(words, said)
     for found in _TAKEN_BACK.finditer(whole):
@@ -92,7 +92,7 @@ def asked_part(instruction: str, entries: Collection[CatalogueEntry]) -> Asked:
             kept += [(noun, place) for noun in named]
         else:
             excluded += named
-    return Asked(whole, _without(words, out | places), _without(words, out), tuple(excluded), tuple(kept))
+    return AskedPart(whole, _without(words, out | places), _without(words, out), tuple(excluded), tuple(kept))
 
 
 def _asides(whole: str, words: list[str], said: list[Noun]) -> Iterator[tuple[re.Match[str], int, int, list[Noun]]]:

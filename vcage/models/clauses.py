@@ -14,10 +14,10 @@ from vcage.objects.mentions import Noun
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import AskedGoal, Goal, Reading
 
-_LEANING = frozenset(
+_REFERS_BACK = frozenset(
     ("there", "too", "also", "same", "likewise", "together", "respectively", "each", "other", "others", "rest")
 )
-"""Words by which a clause leans on another one, so that the nearest place is not its own."""
+"""Words by which a clause refers to another one, so that the nearest place may not be its own."""
 _VERBS = {
     "open": r"open(?:ed|ing)?|pull\w*",
     "closed": r"(?:clos|shut)\w*|push\w*",
@@ -105,9 +105,9 @@ class Clauses:
         ]
 
     def _clear(self) -> bool:
-        """Check if each noun means a subject or a reference, and no clause leans on another."""
+        """Check if each noun means a subject or a reference, and no clause refers to another."""
         one_way = len(self._of("subject")) + len(self._of("reference")) == len(self._meant)
-        return one_way and not self._vague and _LEANING.isdisjoint(self._words)
+        return one_way and not self._vague and _REFERS_BACK.isdisjoint(self._words)
 
     def _sentences(self) -> Iterable[Span]:
         ends = [at for at, word in enumerate(self._words) if word in ".;!"]

@@ -6,7 +6,7 @@ import re
 from collections.abc import Collection, Mapping, Sequence
 
 from vcage.base.words import COUNTED, HIGHEST, LOWEST, WHICH_PART
-from vcage.models.asides import Asked
+from vcage.models.asides import AskedPart
 from vcage.objects.mentions import Noun
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import AskedGoal, Description, Goal, Reading
@@ -189,7 +189,7 @@ def wrong_arms(text: str, goals: Sequence[AskedGoal]) -> list[str]:
     return found + [f"a goal names the {arm} arm, but the instruction does not" for arm in sorted(used - allowed)]
 
 
-def wrong_drawers(task: Asked, things: Mapping[str, CatalogueEntry], reading: Reading) -> list[str]:
+def wrong_drawers(task: AskedPart, things: Mapping[str, CatalogueEntry], reading: Reading) -> list[str]:
     """Complaints about drawers that an instruction names and the reading does not, or the reverse."""
     owners = [one.reference or one.subject for one in reading.stated if one.part]
     there = [part for name in owners if name in things for part in things[name].moving_parts]

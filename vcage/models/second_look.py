@@ -24,7 +24,7 @@ from vcage.base.words import (
     same_word,
     tokens,
 )
-from vcage.models.asides import Asked, asked_part
+from vcage.models.asides import AskedPart, asked_part
 from vcage.models.clauses import Clauses
 from vcage.models.directions import plain_sides, wrong_arms, wrong_drawers, wrong_sides
 from vcage.models.plain_english import in_english
@@ -251,7 +251,9 @@ def _number(words: Sequence[str], noun: Noun) -> int:
     return noun.number or (2 if pair else 0)
 
 
-def _excluded(task: Asked, named: Sequence[Noun], things: Mapping[str, CatalogueEntry], reading: Reading) -> list[str]:
+def _excluded(
+    task: AskedPart, named: Sequence[Noun], things: Mapping[str, CatalogueEntry], reading: Reading
+) -> list[str]:
     """Objects of goals that the instruction names only to leave them out, or not to move them."""
     goals = [asked.goal for asked in reading.goals]
     out = [(noun, reading.in_goals) for noun in task.excluded if not _is_named(noun, named)]

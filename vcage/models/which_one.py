@@ -1,4 +1,4 @@
-"""The objects that a noun may mean, and whether anything tells which of them it does."""
+"""The objects that a noun may mean, and whether the instruction says which."""
 
 from __future__ import annotations
 
@@ -13,24 +13,30 @@ from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import Description, Reading
 from vcage.schema.plan import TABLE
 
-_ASIDE = ("left", "right", "leftmost", "rightmost", "between", "middle", "row")
-_AWAY = ("front", "back", "behind", "rear", "near", "nearer", "nearest", "far", "farther", "farthest", "furthest",
-         "closer", "closest", "between", "middle")  # fmt: skip
-_BY = ("beside", "next", "near", "nearby", "by", "close", "closest", "alongside", "adjacent", "with", "at", "against")
-_TELLING: Mapping[str, frozenset[str]] = {
-    **dict.fromkeys(("left_of", "right_of"), frozenset(_ASIDE)),
-    **dict.fromkeys(("in_front_of", "behind"), frozenset(_AWAY)),
-    **dict.fromkeys(("beside", "near"), frozenset(_BY)),
-    "center": frozenset(("middle", "center", "centre", "central")),
-    "inside": frozenset(("in", "inside", "into", "out", "from", "within", "of", "contains", "holding")),
-    "on": frozenset(("on", "off", "from", "top", "upon", "onto")),
+_LEFT_RIGHT = "left right leftmost rightmost between middle row"
+_FRONT_BACK = "front back behind rear near nearer nearest far farther farthest furthest closer closest between middle"
+_NEXT_TO = "beside next near nearby by close closest alongside adjacent with at against"
+_WORDS_FOR: Mapping[str, frozenset[str]] = {
+    relation: frozenset(words.split())
+    for relation, words in {
+        "left_of": _LEFT_RIGHT,
+        "right_of": _LEFT_RIGHT,
+        "in_front_of": _FRONT_BACK,
+        "behind": _FRONT_BACK,
+        "beside": _NEXT_TO,
+        "near": _NEXT_TO,
+        "center": "middle center centre central",
+        "inside": "in inside into out from within of contains holding",
+        "on": "on off from top upon onto",
+    }.items()
 }
-"""Relations of descriptions → words of which one says so."""
-_BEFORE_ONE = frozenset(("the", "my", "your", "our", ",", ".", ":", *HANDLING))
+"""Relations of descriptions → words for them."""
+_BEFORE_BARE_NOUN = frozenset(("the", "my", "your", "our", ",", ".", ":", *HANDLING))
+"""Words after which a noun stands alone, with nothing that distinguishes it."""
 _MODIFIERS = frozenset(
     ("of", "with", "that", "that's", "which", "which's", "whose", "you", "i", "we", "labelled", "marked", "called")
 )
-"""Words after a noun by which it may be told from its likes."""
+"""Words after a noun that may distinguish it from others."""
 
 
 def meant(noun: Noun, things: Mapping[str, CatalogueEntry], names: Iterable[str | None]) -> list[str]:
@@ -73,7 +79,7 @@ def _is_bare(noun: Noun, words: Sequence[str]) -> bool:
         not noun.is_several
         and noun.number is None
         and " ".join(noun.name) == noun.words
-        and (not noun.at or words[noun.at - 1] in _BEFORE_ONE)
+        and (not noun.at or words[noun.at - 1] in _BEFORE_BARE_NOUN)
         and (*words, "")[noun.end] not in _MODIFIERS
     )
 
@@ -83,7 +89,7 @@ def _tells(
 ) -> bool:
     """Check if a description tells one of some objects from the others by words that say so."""
     about = {told.subject, told.reference} & {*alike}
-    if not about or _TELLING[told.relation].isdisjoint(tokens(told.words)):
+    if not about or _WORDS_FOR[told.relation].isdisjoint(tokens(told.words)):
         return False
     others = {told.subject, told.reference} - about - {TABLE}
     return all(any(noun.name and noun.may_mean(things[name]) for noun in said) for name in others)

@@ -21,7 +21,7 @@ _NAMED = re.compile(r"-(before|after|moment|start)-(\w+)\.png$")
 """How collect names what a verdict looked at: when, and by which camera."""
 
 
-def shown(pictures: Sequence[Path], scene: Scene) -> Seen:
+def by_moment(pictures: Sequence[Path], scene: Scene) -> Seen:
     """Pictures by the moment that their names say that they show, and by camera.
 
     Raises:
@@ -41,7 +41,7 @@ def shown(pictures: Sequence[Path], scene: Scene) -> Seen:
     return found
 
 
-def beside(picture: Path) -> list[Path]:
+def of_same_attempt(picture: Path) -> list[Path]:
     """All kept pictures of the same attempt; none where the name is not one of collect's."""
     named = _NAMED.search(picture.name)
     return sorted(picture.parent.glob(f"{picture.name[: named.start()]}-*.png")) if named else []
@@ -55,7 +55,7 @@ def scene_of(picture: Path, run: RunFolder) -> Scene:
     return next((e.scene(scene) for e in Episodes.read(run.episodes).episodes if e.index == int(named[1])), scene)
 
 
-def empty_beside(picture: Path, scene: Scene) -> np.ndarray | None:
+def empty_table_of(picture: Path, scene: Scene) -> np.ndarray | None:
     """The empty table in the light of a kept picture's episode; None where it is not kept."""
     episode = re.match(r"e(\d+)-", picture.name)
     empty = picture.parent.parent / background_name(int(episode[1])) if episode else picture

@@ -22,7 +22,7 @@ def all_names(objects: Sequence[SceneObject]) -> str:
     return f"what there is: {', '.join([*(o.id for o in objects), *parts])}"
 
 
-def stranger(goal: Goal, objects: Mapping[str, SceneObject], arms: Collection[str]) -> str | None:
+def unknown_name(goal: Goal, objects: Mapping[str, SceneObject], arms: Collection[str]) -> str | None:
     """The first thing or part that a goal names and the scene does not have; None where it has all."""
     if goal.subject not in objects:
         return goal.subject

@@ -23,7 +23,7 @@ from vcage.sim.robots import load_robot, load_template
 from vcage.sim.world import World
 from vcage.stages.context import StageContext
 from vcage.stages.edits import refuse, require_same, written_record
-from vcage.stages.known_names import all_names, near_names, stranger
+from vcage.stages.known_names import all_names, near_names, unknown_name
 from vcage.stages.stability import MAX_DRIFT, MAX_TILT, moved_objects, settle_checks
 from vcage.tasks.described import untrue
 from vcage.tasks.scene_objects import SceneObject
@@ -160,7 +160,7 @@ def _require_goals(path: Path, scene: Scene, objects: Sequence[SceneObject]) -> 
     by_id, arms = {o.id: o for o in objects}, load_robot(scene.robot).arms
     for number, asked in enumerate(scene.goals):
         goal, field = asked.goal, f"goals.{number}"
-        if unknown := stranger(goal, by_id, arms):
+        if unknown := unknown_name(goal, by_id, arms):
             refuse(path, f"{field}.goal", f"there is no {unknown}", all_names(objects))
         if goal.subject == goal.reference or goal.subject in scene.untouched:
             refuse(path, f"{field}.goal.subject", repr(goal.subject), "not its own reference, nor what is left alone")

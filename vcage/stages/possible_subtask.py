@@ -12,7 +12,7 @@ from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask
 from vcage.sim.robots import load_robot
 from vcage.stages.edits import refuse
-from vcage.stages.known_names import all_names, near_names, stranger
+from vcage.stages.known_names import all_names, near_names, unknown_name
 from vcage.tasks.asked_arms import arm_for, asked_arms
 from vcage.tasks.choosing import moved_by
 from vcage.tasks.pushing import HEADINGS
@@ -42,7 +42,7 @@ def require_possible(path: Path, field: str, subtask: Subtask, scene: Scene, obj
         if number not in points:
             refuse(path, f"{field}.{name}", str(number), f"one of {list(points)}")
     for name, goal in _goals(subtask):
-        if unknown := stranger(goal, by_id, arms):
+        if unknown := unknown_name(goal, by_id, arms):
             refuse(path, f"{field}.{name}", f"there is no {unknown}", all_names(objects))
     _require_arm(path, field, subtask, scene)
     _require_choices(path, field, subtask, by_id)
@@ -101,7 +101,7 @@ def _require_choices(path: Path, field: str, subtask: Subtask, objects: dict[str
         refuse(path, f"{field}.prefers", f"{prefers.contact} {prefers.arm}", f"one of its grasps: {', '.join(grasps)}")
     for number, statement in enumerate(subtask.statements):
         goal, where = statement.goal, f"{field}.statements.{number}"
-        unknown = stranger(goal or Goal(subject=statement.subject, relation="back"), objects, ())
+        unknown = unknown_name(goal or Goal(subject=statement.subject, relation="back"), objects, ())
         if unknown:
             refuse(path, where, f"there is no {unknown}", all_names([*objects.values()]))
         if goal is None and statement.subject in moved_by(subtask):

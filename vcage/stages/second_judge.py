@@ -16,7 +16,7 @@ from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask, Subtasks
 from vcage.stages.context import StageContext
 from vcage.stages.episode_store import background_name
-from vcage.stages.kept_pictures import shown
+from vcage.stages.kept_pictures import by_moment
 from vcage.stages.question import Asking, verdict
 from vcage.stages.worlds import other_phrases, reworded
 from vcage.tasks.setting import Seen
@@ -63,24 +63,24 @@ class SecondJudge:
         phrases = other_phrases(self._scene, self._episodes[step.episode].objects)
         return reworded(self._subtasks[step.subtask], phrases)
 
-    def sees(self, step: JudgedStep) -> bool:
+    def has_pictures(self, step: JudgedStep) -> bool:
         """Check if all pictures that were looked at are kept."""
         pictures = (*step.pictures, background_name(step.episode))
         return bool(step.pictures) and all(self._picture(name).is_file() for name in pictures)
 
-    def seen(self, step: JudgedStep) -> Seen:
+    def pictures(self, step: JudgedStep) -> Seen:
         """The pictures that were looked at."""
-        return shown([self._picture(name) for name in step.pictures], self._scene)
+        return by_moment([self._picture(name) for name in step.pictures], self._scene)
 
     def _picture(self, name: str) -> Path:
         """A picture by its path from the folder of the episodes."""
         return self._run.file(name, self._run.episodes.parent.name)
 
-    def from_verify(self, step: JudgedStep) -> list[str]:
+    def picture_paths(self, step: JudgedStep) -> list[str]:
         """Paths of a step's pictures, relative to the folder of the verdicts."""
         return [f"../{self._run.episodes.parent.name}/{name}" for name in step.pictures]
 
-    def all_again(self, steps: Iterable[JudgedStep], progress: Progress) -> dict[tuple[str, ...], Verdict]:
+    def judge_all(self, steps: Iterable[JudgedStep], progress: Progress) -> dict[tuple[str, ...], Verdict]:
         """A verdict on each step, by its pictures; one that comes twice is judged once.
 
         Raises:
@@ -91,19 +91,19 @@ class SecondJudge:
         for number, (pictures, step) in enumerate(by_pictures.items()):
             progress(f"episode {step.episode}", number, len(by_pictures))
             try:
-                said[pictures] = self.again(step)
+                said[pictures] = self.judge(step)
             except AnswerNeeded as error:
                 asked += error.details["asked"]
         if asked:
             raise AnswerNeeded.all_of(asked)
         return said
 
-    def again(self, step: JudgedStep) -> Verdict:
+    def judge(self, step: JudgedStep) -> Verdict:
         """A verdict on a step, or the earlier one where that stands."""
         empty = read_picture(self._picture(background_name(step.episode)))
-        asking = Asking.of(self.subtask(step), self.seen(step), empty)
+        asking = Asking.of(self.subtask(step), self.pictures(step), empty)
         known = self._take_over and step.earlier.question == asking.hash
         self.taken_over += known
         scene = self._episodes[step.episode].scene(self._scene)
         said = step.earlier if known else verdict(self._context, scene, asking)
-        return said.model_copy(update={"pictures": self.from_verify(step)})
+        return said.model_copy(update={"pictures": self.picture_paths(step)})

@@ -11,7 +11,7 @@ from vcage.base.errors import InfeasibleScene, NoFeasibleTask
 from vcage.models.protocols import Reasoner
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import SlotAnswer, SlotQuestion, Subtask
-from vcage.tasks.choosing import checked, filled, slot_questions, watched
+from vcage.tasks.choosing import checked, filled, slot_questions, with_open_parts
 from vcage.tasks.readiness import ready_for
 from vcage.tasks.rehearsal import proven
 from vcage.tasks.scene_objects import SceneObject
@@ -56,7 +56,10 @@ def with_chosen_slots(
     )
     found = []
     for chain, questions in zip(chains, asked, strict=True):
-        told = [watched(subtask, question, next(answers)) for subtask, question in zip(chain, questions, strict=True)]
+        told = [
+            with_open_parts(subtask, question, next(answers))
+            for subtask, question in zip(chain, questions, strict=True)
+        ]
         if scene.goals:
             found.append(_proven(chain, told, kept, scene, objects, rng))
         else:  # what is alone has been proven by the search

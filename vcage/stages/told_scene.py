@@ -153,7 +153,7 @@ def _second_look(
     lying = {o.id: o.starts_in for o in objects if o.starts_in is not None}
 
     def third(*read: Any) -> Reading:
-        """The reading without a model; nothing can be told of what is left alone, and of starts more than is said."""
+        """Read without a model: told goals leave nothing alone, and may tell more starts than the instruction."""
         found = third_reader()(*read)
         return found.model_copy(update={"untouched": [], "descriptions": [*found.descriptions, *reading.descriptions]})
 

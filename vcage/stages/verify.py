@@ -22,7 +22,7 @@ from vcage.stages.context import StageContext
 from vcage.stages.differences import draw_difference
 from vcage.stages.edits import by_hand, require_evidence, require_only, written_record
 from vcage.stages.episode_store import confusion, log_path, read_log
-from vcage.stages.kept_pictures import beside, empty_beside, scene_of, shown, top_view
+from vcage.stages.kept_pictures import by_moment, empty_table_of, of_same_attempt, scene_of, top_view
 from vcage.stages.question import TOP, Asking, verdict
 from vcage.stages.second_judge import JudgedStep, SecondJudge
 from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
@@ -150,7 +150,7 @@ def _judged(
     steps = [JudgedStep(e.index, *step) for e in accepted for step in judged_steps(run, e)]
     tried = _tried(run, None if refused else steps)
     kept = _kept(tried, judge)
-    said = judge.all_again([*steps, *(step for _, step in kept)], progress)
+    said = judge.judge_all([*steps, *(step for _, step in kept)], progress)
     return Verdicts(
         provenance=provenance,
         accept=collected.accept,
@@ -174,7 +174,7 @@ def _tried(run: RunFolder, verified: Iterable[JudgedStep] | None) -> list[_Tried
 
 def _kept(tried: Sequence[_Tried], judge: SecondJudge) -> list[_Tried]:
     """The attempts of which pictures and truth are kept, so that they count."""
-    kept = [(attempt, step) for attempt, step in tried if attempt.truth and judge.sees(step)]
+    kept = [(attempt, step) for attempt, step in tried if attempt.truth and judge.has_pictures(step)]
     if tried and not kept:
         logger.warning(
             "verify: of none of %d judged attempts are pictures and truth kept: nothing to count", len(tried)
@@ -203,12 +203,12 @@ def _differences(
             attempt=attempt.attempt,
             subtask=attempt.subtask,
             text=judge.subtask(step).text,
-            earlier_verdict=step.earlier.model_copy(update={"pictures": judge.from_verify(step)}),
+            earlier_verdict=step.earlier.model_copy(update={"pictures": judge.picture_paths(step)}),
             verdict=verdict,
             truth=attempt.truth,  # pyrefly: ignore
             picture=f"differences/e{attempt.episode:06d}-s{attempt.step}-a{attempt.attempt}.png",
         )
-        write_picture(folder / found.picture, draw_difference(found, judge.seen(step)))
+        write_picture(folder / found.picture, draw_difference(found, judge.pictures(step)))
         yield found
 
 
@@ -231,10 +231,10 @@ def judge_pair(run: RunFolder, context: StageContext, subtask_id: str, before: P
         raise UnknownName("sub-task", subtask_id, kept)
     scene = scene_of(before, run)
     subtask = reworded(kept[subtask_id], other_phrases(Scene.read(run.layout), scene.objects))
-    seen = dict(shown(beside(after), scene))
+    seen = dict(by_moment(of_same_attempt(after), scene))
     seen |= {
         when: {**seen.get(when, {}), TOP: top_view(p, scene)} for when, p in (("before", before), ("after", after))
     }
-    said = verdict(context, scene, Asking.of(subtask, seen, empty_beside(before, scene)))
+    said = verdict(context, scene, Asking.of(subtask, seen, empty_table_of(before, scene)))
     pictures = [str(before), str(after)]
     return SingleVerdict(text=subtask.text, verdict=said.model_copy(update={"pictures": pictures}))

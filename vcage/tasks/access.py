@@ -40,7 +40,7 @@ def open_to_a_hand(thing: SceneObject, part: str) -> list[Goal]:
 
 
 def shut_above(thing: SceneObject, part: str) -> list[Goal]:
-    """Goals that no drawer above a part hangs out over it."""
+    """Goals that the drawers above a part are closed, so that none stands out over it."""
     asset = thing.asset
     height = asset.bounds_of(part)[0, 2]
     above = [

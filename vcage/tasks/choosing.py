@@ -91,9 +91,8 @@ def checked(chain: Sequence[Subtask], answers: Sequence[SlotAnswer]) -> list[Sub
     return [s.model_copy(update={"statements": a.statements}) for s, a in zip(chain, answers, strict=True)]
 
 
-def watched(subtask: Subtask, question: SlotQuestion, answer: SlotAnswer) -> SlotAnswer:
-    """An answer that also wants checked which other parts of the things that the sub-task handles stay open: what they
-    look like depends on it.
+def with_open_parts(subtask: Subtask, question: SlotQuestion, answer: SlotAnswer) -> SlotAnswer:
+    """An answer with the statements that other open parts of the handled things stay open: their look depends on it.
 
     Args:
         subtask: that is asked about.
@@ -101,8 +100,8 @@ def watched(subtask: Subtask, question: SlotQuestion, answer: SlotAnswer) -> Slo
         answer: of the reasoner.
     """
     things = {subtask.object, subtask.receptacle, subtask.grasped}
-    hanging = [s for s in question.statements if s.word == "open" and s.subject in things]
-    return answer.model_copy(update={"statements": list(dict.fromkeys([*answer.statements, *hanging]))})
+    stay_open = [s for s in question.statements if s.word == "open" and s.subject in things]
+    return answer.model_copy(update={"statements": list(dict.fromkeys([*answer.statements, *stay_open]))})
 
 
 def as_chosen(found: Subtask, subtask: Subtask) -> Subtask:

@@ -122,16 +122,16 @@ def _bears(below: SceneObject, thing: SceneObject) -> bool:
 
 def _complaint(goal: Goal, objects: Mapping[str, SceneObject], watch: Watch | None) -> str | None:
     """Why a goal does not hold, or None when it does."""
-    look = _Look.on_table if goal.reference == TABLE else _LOOKS.get(goal.relation, _Look.beside)
-    return look(_Look(goal, objects, watch))
+    check = _GoalCheck.on_table if goal.reference == TABLE else _CHECKS.get(goal.relation, _GoalCheck.beside)
+    return check(_GoalCheck(goal, objects, watch))
 
 
 @dataclass(frozen=True)
-class _Look:
-    """A look at a state for one goal; each method tells why a goal of its kind does not hold, or None when it does.
+class _GoalCheck:
+    """Check of one goal: each method says why a goal of its kind does not hold, or None when it does.
 
     Args:
-        goal: that is looked for.
+        goal: to check.
         objects: by id, as they are now.
         seen: while it was done, None where nothing watched.
     """
@@ -215,20 +215,20 @@ class _Look:
         return None if there else f"{self.thing.id} is not {self.goal.relation} {self.reference.id}"
 
 
-_LOOKS: Mapping[GoalWord, Callable[[_Look], str | None]] = {
-    "inside": _Look.held,
-    "on": _Look.held,
-    "open": _Look.joint,
-    "closed": _Look.joint,
-    "turned": _Look.joint,
-    "pressed": _Look.pressed,
-    "weighed": _Look.lasted,
-    "scanned": _Look.lasted,
-    "handed": _Look.lasted,
-    "back": _Look.back,
-    "presented": _Look.presented,
+_CHECKS: Mapping[GoalWord, Callable[[_GoalCheck], str | None]] = {
+    "inside": _GoalCheck.held,
+    "on": _GoalCheck.held,
+    "open": _GoalCheck.joint,
+    "closed": _GoalCheck.joint,
+    "turned": _GoalCheck.joint,
+    "pressed": _GoalCheck.pressed,
+    "weighed": _GoalCheck.lasted,
+    "scanned": _GoalCheck.lasted,
+    "handed": _GoalCheck.lasted,
+    "back": _GoalCheck.back,
+    "presented": _GoalCheck.presented,
 }
-"""How to look for each goal; for all others, which say on which side of a thing: :meth:`_Look.beside`."""
+"""The check for each goal word; the sides of a thing have one check: :meth:`_GoalCheck.beside`."""
 
 
 def resting_point(subject: SceneObject, receptacle: SceneObject) -> FunctionalPoint | None:

@@ -141,7 +141,7 @@ class Pair(Proposal):
         return here == (self.thing.id, self.receptacle.id, self.point.id) and {*subtask.goals} == {*self.goals}
 
     def impossible(self) -> Refusal | None:
-        """A place that is not open to above, or too small, or in a drawer above or below the object's own."""
+        """Refuse a place that is closed above or too small, or in a drawer above or below the object's own."""
         own = self.thing.record.container_part
         if own is not None and self.thing.record.container == self.receptacle.id:
             needs = {*self._requires(), *open_to_a_hand(self.receptacle, own)}
