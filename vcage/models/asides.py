@@ -80,7 +80,7 @@ def asked_part(instruction: str, entries: Collection[CatalogueEntry]) -> AskedPa
     said = nouns(whole, entries)
     out, places = set[int](), _alternatives(words, said)
     for found in _TAKEN_BACK.finditer(whole):
-        places |= {*range(whole[: found.end()].count(" ") + 1)}
+        places |= {*range(whole.count(" ", 0, found.end()) + 1)}
     excluded, kept = list[Noun](), list[tuple[Noun, Noun | None]]()
     for found, begin, last, named in _asides(whole, words, said):
         out |= {*range(begin, last)}
@@ -99,7 +99,7 @@ def _asides(whole: str, words: list[str], said: list[Noun]) -> Iterator[tuple[re
     """The beginning of each aside, the places of its first word and of that after its last, and its nouns."""
     last = 0
     for found in _ASIDE.finditer(whole):
-        begin, end = (whole[:place].count(" ") for place in found.span())
+        begin, end = (whole.count(" ", 0, place) for place in found.span())
         if begin < last:
             continue
         named = list(_named(words, end + 1, said, found))

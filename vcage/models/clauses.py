@@ -133,19 +133,20 @@ class Clauses:
         if goal.relation in _VERBS:
             verbs = [at for at, word in enumerate(self._words) if re.fullmatch(_VERBS[goal.relation], word)]
             alone = [asked.goal.subject for asked in self._goals].count(goal.subject) == 1
-            named += verbs if len(verbs) == 1 else [] if alone and not verbs else [None]
+            if len(verbs) > 1 or not (verbs or alone):
+                return None
+            named += verbs
         return None if None in named else max((at for at in named if at is not None), default=None)
 
     def _first(self, name: str, part: str | None) -> int | None:
         """Place where an object is named first, or else the part of it."""
-        kind, _, which = (part or "").partition("_")
-        parts = [at for at, word in enumerate(self._words) if kind and PART_WORDS.get(lemma(word)) == kind]
-        if which and part in self._things[name].moving_parts:
-            parts = [
-                at for at, height in heights(self._text, self._things[name].moving_parts).items() if height == which
-            ]
-        named = [at for at, names in self._meant.items() if name in names]
-        return min(named or (parts if part in self._things[name].moving_parts else []), default=None)
+        named, parts = [at for at, names in self._meant.items() if name in names], self._things[name].moving_parts
+        if not named and part is not None and part in parts:
+            kind, _, which = part.partition("_")
+            said = {at: PART_WORDS.get(lemma(word)) for at, word in enumerate(self._words)}
+            found = heights(self._text, parts) if which else said
+            named = [at for at, word in found.items() if word == (which or kind)]
+        return min(named, default=None)
 
 
 def _precedes(goal: Goal, other: Goal, at: Mapping[Goal, int], spans: Sequence[tuple[Span, Span]]) -> bool:
@@ -183,7 +184,7 @@ def ordered(words: Sequence[str]) -> Iterator[tuple[Span, Span]]:
     text = " ".join(words)
     for pattern, turned in ((_THEN, False), (_FIRST, True), (_BEFORE, True), (_AFTER, False)):
         for found in pattern.finditer(text):
-            at = text[: found.start()].count(" ")
+            at = text.count(" ", 0, found.start())
             if pattern in (_THEN, _FIRST):
                 spans = (0, at), (at, len(words))
             elif (split := _subordinate(words, at)) is None:

@@ -85,7 +85,7 @@ def heights(text: str, parts: Collection[str]) -> dict[int, str]:
 
 
 def _at(text: str, found: re.Match[str]) -> int:
-    return text[: found.start()].count(" ")
+    return text.count(" ", 0, found.start())
 
 
 def wrong_sides(text: str, said: Sequence[Noun], things: Mapping[str, CatalogueEntry], reading: Reading) -> list[str]:
@@ -139,7 +139,7 @@ def _of_another(
         for pattern, word, opposite in _SIDES
         for match in re.finditer(pattern, text)
         if any(one.relation == word for one in found)
-        and (noun := _side_of(text[: match.end()].count(" "), text, said))
+        and (noun := _side_of(text.count(" ", 0, match.end()), text, said))
         and not any(_is_said(one, word, opposite, noun, things) for one in found)
     ]
 
