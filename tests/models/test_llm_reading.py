@@ -314,7 +314,7 @@ def test_a_drawer_is_the_one_that_is_said(task: str, part: str) -> None:
         "Two mugs into the packaging box, if you would be so kind",
     ],
 )
-def test_two_are_two(task: str) -> None:
+def test_words_for_two_need_goals_for_two_objects(task: str) -> None:
     both = ("mug_red inside packaging_box", "mug_white inside packaging_box")
     assert accepted(task, *both, among=TWO_MUGS)
     assert not accepted(task, both[0], among=TWO_MUGS)

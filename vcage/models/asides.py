@@ -41,7 +41,7 @@ _GOES = re.compile(r"(?:go|goes|should|must|belongs?|has|needs?)\b")
 _LEFT_ALONE = re.compile(r"(?:is |are |it |they |be )*(?:alone|where|out|be|as|untouched|there|behind|in peace)\b")
 _LATER = re.compile(r"until\b|till\b|before\b|, (?:which|that|it|those|they|he|she)\b")
 """Words after an aside that say when or where its things are used after all."""
-_GAP = 3
+_GAP_WORDS = 3
 """Words between an aside's first word and the noun that it is about."""
 _PREPOSITIONS = frozenset(("in", "into", "on", "onto", "to", "from", "off", "inside"))
 _TO = re.compile(r"(?:in|into|on|onto|inside|to|next to|behind|beside|near)(?: (?:the|a|an|my|your|any))?")
@@ -127,7 +127,7 @@ def _adds(found: re.Match[str], before: str, after: str) -> bool:
 
 def _next_mark(words: list[str], at: int) -> int:
     """Place of the mark that ends a short phrase which names nothing; the place itself where none is near."""
-    return next((place for place in range(at, min(at + _GAP + 2, len(words))) if not words[place].isalnum()), at)
+    return next((place for place in range(at, min(at + _GAP_WORDS + 2, len(words))) if not words[place].isalnum()), at)
 
 
 def _named(words: list[str], at: int, said: list[Noun], found: re.Match[str]) -> Iterator[Noun]:
@@ -143,7 +143,7 @@ def _named(words: list[str], at: int, said: list[Noun], found: re.Match[str]) ->
     prepositions = _PREPOSITIONS if found[0] != "not" else frozenset[str]()
     for before, noun in itertools.pairwise([Noun("", ()), *said]):
         between = words[at : noun.at]
-        fits = len(between) <= _GAP and " ".join(["a", *between]).replace(" ", "").isalpha()
+        fits = len(between) <= _GAP_WORDS and " ".join(["a", *between]).replace(" ", "").isalpha()
         if noun.at < at or not fits or prepositions.intersection(between):
             continue
         yield noun if noun.name else replace(noun, name=before.name)
@@ -159,6 +159,6 @@ def _alternatives(words: list[str], said: list[Noun]) -> set[int]:
         between = words[before.end : after.at]
         if "or" in between and words[before.end + between.index("or") - 1] in COLOURS:
             found |= {*range(before.end + between.index("or") - 1, after.end)}  # the red or the green mug
-        elif "or" in between and len(between) <= _GAP + 1:
+        elif "or" in between and len(between) <= _GAP_WORDS + 1:
             found |= {*range(before.at, after.end)}
     return found

@@ -39,7 +39,7 @@ _FIRST = re.compile(r"\bbut first\b|\bbefore (?:that|this|doing so)\b")
 _BEFORE = re.compile(r"\bbefore\b(?! (?:that|this|doing so)\b)")
 _AFTER = re.compile(rf"\b(?:after(?! (?:that|this|which)\b)|(?:once|when|as soon as)\b(?! (?:{_DONE}|done)\b))")
 _CUES = frozenset(["then", "once", "after", "before", "when", "afterwards", "finally", "lastly"])
-_BEGINNING = 3
+_BEGINNING_WORDS = 3
 """Words that may stand before a subordinate clause which begins a sentence: "please, before"."""
 
 Span = tuple[int, int]
@@ -200,7 +200,7 @@ def _subordinate(words: Sequence[str], at: int) -> tuple[Span, Span] | None:
     begin, end = next((one + 1, two) for one, two in itertools.pairwise(ends) if two > at)
     comma = next((place for place in range(at, end) if words[place] == ","), end)
     before = ("and", "then", ",") if comma < end else ("and", "then")
-    if at - begin >= _BEGINNING and words[at - 1] not in before:
+    if at - begin >= _BEGINNING_WORDS and words[at - 1] not in before:
         return (at, comma), (begin, at)
     if comma == end:
         return None

@@ -39,7 +39,7 @@ ASKS_MORE = frozenset(
 IN_ORDER = frozenset(("then", "afterwards", "afterward", "finally", "followed"))
 FIRST = frozenset(("first", "last", "lastly"))
 NOT = frozenset(("not", "don't", "never", "without", "except", "avoid", "leave", "no", "nothing", "but"))
-VERB_TO_PART = 6
+VERB_TO_PART_WORDS = 6
 """Words from the verb that opens or presses a part to the word that says which."""
 
 FROM = frozenset(("from", "out", "off"))

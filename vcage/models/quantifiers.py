@@ -18,7 +18,7 @@ _EVERYTHING = frozenset(("everything", "anything", "whatever"))
 _EVERY = frozenset(("all", "every", "each", "rest", "remaining"))
 _OF_WHAT_WAS_NAMED = frozenset(("all", "every", "each"))
 """Without a noun these mean what was named before: "the cups and the plates, put them all away"."""
-_BEGINNING = 2
+_BEGINNING_WORDS = 2
 """Words that may stand before such a word where nothing was named: "please put all"."""
 _FIXED = ("first of all", "above all", "after all", "at all", "all right", "all done", "each other", "all the way")
 """Phrases in which such a word is no quantifier."""
@@ -75,7 +75,7 @@ def quantified(instruction: str) -> list[Quantified]:
         if word in _EVERYTHING or word in _EVERY:
             one = _quantified(words, at)
             of_parts = PARTS.intersection(one.noun)
-            if not of_parts and (one.noun or one.colour or word not in _OF_WHAT_WAS_NAMED or at <= _BEGINNING):
+            if not of_parts and (one.noun or one.colour or word not in _OF_WHAT_WAS_NAMED or at <= _BEGINNING_WORDS):
                 found.append(one)
     return found
 

@@ -17,7 +17,7 @@ from vcage.models.goal_words import (
     LIES,
     NOT,
     SAYS,
-    VERB_TO_PART,
+    VERB_TO_PART_WORDS,
     WITHIN,
     levels,
 )
@@ -140,7 +140,7 @@ class Review:
         follows, the last one before counts. A goal without a place is said from its verb on.
         """
         if goal.reference != TABLE and goal.reference not in self._task.things:
-            yield from (self._said[n : n + VERB_TO_PART] for n in self._verbs(goal))
+            yield from (self._said[n : n + VERB_TO_PART_WORDS] for n in self._verbs(goal))
             return
         for mention in self._mentions_of(goal.subject):
             end, ids = self._next_place(mention)
