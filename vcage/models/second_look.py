@@ -138,9 +138,8 @@ def _spoken(things: Mapping[str, CatalogueEntry], reading: Reading) -> set[str]:
 
 
 def _done_with(entry: CatalogueEntry) -> set[str]:
-    """Events that a thing is the tool of."""
-    able = {"scanned": entry.reads_codes, "weighed": entry.weighs, "presented": "customer" in entry.words.name}
-    return {event for event, is_tool in able.items() if is_tool}
+    """Goal words that a thing is the tool for, or the addressee of."""
+    return {*entry.tool_for, *(["presented"] if "customer" in entry.words.name else [])}
 
 
 def _unanswered(

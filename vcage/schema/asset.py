@@ -214,6 +214,12 @@ class CatalogueEntry(Record):
         """Check if what lies on it is weighed."""
         return any(point.weighs for point in self.functional_points)
 
+    @property
+    def tool_for(self) -> frozenset[str]:
+        """Goal words that need a thing of this kind: ``scanned``, ``weighed``."""
+        able = {"scanned": self.reads_codes, "weighed": self.weighs}
+        return frozenset(word for word, is_tool in able.items() if is_tool)
+
 
 class Joint(Record):
     """How a moving part moves, in the object frame with all joints at 0."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from operator import attrgetter
 
 import numpy as np
 
@@ -121,9 +120,9 @@ def _tools(told: Told, catalogue: Sequence[CatalogueEntry], there: Sequence[Cata
     """The scanner and the scale that goals need and that nothing names: the first kind by name."""
     words = {said.word for said in told.goals}
     found = []
-    for word, able in (("scanned", attrgetter("reads_codes")), ("weighed", attrgetter("weighs"))):
-        if word in words and not any(map(able, there)):
-            found += sorted(entry.name for entry in catalogue if able(entry))[:1]
+    for word in ("scanned", "weighed"):
+        if word in words and not any(word in entry.tool_for for entry in there):
+            found += sorted(entry.name for entry in catalogue if word in entry.tool_for)[:1]
     return found
 
 

@@ -101,9 +101,7 @@ def _role(name: str, entry: CatalogueEntry, goals: Sequence[Goal]) -> Role:
         return "content"
     if own or any(goal.reference == name for goal in goals):
         return "receptacle"
-    if ("scanned" in words and entry.reads_codes) or ("weighed" in words and entry.weighs):
-        return "tool"
-    return "context"
+    return "tool" if entry.tool_for & words else "context"
 
 
 def _sentence(
@@ -125,7 +123,7 @@ def _sentence(
         things=kinds,
         phrases={o.id: o.phrase for o in objects},
         lying={one.subject: one.reference for one in descriptions if one.relation in ("inside", "on")},
-        tools=[o.id for o in objects if kinds[o.id].reads_codes or kinds[o.id].weighs],
+        tools=[o.id for o in objects if kinds[o.id].tool_for],
         catalogue=list(kinds.values()),
     )
     for sentence in template_wordings(task):
