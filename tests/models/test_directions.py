@@ -19,6 +19,8 @@ TWO = ("drawer_bottom", "drawer_top")
         ("the third drawer down", THREE, "bottom"),
         ("the lowest of the three drawers", THREE, "bottom"),
         ("the upper drawer", TWO, "top"),
+        ("the drawer at the bottom", THREE, "bottom"),
+        ("the one in the middle", THREE, "middle"),
     ],
 )
 def test_drawers_are_counted_from_the_end_that_is_said(text: str, parts: tuple[str, ...], found: str) -> None:

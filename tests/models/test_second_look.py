@@ -44,7 +44,8 @@ def look_at(
 ) -> list[str]:
     """The complaints about goals such as "apple_red on plate", whose words are the whole task."""
     asked = [AskedGoal(goal=goal_of(_named(text)), step=1, words=task, arm=arm) for text in goals]
-    fields = [dict(zip(("subject", "relation", "reference"), told.split(), strict=True))] if told else []
+    said = [one.split() for one in told.split(", ") if one]
+    fields = [dict(zip(("subject", "relation", "reference"), one, strict=True)) for one in said]
     descriptions = [Description(**one, words=task) for one in fields]
     return second_look(task, THINGS, Reading(goals=asked, untouched=list(untouched), descriptions=descriptions))
 
@@ -106,6 +107,40 @@ def test_descriptions_arms_and_what_is_left_alone_answer_words() -> None:
         assert look_at(task, "peach on plate", told="peach inside bowl") == []
     assert look_at("Put the peach on the plate with the left arm", "peach on plate", arm="left") == []
     assert look_at("Put the peach on the plate and leave the bowl alone", "peach on plate", untouched=("bowl",)) == []
+
+
+def test_a_side_may_tell_the_place_where_a_thing_lies_at_the_start() -> None:
+    told = "peach inside bowl, bowl left_of mug_red"
+    assert look_at("Take the peach from the left bowl and put it on the plate", "peach on plate", told=told) == []
+
+
+def test_a_drawer_that_a_thing_is_taken_from_must_be_described() -> None:
+    task = "Take the peach from the top drawer and put it in the bottom one"
+    goal = goal_of(["peach", "inside", "cabinet", "drawer_top"])
+    told = Description(subject="peach", relation="inside", reference="cabinet", part="drawer_bottom", words=task)
+    swapped = Reading(goals=[AskedGoal(goal=goal, step=1, words=task)], descriptions=[told])
+    assert any("taken from the top drawer" in said for said in second_look(task, THINGS, swapped))
+
+
+def test_a_clause_that_ends_with_once_that_is_done_comes_last() -> None:
+    task = "Put the peach in the bottom drawer of the cabinet, and shut it once that's done"
+    goals = [
+        goal_of(["peach", "inside", "cabinet", "drawer_bottom"]),
+        goal_of(["cabinet", "closed", None, "drawer_bottom"]),
+    ]
+
+    def look_at_steps(*steps: int) -> list[str]:
+        asked = [AskedGoal(goal=goal, step=step, words=task) for goal, step in zip(goals, steps, strict=True)]
+        return second_look(task, THINGS, Reading(goals=asked))
+
+    assert look_at_steps(1, 2) == []
+    assert len(look_at_steps(2, 1)) == 1 and "comes before" in look_at_steps(2, 1)[0]
+
+
+def test_using_an_arm_is_answered_by_the_arm() -> None:
+    task = "Use the left arm to put the peach on the plate"
+    asked = AskedGoal(goal=goal_of(_named("peach on plate")), step=1, words="put the peach on the plate", arm="left")
+    assert second_look(task, THINGS, Reading(goals=[asked])) == []
 
 
 def test_a_goal_that_is_true_at_the_start_is_named() -> None:

@@ -28,6 +28,6 @@ def shown(text: str) -> str:
 
 
 def listed(items: Iterable[object], most: int = 10, between: str = ", ") -> str:
-    """List the first ``most`` items in one line, and say how many more there are."""
-    every = [str(item) for item in items]
+    """List the first ``most`` items in one line, a tuple as "a/b", and say how many more there are."""
+    every = ["/".join(map(str, item)) if isinstance(item, tuple) else str(item) for item in items]
     return between.join(every[:most]) + (f" and {len(every) - most} more" if len(every) > most else "")

@@ -31,7 +31,7 @@ FUNCTION_WORDS = _words(
 HANDLING = _words(
     "put puts putting place places placed placing set sets setting move moves moved moving bring brings take",
     "takes taking taken gather tidy sort stow pick picks picked picking lay lays laid lift grab grabs hold get",
-    "keep fetch carry pop stick leave stand clear clean",
+    "keep fetch carry pop stick leave stand clear clean use uses using",
 )
 """Verbs of taking and putting, which any goal of a thing answers."""
 
@@ -44,6 +44,6 @@ VERBS = HANDLING | _words(
 
 AFTER_A_NOUN = _words(
     "behind beside near close left separately belong against neatly carefully above below went alone untouched",
-    "top bottom nearest closest ends ended sits stands",
+    "top bottom nearest closest ends ended sits stands tucked stored kept packed laid placed",
 )
 """Words that may follow a noun and do not make it part of a longer name."""

@@ -39,6 +39,8 @@ _FIRST = re.compile(r"\bbut first\b|\bbefore (?:that|this|doing so)\b")
 _BEFORE = re.compile(r"\bbefore\b(?! (?:that|this|doing so)\b)")
 _AFTER = re.compile(rf"\b(?:after(?! (?:that|this|which)\b)|(?:once|when|as soon as)\b(?! (?:{_DONE}|done)\b))")
 _CUES = frozenset(["then", "once", "after", "before", "when", "afterwards", "finally", "lastly"])
+_JOINTS = frozenset((",", ".", ";", "and"))
+_ENDS = re.compile(r" ?(?:[.;!]|$)")
 _BEGINNING_WORDS = 3
 """Words that may stand before a subordinate clause which begins a sentence: "please, before"."""
 
@@ -185,7 +187,10 @@ def ordered(words: Sequence[str]) -> Iterator[tuple[Span, Span]]:
     for pattern, turned in ((_THEN, False), (_FIRST, True), (_BEFORE, True), (_AFTER, False)):
         for found in pattern.finditer(text):
             at = text.count(" ", 0, found.start())
-            if pattern in (_THEN, _FIRST):
+            if pattern is _THEN and _ENDS.match(text[found.end() :]):
+                begin = max((place for place in range(at) if words[place] in _JOINTS), default=0)
+                spans = (0, begin), (begin, at)
+            elif pattern in (_THEN, _FIRST):
                 spans = (0, at), (at, len(words))
             elif (split := _subordinate(words, at)) is None:
                 continue

@@ -8,6 +8,7 @@ from collections.abc import Collection, Mapping, Sequence
 from vcage.base.words import COUNTED, HIGHEST, LOWEST, WHICH_PART
 from vcage.models.asides import AskedPart
 from vcage.objects.mentions import Noun
+from vcage.plans.descriptions import HOLDING
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import AskedGoal, Description, Goal, Reading
 
@@ -39,9 +40,11 @@ _FROM_END = re.compile(
     rf"\b(?P<nth>{'|'.join(COUNTED[:3])})(?: {_DRAWER})?(?: (?:from|to) the| from)? (?P<end>{_HEIGHTS})\b"
     rf"|\b(?P<step>{'|'.join(COUNTED[:3])}) {_DRAWER} (?P<way>down|up)\b"
     rf"|\b(?P<height>{_HEIGHTS}|middle) {_DRAWER}\b"
+    rf"|\b{_DRAWER} (?:at|in|on) the (?P<at>{_HEIGHTS}|middle)\b"
     r"|\b(?P<most>highest|uppermost|topmost|lowest|bottommost|middle)(?: one)? of the (?:\w+ )?drawers\b"
 )
 """The second drawer from the top; the top drawer."""
+_FROM = re.compile(r"\b(?:from|out of)(?: (?:inside|within|in))?(?: (?:the|my|your))?$")
 _WAYS = {"down": "top", "up": "bottom"}
 _WHICH_DRAWERS = re.compile(
     r"\b(?:both|all|each|every|others?|same|any|drawers|them)\b"
@@ -78,7 +81,7 @@ def heights(text: str, parts: Collection[str]) -> dict[int, str]:
     found = {}
     for said in _FROM_END.finditer(text):
         number = COUNTED.index(said["nth"] or said["step"] or COUNTED[0])
-        height = {**WHICH_PART, **_WAYS}[next(filter(None, said.group("end", "height", "most", "way")))]
+        height = {**WHICH_PART, **_WAYS}[next(filter(None, said.group("end", "height", "at", "most", "way")))]
         counted = [*dict.fromkeys((height, *order[:: -1 if height == "bottom" else 1]))]
         found |= {_at(text, said): height for height in counted[number : number + 1]}
     return found
@@ -167,13 +170,15 @@ def _is_said(
 
 
 def _on_side(side: str, reading: Reading) -> bool:
-    """Check if some object of a goal is said to stand on that side at the start, or a part is called after it."""
+    """Check if some object of a goal, or what one lies in, is said to stand on that side at the start, or a part is
+    called after it."""
     if any(side in (one.part or "").split("_") for one in reading.stated):
         return True
     other = {"left": "right_of", "right": "left_of"}[side]
     there = {told.subject for told in reading.descriptions if told.relation == f"{side}_of"}
     there |= {told.reference for told in reading.descriptions if told.relation == other}
-    return not there.isdisjoint(reading.in_goals)
+    lying = [told for told in reading.descriptions if told.relation in HOLDING]
+    return any({one.subject, one.reference} & there for one in (*(asked.goal for asked in reading.goals), *lying))
 
 
 def wrong_arms(text: str, goals: Sequence[AskedGoal]) -> list[str]:
@@ -189,6 +194,16 @@ def wrong_arms(text: str, goals: Sequence[AskedGoal]) -> list[str]:
     return found + [f"a goal names the {arm} arm, but the instruction does not" for arm in sorted(used - allowed)]
 
 
+def _wrong_sources(text: str, parts: Collection[str], reading: Reading) -> list[str]:
+    """Complaints about drawers after "from the" or "out of the" that no description names."""
+    words, starts = text.split(" "), {(told.part or "").rpartition("_")[2] for told in reading.descriptions}
+    taken = {height for at, height in heights(text, parts).items() if _FROM.search(" ".join(words[:at]))}
+    return [
+        f"something is taken from the {height} drawer, but no description names a part '..._{height}'"
+        for height in sorted(taken - starts)
+    ]
+
+
 def wrong_drawers(task: AskedPart, things: Mapping[str, CatalogueEntry], reading: Reading) -> list[str]:
     """Complaints about drawers that an instruction names and the reading does not, or the reverse."""
     owners = [one.reference or one.subject for one in reading.stated if one.part]
@@ -201,4 +216,5 @@ def wrong_drawers(task: AskedPart, things: Mapping[str, CatalogueEntry], reading
     ]
     other = named and not _WHICH_DRAWERS.search(task.open_text)
     wrong = sorted((parts - named) & {"top", "middle", "bottom"}) if other else ()
+    found += _wrong_sources(task.text, there, reading)
     return found + [f"a goal or description names the {part} drawer, which the instruction does not" for part in wrong]

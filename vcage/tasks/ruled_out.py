@@ -34,7 +34,7 @@ def require_way(goals: Sequence[AskedGoal], objects: Sequence[SceneObject], arms
     if ruled_out := _ruled_out(goals, objects):
         raise NoFeasibleTask(
             f"wherever the objects stand, nothing can bring about {'; '.join(_told(ruled_out))}",
-            hint=f"{SMALLER}; another --seed does not help",
+            hint=f"{SMALLER}, or for what these things are made for; another --seed does not help",
             details={
                 "missing": [str(one.asked.goal) for one in ruled_out],
                 "reasons": [reason for one in ruled_out for reason in one.reasons],

@@ -89,6 +89,63 @@ def test_an_exception_is_left_out_and_stays_untouched() -> None:
     assert reading.untouched == ["marker_red"]
 
 
+def test_everything_else_and_all_others_are_not_what_was_named_before() -> None:
+    things = ("apple/red", "apple/green", "cup/white", "bowl/white", "packaging_box/brown")
+    assert len(in_scene("Put the red apple in the bowl and all the other apples in the box", *things)) == 2
+    found = in_scene("Put the red apple in the bowl and everything else in the box", *things)
+    assert sorted(found)[-2:] == ["1: apple_red inside bowl_white", "1: cup_white inside packaging_box_brown"]
+    assert len(found) == 3
+
+
+def test_but_is_an_exception_before_a_thing_and_joins_what_has_a_place() -> None:
+    things = ("marker/red", "marker/blue", "packaging_box/brown", "plate/white")
+    only_blue = ["1: marker_blue inside packaging_box_brown"]
+    assert in_scene("Put all the pens but the red one into the box", *things) == only_blue
+    both = in_scene("Put the blue pen in the box but the red pen on the plate", *things)
+    assert both == [*only_blue, "1: marker_red on plate_white"]
+
+
+def test_beside_a_drawer_is_beside_what_has_it() -> None:
+    found = in_scene("Put the apple next to the drawer", "apple/red", "cabinet_three_drawers/steel")
+    assert found == ["1: apple_red beside cabinet_three_drawers_steel"]
+    with pytest.raises(UnreadInstruction, match="not on it or beside it"):
+        in_scene("Put the apple to the left of the top drawer", "apple/red", "cabinet_three_drawers/steel")
+
+
+def test_the_drawer_is_the_one_that_was_named_before() -> None:
+    found = goals("Open the top drawer, put the apple in it and close the drawer")
+    assert found[-1] == "3: cabinet_three_drawers_steel/drawer_top closed"
+
+
+@pytest.mark.parametrize("which", ["the other cabinet", "each cabinet", "both cabinets", "two cabinets"])
+def test_the_drawers_of_several_cabinets_are_refused(which: str) -> None:
+    with pytest.raises(UnreadInstruction):
+        goals(f"Open the top drawer of {which}")
+
+
+def test_a_thing_is_handed_over_after_a_comma() -> None:
+    found = goals("Pick up the hammer with the left arm, hand it to the right arm and put it in the box")
+    assert [goal.split(" ", 2)[2] for goal in found] == ["handed right", "inside packaging_box_brown"]
+
+
+def test_several_things_that_are_stacked_on_a_place_stand_on_each_other() -> None:
+    things = ("block/red", "block/blue", "block/green", "plate/white")
+    assert in_scene("Stack the red block and the blue block on the plate", *things) == [
+        "1: block_red on plate_white",
+        "1: block_blue on block_red",
+    ]
+
+
+def test_what_is_used_to_weigh_with_is_not_everything_else() -> None:
+    things = ("apple/red", "cup/white", "packaging_box/brown", "electronic_scale/blue")
+    found = in_scene("Weigh the apple and put everything else in the box", *things)
+    assert found == ["1: apple_red weighed", "1: cup_white inside packaging_box_brown"]
+
+
+def test_a_thing_goes_to_the_left_plate() -> None:
+    assert read("Move the apple to the left plate")[1].descriptions[0].relation == "left_of"
+
+
 def test_an_exception_after_the_place_may_be_one_of_the_places() -> None:
     things = ("apple/red", "plate/white", "plate/blue")
     assert in_scene("Put the apple on a plate, not the white one", *things) == ["1: apple_red on plate_blue"]
@@ -109,7 +166,9 @@ def test_an_exception_after_the_place_may_be_one_of_the_places() -> None:
         ("Put the red block on the plate, no, sorry, the blue one", "correction"),
         ("Where is the red block?", "no plain statement"),
         ("Put the red block on the plate and leave the red block alone", "'leave'"),
-        ("Put it on the plate", "nothing"),
+        ("Put it on the plate", "what 'it' or 'them' means is open"),
+        ("Before you put the red block on the plate, put it on the blue block", "what 'it' or 'them' means is open"),
+        ("Put everything else on the plate", "nobody can tell which of block_red, block_blue is meant"),
         ("Use the left arm to put the red block on the plate and put the blue block on the plate", "which arm"),
     ],
 )

@@ -92,9 +92,8 @@ def resolved(commands: tuple[Command, ...], done: tuple[Command, ...] = ()) -> I
 
 def _things_for(noun: Noun, done: tuple[Command, ...], command: Command) -> list[tuple[Noun, ...]]:
     """Referents of a noun for things: itself, those of a pronoun, or of the kind that "the red one" leans on."""
-    if noun.pronoun and done:
-        found = _referents(noun, done, command.verb)
-        return [tuple(other.without(noun.but) for other in nouns) for nouns in found]
+    if noun.pronoun:
+        return [tuple(o.without(noun.but) for o in nouns) for nouns in _referents(noun, done, command.verb)]
     heads = _heads((*done, command))
     if not noun.headless or not heads:
         return [(noun,)]
@@ -129,7 +128,7 @@ def _referents(pronoun: Noun, done: tuple[Command, ...], verb: str) -> list[tupl
     told = done[-1].things if done else ()
     if pronoun.pronoun == "them":
         return _several(told, done)
-    nouns = [*told, *_places(done[-1])] if len(told) == 1 else []
+    nouns = [*told, *_places(*done[-1:])] if len(told) == 1 else []
     if verb == "close":
         closed = [noun for command in done if command.verb == "close" for noun in command.things]
         nouns += [n for command in done if command.verb == "open" for n in command.things if n not in closed]
@@ -208,25 +207,27 @@ class Goals:
         return names
 
     def _pick(self, command: Command) -> None:
-        for name in self._named(command):
-            self._picked[name] = command
-            self._arms |= {name: command.arm} if command.arm is not None else {}
+        self._picked |= dict.fromkeys(self._named(command), command)
+        self._arms |= {name: command.arm for name in self._named(command) if command.arm is not None}
 
-    def _put(self, command: Command) -> None:
-        """Things in, on or beside what is there; of several drawers each gets one in turn."""
+    def _put(self, command: Command, most: int | None = None) -> None:
+        """So many things in, on or beside what is there; of several drawers each gets one in turn."""
         assert command.place is not None
         if command.place.but and command.place.definite:
             raise Doubt(command.place.text, "nothing can be left out of it")
         loose = any(noun.several for noun in command.things)  # "everything" is all but the place
         spots = self._meanings.spots(command.place, command.how, [] if loose else self._named(command))
         names = self._named(command, [spot.name for spot in spots], least=len(spots))
-        for name, spot in zip(names, itertools.cycle(spots), strict=False):
+        for name, spot in zip(names[:most], itertools.cycle(spots), strict=False):
             if spot.relation in ("inside", "on") and not self.things[name].can_be_carried:
                 raise Doubt(command.words, f"{name} cannot be lifted")
             self._add(command, name, spot.relation, spot.name, spot.part)
 
     def _tower(self, command: Command) -> None:
-        for below, above in itertools.pairwise(self._named(command, least=2)):
+        """Things on each other, the first of them on the place that is named."""
+        if command.place is not None:
+            self._put(command, most=1)
+        for below, above in itertools.pairwise(self._named(command, least=1 if command.place else 2)):
             spot = self._meanings.spot_of(below, "to", command.things[0])
             self._add(command, above, spot.relation, spot.name)
 
@@ -254,6 +255,7 @@ class Goals:
         named = self._meanings.objects(command.place) if command.place is not None else tools
         if command.verb in TOOLS and not set(named) & set(tools):
             raise Doubt(command.words, f"there is nothing to {command.verb} with")
+        self._meanings.tools += tools
         for name in self._named(command, tools):
             self._add(command, name, _EVENTS[command.verb])
 

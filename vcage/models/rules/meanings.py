@@ -47,6 +47,7 @@ class Meanings:
     nouns: Sequence[Noun]
     descriptions: dict[str, Description] = field(default_factory=dict)
     excepted: list[str] = field(default_factory=list)
+    tools: list[str] = field(default_factory=list)
     _meant: dict[Noun, list[str]] = field(default_factory=dict)
     _parts_named: list[tuple[str, str]] = field(default_factory=list)
 
@@ -83,7 +84,7 @@ class Meanings:
                 self.lies(name, how, other)
 
     def _used(self) -> set[str]:
-        return {name for names in self._meant.values() for name in names} | {name for name, _ in self._parts_named}
+        return {*self.tools, *(n for names in self._meant.values() for n in names), *(n for n, _ in self._parts_named)}
 
     def _called(self, noun: Noun, besides: Collection[str] = ()) -> list[str]:
         """All objects that the words of a noun fit: those that they name best; of several those that can be carried."""
@@ -148,12 +149,17 @@ class Meanings:
             Doubt: there are none, or nobody can tell which.
         """
         found = [pair for pair in self._parts(noun) if good(*pair)]
-        found = [pair for pair in found if pair[0] in self._used()] or found  # of what was named before
+        found = self._named_before(noun, found) or found
         if not found or noun.but or noun.quantifier == "rest" or (noun.several and noun.position is not None):
             raise Doubt(noun.text, "there is no such part, or it says too little: name each part that is meant")
         chosen = self._chosen(noun, found, self._parts_named)
         self._parts_named += chosen
         return chosen
+
+    def _named_before(self, noun: Noun, found: list[tuple[str, str]]) -> list[tuple[str, str]]:
+        """Those of some parts that were named before, as "the drawer" means one of them, or else whose thing was."""
+        again = self._parts_named if noun.quantifier == "the" and not noun.several else []
+        return [pair for pair in found if pair in again] or [pair for pair in found if pair[0] in self._used()]
 
     def spots(self, noun: Noun, how: str, besides: Collection[str] = ()) -> list[Spot]:
         """Targets of what is put in, on, to or beside what a noun means.
@@ -163,16 +169,19 @@ class Meanings:
         """
         if noun.of_table and how == "on":
             return [Spot(TABLE, "on")]
-        if not noun.of_part(self.things.values()):
-            owners = self.objects(noun, besides)
-        elif how != "on":
+        of_part = noun.of_part(self.things.values())
+        if of_part and how in ("in", "to"):
             links = {name: {point.link for point in entry.functional_points} for name, entry in self.things.items()}
             return [Spot(name, "inside", part) for name, part in self.parts(noun, lambda n, p: p in links[n])]
-        else:
-            owners = self._called(noun) if noun.position is None else []
+        owners = self._owners(noun) if of_part else self.objects(noun, besides)
         if len(owners) != 1:
             raise Doubt(noun.text, f"nobody can tell which of {listed(owners)} is meant")
         return [self.spot_of(owners[0], how, noun)]
+
+    def _owners(self, noun: Noun) -> list[str]:
+        if noun.position is not None:
+            raise Doubt(noun.text, "things go in such a part, not on it or beside it")
+        return self._called(noun)
 
     def spot_of(self, name: str, how: str, noun: Noun) -> Spot:
         """The target of what is put in, on, to or beside an object.
@@ -195,6 +204,6 @@ class Meanings:
         return Spot(name, _RELATION[holds], link)
 
     def _parts(self, noun: Noun) -> list[tuple[str, str]]:
-        of_part = noun.of_part(self.things.values())
-        owners, named = (self._called(noun), noun.names_part) if of_part else (self.objects(noun), bool)
-        return [(name, part) for name in owners for part in self.things[name].moving_parts if named(part)]
+        if noun.of_part(self.things.values()):
+            return [(n, p) for n in self._called(noun) for p in self.things[n].moving_parts if noun.names_part(p)]
+        return [(name, part) for name in self.objects(noun) for part in self.things[name].moving_parts]

@@ -14,7 +14,7 @@ from vcage.schema.asset import CatalogueEntry, Variant
 
 _QUANTIFIERS = {
     "other": "other", "another": "other", "rest": "rest", "remaining": "rest", "others": "rest", "all": "all",
-    "every": "all", "each": "all", "both": "all", "everything": "all", "anything": "all",
+    "every": "all", "each": "all", "both": "all", "everything": "all", "anything": "all", "else": "rest",
 }  # fmt: skip
 
 
@@ -181,7 +181,7 @@ def _quantity(words: list[str]) -> tuple[str, int | None]:
     count, *_ = [*[1] * ("another" in words), *numbers, *[1] * ("any" in words), None]
     quantifiers = [_QUANTIFIERS[word] for word in words if word in _QUANTIFIERS]
     if quantifiers or not words:
-        return "".join(quantifiers[:1]), count
+        return "".join(quantifiers[-1:]), count
     if words[0] not in ("any", "some", *NUMBERS) and not words[0].isdigit() and "of" not in words[:2]:
         return "the", count
     return "a" * (count is not None), count

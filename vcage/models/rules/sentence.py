@@ -190,7 +190,7 @@ class _Commands(Transformer[Token, Any]):
         return [replace(command, arm=command.arm or arm, at=meta.start_pos) for command in commands]
 
     def stack(self, _: Any, items: list[list[Command]]) -> list[Command]:
-        return [replace(c, how="to" if c.how in ("in", "on") else c.how) for item in items for c in item]
+        return [replace(c, verb="tower", how="to" if c.how in ("in", "on") else c.how) for item in items for c in item]
 
     def item(self, meta: Any, parts: list[Any]) -> list[Command]:
         but = [noun for part in parts if isinstance(part, list) for noun in part]
@@ -217,7 +217,7 @@ class _Commands(Transformer[Token, Any]):
         return parts
 
     def PRONOUN(self, words: Token) -> Noun:
-        return Noun(pronoun="it" if words == "it" else "them", text=words, at=words.start_pos or 0)
+        return Noun(pronoun="it" if words == "it" else "them", text=str(words), at=words.start_pos or 0)
 
     def noun(self, meta: Any, parts: list[Any]) -> Noun:
         return noun_of(parts, self._typed[meta.start_pos : meta.end_pos], meta.start_pos)
