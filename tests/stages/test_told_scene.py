@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -226,6 +228,21 @@ def test_what_is_left_alone_needs_no_goal(choose):
 def test_what_cannot_be_is_named(choose, goals: list[str], more: dict, error: type[Exception], complaint: str):
     with pytest.raises(error, match=complaint):
         choose(*goals, **more)
+
+
+@pytest.mark.parametrize(
+    ("goals", "more", "way_out"),
+    [
+        (["apple inside bowl"], {"objects": "bowl"}, "add it to --objects"),
+        (["apple inside apple"], {}, "name another object"),
+        (["apple inside bowl", "apple inside pot"], {}, "leave one out, or let a later goal begin with 'then'"),
+        (["apple inside bowl"], {"starts": ("apple left_of bowl", "bowl left_of apple")}, "leave one out$"),
+    ],
+)
+def test_an_error_says_the_way_out(choose, goals: list[str], more: dict, way_out: str):
+    with pytest.raises(UsageError) as caught:
+        choose(*goals, **more)
+    assert re.match(way_out, caught.value.hint)
 
 
 def test_a_goal_may_come_again_once_another_has_undone_it(choose):

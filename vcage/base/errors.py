@@ -104,13 +104,13 @@ class UnknownName(UsageError):
 
     code = "unknown_name"
 
-    def __init__(self, what: str, name: str, available: Iterable[str]):
+    def __init__(self, what: str, name: str, available: Iterable[str], hint: str = "take one of those listed"):
         names = sorted(available)
         near = difflib.get_close_matches(name, names, n=3)
         listed = ", ".join(names[:40]) + (f", … ({len(names)} in all)" if len(names) > 40 else "")
         super().__init__(
             f"unknown {what} {name!r}; available: {listed or 'none'}",
-            hint=f"did you mean {' or '.join(near)}?" if near else "take one of those listed",
+            hint=f"did you mean {' or '.join(near)}?" if near else hint,
             details={"what": what, "name": name, "available": names},
         )
 

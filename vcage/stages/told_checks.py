@@ -64,7 +64,9 @@ def require_consistent(told: Told, goals: Sequence[AskedGoal], descriptions: Seq
             raise UsageError(f"{shortened(said.text)} is {when}", hint="leave it out")
         true = {g: since for g, since in true.items() if since == step or not supersedes(goal, g)} | {goal: step}
     if found := inconsistencies(goals, descriptions):
-        raise UsageError(found[0], hint="leave one out, or let a later goal begin with 'then'")
+        of_start = not inconsistencies(goals, [])
+        hint = "leave one out" if of_start else "leave one out, or let a later goal begin with 'then'"
+        raise UsageError(found[0], hint=hint)
 
 
 def _as_goal(one: Description) -> Goal:

@@ -74,7 +74,8 @@ def object_meant(name: str, objects: Sequence[NamedObject], said: Said) -> str:
         return name
     found = [o.id for o in objects if name in (o.asset, f"{o.asset}/{o.variant}")]
     if not found:
-        raise UnknownName(f"object in {shortened(said.text)}:", name, [o.id for o in objects])
+        hint = "add it to --objects, or take one of those listed"
+        raise UnknownName(f"object in {shortened(said.text)}:", name, [o.id for o in objects], hint)
     if len(found) > 1:
         raise UsageError(
             f"{name!r} in {shortened(said.text)} may mean {' or '.join(found)}",

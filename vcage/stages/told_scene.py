@@ -89,7 +89,7 @@ def _place(
     (subject, own_part), *others = meant
     reference, part = others[0] if others else (said.reference, own_part)
     if reference == subject:
-        raise UsageError(f"{shortened(said.text)}: {subject} cannot be {said.word} itself")
+        raise UsageError(f"{shortened(said.text)}: {subject} cannot be {said.word} itself", hint="name another object")
     return {"subject": subject, "relation": said.word, "reference": reference, "part": part}
 
 

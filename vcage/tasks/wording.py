@@ -18,7 +18,7 @@ _PREPOSITIONS: Mapping[str, Sequence[str]] = {
     "beside": ("beside", "next to", "by the side of"),
     "near": ("near", "close to", "not far from"),
 }
-_MOVES = ("Put", "Place", "Set", "Move", "Bring", "Transfer", "Take")
+_MOVES = ("Put", "Place", "Set", "Move", "Bring", "Transfer")
 _PUSHES = ("Push", "Slide", "Shove", "Shift")
 _PATTERNS: Mapping[str, str] = {
     "open": "Open {0}.|Open up {0}.|Pull {0} open.|Get {0} open.|Please open {0}.|{1} should be open."
