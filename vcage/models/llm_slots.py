@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from vcage.models.structured import NONE, Answer, narrowed, one_of, one_or_none
 from vcage.schema.subtasks import GraspOption, PlaceOption, Preference, SlotAnswer, SlotQuestion
@@ -45,24 +45,27 @@ def complaints(answer: StepsAnswer, questions: Sequence[SlotQuestion]) -> list[s
     ids, told = [question.subtask for question in questions], [step.subtask for step in answer.steps]
     if told != ids:
         return [f"steps: expected one entry each for {', '.join(ids)}, in this order, got {', '.join(told) or 'none'}"]
-    found = []
-    for number, (step, question) in enumerate(zip(answer.steps, questions, strict=True)):
-        where = f"steps.{number}"
-        places = [str(place.point) for place in question.places]
-        if step.place and step.place not in places:
-            found.append(f"{where}.place: {step.place} is no place of {question.subtask}: {_listed(places)}")
-            continue
-        grasps = [str(option) for option in _grasps_at(question, step.place)]
-        if step.grasp and step.grasp not in grasps:
-            there = f"at place {step.place} of" if step.place else "of"
-            found.append(f"{where}.grasp: {step.grasp} is no grasp {there} {question.subtask}: {_listed(grasps)}")
-        known = [str(statement) for statement in question.statements]
-        found += [
-            f"{where}.statements: {name!r} is no statement about {question.subtask}: {_listed(known)}"
-            for name in step.statements
-            if name and name not in known
-        ]
-    return found
+    return [
+        f"steps.{number}.{complaint}"
+        for number, (step, question) in enumerate(zip(answer.steps, questions, strict=True))
+        for complaint in _about(step, question)
+    ]
+
+
+def _about(step: _Step, question: SlotQuestion) -> Iterator[str]:
+    """Complaints about the names of one step, each beginning with its field."""
+    places = [str(place.point) for place in question.places]
+    if step.place and step.place not in places:
+        yield f"place: {step.place} is no place of {question.subtask}: {_listed(places)}"
+        return  # its grasps are not known
+    grasps = [str(option) for option in _grasps_at(question, step.place)]
+    if step.grasp and step.grasp not in grasps:
+        there = f"at place {step.place} of" if step.place else "of"
+        yield f"grasp: {step.grasp} is no grasp {there} {question.subtask}: {_listed(grasps)}"
+    known = [str(statement) for statement in question.statements]
+    for name in step.statements:
+        if name and name not in known:
+            yield f"statements: {name!r} is no statement about {question.subtask}: {_listed(known)}"
 
 
 def meaning(answer: StepsAnswer, questions: Sequence[SlotQuestion]) -> list[SlotAnswer]:
