@@ -147,7 +147,7 @@ def lemma(word: str) -> str:
 
 
 def is_plural(word: str) -> bool:
-    """Whether the word is a plural form."""
+    """Check if a word is a plural form."""
     return lemma(word) != word
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Collection, Mapping
 
-from vcage.base.errors import VcageError
+from vcage.base.errors import UnreadInstruction
 from vcage.models.second_look import second_look
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import AskedGoal, Description, Reading
@@ -40,7 +40,7 @@ def contradictions(
         return found
     try:
         other = third(instruction, things, lying)
-    except VcageError:  # it says that it cannot read the sentence, which is no complaint about the reading
+    except UnreadInstruction:  # which is no complaint about the reading
         return []
     if second_look(instruction, things, other):
         return []

@@ -14,7 +14,7 @@ from vcage.models.llm_critic import LlmCritic
 from vcage.models.llm_editor import LlmEditor
 from vcage.models.llm_reasoner import LlmReasoner
 from vcage.models.protocols import Models
-from vcage.models.registry import Choice, build_models
+from vcage.models.registry import Choice, build_models, third_reader
 from vcage.stages import inpaint_plan
 from vcage.stages.context import StageContext
 from vcage.stages.running import stage_of
@@ -100,7 +100,7 @@ def _models(name: str, run: RunFolder) -> Models:
     answered = who_answered(exchanges)
     kept = Replayed(exchanges, answered["reasoner"]) if "reasoner" in answered else None
     showing, rules = _Showing(name, kept), build_models(Choice("offline"))
-    reasoner = LlmReasoner(showing, reviewer=showing, third=rules.reasoner.read_goals)
+    reasoner = LlmReasoner(showing, reviewer=showing, third=third_reader())
     if kept is None and hasattr(rules.reasoner, name):  # its prompts are called as its methods
         setattr(rules.reasoner, name, getattr(reasoner, name))
     return replace(

@@ -73,7 +73,7 @@ def _told(ruled_out: Sequence[_RuledOut]) -> list[str]:
 
 
 def _no_place(goal: Goal, by_id: Mapping[str, SceneObject]) -> list[str]:
-    """That nothing is put in or on an object so: says where things are put, and how much room there is."""
+    """The reason why nothing is put in or on an object so: where things are put, and how much room there is."""
     holder = by_id.get(goal.reference or "")
     if goal.relation not in HOLDING or holder is None:
         return []
@@ -89,7 +89,7 @@ def _no_place(goal: Goal, by_id: Mapping[str, SceneObject]) -> list[str]:
 
 
 def _no_tool(goal: Goal, objects: Sequence[SceneObject]) -> list[str]:
-    """That nothing stands there to scan or weigh with."""
+    """The reason why a thing cannot be scanned or weighed: nothing stands there to do it with."""
     kinds = [o.asset.annotation for o in objects if o.id != goal.subject]
     if goal.relation == "scanned" and not any(kind.faces_of("reader") for kind in kinds):
         return ["no scanner stands there"]
