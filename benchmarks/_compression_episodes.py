@@ -19,6 +19,8 @@ import numpy as np
 from vcage.base.errors import PartlyDone
 from vcage.base.files import RunFolder, cache_dir
 from vcage.datasets.hdf5 import write_episode
+from vcage.episodes.photographs import light_look
+from vcage.runs.context import StageContext
 from vcage.schema.base import PoseRecord
 from vcage.schema.episodes import Verdict
 from vcage.schema.robot import Robot
@@ -30,8 +32,6 @@ from vcage.sim.replay import camera_paths, render_log
 from vcage.sim.robots import load_robot
 from vcage.sim.world import World
 from vcage.stages import chain, collect, inpaint_plan, match, optimize, search_subtasks, select_place
-from vcage.stages.context import StageContext
-from vcage.stages.photographs import light_look
 from vcage.tasks.assemble import episode_data
 from vcage.tasks.ground import Ground
 from vcage.tasks.loop import EpisodeRun, run_episode

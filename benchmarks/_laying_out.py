@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from vcage.base.files import RunFolder
+from vcage.runs.context import StageContext
 from vcage.stages import inpaint_plan, match, optimize, select_place
-from vcage.stages.context import StageContext
 
 
 def lay_out(run: RunFolder, begun: select_place.Options, context: StageContext) -> None:

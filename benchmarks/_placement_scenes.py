@@ -15,10 +15,10 @@ from vcage.layout.items import Placement, TableItem, table_item
 from vcage.layout.placement.reach import GRASP_HEIGHTS, reach_for, robot_reach
 from vcage.objects.asset import Asset
 from vcage.objects.library import Library
+from vcage.scenes.starting_poses import MARGIN
 from vcage.schema.scene import Role, Table
 from vcage.sim.kinematics import ArmKinematics, kinematics_of
 from vcage.sim.robots import load_robot
-from vcage.stages.starting_poses import MARGIN
 
 FILL = (0.2, 0.8)
 """Range of the fill ratio: sum of the objects' rectangles, each grown by the margin, over the workspace's area."""

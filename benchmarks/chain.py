@@ -15,8 +15,8 @@ import numpy as np
 from vcage.base.errors import VcageError
 from vcage.base.files import RunFolder
 from vcage.objects.library import Library
+from vcage.runs.running import read_timings
 from vcage.schema.episodes import Episodes
-from vcage.stages.running import read_timings
 
 logger = logging.getLogger(__name__)
 

@@ -33,9 +33,9 @@ from benchmarks._sentences.sources import by_template, slug
 from vcage.base.errors import VcageError
 from vcage.base.proportions import wilson
 from vcage.base.workers import cores, in_processes
+from vcage.episodes.question import Asking, verdict
+from vcage.runs.context import StageContext
 from vcage.schema.episodes import Verdict
-from vcage.stages.context import StageContext
-from vcage.stages.question import Asking, verdict
 
 logger = logging.getLogger(__name__)
 

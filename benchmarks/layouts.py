@@ -22,14 +22,14 @@ from benchmarks._laying_out import lay_out
 from benchmarks.tasks import TASKS
 from vcage.base.errors import VcageError
 from vcage.base.files import RunFolder
+from vcage.episodes.layouts import Layout, Layouts, NoLayout
 from vcage.layout.items import centres_within
+from vcage.runs.context import StageContext
+from vcage.runs.inputs import read_plan
+from vcage.runs.stage import ModelOptions
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
 from vcage.stages import search_subtasks, select_place
-from vcage.stages.context import StageContext
-from vcage.stages.inputs import read_plan
-from vcage.stages.layouts import Layout, Layouts, NoLayout
-from vcage.stages.stage import ModelOptions
 from vcage.tasks.readiness import ready_for
 
 logger = logging.getLogger(__name__)

@@ -57,7 +57,7 @@ from benchmarks._placement_scenes import BenchmarkScene, Stock
 from vcage.base.errors import InfeasibleScene
 from vcage.layout.items import Placement
 from vcage.layout.placement.place import place
-from vcage.stages.starting_poses import MARGIN
+from vcage.scenes.starting_poses import MARGIN
 
 logger = logging.getLogger(__name__)
 

@@ -27,12 +27,13 @@ from vcage.base.files import RunFolder
 from vcage.base.workers import cores, in_processes
 from vcage.models.selection_check import NamedObject
 from vcage.plans.actions import lasting
+from vcage.runs.context import StageContext
+from vcage.runs.stage import ModelOptions
+from vcage.scenes import placed_scene
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Refusal, Subtask, Subtasks
 from vcage.sim.robots import load_template
-from vcage.stages import inpaint_plan, match, optimize, placed_scene, search_subtasks, select_place
-from vcage.stages.context import StageContext
-from vcage.stages.stage import ModelOptions
+from vcage.stages import inpaint_plan, match, optimize, search_subtasks, select_place
 from vcage.tasks.readiness import ready_for
 from vcage.tasks.search import sensible
 from vcage.tasks.synthesis import script_of

@@ -19,9 +19,9 @@ from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose
 from vcage.layout.placement.place import place
 from vcage.models.rules.reasoner import OfflineReasoner
+from vcage.scenes.starting_poses import MARGIN
 from vcage.schema.base import PoseRecord, box_record
 from vcage.schema.scene import ObjectRecord
-from vcage.stages.starting_poses import MARGIN
 from vcage.tasks.ground import Ground
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import FoundSubtasks, find_subtasks

@@ -22,7 +22,11 @@ import numpy as np
 from benchmarks._laying_out import lay_out
 from vcage.base.errors import VcageError
 from vcage.base.files import RunFolder
+from vcage.episodes.starts import Starts
 from vcage.plans.actions import lasting
+from vcage.runs.context import StageContext
+from vcage.runs.inputs import read_plan
+from vcage.runs.stage import ModelOptions
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal, in_steps
 from vcage.schema.plan import Relation
@@ -32,10 +36,6 @@ from vcage.schema.subtasks import Subtask, Subtasks
 from vcage.sim.robots import load_robot
 from vcage.sim.world import World
 from vcage.stages import search_subtasks, select_place
-from vcage.stages.context import StageContext
-from vcage.stages.inputs import read_plan
-from vcage.stages.stage import ModelOptions
-from vcage.stages.starts import Starts
 from vcage.tasks.loop import EpisodeRun, run_episode
 from vcage.tasks.readiness import ready_for
 from vcage.tasks.setting import Seen, Setting

@@ -10,9 +10,9 @@ import pytest
 from filelock import FileLock
 from hypothesis import settings
 
-from tests.runs import Finished, finished_run
+from tests.run_folders import Finished, finished_run
 from vcage.base.files import RunFolder
-from vcage.stages.context import StageContext
+from vcage.runs.context import StageContext
 
 settings.register_profile("any-machine", deadline=None)  # a busy machine may take any time for an example
 settings.load_profile("any-machine")

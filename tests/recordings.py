@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from vcage.base.files import RunFolder
 from vcage.datasets.episode import CameraTrack, EpisodeData, Segment
 from vcage.datasets.hdf5 import write_episode
+from vcage.runs.edits import seal
 from vcage.schema.base import Provenance
 from vcage.schema.episodes import CriticCounts, Episode, Episodes, Truth, Verdict
 from vcage.schema.subtasks import Chain
-from vcage.stages.edits import seal
 
 CAMERAS = ("cam_high", "cam_left_wrist", "cam_right_wrist")
 WIDTH, HEIGHT, FPS = 64, 48, 10.0

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from tests.runs import command, digests
+from tests.run_folders import command, digests
 from tests.scripted_agent import Act, Read, Run, ScriptedAgent, Write
 from vcage.base.commands import vcage_command
 from vcage.base.pictures import read_picture

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.runs import FPS, INSTRUCTION, QUICK_VIDEOS, Finished, clean_environment, copied, digests, process
+from tests.run_folders import FPS, INSTRUCTION, QUICK_VIDEOS, Finished, clean_environment, copied, digests, process
 
 VCAGE = [sys.executable, "-m", "vcage.cli.main"]
 COLLECT = ["--models", "offline", "--episodes", "1", "--fps", str(FPS)]

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 import vcage
-from tests.runs import REPOSITORY, Finished, copied
+from tests.run_folders import REPOSITORY, Finished, copied
 
 
 def test_importing_it_imports_nothing_else() -> None:

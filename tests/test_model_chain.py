@@ -14,7 +14,7 @@ import pytest
 
 from tests.model_server import ModelServer, Special, text_answer
 from tests.model_server.special import Faults
-from tests.runs import QUICK_VIDEOS, REPOSITORY, Answer, command
+from tests.run_folders import QUICK_VIDEOS, REPOSITORY, Answer, command
 from vcage.base.files import RunFolder, read_json
 from vcage.models.kept import Exchanges
 

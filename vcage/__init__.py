@@ -12,18 +12,18 @@ from typing import TYPE_CHECKING, Any
 from vcage.base.version import __version__ as __version__
 
 if TYPE_CHECKING:
+    from vcage.apps.appending import append_to
     from vcage.apps.report.page import write_report
     from vcage.base.files import RunFolder
     from vcage.datasets.packing.pack import Order, pack
     from vcage.datasets.packing.settings import CompressionSettings
     from vcage.datasets.reader import EpisodeReader
     from vcage.objects.library import Library
+    from vcage.runs.context import StageContext
+    from vcage.runs.running import run_stage
     from vcage.schema.scene import Scene
     from vcage.sim.world import World
-    from vcage.stages.appending import append_to
     from vcage.stages.chain import ChainOptions, run_chain
-    from vcage.stages.context import StageContext
-    from vcage.stages.running import run_stage
     from vcage.stages.verify import judge_pair
 
 __all__ = [
@@ -52,13 +52,13 @@ _PLACES = {
     "Order": "vcage.datasets.packing.pack",
     "RunFolder": "vcage.base.files",
     "Scene": "vcage.schema.scene",
-    "StageContext": "vcage.stages.context",
+    "StageContext": "vcage.runs.context",
     "World": "vcage.sim.world",
-    "append_to": "vcage.stages.appending",
+    "append_to": "vcage.apps.appending",
     "judge_pair": "vcage.stages.verify",
     "pack": "vcage.datasets.packing.pack",
     "run_chain": "vcage.stages.chain",
-    "run_stage": "vcage.stages.running",
+    "run_stage": "vcage.runs.running",
     "write_report": "vcage.apps.report.page",
 }
 """Name → its module. The simulator and the video codec take seconds to import, and many programs need neither."""

@@ -21,6 +21,8 @@ from benchmarks._critic.ugly import UGLY
 from benchmarks._laying_out import lay_out
 from vcage.base.errors import InfeasibleScene, UsageError, VcageError
 from vcage.base.files import RunFolder
+from vcage.episodes.photographs import Photographer, light_look
+from vcage.runs.context import StageContext
 from vcage.schema.base import PoseRecord
 from vcage.schema.goals import Goal
 from vcage.schema.plan import TABLE
@@ -28,8 +30,6 @@ from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask
 from vcage.sim.robots import load_robot
 from vcage.sim.world import World
-from vcage.stages.context import StageContext
-from vcage.stages.photographs import Photographer, light_look
 from vcage.tasks.ground import Ground
 from vcage.tasks.readiness import ready_for
 from vcage.tasks.scene_objects import SceneObject

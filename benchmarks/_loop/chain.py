@@ -15,7 +15,11 @@ from benchmarks._laying_out import lay_out
 from benchmarks._loop.planted import Planted, befallen
 from vcage.base.errors import VcageError
 from vcage.base.files import RunFolder
+from vcage.episodes.photographs import Photographer, light_look
+from vcage.episodes.question import Asking, verdict
 from vcage.plans.actions import lasting
+from vcage.runs.context import StageContext
+from vcage.runs.stage import ModelOptions
 from vcage.schema.episodes import Failure, Truth, Verdict
 from vcage.schema.goals import in_steps
 from vcage.schema.scene import Scene
@@ -23,10 +27,6 @@ from vcage.schema.subtasks import Subtask, Subtasks
 from vcage.sim.robots import load_robot
 from vcage.sim.world import World
 from vcage.stages import search_subtasks, select_place
-from vcage.stages.context import StageContext
-from vcage.stages.photographs import Photographer, light_look
-from vcage.stages.question import Asking, verdict
-from vcage.stages.stage import ModelOptions
 from vcage.tasks.ground import Ground
 from vcage.tasks.loop import EpisodeRun, run_episode
 from vcage.tasks.scene_objects import SceneObject

@@ -17,12 +17,12 @@ from benchmarks._match.views import Look, library
 from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose
 from vcage.models.selection_check import NamedObject, name_objects
+from vcage.runs.context import METRES_PER_PIXEL
 from vcage.schema.base import PoseRecord, Provenance, box_record
 from vcage.schema.plan import SelectedAsset, Selection
 from vcage.schema.scene import ObjectRecord, Scene, SceneTemplate
 from vcage.sim.drawer import reference_view
 from vcage.sim.robots import load_template
-from vcage.stages.context import METRES_PER_PIXEL
 
 SEED = 20240
 """Of every case, together with its level and number."""

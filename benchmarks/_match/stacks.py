@@ -10,12 +10,12 @@ from benchmarks._match.cases import Case
 from benchmarks._match.paper import match_plainly
 from benchmarks._match.scoring import Score, score
 from vcage.base.errors import NoRenderer, UnknownName, UsageError
-from vcage.matching.match import Looks, Recogniser, ScenePictures, match_picture
 from vcage.models.registry import build_detector, build_embedder, split_weights
 from vcage.objects.library import Library
 from vcage.schema.matches import Match
 from vcage.setup.vulkan import ensure_driver
 from vcage.sim.drawer import ModelDrawer
+from vcage.vision.match import Looks, Recogniser, ScenePictures, match_picture
 from vcage.vision.symmetry import rotational_symmetry
 
 OFFLINE = "background+classical"

@@ -14,8 +14,8 @@ from typing import Literal
 from vcage.base.errors import StaleStage, TooFewVerified
 from vcage.base.files import RunFolder
 from vcage.base.progress import Progress
+from vcage.runs.accepted import accepted_episodes
 from vcage.stages import collect, compress, inpaint_plan, match, optimize, search_subtasks, select_place, verify
-from vcage.stages.accepted import accepted_episodes
 from vcage.stages.chain import ChainOptions
 
 logger = logging.getLogger(__name__)

@@ -21,9 +21,9 @@ from benchmarks._compression_formats import LEROBOT
 from vcage.base.files import RunFolder, atomic_path, read_json, sha256_file, write_json
 from vcage.base.videos import decode
 from vcage.datasets.reader import EpisodeReader
+from vcage.runs.accepted import accepted_episodes
 from vcage.schema.compression import Compression
 from vcage.schema.episodes import Episode
-from vcage.stages.accepted import accepted_episodes
 
 logger = logging.getLogger(__name__)
 

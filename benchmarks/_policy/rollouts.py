@@ -15,16 +15,16 @@ from benchmarks._policy.demonstrations import View, small
 from benchmarks._policy.training import Policy
 from vcage.base.files import RunFolder
 from vcage.datasets.reader import EpisodeReader
+from vcage.episodes.photographs import light_look
+from vcage.episodes.recorded import Recorded
+from vcage.runs.accepted import accepted_episodes
+from vcage.runs.context import StageContext
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask, Subtasks
 from vcage.sim.arms import ArmControl
 from vcage.sim.cameras import robot_cameras, shoot
 from vcage.sim.looks import look_world
 from vcage.sim.world import PHYSICS_HZ, World
-from vcage.stages.accepted import accepted_episodes
-from vcage.stages.context import StageContext
-from vcage.stages.photographs import light_look
-from vcage.stages.recorded import Recorded
 from vcage.tasks.events import Watch
 from vcage.tasks.truth import goals_hold
 

@@ -15,13 +15,13 @@ from typing import Any, ClassVar, Literal
 from benchmarks._sentences.sources import Sentence, slug
 from vcage.base.errors import VcageError
 from vcage.base.files import RunFolder
+from vcage.episodes.store import read_log
+from vcage.runs.context import StageContext
+from vcage.runs.running import run_stage
 from vcage.schema.base import Document, Record
 from vcage.schema.episodes import Attempt, Episodes
 from vcage.schema.subtasks import Subtasks
 from vcage.stages.chain import STAGES, ChainOptions
-from vcage.stages.context import StageContext
-from vcage.stages.episode_store import read_log
-from vcage.stages.running import run_stage
 
 logger = logging.getLogger(__name__)
 

@@ -11,19 +11,19 @@ import h5py
 import numpy as np
 import pytest
 
-from tests.runs import command
-from tests.scenes import ON_PLATE, Critic, block_and_plate, robot, scene_of, script_of, setting, subtask
+from tests.example_scenes import ON_PLATE, Critic, block_and_plate, robot, scene_of, script_of, setting, subtask
+from tests.run_folders import command
 from vcage.apps.replay import Difference, compare_pictures, replay_episode
 from vcage.base.errors import DamagedFile, NoDrives
 from vcage.datasets.hdf5 import write_episode
 from vcage.datasets.reader import EpisodeReader
+from vcage.episodes.runner import versions
+from vcage.runs.context import StageContext
 from vcage.schema.randomisation import CameraShift, Drawn, Look, WorldDraw
 from vcage.sim.looks import draw_look, look_world
 from vcage.sim.replay import camera_paths, render_log
 from vcage.sim.robots import load_randomisation
 from vcage.sim.world import World
-from vcage.stages.context import StageContext
-from vcage.stages.episode_runner import versions
 from vcage.tasks.assemble import episode_data
 from vcage.tasks.loop import EpisodeRun, run_episode
 

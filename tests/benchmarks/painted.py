@@ -7,7 +7,7 @@ import numpy as np
 
 from benchmarks._match.cases import Case
 from benchmarks._match.truth import TrueObject, Truth
-from tests.scenes import scene_of, thing
+from tests.example_scenes import scene_of, thing
 
 COLOURS = {"block": ((200, 40, 40), (240, 200, 60)), "stapler": ((40, 60, 190), (60, 190, 90))}
 """Of the two halves of each object's bar."""

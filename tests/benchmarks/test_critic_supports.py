@@ -7,7 +7,7 @@ import pytest
 
 from benchmarks._critic.played import Case, Played
 from benchmarks._critic.supports import PUSHED, knocked_over, pushed_away, slid_off
-from tests.scenes import TABLE_TOP, script_of, subtask, thing, world_of
+from tests.example_scenes import TABLE_TOP, script_of, subtask, thing, world_of
 from vcage.base.geometry import Pose
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.task import Task

@@ -9,7 +9,7 @@ from benchmarks._loop.chain import Chain
 from benchmarks._loop.counted import STEP, attempts, counted
 from benchmarks._loop.planted import Causes, Chance, befallen
 from benchmarks.loop import Tally, _compared
-from tests.scenes import GROUND, ON_PLATE, TABLE_TOP, block_and_plate, subtask
+from tests.example_scenes import GROUND, ON_PLATE, TABLE_TOP, block_and_plate, subtask
 from vcage.plans.relations import holds
 from vcage.schema.episodes import Failure
 from vcage.tasks.ground import Ground

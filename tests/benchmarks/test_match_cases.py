@@ -12,7 +12,7 @@ import pytest
 
 from benchmarks._match.cases import Case, case_folders, read_case, write_case
 from benchmarks._match.truth import Stranger, TrueObject, Truth
-from tests.scenes import scene_of, thing
+from tests.example_scenes import scene_of, thing
 from vcage.base.errors import InputFileError
 from vcage.base.pictures import write_picture
 

@@ -10,7 +10,7 @@ import shapely
 from benchmarks._match import changes
 from benchmarks._match.scenes import Thing, _outline, scatter
 from benchmarks._match.views import symmetry_of
-from tests.scenes import library, template
+from tests.example_scenes import library, template
 
 
 @pytest.fixture

@@ -7,7 +7,7 @@ import pytest
 
 from benchmarks._match.scoring import Score, row, score
 from benchmarks._match.truth import Stranger, TrueObject, Truth
-from tests.scenes import scene_of, thing
+from tests.example_scenes import scene_of, thing
 from vcage.schema.matches import Match
 from vcage.schema.scene import Scene
 

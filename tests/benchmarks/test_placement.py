@@ -13,7 +13,7 @@ from tests.layout.items import unplaced
 from vcage.base.geometry import Pose, boxes_overlap, footprint_half_size
 from vcage.layout.items import Placement
 from vcage.layout.placement.place import place
-from vcage.stages.starting_poses import MARGIN
+from vcage.scenes.starting_poses import MARGIN
 
 # The import of ManiSkill's environments takes seconds.
 RIVALS = pytest.mark.parametrize(

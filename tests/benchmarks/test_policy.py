@@ -15,11 +15,11 @@ from benchmarks._policy.demonstrations import ENCODINGS, Demonstrations, View
 from benchmarks._policy.network import Size
 from benchmarks._policy.rollouts import EXECUTED, Outcome, Rollouts, command
 from benchmarks._policy.training import Policy, Scale, Settings, errors, train, trained
-from tests.runs import Finished
+from tests.run_folders import Finished
 from vcage.base.files import RunFolder, read_json
 from vcage.datasets.reader import EpisodeReader
+from vcage.runs.accepted import accepted_episodes
 from vcage.schema.episodes import Episode
-from vcage.stages.accepted import accepted_episodes
 from vcage.video.codec import EncoderSettings, encode
 
 SETTINGS = Settings(steps=50, batch=16, rate=3e-3, size=Size(chunk=4, width=16, heads=2, layers=1))

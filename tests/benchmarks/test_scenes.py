@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from benchmarks.scenes import _name, _refusal
-from tests.scenes import GROUND, kinematics, sensible, thing
+from tests.example_scenes import GROUND, kinematics, sensible, thing
 from vcage.schema.base import Provenance
 from vcage.schema.subtasks import Subtasks
 from vcage.tasks.scene_objects import SceneObject

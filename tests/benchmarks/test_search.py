@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from benchmarks.search import OBJECTS, kinds_of_reasons, run
-from tests.scenes import block_and_plate
+from tests.example_scenes import block_and_plate
 from vcage.schema.subtasks import Refusal
 from vcage.tasks.search import FoundSubtasks
 

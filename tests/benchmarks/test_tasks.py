@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from benchmarks.tasks import Tally, _count
-from tests.scenes import ON_PLATE, Critic, block_and_plate, play_once, script_of, setting, subtask
+from tests.example_scenes import ON_PLATE, Critic, block_and_plate, play_once, script_of, setting, subtask
 from vcage.plans.actions import lasting
 from vcage.schema.goals import Goal
 from vcage.tasks.loop import run_episode

@@ -12,7 +12,7 @@ import pytest
 
 from tests.datasets.packing.orders import act_folder
 from tests.datasets.recordings.layouts import FRAMES, HEIGHT, WIDTH, robotwin
-from tests.runs import Answer, command, digests
+from tests.run_folders import Answer, command, digests
 from vcage.datasets.recordings.opening import open_recordings
 
 QUICK = ("--fps", 10, "--crf", 20, "--effort", "fast", "--keyframes", 3, "--workers", 1)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.datasets.packing.orders import act_folder, packed, robotwin_folder
-from tests.runs import command, digests
+from tests.run_folders import command, digests
 from vcage.video.choices import LOSSLESS
 
 

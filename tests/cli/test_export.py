@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 
 from tests.recordings import collected
-from tests.runs import Answer, command, digests
+from tests.run_folders import Answer, command, digests
 from vcage.base.files import RunFolder
 from vcage.datasets.packing.settings import CompressionSettings
+from vcage.runs.context import StageContext
 from vcage.stages import compress
-from vcage.stages.context import StageContext
 
 
 @pytest.fixture

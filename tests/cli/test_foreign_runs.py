@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from tests.runs import Finished, command
+from tests.run_folders import Finished, command
 from vcage.base.files import PRODUCERS, RunFolder, read_json, sha256_file, write_json
 from vcage.cli.going_on import words_of
+from vcage.runs.edits import seal
 from vcage.schema.episodes import Episodes
 from vcage.schema.export import Export
-from vcage.stages.edits import seal
 
 OFFLINE = ("--models", "offline")
 COMMANDS = {

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.runs import INSTRUCTION, QUICK_VIDEOS, REPOSITORY, STAGES, Answer, Finished, command, copied, process
+from tests.run_folders import INSTRUCTION, QUICK_VIDEOS, REPOSITORY, STAGES, Answer, Finished, command, copied, process
 from vcage.base.commands import vcage_command
 from vcage.base.files import RunFolder
 from vcage.cli.arguments import parse

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.runs import command, copied, digests
+from tests.run_folders import command, copied, digests
 from vcage.base.files import RunFolder, write_json
 
 TASK = "Put the red block and the green block into the box"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.runs import REPOSITORY
+from tests.run_folders import REPOSITORY
 from vcage.base import errors
 from vcage.cli.main import COMMANDS
 from vcage.cli.reference import reference

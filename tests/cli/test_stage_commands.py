@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.runs import FPS, INSTRUCTION, QUICK_VIDEOS, Finished, command, copied, digests
+from tests.run_folders import FPS, INSTRUCTION, QUICK_VIDEOS, Finished, command, copied, digests
 from vcage.base.errors import EndpointFailed, PartlyDone
 from vcage.base.files import RunFolder, read_json, sha256_file, write_json
 from vcage.schema.episodes import Episodes

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.runs import FPS, Finished, command, process
+from tests.run_folders import FPS, Finished, command, process
 from vcage.base.files import RunFolder
 from vcage.cli.subtask import run_script
 from vcage.datasets.reader import EpisodeReader

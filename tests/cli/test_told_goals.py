@@ -6,13 +6,13 @@ import sys
 
 import pytest
 
-from tests.runs import REPOSITORY, command, process
+from tests.run_folders import REPOSITORY, command, process
 from vcage.base.errors import StaleStage
 from vcage.base.files import RunFolder
 from vcage.cli.going_on import remembered, stage_command
+from vcage.runs.context import StageContext
 from vcage.schema.scene import Scene
 from vcage.stages import select_place
-from vcage.stages.context import StageContext
 
 SCRIPT = REPOSITORY / "skills" / "vcage-igsc" / "scripts" / "select_place.py"
 GOALS = ("marker inside packaging_box", "then rubber_eraser inside packaging_box")

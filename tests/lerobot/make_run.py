@@ -15,9 +15,9 @@ from typing import Any
 from tests.recordings import INSTRUCTION, collected, episode, segment, wordings_of, written
 from vcage.base.files import RunFolder
 from vcage.datasets.packing.settings import CompressionSettings
+from vcage.runs.context import StageContext
 from vcage.schema.episodes import Episodes
 from vcage.stages import compress, export
-from vcage.stages.context import StageContext
 from vcage.video.choices import LOSSLESS
 
 LENGTHS = (24, 13, 18, 9)

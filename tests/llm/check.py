@@ -18,7 +18,7 @@ from jsonschema import Draft202012Validator
 
 from tests.llm.questions import DRAWN, INSTRUCTION, QUESTIONS, RNG
 from tests.models.catalogue import unchecked
-from tests.runs import command
+from tests.run_folders import command
 from vcage.base.errors import ConfigurationError, ModelRefused, NoAssetFits, UnreadInstruction
 from vcage.models import prompts
 from vcage.models.exchange import Answerer, Question, Reply

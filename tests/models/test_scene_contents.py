@@ -7,8 +7,8 @@ from collections import Counter
 import numpy as np
 import pytest
 
+from tests.example_scenes import library
 from tests.models.catalogue import CATALOGUE
-from tests.scenes import library
 from vcage.base.errors import NoAssetFits, UnknownName
 from vcage.models.scene_contents import draw_contents
 from vcage.schema.plan import Selection

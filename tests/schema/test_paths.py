@@ -8,9 +8,11 @@ from typing import Any
 
 import pytest
 
-from tests.runs import Finished
+from tests.run_folders import Finished
 from vcage.base.errors import InputFileError
 from vcage.base.files import read_json, write_json
+from vcage.episodes.store import read_log
+from vcage.runs.edits import SEAL, edits
 from vcage.schema.base import Document
 from vcage.schema.compression import Compression
 from vcage.schema.episodes import Episodes, Verdicts
@@ -21,8 +23,6 @@ from vcage.schema.plan import Plan
 from vcage.schema.renders import Renders
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
-from vcage.stages.edits import SEAL, edits
-from vcage.stages.episode_store import read_log
 
 KEY = "a key"
 """In place of a key that is itself a path."""

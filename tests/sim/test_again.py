@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tests.scenes import block_and_plate, world_of
+from tests.example_scenes import block_and_plate, world_of
 from vcage.sim.again import simulate_again
 from vcage.sim.drives import GRID, on_grid
 from vcage.sim.recording import StateLog

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from tests.runs import FPS, QUICK_VIDEOS
+from tests.run_folders import FPS, QUICK_VIDEOS
 from tests.scripted_agent import Act, Read, ScriptedAgent
 from tests.skills.clients import CLIENTS, NAMES, SKILLS, WAYS, Desk, is_here
 from tests.skills.scripted_model import Call, Script, scripted_model

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.runs import (
+from tests.run_folders import (
     FOLDERS,
     FPS,
     INSTRUCTION,

@@ -7,18 +7,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.runs import FPS
-from tests.scenes import block_and_plate, scene_of
+from tests.example_scenes import block_and_plate, scene_of
+from tests.run_folders import FPS
 from vcage.base.errors import InputFileError
 from vcage.base.files import RunFolder, read_json, write_json
 from vcage.datasets.reader import EpisodeReader
+from vcage.runs.context import StageContext
+from vcage.scenes.layout_items import layout_items
 from vcage.schema.episodes import Episodes
 from vcage.schema.goals import AskedGoal, goal_of
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
 from vcage.stages import chain, search_subtasks
-from vcage.stages.context import StageContext
-from vcage.stages.layout_items import layout_items
 
 STAGES = ("select_place", "inpaint_plan", "match", "optimize", "search_subtasks", "collect")
 

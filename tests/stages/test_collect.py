@@ -21,16 +21,17 @@ import numpy as np
 import psutil
 import pytest
 
-from tests.runs import FPS, INSTRUCTION, OPTIONS, Finished, clean_environment, copied, digests
+from tests.run_folders import FPS, INSTRUCTION, OPTIONS, Finished, clean_environment, copied, digests
 from vcage.base.errors import DamagedFile, InputFileError, PartlyDone, StaleStage, UnknownName, UsageError
 from vcage.base.files import RunFolder, read_json, sha256_file, write_json
 from vcage.datasets.reader import EpisodeReader
+from vcage.episodes import store as episode_store
+from vcage.runs.edits import seal
+from vcage.runs.running import run_stage
 from vcage.schema.episodes import Attempt, CriticCounts, Episode, Episodes, Truth, Verdict
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
-from vcage.stages import collect, episode_store, search_subtasks
-from vcage.stages.edits import seal
-from vcage.stages.running import run_stage
+from vcage.stages import collect, search_subtasks
 
 KILLS = 20
 WITH_WORKERS = ["collect", "--models", "offline", "--episodes", "2", "--fps", str(FPS), "--workers", "2"]

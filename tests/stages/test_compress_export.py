@@ -20,10 +20,10 @@ from vcage.datasets.packing import clips
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.datasets.reader import EpisodeReader
 from vcage.datasets.recordings.opening import open_recordings
+from vcage.runs.context import StageContext
 from vcage.schema.compression import Compression
 from vcage.schema.export import Export
 from vcage.stages import compress, export
-from vcage.stages.context import StageContext
 from vcage.video.choices import LOSSLESS
 from vcage.video.jod import JodMetric
 

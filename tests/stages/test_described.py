@@ -10,23 +10,24 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.runs import OPTIONS
+from tests.run_folders import OPTIONS
 from vcage.base.errors import InfeasibleScene, InputFileError, ModelRefused
 from vcage.base.files import RunFolder, read_json, write_json
 from vcage.base.pictures import read_labels
+from vcage.episodes import starts
+from vcage.episodes.layouts import Layouts, NoLayout
+from vcage.episodes.starts import Starts
 from vcage.models.rules.reasoner import OfflineReasoner
 from vcage.plans.relations import holds
+from vcage.runs.context import StageContext
+from vcage.scenes.possible import edited_scene
 from vcage.schema.goals import AskedGoal, Description, Goal, Reading
 from vcage.schema.plan import Plan, Relation, SelectedAsset, Selection
 from vcage.schema.randomisation import WorldRanges
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask, Subtasks
 from vcage.sim.robots import load_randomisation
-from vcage.stages import inpaint_plan, match, optimize, search_subtasks, select_place, starts
-from vcage.stages.context import StageContext
-from vcage.stages.layouts import Layouts, NoLayout
-from vcage.stages.possible import edited_scene
-from vcage.stages.starts import Starts
+from vcage.stages import inpaint_plan, match, optimize, search_subtasks, select_place
 from vcage.tasks.described import require_settled, untrue
 
 TEXT = "Put the block on the left plate"

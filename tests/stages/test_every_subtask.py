@@ -10,17 +10,17 @@ from typing import Any
 import pytest
 import yaml
 
-from tests.runs import OPTIONS, command
+from tests.run_folders import OPTIONS, command
 from vcage.base.errors import UsageError
 from vcage.base.files import RunFolder, data_path, resource
+from vcage.episodes.quota import RUNS_PER_EPISODE, Wanted
+from vcage.runs.context import StageContext
 from vcage.schema.episodes import Episode, Episodes
 from vcage.schema.plan import Plan
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
 from vcage.stages import select_place
 from vcage.stages.chain import run_chain
-from vcage.stages.context import StageContext
-from vcage.stages.wanted import RUNS_PER_EPISODE, Wanted
 
 CONTENTS = [{"assets": ["plate"], "role": "receptacle"}, {"assets": ["apple", "orange"], "count": 2}]
 

@@ -9,14 +9,14 @@ from pathlib import Path
 import pytest
 import yaml
 
-from tests.runs import OPTIONS, REPOSITORY
+from tests.run_folders import OPTIONS, REPOSITORY
 from vcage.apps.replay import replay_episode
 from vcage.base.files import RunFolder
 from vcage.datasets.reader import EpisodeReader
+from vcage.runs.context import StageContext
 from vcage.schema.episodes import Episodes
 from vcage.sim.robotwin.importing import import_robot
 from vcage.stages import chain
-from vcage.stages.context import StageContext
 
 pytestmark = pytest.mark.slow
 

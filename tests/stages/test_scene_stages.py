@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.runs import INSTRUCTION, OPTIONS, Finished, copied, digests
+from tests.run_folders import INSTRUCTION, OPTIONS, Finished, copied, digests
 from vcage.base.errors import (
     InfeasibleScene,
     MissingStage,
@@ -23,11 +23,12 @@ from vcage.base.files import RunFolder
 from vcage.base.geometry import boxes_overlap
 from vcage.base.pictures import read_labels, read_picture
 from vcage.plans.check import plan_complaints
+from vcage.scenes import chosen_objects, starting_poses
 from vcage.schema.goals import AskedGoal, Goal, Reading
 from vcage.schema.matches import Matches
 from vcage.schema.plan import LayoutPlan, Plan, Relation, SelectedAsset, Selection
 from vcage.schema.scene import Scene
-from vcage.stages import chosen_objects, inpaint_plan, match, optimize, select_place, starting_poses
+from vcage.stages import inpaint_plan, match, optimize, select_place
 
 
 def aabbs(scene: Scene) -> dict[str, np.ndarray]:

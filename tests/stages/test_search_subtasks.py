@@ -6,7 +6,7 @@ import ast
 
 import pytest
 
-from tests.runs import OPTIONS, copied
+from tests.run_folders import OPTIONS, copied
 from vcage.base.errors import NoFeasibleTask, SchemaMismatch
 from vcage.base.files import read_json, write_json
 from vcage.schema.scene import Scene

@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 
 from tests.model_server import ModelServer, text_answer
-from tests.runs import OPTIONS, Finished, command, copied
+from tests.run_folders import OPTIONS, Finished, command, copied
 from vcage.base.drawing import EDGE, VIEW
 from vcage.base.errors import DamagedFile, InputFileError, MissingStage, StaleStage, UnknownName
 from vcage.base.files import RunFolder, read_json, write_json, write_text
 from vcage.base.pictures import read_picture, write_picture
+from vcage.episodes.store import log_path, read_log
+from vcage.runs.edits import seal
 from vcage.schema.episodes import Attempt, CriticCounts, Episodes, SingleVerdict, Truth, Verdict, Verdicts
 from vcage.stages import verify
-from vcage.stages.edits import seal
-from vcage.stages.episode_store import log_path, read_log
 
 
 def pair(finished):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.scenes import GROUND, block_and_plate, kinematics, robot, scene_of, sensible, subtask, thing
+from tests.example_scenes import GROUND, block_and_plate, kinematics, robot, scene_of, sensible, subtask, thing
 from vcage.base.errors import NoFeasibleTask
 from vcage.schema.goals import AskedGoal, Goal, goal_of
 from vcage.schema.subtasks import Grasp, Subtask

@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 
-from tests.scenes import Critic, play_once, robot
+from tests.example_scenes import Critic, play_once, robot
 from vcage.base.geometry import Camera, Pose
 from vcage.datasets.episode import EpisodeData
 from vcage.tasks.assemble import episode_data

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from tests.scenes import GROUND, block_and_plate, kinematics, sensible, subtask, thing
+from tests.example_scenes import GROUND, block_and_plate, kinematics, sensible, subtask, thing
 from vcage.schema.goals import goal_of
 from vcage.schema.subtasks import Grasp, Preference, SlotAnswer, SlotQuestion, Statement, Subtask
 from vcage.tasks.choosing import as_chosen, filled, preferred_first, slot_questions, with_open_parts

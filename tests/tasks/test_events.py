@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import pytest
 
-from tests.scenes import TABLE_TOP, thing, world_of
+from tests.example_scenes import TABLE_TOP, thing, world_of
 from vcage.base.geometry import Pose
 from vcage.schema.goals import Goal
 from vcage.sim.world import PHYSICS_HZ, World

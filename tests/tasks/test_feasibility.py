@@ -18,7 +18,7 @@ from tests.articulated import (
     lidded_chest,
     standing,
 )
-from tests.scenes import GROUND, TABLE_TOP, block_and_plate, kinematics, sensible, thing
+from tests.example_scenes import GROUND, TABLE_TOP, block_and_plate, kinematics, sensible, thing
 from vcage.base.geometry import Pose
 from vcage.schema.asset import FunctionalPoint
 from vcage.schema.goals import Goal

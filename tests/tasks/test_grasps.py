@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.scenes import TABLE_TOP, library, robot, thing
+from tests.example_scenes import TABLE_TOP, library, robot, thing
 from vcage.base.geometry import Pose, frame_from_axes, oriented_boxes_overlap
 from vcage.schema.asset import ContactPoint
 from vcage.tasks.grasps import GRASP_ROOM, TILTS, approach_opening, grasp_poses, hand_boxes

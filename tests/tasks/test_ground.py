@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.scenes import GROUND, TABLE_TOP, thing
+from tests.example_scenes import GROUND, TABLE_TOP, thing
 from vcage.base.geometry import Pose, boxes_overlap
 from vcage.plans.relations import holds
 from vcage.schema.goals import Goal

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import pytest
 
-from tests.scenes import thing, world_of
+from tests.example_scenes import thing, world_of
 from vcage.schema.goals import Goal
 from vcage.tasks.events import Watch
 from vcage.tasks.truth import goals_hold

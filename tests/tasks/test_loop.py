@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.scenes import (
+from tests.example_scenes import (
     GROUND,
     ON_PLATE,
     TABLE_TOP,
@@ -19,11 +19,11 @@ from tests.scenes import (
     thing,
 )
 from vcage.base.geometry import Pose
+from vcage.episodes.store import confusion
 from vcage.schema.episodes import Failure
 from vcage.schema.goals import Goal
 from vcage.schema.subtasks import Grasp
 from vcage.sim.recording import StateLog
-from vcage.stages.episode_store import confusion
 from vcage.tasks.loop import EpisodeRun, run_episode
 from vcage.tasks.slots import slots_for_chain
 from vcage.tasks.task import Task, TaskFailed

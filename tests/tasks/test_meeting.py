@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.scenes import TABLE_TOP, kinematics, robot, thing
+from tests.example_scenes import TABLE_TOP, kinematics, robot, thing
 from vcage.base.geometry import Pose
 from vcage.sim.motion import MotionFailed
 from vcage.tasks.grasps import grasp_poses

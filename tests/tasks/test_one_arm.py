@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tests.scenes import thing
+from tests.example_scenes import thing
 from vcage.schema.goals import Goal
 from vcage.tasks.one_arm import for_one_arm
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tests.scenes import TABLE_TOP, kinematics, thing
+from tests.example_scenes import TABLE_TOP, kinematics, thing
 from vcage.base.geometry import Pose
 from vcage.tasks.feasibility import Transfer
 from vcage.tasks.passing import examine_detour, examine_passing

@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from tests.scenes import GROUND, kinematics, thing
+from tests.example_scenes import GROUND, kinematics, thing
 from vcage.plans.relations import holds
 from vcage.schema.goals import goal_of
 from vcage.tasks.pushing import FACES, HEADINGS, MARGIN, examine_pushes, headings

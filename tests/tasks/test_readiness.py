@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.scenes import scene_of, subtask, thing
+from tests.example_scenes import scene_of, subtask, thing
 from vcage.schema.goals import Goal
 from vcage.schema.subtasks import Subtask
 from vcage.tasks.readiness import ready_for

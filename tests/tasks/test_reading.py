@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.scenes import TABLE_TOP, thing
+from tests.example_scenes import TABLE_TOP, thing
 from vcage.base.geometry import Pose
 from vcage.tasks.reading import reading_poses, reads
 from vcage.tasks.scene_objects import SceneObject

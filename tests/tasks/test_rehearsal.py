@@ -6,7 +6,17 @@ import numpy as np
 import pytest
 
 from tests.articulated import TRAVEL, asset_of, drawer_cabinet, drawer_handle, standing
-from tests.scenes import GROUND, TABLE_TOP, block_and_plate, kinematics, robot, scene_of, sensible, template, thing
+from tests.example_scenes import (
+    GROUND,
+    TABLE_TOP,
+    block_and_plate,
+    kinematics,
+    robot,
+    scene_of,
+    sensible,
+    template,
+    thing,
+)
 from vcage.base.errors import NoFeasibleTask
 from vcage.base.geometry import Pose
 from vcage.schema.goals import AskedGoal, Goal

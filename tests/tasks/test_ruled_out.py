@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import pytest
 
-from tests.scenes import thing
+from tests.example_scenes import thing
 from vcage.base.errors import NoFeasibleTask
 from vcage.schema.goals import AskedGoal, Goal, goal_of
 from vcage.tasks.ruled_out import require_way

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from shapely.geometry import MultiPoint
 
-from tests.scenes import TABLE_TOP, thing
+from tests.example_scenes import TABLE_TOP, thing
 from vcage.base.geometry import Pose
 from vcage.tasks.scene_objects import Obstacles, SolidBox
 

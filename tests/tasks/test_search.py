@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from tests.scenes import GROUND, block_and_plate, kinematics, scene_of, sensible, subtask, thing
+from tests.example_scenes import GROUND, block_and_plate, kinematics, scene_of, sensible, subtask, thing
 from vcage.base.errors import NoFeasibleTask
 from vcage.schema.goals import AskedGoal, Goal
 from vcage.schema.subtasks import Check, PairAnswer, PairQuestion, Refusal

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.scenes import GROUND, robot, subtask, thing
+from tests.example_scenes import GROUND, robot, subtask, thing
 from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose, boxes_overlap, world_aabb
 from vcage.schema.subtasks import Subtask

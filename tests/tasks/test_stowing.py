@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.scenes import GROUND, kinematics, robot, scene_of, thing, world_of
+from tests.example_scenes import GROUND, kinematics, robot, scene_of, thing, world_of
 from vcage.base.errors import InfeasibleScene
 from vcage.schema.goals import Description, Goal
 from vcage.tasks.described import complaints, untrue

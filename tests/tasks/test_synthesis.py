@@ -12,7 +12,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from tests.scenes import block_and_plate, scene_of, subtask
+from tests.example_scenes import block_and_plate, scene_of, subtask
 from vcage.base.errors import DamagedFile, MissingStage, UnknownName
 from vcage.tasks.synthesis import Script, load_script, note_python, render_script, write_script
 

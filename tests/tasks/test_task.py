@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from tests.scenes import ON_PLATE, TABLE_TOP, block_and_plate, thing, world_of
+from tests.example_scenes import ON_PLATE, TABLE_TOP, block_and_plate, thing, world_of
 from vcage.base.errors import UnknownName
 from vcage.base.geometry import Pose
 from vcage.schema.goals import Goal

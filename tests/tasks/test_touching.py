@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.scenes import TABLE_TOP, block_and_plate, thing, world_of
+from tests.example_scenes import TABLE_TOP, block_and_plate, thing, world_of
 from vcage.base.geometry import Pose
 from vcage.sim.collision import Held
 from vcage.sim.motion import MotionPlanner

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.scenes import TABLE_TOP, thing, world_of
+from tests.example_scenes import TABLE_TOP, thing, world_of
 from vcage.base.geometry import Pose
 from vcage.schema.episodes import Truth
 from vcage.schema.goals import Goal

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.scenes import TABLE_TOP, thing
+from tests.example_scenes import TABLE_TOP, thing
 from vcage.base.geometry import boxes_overlap, wrap_angle
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.variation import SHIFT, TURN, shifted_poses

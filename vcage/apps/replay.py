@@ -14,14 +14,14 @@ from vcage.base.errors import MissingStage, NoDrives, NotReproduced
 from vcage.base.files import RunFolder
 from vcage.datasets.episode import EpisodeData
 from vcage.datasets.reader import EpisodeReader
+from vcage.episodes.recorded import Recorded
+from vcage.episodes.runner import versions
+from vcage.runs.accepted import accepted_episodes, none_counts
+from vcage.runs.context import StageContext
 from vcage.sim.again import simulate_again
 from vcage.sim.looks import look_world
 from vcage.sim.recording import StateLog
 from vcage.sim.replay import camera_paths, render_log
-from vcage.stages.accepted import accepted_episodes, none_counts
-from vcage.stages.context import StageContext
-from vcage.stages.episode_runner import versions
-from vcage.stages.recorded import Recorded
 from vcage.tasks.assemble import camera_tracks, episode_data
 
 NOT_RECORDED = "not recorded"

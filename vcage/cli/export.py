@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated
 
+from vcage.apps.appending import append_to
 from vcage.base.errors import UsageError
 from vcage.base.files import RunFolder
 from vcage.base.options import FOLDER, UNSAID
@@ -15,7 +16,6 @@ from vcage.cli.progress import progress
 from vcage.cli.stage import StageCommand, execute_stage
 from vcage.datasets.lerobot.formats import FORMATS
 from vcage.stages import export
-from vcage.stages.appending import append_to
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,8 +11,8 @@ from vcage.base.commands import CALLED, vcage_command
 from vcage.base.errors import DamagedFile, MissingStage, NotJudged, StaleStage, VcageError
 from vcage.base.files import PRODUCERS, RunFolder, read_json, write_json
 from vcage.cli.arguments import options_of
-from vcage.stages.running import stage_of
-from vcage.stages.stage import StageOptions
+from vcage.runs.running import stage_of
+from vcage.runs.stage import StageOptions
 
 NOT_KEPT = ("force", "script")
 """Options that every call gives anew: what throws something away, and what executes a file."""

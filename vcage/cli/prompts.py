@@ -9,6 +9,7 @@ from typing import Annotated
 
 from tyro.conf import Positional, arg
 
+from vcage.apps.asking import ASKED_BY, question_of
 from vcage.base.errors import InputFileError, MissingStage, UsageError
 from vcage.base.files import RunFolder
 from vcage.base.options import FOLDER, choice
@@ -17,7 +18,6 @@ from vcage.cli.going_on import words_of
 from vcage.cli.output import Result
 from vcage.cli.stage import options_of
 from vcage.models.exchange import Question
-from vcage.stages.asking import ASKED_BY, question_of
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -49,10 +49,10 @@ class RenderEpisodes(Command):
     def execute(self) -> Result:
         """Draw."""
         from vcage.base.workers import cores
+        from vcage.episodes.rendering import FOLDER as RENDERS
+        from vcage.episodes.rendering import INDEX, Order, render_run, write_sheet
+        from vcage.runs.running import at_work
         from vcage.sim.robots import load_randomisation
-        from vcage.stages.rendering import FOLDER as RENDERS
-        from vcage.stages.rendering import INDEX, Order, render_run, write_sheet
-        from vcage.stages.running import at_work
 
         run, ranges = RunFolder(self.run), load_randomisation(self.randomise)
         order = Order(self.looks, ranges, self.seed, self.episodes, self.workers or cores())

@@ -41,7 +41,7 @@ class Replay(Command):
             InputFileError: there is no episode, it is damaged, or it was recorded without what a replay needs.
         """
         from vcage.apps.replay import episodes_at, replay_episode
-        from vcage.stages.context import StageContext
+        from vcage.runs.context import StageContext
 
         paths, context = episodes_at(self.path), StageContext("offline")
         replayed = {}

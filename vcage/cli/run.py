@@ -17,9 +17,9 @@ from vcage.cli.going_on import not_dry, remembered
 from vcage.cli.output import Result, stop_if_interrupted
 from vcage.cli.progress import progress
 from vcage.cli.stage import BeginCommand, about, context_of
+from vcage.runs.running import note_seconds
 from vcage.stages import chain, select_place
 from vcage.stages.chain import STAGES
-from vcage.stages.running import note_seconds
 
 logger = logging.getLogger(__name__)
 

@@ -15,9 +15,9 @@ from vcage.cli import arguments
 from vcage.cli.going_on import following, not_dry, remembered
 from vcage.cli.output import Result
 from vcage.cli.progress import progress
-from vcage.stages.context import StageContext
-from vcage.stages.running import run_stage, stage_of
-from vcage.stages.stage import ASKS, ModelOptions, StageOptions, StageResult
+from vcage.runs.context import StageContext
+from vcage.runs.running import run_stage, stage_of
+from vcage.runs.stage import ASKS, ModelOptions, StageOptions, StageResult
 
 logger = logging.getLogger(__name__)
 

@@ -17,8 +17,8 @@ from vcage.cli.output import Result, end_process, naming_stages, run_cli
 from vcage.cli.progress import set_up
 from vcage.cli.stage import StageCommand, execute_stage
 from vcage.cli.streams import stray_output_on_stderr
+from vcage.runs.running import at_work
 from vcage.stages import collect
-from vcage.stages.running import at_work
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,7 +37,7 @@ def run_script(path: str, argv: list[str] | None = None) -> int:
 
 def _run(path: Path, arguments: Sequence[str]) -> Result | None:
     from vcage.base.files import RunFolder
-    from vcage.stages.script_run import prepare_run
+    from vcage.episodes.script_run import prepare_run
     from vcage.tasks.synthesis import load_script
 
     text = f"{load_script(path).values['TEXT']}\n\n{(collect.__doc__ or '').splitlines()[0]}"

@@ -14,21 +14,11 @@ from vcage.base.files import RunFolder
 from vcage.base.options import Flag
 from vcage.base.progress import Progress, silent
 from vcage.base.workers import load_ahead
-from vcage.stages import (
-    collect,
-    compress,
-    export,
-    inpaint_plan,
-    match,
-    optimize,
-    search_subtasks,
-    select_place,
-    verify,
-)
-from vcage.stages.context import StageContext
-from vcage.stages.ranges import required_ranges
-from vcage.stages.running import Stage, at_work, timed
-from vcage.stages.stage import StageResult
+from vcage.episodes.ranges import required_ranges
+from vcage.runs.context import StageContext
+from vcage.runs.running import Stage, at_work, timed
+from vcage.runs.stage import StageResult
+from vcage.stages import collect, compress, export, inpaint_plan, match, optimize, search_subtasks, select_place, verify
 
 logger = logging.getLogger(__name__)
 
@@ -120,7 +110,7 @@ def run_chain(
     done = {}
     with at_work(run):
         if options.workers != 1 and not run.compression.exists():  # else no process may be begun
-            load_ahead("vcage.stages.ahead")
+            load_ahead("vcage.episodes.preload")
         for name, stage in STAGES.items():
             with show(name) as progress:
                 own = export.Options(seed=options.seed, force=options.force) if name == "export" else options

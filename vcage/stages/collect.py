@@ -26,11 +26,14 @@ from vcage.base.memory import free_memory
 from vcage.base.options import FILE, NATURAL, POSITIVE, RANGES, UNSAID
 from vcage.base.progress import Progress, silent
 from vcage.base.workers import Processes, ThisProcess, cores
-from vcage.schema.episodes import Accept, Attempt, Episode, Episodes
-from vcage.schema.subtasks import Subtasks
-from vcage.sim.robots import load_randomisation
-from vcage.stages.context import StageContext
-from vcage.stages.edits import (
+from vcage.episodes.named_scripts import named_scripts, unnamed_edits
+from vcage.episodes.quota import Wanted
+from vcage.episodes.ranges import required_ranges
+from vcage.episodes.runner import EpisodeRunner
+from vcage.episodes.shortfall import never_verified, shortfall
+from vcage.episodes.store import EpisodeStore
+from vcage.runs.context import StageContext
+from vcage.runs.edits import (
     by_hand,
     reason_by_hand,
     refuse,
@@ -38,13 +41,10 @@ from vcage.stages.edits import (
     require_only,
     written_record,
 )
-from vcage.stages.episode_runner import EpisodeRunner
-from vcage.stages.episode_store import EpisodeStore
-from vcage.stages.named_scripts import named_scripts, unnamed_edits
-from vcage.stages.ranges import required_ranges
-from vcage.stages.shortfall import never_verified, shortfall
-from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
-from vcage.stages.wanted import Wanted
+from vcage.runs.stage import Job, ModelOptions, StageResult, stage_seed
+from vcage.schema.episodes import Accept, Attempt, Episode, Episodes
+from vcage.schema.subtasks import Subtasks
+from vcage.sim.robots import load_randomisation
 from vcage.tasks.setting import OnFailure
 from vcage.tasks.synthesis import load_script
 
@@ -139,7 +139,7 @@ def execute(
     """Write ``episodes/``: one HDF5 per accepted episode, the log of all attempts, the rejected ones as states.
 
     Raises:
-        MissingStage, StaleStage: see :class:`vcage.stages.stage.Job`.
+        MissingStage, StaleStage: see :class:`vcage.runs.stage.Job`.
         TooFewVerified: no episode was accepted.
     """
     context = context.at_once

@@ -20,13 +20,13 @@ from vcage.datasets.packing.dataset_search import search_data_set
 from vcage.datasets.packing.records import compression_record
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.datasets.recordings.opening import open_hdf5
+from vcage.runs.accepted import accepted_episodes, decided_by, none_counts, withdraw
+from vcage.runs.context import StageContext
+from vcage.runs.edits import refuse
+from vcage.runs.raw_pictures import holds_links, originals, packed_hash, refer_to_videos, require_raw
+from vcage.runs.stage import Job, StageOptions, StageResult, differences, stage_seed
 from vcage.schema.base import Provenance
 from vcage.schema.compression import Compression, SetAside, VideoStream
-from vcage.stages.accepted import accepted_episodes, decided_by, none_counts, withdraw
-from vcage.stages.context import StageContext
-from vcage.stages.edits import refuse
-from vcage.stages.raw_pictures import holds_links, originals, packed_hash, refer_to_videos, require_raw
-from vcage.stages.stage import Job, StageOptions, StageResult, differences, stage_seed
 
 WORKING = "compress.working"
 """Folder of the run in which videos gather; an interrupted stage goes on there."""
@@ -79,7 +79,7 @@ def execute(
     Unless raw pictures are to be kept, the episodes' files refer to the videos from then on, which lie beside them too.
 
     Raises:
-        MissingStage, StaleStage: see :class:`vcage.stages.stage.Job`; also when no episode counts, and all are set
+        MissingStage, StaleStage: see :class:`vcage.runs.stage.Job`; also when no episode counts, and all are set
             aside then, or the raw pictures that it takes are gone.
         DamagedFile, SchemaMismatch: an episode cannot be read.
         MissingDependency: ColorVideoVDP or the encoder is missing.

@@ -29,15 +29,15 @@ from vcage.datasets.packing.writing import lerobot_episode
 from vcage.datasets.reader import EpisodeReader
 from vcage.datasets.recordings.opening import open_hdf5
 from vcage.datasets.robotwin import export_robotwin
+from vcage.runs.accepted import accepted_episodes, decided_by, none_counts, withdraw
+from vcage.runs.context import StageContext
+from vcage.runs.edits import refuse
+from vcage.runs.raw_pictures import originals, require_raw
+from vcage.runs.stage import Job, StageOptions, StageResult, stage_seed
 from vcage.schema.base import Provenance
 from vcage.schema.compression import Compression
 from vcage.schema.export import Export, ExportedDataset
-from vcage.stages.accepted import accepted_episodes, decided_by, none_counts, withdraw
 from vcage.stages.compress import clips_of
-from vcage.stages.context import StageContext
-from vcage.stages.edits import refuse
-from vcage.stages.raw_pictures import originals, require_raw
-from vcage.stages.stage import Job, StageOptions, StageResult, stage_seed
 from vcage.video.choices import LOSSLESS
 from vcage.video.encoders import CODECS
 
@@ -104,7 +104,7 @@ def execute(
     """Write a folder for each format into ``export/``, and ``export/export.json``.
 
     Raises:
-        MissingStage, StaleStage: see :class:`vcage.stages.stage.Job`; also when a video was not compressed yet, or no
+        MissingStage, StaleStage: see :class:`vcage.runs.stage.Job`; also when a video was not compressed yet, or no
             episode counts.
         DamagedFile, SchemaMismatch: an episode or a video cannot be read.
         UsageError: the codec asked for cannot stay under the loss that the compression allowed, or needs a CRF.

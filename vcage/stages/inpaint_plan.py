@@ -24,17 +24,17 @@ from vcage.base.options import UNSAID
 from vcage.base.pictures import picture_header, read_picture, write_picture
 from vcage.base.progress import Progress, silent
 from vcage.layout.items import TableItem
-from vcage.matching.match import ScenePictures
 from vcage.models.llm_editor import edit_complaint
 from vcage.models.protocols import EditRequest
 from vcage.plans.descriptions import with_descriptions
+from vcage.runs.context import StageContext
+from vcage.runs.edits import refuse, require_same
+from vcage.runs.inputs import described_check, read_pictures, read_plan
+from vcage.runs.stage import Job, ModelOptions, StageResult, stage_seed
 from vcage.schema.base import Provenance
 from vcage.schema.plan import LayoutPlan, Plan
 from vcage.schema.scene import Scene
-from vcage.stages.context import StageContext
-from vcage.stages.edits import refuse, require_same
-from vcage.stages.inputs import described_check, read_pictures, read_plan
-from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
+from vcage.vision.match import ScenePictures
 
 TARGET = "target.png"
 """The picture, beside the plan."""

@@ -23,19 +23,19 @@ from vcage.base.geometry import Pose
 from vcage.base.options import between, value
 from vcage.base.pictures import read_picture, write_picture
 from vcage.base.progress import Progress, silent
-from vcage.matching.match import THRESHOLD, Looks, Recogniser, match_picture
-from vcage.matching.overlay import draw_overlay
 from vcage.models.registry import DETECTORS, EMBEDDERS, split_weights
 from vcage.plans.kept import Kept, relations_kept
 from vcage.plans.relations import ground_box
+from vcage.runs.context import StageContext
+from vcage.runs.inputs import read_matches, read_pictures, read_plan
+from vcage.runs.stage import Job, ModelOptions, StageResult, stage_seed
 from vcage.schema.base import Box, Provenance, box_record
 from vcage.schema.matches import Match, Matches
 from vcage.schema.plan import Plan
 from vcage.schema.scene import Scene
 from vcage.sim.drawer import ModelDrawer
-from vcage.stages.context import StageContext
-from vcage.stages.inputs import read_matches, read_pictures, read_plan
-from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
+from vcage.vision.match import THRESHOLD, Looks, Recogniser, match_picture
+from vcage.vision.overlay import draw_overlay
 
 logger = logging.getLogger(__name__)
 

@@ -31,18 +31,18 @@ from vcage.layout.picture import draw_layout
 from vcage.layout.stowed import with_places, with_stowed
 from vcage.plans.actions import HOLDING
 from vcage.plans.kept import Kept, relations_kept_in
+from vcage.runs.context import StageContext
+from vcage.runs.inputs import read_matches, read_plan
+from vcage.runs.stage import Job, StageOptions, StageResult, stage_seed
+from vcage.scenes.layout_items import nearest_layout
+from vcage.scenes.possible import edited_scene, settled_record
+from vcage.scenes.stability import moved_objects, settle_checks
 from vcage.schema.base import Provenance
 from vcage.schema.matches import Matches
 from vcage.schema.plan import TABLE
 from vcage.schema.scene import ObjectRecord, Scene, Workspace
 from vcage.sim.cameras import shoot
 from vcage.sim.world import World
-from vcage.stages.context import StageContext
-from vcage.stages.inputs import read_matches, read_plan
-from vcage.stages.layout_items import nearest_layout
-from vcage.stages.possible import edited_scene, settled_record
-from vcage.stages.stability import moved_objects, settle_checks
-from vcage.stages.stage import Job, StageOptions, StageResult, stage_seed
 from vcage.tasks.described import require_settled
 from vcage.tasks.rehearsal import require_chain
 from vcage.tasks.scene_objects import SceneObject

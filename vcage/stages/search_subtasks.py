@@ -17,17 +17,17 @@ from typing import Any
 
 from vcage.base.files import RunFolder
 from vcage.base.progress import Progress, silent
+from vcage.episodes.wordings import task_to_word, worded_chain
 from vcage.plans.planner import Task, complaints
+from vcage.runs.context import StageContext
+from vcage.runs.edits import edited_scripts, refuse, written_record
+from vcage.runs.stage import Job, ModelOptions, StageResult, stage_seed
+from vcage.scenes.possible_subtask import require_possible
+from vcage.scenes.slot_choices import with_chosen_slots
 from vcage.schema.base import Provenance
 from vcage.schema.goals import in_steps
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Chain, Subtasks
-from vcage.stages.context import StageContext
-from vcage.stages.edits import edited_scripts, refuse, written_record
-from vcage.stages.possible_subtask import require_possible
-from vcage.stages.slot_choices import with_chosen_slots
-from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
-from vcage.stages.wordings import task_to_word, worded_chain
 from vcage.tasks.asked_arms import asked_arms
 from vcage.tasks.ground import Ground
 from vcage.tasks.readiness import ready_for

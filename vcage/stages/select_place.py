@@ -36,17 +36,17 @@ from vcage.base.files import RunFolder
 from vcage.base.options import UNSAID, value
 from vcage.base.progress import Progress, silent
 from vcage.base.text import one_line
+from vcage.runs.context import StageContext
+from vcage.runs.edits import written_record
+from vcage.runs.stage import Job, ModelOptions, StageResult
+from vcage.scenes.chosen_objects import choose
+from vcage.scenes.placed_scene import photograph, place_until_stable
+from vcage.scenes.possible import edited_scene
+from vcage.scenes.stated_goals import Told
+from vcage.scenes.stated_scene import choose_told
 from vcage.schema.base import Provenance
 from vcage.schema.scene import Scene, SceneTemplate
 from vcage.sim.robots import available, load_template
-from vcage.stages.chosen_objects import choose
-from vcage.stages.context import StageContext
-from vcage.stages.edits import written_record
-from vcage.stages.placed_scene import photograph, place_until_stable
-from vcage.stages.possible import edited_scene
-from vcage.stages.stage import Job, ModelOptions, StageResult
-from vcage.stages.told_goals import Told
-from vcage.stages.told_scene import choose_told
 
 logger = logging.getLogger(__name__)
 

@@ -13,20 +13,20 @@ from vcage.base.files import RunFolder
 from vcage.base.options import Flag
 from vcage.base.pictures import write_picture
 from vcage.base.progress import Progress, silent
+from vcage.episodes.differences import draw_difference
+from vcage.episodes.kept_pictures import by_moment, empty_table_of, of_same_attempt, scene_of, top_view
+from vcage.episodes.question import TOP, Asking, verdict
+from vcage.episodes.second_judge import JudgedStep, SecondJudge
+from vcage.episodes.store import confusion, log_path, read_log
+from vcage.episodes.worlds import other_phrases, reworded
+from vcage.runs.accepted import judged_steps
+from vcage.runs.context import StageContext
+from vcage.runs.edits import by_hand, require_evidence, require_only, written_record
+from vcage.runs.stage import Job, ModelOptions, StageResult, stage_seed
 from vcage.schema.base import Provenance
 from vcage.schema.episodes import BY_HAND, Attempt, Difference, Episode, Episodes, SingleVerdict, Verdict, Verdicts
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
-from vcage.stages.accepted import judged_steps
-from vcage.stages.context import StageContext
-from vcage.stages.differences import draw_difference
-from vcage.stages.edits import by_hand, require_evidence, require_only, written_record
-from vcage.stages.episode_store import confusion, log_path, read_log
-from vcage.stages.kept_pictures import by_moment, empty_table_of, of_same_attempt, scene_of, top_view
-from vcage.stages.question import TOP, Asking, verdict
-from vcage.stages.second_judge import JudgedStep, SecondJudge
-from vcage.stages.stage import Job, ModelOptions, StageResult, stage_seed
-from vcage.stages.worlds import other_phrases, reworded
 
 logger = logging.getLogger(__name__)
 

@@ -11,16 +11,16 @@ from pathlib import Path
 import h5py
 import pytest
 
-from tests.runs import INSTRUCTION, OPTIONS, STAGES, Finished, copied
+from tests.run_folders import INSTRUCTION, OPTIONS, STAGES, Finished, copied
 from vcage.apps.report.page import write_report
 from vcage.base.errors import DamagedFile, MissingStage
 from vcage.base.files import RunFolder, read_json, write_json, write_text
 from vcage.base.pictures import read_picture
 from vcage.base.videos import decode
+from vcage.episodes.store import log_path, read_log
 from vcage.schema.episodes import Episodes, Verdict
 from vcage.schema.subtasks import Subtasks
 from vcage.stages import verify
-from vcage.stages.episode_store import log_path, read_log
 
 
 class Page(HTMLParser):

@@ -10,8 +10,8 @@ import pyarrow as pa
 import pytest
 import rerun.dataframe as rd
 
+from tests.example_scenes import block_and_plate, robot, scene_of
 from tests.recordings import episode, written
-from tests.scenes import block_and_plate, robot, scene_of
 
 FRAMES = 12
 

@@ -10,8 +10,8 @@ from tests.apps.viewer.conftest import FRAMES, ReadBack, meta
 from tests.datasets.recordings.layouts import FRAMES as OTHERS_FRAMES
 from tests.datasets.recordings.layouts import act, jpeg, robotwin, room, rooms
 from tests.datasets.recordings.simulators import maniskill
+from tests.example_scenes import kinematics, library, robot, scene_of, template, thing
 from tests.recordings import CAMERAS, FPS, HEIGHT, INSTRUCTION, STATE_NAMES, WIDTH, clip, episode, segment, written
-from tests.scenes import kinematics, library, robot, scene_of, template, thing
 from vcage.apps.viewer.show import view
 from vcage.base.geometry import Pose
 from vcage.datasets.episode import CameraTrack

@@ -11,7 +11,7 @@ import pytest
 
 from tests.apps.viewer.conftest import FRAMES, ReadBack
 from tests.datasets.recordings.layouts import robotwin
-from tests.runs import command
+from tests.run_folders import command
 from vcage.apps.viewer import show
 from vcage.apps.viewer.show import view
 from vcage.base.errors import ConfigurationError, DamagedFile, OutputFolderError, UsageError

@@ -16,9 +16,9 @@ import pyarrow.parquet as pq
 import pytest
 
 from tests.datasets.conftest import write
+from tests.example_scenes import template
 from tests.recordings import clip, episode
-from tests.runs import REPOSITORY
-from tests.scenes import template
+from tests.run_folders import REPOSITORY
 from vcage.base.videos import decode
 from vcage.datasets.lerobot.episode import LeRobotEpisode
 from vcage.datasets.lerobot.statistics import picture_histogram

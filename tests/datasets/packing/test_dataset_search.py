@@ -7,7 +7,7 @@ import pytest
 
 from tests.datasets.packing.orders import act_folder, add_camera, settings
 from tests.datasets.packing.searching import ALL, NONE_PASSES, Searches, episode
-from tests.runs import digests
+from tests.run_folders import digests
 from vcage.base.errors import DamagedFile, MissingDependency, UnknownName
 from vcage.base.workers import ThisProcess
 from vcage.datasets.packing import clips as clip_module

@@ -11,7 +11,7 @@ import pytest
 from tests.datasets.packing.orders import order, packed, settings
 from tests.datasets.recordings.layouts import DEMOS, FRAMES, RATE, act, robomimic, rooms
 from tests.datasets.test_packed import everything
-from tests.runs import digests
+from tests.run_folders import digests
 from vcage.base.errors import DamagedFile, UsageError
 from vcage.base.videos import frame_rate
 from vcage.datasets.lerobot.formats import FORMATS

@@ -6,7 +6,7 @@ import pytest
 from tests.datasets.packing.orders import act_folder, order, packed, robotwin_folder
 from tests.datasets.packing.searching import Searches, episode
 from tests.datasets.recordings.layouts import FRAMES
-from tests.runs import digests
+from tests.run_folders import digests
 from vcage.base.errors import DamagedFile, OutputFolderError, UnknownName, UsageError
 from vcage.datasets.packing import estimating
 from vcage.datasets.packing.estimating import estimate

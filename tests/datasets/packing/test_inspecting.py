@@ -7,7 +7,7 @@ import pytest
 from tests.datasets.packing.orders import act_folder, filled, packed, robotwin_folder
 from tests.datasets.recordings.layouts import FRAMES, robotwin
 from tests.recordings import written
-from tests.runs import digests
+from tests.run_folders import digests
 from vcage.base.errors import InputFileError
 from vcage.datasets.packing.inspecting import as_lines, inspect, totals
 

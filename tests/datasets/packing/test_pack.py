@@ -13,7 +13,7 @@ import pytest
 from tests.datasets.packing.orders import FPS, act_folder, add_camera, filled, order, packed, robotwin_folder
 from tests.datasets.recordings.layouts import FRAMES, HEIGHT, WIDTH, act, jpeg, robotwin, robotwin_vision, room, rooms
 from tests.recordings import written
-from tests.runs import digests
+from tests.run_folders import digests
 from vcage.base.errors import (
     DamagedFile,
     DiskFull,

@@ -8,7 +8,7 @@ import pytest
 
 from tests.datasets.packing.orders import act_folder, packed, robotwin_folder
 from tests.datasets.recordings.layouts import FRAMES
-from tests.runs import digests
+from tests.run_folders import digests
 from vcage.base.errors import DamagedFile, InputFileError, OutputFolderError, UsageError
 from vcage.datasets.packing.unpacking import unpack_all
 from vcage.datasets.recordings.opening import open_recordings

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tests.scenes import library
+from tests.example_scenes import library
 from vcage.base.errors import UsageError
 from vcage.base.geometry import Pose
 from vcage.layout.placement import reach

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from tests.scenes import scene_of, thing
+from tests.example_scenes import scene_of, thing
 from vcage.base.geometry import Pose
+from vcage.episodes.question import TOP, Asking, verdict
+from vcage.runs.context import StageContext
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal
 from vcage.sim.cameras import shoot
 from vcage.sim.world import World
-from vcage.stages.context import StageContext
-from vcage.stages.question import TOP, Asking, verdict
 from vcage.tasks.scene_objects import SceneObject
 
 PARTS = {"cabinet_one_drawer": "drawer", "laptop": "screen", "kitchen_timer": "dial", "tap": "lever"}

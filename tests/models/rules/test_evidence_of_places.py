@@ -9,17 +9,17 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 
-from tests.scenes import TABLE_TOP, library, scene_of, thing
+from tests.example_scenes import TABLE_TOP, library, scene_of, thing
 from vcage.base.errors import InputFileError
 from vcage.base.geometry import Pose
+from vcage.episodes.question import TOP, Asking, cameras, verdict
+from vcage.runs.context import StageContext
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal
 from vcage.schema.plan import TABLE
 from vcage.sim.cameras import shoot
 from vcage.sim.robots import load_robot
 from vcage.sim.world import World
-from vcage.stages.context import StageContext
-from vcage.stages.question import TOP, Asking, cameras, verdict
 from vcage.tasks.reading import reading_poses
 
 BOX, PLATE, APPLE = thing("cereal_box", (-0.1, -0.05), 0.3), thing("plate", (0.15, 0.05)), thing("apple", (-0.3, 0.1))

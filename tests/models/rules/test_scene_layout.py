@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from tests.scenes import library, scene_of, thing
+from tests.example_scenes import library, scene_of, thing
 from vcage.models.rules.scene_layout import ROW, plan_scene
 from vcage.plans.check import plan_complaints
 from vcage.schema.plan import LayoutPlan, Relation

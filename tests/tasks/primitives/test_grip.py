@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.scenes import TABLE_TOP, thing, world_of
+from tests.example_scenes import TABLE_TOP, thing, world_of
 from vcage.base.geometry import Pose
 from vcage.tasks.primitives.grip import stays_level
 from vcage.tasks.scene_objects import SceneObject

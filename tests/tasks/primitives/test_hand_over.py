@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from tests.scenes import TABLE_TOP, thing, world_of
+from tests.example_scenes import TABLE_TOP, thing, world_of
 from vcage.base.errors import UnknownName
 from vcage.base.geometry import Pose
 from vcage.schema.goals import Goal

@@ -17,7 +17,7 @@ from tests.articulated import (
     lidded_chest,
     push_button,
 )
-from tests.scenes import TABLE_TOP, robot
+from tests.example_scenes import TABLE_TOP, robot
 from vcage.base.geometry import Pose
 from vcage.tasks.grasps import GRASP_ROOM
 from vcage.tasks.primitives.handles import STEP, TURNS_ALONG, Handle, held_frame, operating_ways

@@ -19,7 +19,7 @@ from tests.articulated import (
     push_button,
     standing,
 )
-from tests.scenes import TABLE_TOP, robot, template, thing
+from tests.example_scenes import TABLE_TOP, robot, template, thing
 from vcage.base.errors import UnknownName
 from vcage.base.geometry import Pose
 from vcage.objects.asset import Asset

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.scenes import TABLE_TOP, robot, thing, world_of
+from tests.example_scenes import TABLE_TOP, robot, thing, world_of
 from vcage.base.geometry import Pose
 from vcage.sim.kinematics import kinematics_of
 from vcage.sim.motion import MotionFailed, MotionPlanner

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.scenes import TABLE_TOP, robot, template, thing
+from tests.example_scenes import TABLE_TOP, robot, template, thing
 from vcage.base.geometry import Pose, frame_from_axes, oriented_boxes_overlap
 from vcage.sim.collision import CollisionScene, Held
 from vcage.sim.kinematics import kinematics_of

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.scenes import robot, thing, world_of
+from tests.example_scenes import robot, thing, world_of
 from vcage.base.errors import UnknownName
 from vcage.base.geometry import Pose
 from vcage.sim.motion import MotionFailed, MotionPlanner

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tests.scenes import GROUND, kinematics, scene_of, sensible, thing
+from tests.example_scenes import GROUND, kinematics, scene_of, sensible, thing
 from vcage.schema.goals import Goal
 from vcage.schema.subtasks import Subtask
 from vcage.tasks.scene_objects import SceneObject

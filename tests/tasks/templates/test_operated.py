@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.scenes import GROUND, kinematics, thing, world_of
+from tests.example_scenes import GROUND, kinematics, thing, world_of
 from vcage.schema.goals import Goal
 from vcage.schema.subtasks import Refusal, Subtask
 from vcage.tasks.scene_objects import SceneObject

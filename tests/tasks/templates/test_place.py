@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from tests.scenes import GROUND, kinematics, thing
+from tests.example_scenes import GROUND, kinematics, thing
 from vcage.schema.goals import Goal
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.templates import TEMPLATES

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.scenes import GROUND, kinematics, robot, scene_of, thing
+from tests.example_scenes import GROUND, kinematics, robot, scene_of, thing
 from vcage.schema.goals import Goal, goal_of
 from vcage.schema.subtasks import Refusal, Subtask
 from vcage.tasks.scene_objects import SceneObject

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tests.scenes import GROUND, TABLE_TOP, kinematics, thing, world_of
+from tests.example_scenes import GROUND, TABLE_TOP, kinematics, thing, world_of
 from vcage.schema.goals import Goal
 from vcage.tasks.events import Watch
 from vcage.tasks.scene_objects import SceneObject

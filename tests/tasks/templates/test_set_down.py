@@ -7,7 +7,7 @@ from collections.abc import Collection, Sequence
 import numpy as np
 import pytest
 
-from tests.scenes import GROUND, TABLE_TOP, kinematics, thing
+from tests.example_scenes import GROUND, TABLE_TOP, kinematics, thing
 from vcage.base.geometry import Pose
 from vcage.schema.goals import Goal
 from vcage.schema.plan import TABLE

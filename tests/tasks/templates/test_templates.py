@@ -7,7 +7,7 @@ from typing import get_args
 
 import pytest
 
-from tests.scenes import block_and_plate, subtask, thing
+from tests.example_scenes import block_and_plate, subtask, thing
 from vcage.schema.subtasks import TemplateName
 from vcage.tasks.templates import TEMPLATES
 from vcage.tasks.templates.place import PLACE

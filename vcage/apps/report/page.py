@@ -16,6 +16,7 @@ import cv2
 import jinja2
 from pydantic import ValidationError
 
+from vcage.apps.asking import ASKED_BY
 from vcage.apps.report.previews import previews
 from vcage.base.drawing import distinct_colours
 from vcage.base.errors import DamagedFile, InputFileError, MissingStage, StaleStage
@@ -23,8 +24,12 @@ from vcage.base.files import RunFolder, write_bytes
 from vcage.base.partial import recover
 from vcage.base.pictures import jpeg, read_picture
 from vcage.base.version import __version__
+from vcage.episodes.question import CUSTOMER, TOP
+from vcage.episodes.store import read_log
 from vcage.models.kept import Exchanges
 from vcage.plans.kept import relations_kept_in
+from vcage.runs.accepted import judged_steps, refusals
+from vcage.runs.running import read_timings
 from vcage.schema.base import StageDocument
 from vcage.schema.compression import Compression
 from vcage.schema.episodes import Difference, Episode, Episodes, Verdict, Verdicts
@@ -34,11 +39,6 @@ from vcage.schema.plan import Plan
 from vcage.schema.randomisation import WorldRanges
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
-from vcage.stages.accepted import judged_steps, refusals
-from vcage.stages.asking import ASKED_BY
-from vcage.stages.episode_store import read_log
-from vcage.stages.question import CUSTOMER, TOP
-from vcage.stages.running import read_timings
 
 logger = logging.getLogger(__name__)
 

@@ -1,0 +1,181 @@
+"""Data sets that grow from run to run."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.recordings import collected, written
+from vcage.apps import appending
+from vcage.apps.appending import ADDED, append_to
+from vcage.base.errors import DamagedFile, DiskFull, MissingStage, StaleStage, UsageError
+from vcage.base.files import RunFolder
+from vcage.datasets.lerobot.formats import FORMATS
+from vcage.datasets.lerobot.writer import LeRobotWriter
+from vcage.datasets.packing.settings import CompressionSettings
+from vcage.datasets.recordings.opening import open_recordings
+from vcage.runs.context import StageContext
+from vcage.stages import compress, export
+
+V3 = "lerobot-v3.0"
+
+
+def exported(
+    root: Path,
+    count: int = 1,
+    formats: tuple[str, ...] = (V3,),
+    codec: str | None = None,
+    seed: int = 200,
+    **changes: Any,
+) -> RunFolder:
+    """A run of so many episodes, whose pictures depend on a seed, compressed at a CRF and exported; or made anew."""
+    run = collected(root, count=count, frames=6)
+    for index in range(count):
+        written(run.root / f"episodes/episode_{index:06d}.hdf5", 6, seed=seed + 10 * index)
+    compression = CompressionSettings(**{"crf": 8, "effort": "fast", **changes})
+    redone = {"seed": 7, "workers": 1, "force": True}
+    compress.execute(run, compress.Options(compression=compression, keep_raw=True, **redone), StageContext())
+    crf = None if codec is None else 30
+    export.execute(run, export.Options(formats=formats, codec=codec, crf=crf, **redone), StageContext())
+    return run
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory) -> tuple[RunFolder, RunFolder]:
+    root = tmp_path_factory.mktemp("runs")
+    return exported(root / "a", 1, tuple(FORMATS), seed=0), exported(root / "b", 2, tuple(FORMATS), seed=100)
+
+
+@pytest.fixture
+def out(tmp_path) -> Path:
+    return tmp_path / "all"
+
+
+def info(out: Path, version: str = V3) -> dict[str, Any]:
+    return json.loads((out / version / "meta/info.json").read_text())
+
+
+def episodes(out: Path) -> int:
+    return info(out)["total_episodes"]
+
+
+def encoding(out: Path) -> dict[str, Any]:
+    return info(out)["features"]["observation.images.cam_high"]["info"]
+
+
+@pytest.mark.parametrize("version", FORMATS)
+def test_the_episodes_of_two_runs_are_one_data_set(runs, out, version):
+    for run in runs:
+        sets = append_to(out, run)
+    assert sets[version] == out / version
+    assert (info(out, version)["total_episodes"], info(out, version)["total_frames"]) == (3, 18)
+    assert [recording.number for recording in open_recordings(sets[version])] == [0, 1, 2]
+
+
+def test_a_run_is_added_once(runs, out):
+    for _ in range(2):
+        append_to(out, runs[1])
+    assert episodes(out) == 2
+
+
+def test_a_run_that_has_grown_adds_its_new_episodes(tmp_path, out):
+    append_to(out, exported(tmp_path / "run", 1))
+    append_to(out, exported(tmp_path / "run", 2))
+    assert [recording.number for recording in open_recordings(out / V3)] == [0, 1]
+
+
+def test_an_interrupted_addition_is_made_up_for(runs, out, monkeypatch):
+    append_to(out, runs[0])
+    with monkeypatch.context() as patched, pytest.raises(KeyboardInterrupt):
+        patched.setattr(LeRobotWriter, "finish", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
+        append_to(out, runs[1])
+    assert episodes(out) == 1
+    append_to(out, runs[1])
+    assert episodes(out) == 3
+
+
+def test_no_data_set_grows_whose_growth_cannot_be_noted(runs, out, monkeypatch):
+    def full(path: Path, *_: object) -> None:
+        raise DiskFull(f"no space left to write {path}")
+
+    append_to(out, runs[0])
+    with monkeypatch.context() as patched, pytest.raises(DiskFull):
+        patched.setattr(appending, "write_json", full)
+        append_to(out, runs[1])
+    assert episodes(out) == 1
+
+
+def test_a_data_set_that_a_killed_addition_left_aside_is_added_to(runs, out):
+    append_to(out, runs[0])
+    (out / V3).rename(out / f"{V3}.replaced-1")
+    append_to(out, runs[1])
+    assert episodes(out) == 3
+
+
+def test_a_data_set_that_was_deleted_is_begun_again(runs, out):
+    append_to(out, runs[0])
+    shutil.rmtree(out / V3)
+    append_to(out, runs[0])
+    assert episodes(out) == 1
+
+
+def test_a_data_set_is_begun_in_an_empty_folder(runs, out):
+    (out / V3).mkdir(parents=True)
+    append_to(out, runs[0])
+    assert episodes(out) == 1
+
+
+def test_notes_that_cannot_be_read_stop_the_addition(runs, out):
+    append_to(out, runs[0])
+    (out / ADDED).write_text('{"lerobot-v3.0": ["0a1b"]}')
+    with pytest.raises(DamagedFile, match="which episodes"):
+        append_to(out, runs[1])
+
+
+def test_videos_are_those_of_the_export_and_searched_no_second_time(tmp_path, out, monkeypatch):
+    run = exported(tmp_path / "run", codec="h264")
+    monkeypatch.setattr(export, "search_data_set", lambda *_, **__: pytest.fail("encoded again"))
+    append_to(out, run)
+    video = f"{V3}/videos/observation.images.cam_high/chunk-000/file-000.mp4"
+    assert (out / video).read_bytes() == (run.export.parent / video).read_bytes()
+    assert (encoding(out)["video.codec"], encoding(out)["video.crf"]) == ("h264", 30)
+    assert not (run.root / export.WORKING).exists()
+
+
+def test_runs_that_were_compressed_by_different_degrees_are_one_data_set(runs, tmp_path, out):
+    append_to(out, runs[0])
+    assert encoding(out)["video.crf"] == 8
+    append_to(out, exported(tmp_path / "other", crf=20, pixel_format="yuv420p", effort="default"))
+    assert episodes(out) == 2
+    assert not {"video.crf", "video.pix_fmt", "video.preset"} & set(encoding(out))
+    assert (encoding(out)["video.codec"], encoding(out)["video.g"]) == ("hevc", 10)
+
+
+def test_another_codec_is_refused_with_the_option_that_mends_it(runs, tmp_path, out):
+    append_to(out, runs[0])
+    with pytest.raises(UsageError, match=r"other video\.codec.*\(h264\)") as caught:
+        append_to(out, exported(tmp_path / "other", codec="h264"))
+    assert "--codec hevc" in caught.value.hint
+
+
+def test_a_run_that_is_not_exported_leaves_the_data_set_as_it_was(runs, tmp_path, out):
+    append_to(out, runs[0])
+    with pytest.raises(MissingStage, match=r"export\.json"):
+        append_to(out, collected(tmp_path / "raw", frames=6))
+    assert episodes(out) == 1
+
+
+def test_episodes_that_came_after_the_export_ask_for_another(tmp_path, out):
+    run = exported(tmp_path / "run", 1)
+    collected(run.root, count=2, frames=6)
+    with pytest.raises(StaleStage, match="other episodes"):
+        append_to(out, run)
+
+
+def test_only_lerobot_data_sets_grow(tmp_path, out):
+    with pytest.raises(UsageError, match="only LeRobot"):
+        append_to(out, exported(tmp_path / "run", formats=("robotwin",)))

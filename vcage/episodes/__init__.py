@@ -1,0 +1,1 @@
+"""How episodes are collected, judged, worded and drawn again."""

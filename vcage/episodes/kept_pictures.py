@@ -1,0 +1,74 @@
+"""Pictures of verdicts as collect keeps them: which attempt, moment and camera they are of, read from their names."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from vcage.base.errors import InputFileError
+from vcage.base.files import RunFolder
+from vcage.base.pictures import read_picture
+from vcage.episodes.question import TOP
+from vcage.episodes.store import background_name
+from vcage.schema.episodes import Episodes
+from vcage.schema.scene import Scene
+from vcage.tasks.setting import Seen
+
+_NAMED = re.compile(r"-(before|after|moment|start)-(\w+)\.png$")
+"""How collect names what a verdict looked at: when, and by which camera."""
+
+
+def by_moment(pictures: Sequence[Path], scene: Scene) -> Seen:
+    """Pictures by the moment that their names say that they show, and by camera.
+
+    Raises:
+        InputFileError: one cannot be read, is not named so, or is of another size than the top camera's.
+    """
+    found: dict[str, dict[str, np.ndarray]] = {}
+    for path in pictures:
+        named = _NAMED.search(path.name)
+        if named is None:
+            raise InputFileError(
+                f"{path} is not named as collect names the pictures of a verdict: field pictures",
+                hint="put back what was written",
+                maker="collect",
+            )
+        when, camera = named.groups()
+        found.setdefault(when, {})[camera] = top_view(path, scene) if camera == TOP else read_picture(path)
+    return found
+
+
+def of_same_attempt(picture: Path) -> list[Path]:
+    """All kept pictures of the same attempt; none where the name is not one of collect's."""
+    named = _NAMED.search(picture.name)
+    return sorted(picture.parent.glob(f"{picture.name[: named.start()]}-*.png")) if named else []
+
+
+def scene_of(picture: Path, run: RunFolder) -> Scene:
+    """The scene of the episode that a picture's name tells (``e000002-s0-…``), else the scene of the run."""
+    scene, named = Scene.read(run.layout), re.match(r"e(\d+)-", picture.name)
+    if named is None or not run.episodes.exists():
+        return scene
+    return next((e.scene(scene) for e in Episodes.read(run.episodes).episodes if e.index == int(named[1])), scene)
+
+
+def empty_table_of(picture: Path, scene: Scene) -> np.ndarray | None:
+    """The empty table in the light of a kept picture's episode; None where it is not kept."""
+    episode = re.match(r"e(\d+)-", picture.name)
+    empty = picture.parent.parent / background_name(int(episode[1])) if episode else picture
+    return top_view(empty, scene) if episode and empty.exists() else None
+
+
+def top_view(path: Path, scene: Scene) -> np.ndarray:
+    """A picture of the scene's top camera: (H, W, 3) uint8 RGB."""
+    picture, camera = read_picture(path), scene.top_camera
+    height, width = picture.shape[:2]
+    if (width, height) != (camera.width, camera.height):
+        raise InputFileError(
+            f"{path} is {width} x {height}, the run's top camera takes {camera.width} x {camera.height}",
+            hint="give pictures as collect keeps them in episodes/critic",
+        )
+    return picture

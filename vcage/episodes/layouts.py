@@ -1,0 +1,242 @@
+"""A layout of its own for every episode: relations are kept, places and headings drawn anew, and the chain is proven.
+
+Objects are placed at random where the robot reaches (:mod:`vcage.layout.placement`); from there the optimisation
+(:mod:`vcage.layout.optimize`) takes them to the nearest layout that keeps the plan and its margins.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import get_args
+
+import numpy as np
+
+from vcage.base.errors import InfeasibleScene, NoFeasibleTask
+from vcage.base.geometry import Pose, world_aabb
+from vcage.layout.hands import hand_clearance
+from vcage.layout.items import ANY_YAW, FRONT_YAWS, table_item
+from vcage.layout.optimize import LayoutOptions
+from vcage.layout.placement.place import place
+from vcage.plans.descriptions import described_relations
+from vcage.plans.kept import relations_kept, relations_kept_in
+from vcage.plans.relations import ground_box, holds
+from vcage.runs.context import StageContext
+from vcage.scenes.layout_items import layout_items, nearest_layout
+from vcage.schema.goals import Goal
+from vcage.schema.plan import TABLE, Relation, RelationWord
+from vcage.schema.scene import Scene
+from vcage.schema.subtasks import Grasp, Subtask
+from vcage.sim.robots import load_robot
+from vcage.tasks.described import complaints
+from vcage.tasks.ground import Ground
+from vcage.tasks.rehearsal import examined, proven
+from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.slots import Slot
+
+logger = logging.getLogger(__name__)
+
+TURNS = tuple(float(turn) for turn in np.radians((-20, -10, 0, 10, 20)))
+"""How what receives things is turned from its heading in the run's layout: its front stays towards the robot."""
+
+DRAWS = 30
+"""Layouts that are drawn for an episode before it is given up to find one."""
+
+STARTS = 30
+"""Random places of all objects for each draw; that which breaks the fewest relations is optimised, as the optimisation
+moves things past each other only if it must."""
+
+RESTARTS = 2
+"""Of the optimisation of a layout: another draw is a better start."""
+
+CLUTTER_GAP = 0.04
+"""What no task touches keeps so far from everything, metres."""
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where an episode starts.
+
+    Args:
+        poses: of every object in the world, by id.
+        grasps: of each sub-task of the chain, by its id, best first.
+        slots: where each sub-task puts its object, by its id.
+        refused: why layouts that were drawn before it were not taken: reason → how many.
+    """
+
+    poses: dict[str, Pose]
+    grasps: dict[str, list[Grasp]]
+    slots: dict[str, Slot]
+    refused: dict[str, int] = field(default_factory=dict)
+
+
+class NoLayout(InfeasibleScene):
+    """None of the layouts that were drawn was taken; ``details["refused"]`` counts the reasons."""
+
+    code = "no_layout"
+
+
+class _Refused(Exception):
+    """One layout is not taken; says why."""
+
+
+class Layouts:
+    """Draws layouts of a scene in which a chain can be carried out.
+
+    Args:
+        scene: as it is before the chain begins, where its layout was optimised.
+        relations: of the plan; those that this layout keeps are kept, and so are the scene's descriptions.
+        chain: the sub-tasks, in order.
+        context: the library, the robots' reach and kinematics.
+    """
+
+    def __init__(self, scene: Scene, relations: Sequence[Relation], chain: Sequence[Subtask], context: StageContext):
+        self._scene, self._chain, self._context = scene, chain, context
+        broken = relations_kept_in(scene, relations).broken
+        self._described = described_relations(scene.descriptions)
+        self._relations = list(dict.fromkeys([*self._described, *(r for r in relations if r not in broken)]))
+        self._objects = {o.id: o for o in context.objects(scene)}
+        self._inside = {o.id: o.record.container for o in self._objects.values() if o.record.container is not None}
+        self._workspace = np.array([scene.workspace.lower, scene.workspace.upper])
+        self._on = ground_box(scene.workspace, scene.table.height)
+        self._margin = float(scene.provenance.options.get("margin", LayoutOptions.margin))
+        self._ground, self._robot = Ground.of(scene), load_robot(scene.robot)
+        self._kinematics = context.kinematics(scene.robot)
+        now = {name: o.pose for name, o in self._objects.items()}
+        # A chain may bring a thing back to where it is at the start.
+        self._fulfilled_before = self._fulfilled({o.id: np.array(o.aabb) for o in scene.objects})
+        self._standing = [
+            replace(item, yaws=self._headings(self._objects[item.id]))
+            for item in layout_items(scene, now, self._inside, context)
+            if item.id not in self._inside
+        ]
+        standing = {item.id for item in self._standing} | {TABLE}
+        self._between = [r for r in self._described if {r.subject, r.reference} <= standing]
+
+    def draw(self, rng: np.random.Generator, clutter: Sequence[SceneObject] = (), draws: int = DRAWS) -> Layout:
+        """A layout that is drawn at random.
+
+        Args:
+            rng: of all that is drawn.
+            clutter: objects that the scene has not, which come to stand where there is room left for them; those for
+                which there is none are not in the layout.
+            draws: layouts that are drawn before it is given up.
+
+        Raises:
+            NoLayout: none of them was taken.
+        """
+        refused: Counter[str] = Counter()
+        for _ in range(draws):
+            try:
+                return replace(self._one(rng, clutter), refused=dict(refused))
+            except _Refused as why:
+                refused[str(why)] += 1
+        reason, count = refused.most_common(1)[0]
+        raise NoLayout(
+            f"none of {draws} layouts that were drawn was taken, {count} as {reason}",
+            hint="take the one that there is: --layout fixed",
+            details={"refused": dict(refused)},
+        )
+
+    def _one(self, rng: np.random.Generator, clutter: Sequence[SceneObject]) -> Layout:
+        try:
+            poses = self._solved(rng)
+        except InfeasibleScene:
+            raise _Refused("there is no room") from None
+        boxes = self._boxes(poses)
+        if false := complaints(self._scene, [o.moved(poses[o.id]) for o in self._objects.values()]):
+            raise _Refused(false[0])
+        if broken := self._broken(boxes):
+            raise _Refused(f"not {broken[0]}")
+        if fulfilled := self._fulfilled(boxes) - self._fulfilled_before:
+            raise _Refused(f"{min(map(str, fulfilled))} already")
+        poses |= self._in_what_is_left(clutter, boxes, rng)
+        objects = [o.moved(poses[o.id]) for o in (*self._objects.values(), *clutter) if o.id in poses]
+        chain = [self._examined(subtask, objects, rng) for subtask in self._chain]
+        try:
+            chain, slots = proven(chain, objects, self._scene, rng)
+        except InfeasibleScene:
+            raise _Refused("there is no room where things are put") from None
+        except NoFeasibleTask as error:
+            logger.debug("a layout is refused: %s", error.message)
+            raise _Refused(error.details["refused"]) from None
+        for subtask, found in zip(self._chain, chain, strict=True):
+            if found.grasped != subtask.grasped:  # its script takes the one it was written for
+                raise _Refused(f"{subtask.id} is not feasible with {subtask.grasped} in the hand")
+        return Layout(poses, {subtask.id: subtask.grasps for subtask in chain}, slots)
+
+    def _boxes(self, poses: Mapping[str, Pose]) -> dict[str, np.ndarray]:
+        """(2, 3) axis-aligned box of every object, by id, metres."""
+        return {name: world_aabb(o.asset.bounds, poses[name]) for name, o in self._objects.items()}
+
+    def _broken(self, boxes: Mapping[str, np.ndarray]) -> list[str]:
+        """The relations that do not hold between these boxes, in words."""
+        return relations_kept(self._relations, boxes, self._on).sentences
+
+    def _fulfilled(self, boxes: Mapping[str, np.ndarray]) -> set[Goal]:
+        """Goals of the chain about where things stand that are true where objects have these boxes (2, 3)."""
+        found = set()
+        for goal in (goal for subtask in self._chain for goal in subtask.goals if goal.part is None):
+            word = next((word for word in get_args(RelationWord) if word == goal.relation), None)
+            if word is not None and goal.reference in boxes:
+                found |= {goal} if holds(word, boxes[goal.subject], boxes[str(goal.reference)]) else set()
+        return found
+
+    def _solved(self, rng: np.random.Generator) -> dict[str, Pose]:
+        """The layout that keeps the plan and is nearest to one that is drawn at random."""
+        starts = [self._drawn(rng) for _ in range(STARTS)]
+        upright = min(starts, key=lambda poses: len(self._broken(self._boxes(self._with_contents(poses)))))
+        poses, options = self._with_contents(upright), LayoutOptions(margin=self._margin, restarts=RESTARTS)
+        found = nearest_layout(self._scene, poses, self._inside, self._relations, lambda: rng, options, self._context)
+        solved = {name: Pose([*found.positions[name][:2], pose.p[2]], pose.q) for name, pose in upright.items()}
+        return self._with_contents(solved)
+
+    def _drawn(self, rng: np.random.Generator) -> dict[str, Pose]:
+        """Poses of what stands on the table, drawn at random where it is within reach."""
+        drawn = place(self._standing, self._workspace, rng, self._margin, relations=self._between)
+        return {item.id: item.pose(drawn[item.id], self._objects[item.id].pose.p[2]) for item in self._standing}
+
+    def _in_what_is_left(
+        self, clutter: Sequence[SceneObject], boxes: Mapping[str, np.ndarray], rng: np.random.Generator
+    ) -> dict[str, Pose]:
+        """Poses of as many of the clutter as have room beside objects with these boxes (2, 3), the first ones."""
+        taken = [self._kept_free(self._objects[name], box[:, :2]) for name, box in boxes.items()]
+        items = [table_item(o.id, o.asset) for o in clutter]
+        while items:
+            try:
+                spots = place(items, self._workspace, rng, CLUTTER_GAP, taken)
+                return {item.id: item.pose(spots[item.id], self._scene.table.height) for item in items}
+            except InfeasibleScene:
+                items.pop()
+        return {}
+
+    def _kept_free(self, o: SceneObject, rectangle: np.ndarray) -> np.ndarray:
+        """(2, 2) of the table around what has this rectangle there: a hand comes down on what is moved."""
+        gap = hand_clearance(self._robot).gap if o.record.role == "content" else 0.0
+        return rectangle + [[-gap], [gap]]
+
+    def _with_contents(self, upright: dict[str, Pose]) -> dict[str, Pose]:
+        """Poses of all objects where these are of what stands on the table; all lie as they had settled there."""
+        found = {}
+        for name, o in self._objects.items():
+            root = self._root(name)
+            stood = self._objects[root].pose
+            found[name] = upright[root] * Pose.from_yaw(stood.p, stood.yaw).inverse() * o.pose
+        return found
+
+    def _root(self, name: str) -> str:
+        return self._root(self._inside[name]) if name in self._inside else name
+
+    def _headings(self, o: SceneObject) -> tuple[float, ...]:
+        """Those that may be drawn: any, but for what has a front, or receives things."""
+        if o.asset.articulated:
+            return FRONT_YAWS
+        return tuple(o.pose.yaw + turn for turn in TURNS) if o.record.role == "receptacle" else ANY_YAW
+
+    def _examined(self, subtask: Subtask, objects: Sequence[SceneObject], rng: np.random.Generator) -> Subtask:
+        found = examined(subtask, objects, self._kinematics, self._ground, rng)
+        if found is None:
+            raise _Refused(f"{subtask.id} is not feasible")
+        return found

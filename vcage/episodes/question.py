@@ -1,0 +1,253 @@
+"""What the critic is asked after a sub-task: from which cameras it looks on, and what it is told of the scene."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from vcage.base.errors import InputFileError
+from vcage.base.geometry import Camera, Pose, box_corners, look_at
+from vcage.models.protocols import THIN_SUPPORT_M, CriticQuestion
+from vcage.plans.actions import HOLDING
+from vcage.runs.context import StageContext
+from vcage.schema.episodes import Verdict
+from vcage.schema.goals import OF_A_PART, Goal
+from vcage.schema.scene import Scene
+from vcage.schema.subtasks import Statement, Subtask
+from vcage.sim.drawer import Drawing, Window
+from vcage.sim.joints import link_poses
+from vcage.tasks.ground import TOWARDS_CUSTOMER
+from vcage.tasks.reading import reading_poses
+from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.setting import Seen
+from vcage.vision.protocols import Reference, View
+
+TOP, CUSTOMER = "top", "customer"
+"""The scene's camera above the table, and one where the customer stands."""
+
+FROM_CUSTOMER = {"presented", "scanned", "handed"}
+"""Goals that are told from the customer's side: fronts, bar codes and what is in the air are not told from above."""
+
+AT_THE_MOMENT = {"pressed", "scanned", "weighed", "handed"}
+"""Goals that are told by what those cameras see at the moment, and not only the wrist's."""
+
+
+@dataclass(frozen=True)
+class CameraSettings:
+    """Where the critic looks from the customer's side, and when.
+
+    Args:
+        covered_share: share of a support's area, from above, that an object on it may cover before the customer's
+            side is looked at too: from above, a stack looks like its upper block.
+        low_m: a top that is lower is as high as the table.
+        in_the_air_m: how much higher the camera looks where something changes hands.
+        away_m, above_m: how far beyond the table's far edge and above its top the camera is.
+        fovy_rad: its vertical field of view.
+    """
+
+    covered_share: float = 0.3
+    low_m: float = 0.01
+    in_the_air_m: float = 0.2
+    away_m: float = 0.75
+    above_m: float = 0.5
+    fovy_rad: float = 0.75
+
+
+SETTINGS = CameraSettings()
+
+
+def cameras(scene: Scene, goals: Collection[Goal]) -> dict[str, Camera]:
+    """The cameras through which the critic looks at a sub-task, by name; their calibration is known."""
+    found = {TOP: scene.top_camera.camera()}
+    if any(goal.relation in FROM_CUSTOMER or _hides_its_support(scene, goal) for goal in goals):
+        (x, y), height = scene.table.rectangle.mean(axis=0), scene.table.height
+        edge = np.array([x, y, height]) + TOWARDS_CUSTOMER * scene.table.size[1] / 2
+        eye = edge + TOWARDS_CUSTOMER * SETTINGS.away_m + np.array([0.0, 0.0, SETTINGS.above_m])
+        top = scene.top_camera
+        at = [x, y, height + SETTINGS.in_the_air_m * any(goal.relation == "handed" for goal in goals)]
+        found[CUSTOMER] = Camera(top.width, top.height, SETTINGS.fovy_rad, look_at(eye, at, up=(0, 0, 1)))
+    return found
+
+
+def _hides_its_support(scene: Scene, goal: Goal) -> bool:
+    """True when an object covers much of what it is put on, seen from above, and the side of that can be seen."""
+    boxes = {o.id: np.ptp(np.array(o.aabb), axis=0) for o in scene.objects}
+    if goal.relation != "on" or goal.reference not in boxes:
+        return False
+    thing, support = boxes[goal.subject], boxes[goal.reference]
+    covers = np.prod(thing[:2]) > SETTINGS.covered_share * np.prod(support[:2])
+    return bool(support[2] > THIN_SUPPORT_M and covers)
+
+
+@dataclass(frozen=True)
+class Asking:
+    """What a critic is asked about a sub-task, but for what follows from the scene.
+
+    Args:
+        text, goals: the sub-task in words and in the closed vocabulary.
+        seen: pictures (H, W, 3) uint8 RGB by what they show and by camera (see :data:`vcage.tasks.setting.Seen`).
+        background: the top view of the empty table.
+        requires: what was true before, by the plan: which drawers are open.
+        grasped: id of what the robot was to take hold of, where that is not the goals' object.
+        statements: what must have stayed as it was.
+    """
+
+    text: str
+    goals: Sequence[Goal]
+    seen: Seen
+    background: np.ndarray | None = None
+    requires: Sequence[Goal] = ()
+    grasped: str | None = None
+    statements: Sequence[Statement] = ()
+
+    @classmethod
+    def of(cls, subtask: Subtask, seen: Seen, background: np.ndarray | None) -> Asking:
+        """About a sub-task in its own words."""
+        told = (subtask.requires, subtask.grasped, subtask.statements)
+        return cls(subtask.text, subtask.goals, seen, background, *told)
+
+    @property
+    def hash(self) -> str:
+        """Hex SHA-256 of all of it."""
+        records = [record.model_dump_json() for record in (*self.goals, *self.requires, *self.statements)]
+        told = (self.text, records, self.grasped)
+        digest = hashlib.sha256(repr(told).encode())
+        shown = [(f"{when} {name}", p) for when, by in sorted(self.seen.items()) for name, p in sorted(by.items())]
+        for name, picture in [*shown, *([] if self.background is None else [("background", self.background)])]:
+            digest.update(f"{name} {picture.shape}".encode() + np.ascontiguousarray(picture).tobytes())
+        return digest.hexdigest()
+
+
+def verdict(context: StageContext, scene: Scene, asking: Asking) -> Verdict:
+    """What the critic says about one sub-task.
+
+    Args:
+        context: with the critic, and how the objects look.
+        scene: where it was done.
+        asking: what it is asked.
+
+    Raises:
+        VcageError: the critic cannot be asked, or gives no answer of use.
+    """
+    answer = context.models.critic.judge(_question(context, scene, asking))
+    return answer.model_copy(update={"question": asking.hash})
+
+
+def _question(context: StageContext, scene: Scene, asking: Asking) -> CriticQuestion:
+    goals, seen = asking.goals, asking.seen
+    objects, taken_by = {o.id: o for o in context.objects(scene)}, cameras(scene, goals)
+    opened = _opened(goals, asking.requires, asking.statements)
+    if asking.background is not None:
+        _view(asking.background, taken_by[TOP], "empty table")
+
+    def draw(object_id: str, pose: Pose, camera: Camera, window: Window, shares: Mapping[str, float]) -> Drawing:
+        return context.drawing(scene.object(object_id), pose, camera, window, shares)
+
+    def readings(moved: str, at: Pose, still: str, there: Pose) -> Iterator[Pose]:
+        return reading_poses(objects[moved].moved(at), objects[still].moved(there), scene.table.height)
+
+    return CriticQuestion(
+        text=asking.text,
+        goals=list(goals),
+        **{when: _views(when, seen, taken_by) for when in ("before", "after", "moment", "start")},
+        uncalibrated=_uncalibrated(seen, taken_by),
+        references={o.id: context.look(o, opened.get(o.id, ())) for o in scene.objects},
+        planned={o.id: o.pose.pose() for o in scene.objects},
+        opened=opened,
+        parts={o.id: [link.name for link in o.asset.model.links] for o in objects.values()},
+        rooms=_rooms(goals, objects, opened),
+        looks=_part_looks(goals, scene, context, opened),
+        draw=draw,
+        readings=readings,
+        readers=[o.id for o in objects.values() if o.asset.annotation.faces_of("reader")],
+        table_height=scene.table.height,
+        tops=_tops(objects.values(), scene.table.height),
+        towards_customer=tuple(TOWARDS_CUSTOMER.tolist()),
+        background=asking.background,
+        grasped=asking.grasped,
+        statements=list(asking.statements),
+    )
+
+
+def _views(when: str, seen: Seen, taken_by: Mapping[str, Camera]) -> dict[str, View]:
+    """The pictures of a moment from the calibrated cameras, by camera."""
+    shown = {name: p for name, p in seen.get(when, {}).items() if name in taken_by}
+    return {name: _view(p, taken_by[name], f"{when}, {name}") for name, p in shown.items()}
+
+
+def _uncalibrated(seen: Seen, taken_by: Collection[str]) -> dict[str, dict[str, np.ndarray]]:
+    """The pictures from all other cameras."""
+    return {when: {name: p for name, p in by.items() if name not in taken_by} for when, by in seen.items()}
+
+
+def _view(picture: np.ndarray, camera: Camera, name: str) -> View:
+    """A picture with the camera that took it.
+
+    Raises:
+        InputFileError: it is of another size than that camera takes, or has other channels.
+    """
+    if picture.shape != (camera.height, camera.width, 3):
+        raise InputFileError(
+            f"the picture ({name}) has the shape {picture.shape}; its camera takes {camera.width} x {camera.height}",
+            hint="give pictures as collect keeps them in episodes/critic",
+        )
+    return View(picture, camera)
+
+
+def _part_looks(
+    goals: Sequence[Goal], scene: Scene, context: StageContext, opened: Mapping[str, Sequence[str]]
+) -> dict[str, Reference]:
+    """Reference views of each object with a part that a goal names, as it looks before, by id."""
+    found = {}
+    for goal in goals:
+        if goal.relation in OF_A_PART and goal.part is not None:
+            own = [goal.part] if goal.relation == "closed" else []
+            found[goal.subject] = context.look(scene.object(goal.subject), [*opened.get(goal.subject, ()), *own])
+    return found
+
+
+def _rooms(
+    goals: Sequence[Goal], objects: Mapping[str, SceneObject], opened: Mapping[str, Sequence[str]]
+) -> dict[Goal, np.ndarray]:
+    """Corners of the space that each goal's object may take in or on another: see :func:`_room`."""
+    held = [goal for goal in goals if goal.relation in HOLDING and goal.reference in objects]
+    return {goal: _room(goal, objects, opened) for goal in held}
+
+
+def _room(goal: Goal, objects: Mapping[str, SceneObject], opened: Mapping[str, Sequence[str]]) -> np.ndarray:
+    """(n, 8, 3) corners of where an object is that is in or on another, in the frame of that: from each floor up to its
+    rim, or as high as the object stands on it."""
+    thing, place = objects[goal.subject], objects[str(goal.reference)].asset
+    far = {link.name: link.joint.far_end for link in place.model.links}
+    joints = [far[link.name] * (link.name in opened.get(str(goal.reference), ())) for link in place.model.links]
+    frames, found = link_poses(place.model, joints), []
+    for point in place.annotation.functional_points:
+        if point.link == goal.part and (point.holds == "in") == (goal.relation == "inside"):
+            opening = place.opening(point)
+            middle, half = np.array(opening.centre), np.array(opening.size) / 2
+            top = opening.floor + max(opening.depth, float(thing.asset.size[2]))
+            lower, upper = [*(middle - half), opening.floor], [*(middle + half), top]
+            found.append(frames[point.link].apply(box_corners(lower, upper)))
+    return np.reshape(found, (-1, 8, 3))
+
+
+def _tops(objects: Iterable[SceneObject], table_height: float) -> list[float]:
+    """Heights in the world at which things can stand on objects of a table, the low ones first, metres; each to a
+    centimetre over the table."""
+    points = [point for o in objects for point in o.asset.annotation.functional_points if point.link is None]
+    tops = [point.position[2] for point in points if point.holds == "on"]
+    return [table_height + top for top in sorted({round(top, 2) for top in tops if top > SETTINGS.low_m})]
+
+
+def _opened(goals: Sequence[Goal], requires: Sequence[Goal], statements: Sequence[Statement]) -> dict[str, list[str]]:
+    """The parts that are open before and after, by the plan: by the object that they belong to."""
+    stays = [statement.goal for statement in statements if statement.goal is not None]
+    found: dict[str, list[str]] = {}
+    for goal in (*requires, *stays, *(g for g in goals if g.relation == "inside" and g.part)):
+        owner = goal.subject if goal.relation == "open" else goal.reference
+        if goal.relation in ("open", "inside") and goal.part and owner:
+            found.setdefault(owner, []).append(goal.part)
+    return found

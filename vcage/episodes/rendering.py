@@ -1,0 +1,269 @@
+"""The recorded states of accepted episodes drawn again under other looks, without simulating.
+
+Every render is an episode file of its own, like those of collect; its look depends on the seed, the episode's number
+and the look's number alone, so that more can be drawn later, and what is there already is known by what is inside. What
+was drawn of an episode that does not count any more, or that was recorded anew, is removed.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import cache, lru_cache
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+from vcage.base.errors import DamagedFile, MissingStage, UnknownName, UsageError
+from vcage.base.files import RunFolder, sha256_file
+from vcage.base.pictures import write_picture
+from vcage.base.progress import Progress, silent
+from vcage.base.workers import Processes, ThisProcess
+from vcage.datasets.episode import DRAWN
+from vcage.datasets.hdf5 import write_episode
+from vcage.datasets.hdf5_files import open_hdf5_file
+from vcage.datasets.reader import EpisodeReader
+from vcage.episodes.recorded import Recorded, world_facts
+from vcage.episodes.runner import versions
+from vcage.runs.accepted import accepted_episodes, none_counts
+from vcage.runs.context import StageContext
+from vcage.schema.base import Provenance
+from vcage.schema.episodes import Episode
+from vcage.schema.randomisation import Look, Randomisation
+from vcage.schema.renders import Render, Renders
+from vcage.sim.looks import draw_look, look_world
+from vcage.sim.replay import camera_paths, render_state
+from vcage.tasks.assemble import camera_tracks
+
+logger = logging.getLogger(__name__)
+
+FOLDER, INDEX = "renders", "renders.json"
+
+THUMB = 240
+"""Width of a picture on the sheet, pixels."""
+
+MOST_LOOKS = 1000
+"""Of an episode, in one call."""
+
+
+@dataclass(frozen=True)
+class Order:
+    """What is to be drawn.
+
+    Args:
+        looks: of each episode, at least 1.
+        ranges: to draw them from.
+        seed: of all looks.
+        episodes: numbers of those to draw; all that count when empty.
+        workers: processes.
+    """
+
+    looks: int
+    ranges: Randomisation
+    seed: int
+    episodes: tuple[int, ...] = ()
+    workers: int = 1
+
+
+@dataclass(frozen=True)
+class _Task:
+    """One render: the episode's file, and where it goes."""
+
+    source: Path
+    episode: int
+    look: int
+    ranges: Randomisation
+    seed: int
+    out: Path
+
+
+def render_run(run: RunFolder, order: Order, progress: Progress = silent) -> Renders:
+    """Draw the episodes of a run that count; what is drawn already is kept.
+
+    Raises:
+        UsageError: fewer than one look, or more than :data:`MOST_LOOKS`.
+        UnknownName: an episode is not among those that count, or an object is not in the library any more.
+        MissingStage: no episode counts.
+    """
+    if not 1 <= order.looks <= MOST_LOOKS:
+        raise UsageError(f"--looks is {order.looks}", hint=f"give 1 to {MOST_LOOKS}")
+    chosen = _chosen(run, order.episodes)
+    folder = run.root / FOLDER
+    _sweep(run, folder)
+    tasks = [
+        _Task(run.file(str(e.file)), e.index, look, order.ranges, order.seed, folder / _name(e.index, look))
+        for look in range(order.looks)
+        for e in chosen
+    ]
+    crew = ThisProcess(_render) if order.workers <= 1 else Processes(_render, min(order.workers, len(tasks)))
+    done: list[Render] = []
+    with crew:
+        for task in tasks:
+            crew.submit(task)
+        progress(_name(chosen[0].index, 0), 0, len(tasks))
+        for render in crew.results():
+            done.append(render)
+            if len(done) < len(tasks):
+                progress(f"{Path(render.file).name} drawn", len(done), len(tasks))
+    record = Renders(
+        provenance=Provenance(
+            producer="render",
+            seed=order.seed,
+            options={"looks": order.looks, "randomisation": order.ranges.model_dump(mode="json", by_alias=True)},
+            inputs={run.relative(task.source): sha256_file(task.source) for task in tasks[: len(chosen)]},
+        ),
+        renders=sorted([*done, *_of_earlier_calls(folder, done)], key=lambda render: (render.episode, render.look)),
+    )
+    record.write(folder / INDEX)
+    return record
+
+
+def _chosen(run: RunFolder, numbers: Collection[int]) -> list[Episode]:
+    if not run.episodes.exists():
+        raise MissingStage(f"{run.episodes} does not exist", hint="collect first", maker="collect")
+    if error := none_counts(run):
+        raise error
+    there = {episode.index: episode for episode in accepted_episodes(run)}
+    for number in numbers:
+        if number not in there:
+            raise UnknownName("episode", str(number), [str(n) for n in sorted(there)])
+    return [there[number] for number in sorted(set(numbers) or there)]
+
+
+def _name(episode: int, look: int) -> str:
+    return f"episode_{episode:06d}-look_{look:03d}.hdf5"
+
+
+def _sweep(run: RunFolder, folder: Path) -> None:
+    """Remove what a killed call left, and what was drawn of an episode that does not count any more or is another."""
+    sources = {episode.index: run.file(str(episode.file)) for episode in accepted_episodes(run)}
+
+    @cache
+    def now(episode: int) -> str | None:
+        if episode not in sources:
+            return None
+        with EpisodeReader(sources[episode]) as reader:
+            return reader.episode.digest()
+
+    for path in sorted(folder.glob("episode_*-look_*.hdf5")):
+        made = _made(path)
+        if made is None:
+            path.unlink()
+        elif now(made["episode"]) != made["sha256"]:
+            logger.warning("%s is removed: episode %d counts no more, or is another", path, made["episode"])
+            path.unlink()
+
+
+def _made(path: Path) -> dict[str, Any] | None:
+    """Read the record of a render; None for what a killed call left, or for no render of ours."""
+    with suppress(DamagedFile, OSError, KeyError, ValueError, TypeError), open_hdf5_file(path) as file:
+        made = {**json.loads(file["meta/render"][()]), "frames": len(file["timestamp"])}
+        return made if _record(path, made, made["frames"]) and isinstance(made["sha256"], str) else None
+    return None
+
+
+def _of_earlier_calls(folder: Path, drawn: Collection[Render]) -> Iterator[Render]:
+    """The renders that are there besides those that were drawn now."""
+    now = {Path(render.file).name for render in drawn}
+    for path in folder.glob("episode_*-look_*.hdf5"):
+        if path.name not in now and (made := _made(path)) is not None:
+            yield _record(path, made, made["frames"])
+
+
+def _record(path: Path, made: Mapping[str, Any], frames: int) -> Render:
+    told = {name: made[name] for name in ("episode", "look", "ranges", "seed")}
+    return Render(**told, file=f"{FOLDER}/{path.name}", frames=frames)
+
+
+# --- one render -------------------------------------------------------------------------------------------------
+
+
+def _render(task: _Task) -> Render:
+    with EpisodeReader(task.source) as reader:
+        episode = reader.episode
+    recorded = Recorded.of(episode, task.source, _context())
+    rng = np.random.default_rng([task.seed, task.episode, task.look])
+    look = draw_look(task.ranges.look, recorded.scene, recorded.models, recorded.robot, rng)
+    meta = _drawn_meta(recorded, task, look)
+    if not _is_there(task.out, meta):
+        _write(task.out, recorded, look, meta)
+    return _record(task.out, meta["render"], episode.frames)
+
+
+@lru_cache(maxsize=1)
+def _context() -> StageContext:
+    return StageContext("offline")
+
+
+def _drawn_meta(recorded: Recorded, task: _Task, look: Look) -> dict[str, Any]:
+    """The facts of an episode with the look replaced, and what its world had drawn kept."""
+    drawn = recorded.drawn.model_copy(update={"look": look, "ranges": _both(recorded.drawn.ranges, task.ranges.name)})
+    made = {
+        "episode": task.episode,
+        "look": task.look,
+        "ranges": task.ranges.name,
+        "seed": task.seed,
+        "sha256": recorded.episode.digest(),
+        "versions": versions(),
+    }
+    return {**recorded.episode.meta, **world_facts(recorded.scene, drawn), "render": made}
+
+
+def _both(world: str, look: str) -> str:
+    """Names of the ranges of a world, and of those that a look was drawn from."""
+    return look if look == world else f"{world}, its look {look}"
+
+
+def _is_there(path: Path, meta: Mapping[str, Any]) -> bool:
+    """Whether a file was drawn from the same states under the same look."""
+    with suppress(DamagedFile, OSError, KeyError, ValueError), open_hdf5_file(path) as file:
+        return all(json.loads(file["meta"][name][()]) == meta[name] for name in (DRAWN, "render"))
+    return False
+
+
+def _write(path: Path, recorded: Recorded, look: Look, meta: Mapping[str, Any]) -> None:
+    """Write the episode with pictures and cameras of a look, and other facts."""
+    world = look_world(recorded.scene, recorded.models, recorded.robot, look)
+    tracks = camera_tracks(camera_paths(world, recorded.states()))
+    data = replace(recorded.episode, cameras=tracks, meta=dict(meta))
+    write_episode(path, data, (render_state(world, state).pictures for state in recorded.states()))
+
+
+# --- the sheet ---------------------------------------------------------------------------------------------------
+
+
+def write_sheet(run: RunFolder, record: Renders, path: Path, columns: int = 5) -> Path:
+    """One page with the middle of every render: one camera's picture, and below it those of up to two others, small.
+
+    Args:
+        run: the folder.
+        record: of what was drawn.
+        path: of the PNG.
+        columns: renders side by side.
+    """
+    cells = [_cell(run.file(render.file), render.frames // 2) for render in record.renders]
+    blank = np.full_like(cells[0], 255)
+    cells += [blank] * (-len(cells) % columns)
+    rows = [np.hstack(cells[i : i + columns]) for i in range(0, len(cells), columns)]
+    return write_picture(path, np.vstack(rows))
+
+
+def _cell(path: Path, middle: int) -> np.ndarray:
+    with EpisodeReader(path) as reader:
+        names = sorted(reader.cameras, key=lambda name: ("wrist" in name, name))[:3]
+        large, *others = (reader.images(name)[middle] for name in names)
+    small = [_narrow(picture, THUMB // 2) for picture in others]
+    row = np.full((max((len(picture) for picture in small), default=0), THUMB, 3), 255, np.uint8)
+    for place, picture in enumerate(small):
+        row[: len(picture), place * THUMB // 2 :][:, : THUMB // 2] = picture
+    return np.pad(np.vstack([_narrow(large, THUMB), row]), ((3, 3), (3, 3), (0, 0)), constant_values=255)
+
+
+def _narrow(picture: np.ndarray, width: int) -> np.ndarray:
+    height = round(picture.shape[0] * width / picture.shape[1])
+    return cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA)

@@ -1,0 +1,264 @@
+"""One episode of a collection: its world, its light, the closed loop, and the files that it leaves."""
+
+from __future__ import annotations
+
+import gc
+import logging
+import platform
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vcage.base.errors import InfeasibleScene
+from vcage.base.memory import forget
+from vcage.base.pictures import write_picture
+from vcage.base.time_limit import TimeIsUp, time_limit
+from vcage.base.version import __version__
+from vcage.datasets.hdf5 import write_episode
+from vcage.episodes.photographs import Photographer, light_look
+from vcage.episodes.question import Asking, verdict
+from vcage.episodes.recorded import world_facts
+from vcage.episodes.starts import Start, Starts
+from vcage.episodes.store import background_name
+from vcage.episodes.wordings import wordings_for
+from vcage.episodes.worlds import reworded
+from vcage.plans.actions import lasting
+from vcage.runs.context import StageContext
+from vcage.runs.inputs import read_plan
+from vcage.runs.stage import Job
+from vcage.schema.episodes import Attempt, Episode, Verdict
+from vcage.schema.goals import Goal, in_steps
+from vcage.schema.plan import Relation
+from vcage.schema.randomisation import Drawn, Randomisation, WorldRanges
+from vcage.schema.scene import Scene
+from vcage.schema.subtasks import Chain, Subtask, Subtasks
+from vcage.sim.looks import draw_look, look_world
+from vcage.sim.render import device_name
+from vcage.sim.replay import camera_paths, render_log
+from vcage.sim.robots import load_randomisation, load_robot
+from vcage.sim.world import World
+from vcage.tasks.assemble import episode_data
+from vcage.tasks.described import require_settled
+from vcage.tasks.loop import EpisodeRun, run_episode
+from vcage.tasks.readiness import ready_for
+from vcage.tasks.setting import Seen, Setting
+from vcage.tasks.synthesis import Script, script_of
+from vcage.tasks.task import Asked
+from vcage.tasks.wording import in_other_words
+
+logger = logging.getLogger(__name__)
+
+TOLD = 1
+"""Which of an episode's random numbers choose the wording of its task."""
+
+MILD = ("none", "light")
+"""Ranges of looks in which a critic sees as well as in any: it is shown an episode of others in a light look."""
+
+
+@dataclass(frozen=True)
+class _Work:
+    """What the episodes of a chain do.
+
+    Args:
+        text: what that is called.
+        wordings: other sentences that say it, in the words of the run's scene.
+        steps: sub-tasks with their scripts, in order.
+        own_grasps: ids of those whose named script has other grasps than were planned: it keeps them.
+        goals: what must be true at the end.
+        starts: draws where it begins.
+    """
+
+    text: str
+    wordings: list[str]
+    steps: list[tuple[Subtask, Script]]
+    own_grasps: frozenset[str]
+    goals: list[Goal]
+    starts: Starts
+
+    @classmethod
+    def of(
+        cls,
+        chain: Chain,
+        kept: Mapping[str, Subtask],
+        scene: Scene,
+        relations: Sequence[Relation] | None,
+        ranges: WorldRanges,
+        named: Mapping[str, Script],
+        context: StageContext,
+    ) -> _Work:
+        """The scripts of a chain, and where it starts: an instruction's where the scene is, as its plan has proven.
+
+        ``relations`` are those of the plan that layouts keep which are drawn; None where none are. ``named`` are the
+        scripts that are executed in place of generated ones.
+        """
+        steps = [(kept[name], named.get(name) or script_of(kept[name])) for name in chain.subtasks]
+        own_grasps = frozenset(subtask.id for subtask, script in steps if not script.tries(subtask.grasps))
+        start = ready_for(steps[0][0], scene, context.objects(scene))
+        goals = lasting(in_steps(scene.goals) or [subtask.goals for subtask, _ in steps])
+        starts = Starts(start, relations, [subtask for subtask, _ in steps], ranges, context)
+        return cls(chain.text, chain.wordings, steps, own_grasps, goals, starts)
+
+
+class EpisodeRunner:
+    """Runs the episodes of a collection, with what all of them share.
+
+    Args:
+        stage: the collection; its options say what follows a failed sub-task, and the frames per second.
+        ranges: of what differs from episode to episode.
+        context: the library and the models.
+        limit_s: seconds after which an episode is given up.
+        scripts: by sub-task, in place of generated ones.
+    """
+
+    def __init__(
+        self,
+        stage: Job,
+        ranges: Randomisation,
+        context: StageContext,
+        limit_s: float,
+        scripts: Mapping[str, Script] | None = None,
+    ):
+        run = stage.run
+        self._stage, self._ranges, self._context, self._limit_s = stage, ranges, context, limit_s
+        self._scene = Scene.read(run.layout)
+        self._robot = load_robot(self._scene.robot)
+        self._mild = any(ranges.look == load_randomisation(name).look for name in MILD)
+        subtasks = Subtasks.read(run.subtasks)
+        kept = {s.id: s for s in subtasks.kept}
+        varied = stage.options["layout"] == "varied" and run.plan.exists()  # a script that runs alone has no plan
+        relations = read_plan(run, Scene.read(run.scene), context).relations if varied else None
+        given = (kept, self._scene, relations, ranges.world, scripts or {}, context)
+        self._chains = [_Work.of(chain, *given) for chain in subtasks.chains]
+
+    def one(self, index: int, folder: Path) -> tuple[Episode, list[Attempt]]:
+        """Run an episode and write its files; one that takes too long, or that has no room to begin, is rejected, and
+        nothing of it is kept."""
+        try:
+            with time_limit(self._limit_s):
+                return self._run(index, folder)
+        except TimeIsUp:
+            return self._given_up(index, f"given up after the {self._limit_s:g} s of --episode-limit"), []
+        except InfeasibleScene as error:
+            return self._given_up(index, error.message), []
+        finally:
+            forget()
+            gc.collect()  # worlds refer to themselves, and Python does not count what a driver holds for them
+
+    def _given_up(self, index: int, reason: str) -> Episode:
+        logger.warning("episode %d: %s", index, reason)
+        chain, fps = index % len(self._chains), self._stage.options["fps"]
+        return Episode(index=index, chain=chain, seed=self._stage.seed, accepted=False, reason=reason, fps=fps)
+
+    def _run(self, index: int, folder: Path) -> tuple[Episode, list[Attempt]]:
+        work = self._chains[index % len(self._chains)]
+        rng = np.random.default_rng([self._stage.seed, index])
+        start = work.starts.draw(rng)
+        objects = list(start.objects.values())
+        require_settled(start.scene, start.models, objects, "the start of the episode", self._robot)
+        look = draw_look(self._ranges.look, start.scene, start.models, self._robot, rng)
+        drawn = Drawn(ranges=self._ranges.name, look=look, world=start.world)
+        seen = look if self._mild else light_look(start.scene, start.models, self._robot, rng)
+        photographer = Photographer(start.scene, start.models, self._robot, seen, list(start.objects.values()))
+        background = photographer.empty_table()
+        write_picture(folder / background_name(index), background)
+        setting = Setting(
+            build=lambda: World.of_scene(start.scene, start.models, self._robot),
+            objects=start.objects,
+            slots=start.slots,
+            photograph=photographer.shots,
+            judge=lambda asked, subtask, seen: self._judge(start, asked, subtask, seen, background),
+            accept=self._stage.options["accept"],
+            on_failure=self._stage.options["on_failure"],
+            retries=self._stage.options["retries"],
+            fps=self._stage.options["fps"],
+            start=start.world.start,
+        )
+        done = run_episode(setting, self._steps(work, start), index, work.goals)
+        for name, picture in done.pictures.items():
+            write_picture(folder / name, picture)
+        drawer = photographer.world if self._mild else look_world(start.scene, start.models, self._robot, look)
+        return self._write(done, index, work, start, drawn, drawer, folder), done.attempts
+
+    def _steps(self, work: _Work, start: Start) -> list[tuple[Subtask, Script]]:
+        """The sub-tasks in the words of an episode, and their scripts with the grasps that are feasible there."""
+        for subtask, script in work.steps:
+            if subtask.id not in work.own_grasps:
+                script.try_grasps(start.grasps[subtask.id])
+        return [(reworded(subtask, start.phrases), script) for subtask, script in work.steps]
+
+    def _judge(self, start: Start, asked: Asked, subtask: Subtask, seen: Seen, background: np.ndarray) -> Verdict:
+        text = in_other_words(asked.text, start.phrases)
+        told = (seen, background, subtask.requires, subtask.grasped, subtask.statements)
+        return verdict(self._context, start.scene, Asking(text, asked.goals, *told))
+
+    def _write(
+        self, done: EpisodeRun, index: int, work: _Work, start: Start, drawn: Drawn, world: World, folder: Path
+    ) -> Episode:
+        """Write the HDF5: with pictures, drawn in ``world``, when accepted, states alone when not."""
+        name = f"episode_{index:06d}.hdf5" if done.accepted else f"rejected/episode_{index:06d}.hdf5"
+        frames = len(done.log)
+        if frames:
+            cameras = camera_paths(world, done.log.states()) if done.accepted else {}
+            data = episode_data(done.log, done.segments, cameras, self._facts(index, work, start, drawn, done))
+            pictures: Iterator[Mapping[str, np.ndarray]] = iter([{}] * frames)
+            if done.accepted:
+                pictures = (frame.pictures for frame in render_log(world, done.log))
+            write_episode(folder / name, data, pictures)
+        return Episode(
+            index=index,
+            chain=index % len(self._chains),
+            seed=self._stage.seed,
+            accepted=done.accepted,
+            reason=done.reason,
+            file=self._stage.inside(name) if frames else None,
+            frames=frames,
+            fps=self._stage.options["fps"],
+            subtasks=[segment.subtask for segment in done.segments],
+            verdicts=[segment.verdict for segment in done.segments],
+            attempts=len(done.attempts),
+            goals_hold=done.goals_hold,
+            layout="varied" if start.drawn else "fixed",
+            layouts_refused=start.refused,
+            objects=start.scene.objects,
+            randomisation=drawn,
+        )
+
+    def _facts(self, index: int, work: _Work, start: Start, drawn: Drawn, done: EpisodeRun) -> dict[str, Any]:
+        """What travels inside the episode."""
+        said = [reworded(subtask, start.phrases) for subtask, _ in work.steps]
+        text = work.text if self._scene.instruction else in_other_words(work.text, start.phrases)
+        wordings = [in_other_words(wording, start.phrases) for wording in work.wordings]
+        told = wordings_for(text, wordings, said, start.scene, self._context)
+        return {
+            "instruction": text,
+            "task": told[int(np.random.default_rng([self._stage.seed, index, TOLD]).integers(len(told)))],
+            "task_wordings": told,
+            "seed": self._stage.seed,
+            "episode": index,
+            "accepted": done.accepted,
+            "reason": done.reason,
+            **world_facts(start.scene, drawn),
+            "wordings": {subtask.id: [subtask.text, *subtask.texts] for subtask in said},
+            **{name: value for name, value in self._stage.options.items() if name == "scripts"},
+            "providers": self._context.models.providers("reasoner", "editor", "detector", "embedder", "critic"),
+            "versions": versions(),
+        }
+
+
+_version = cache(metadata.version)
+
+
+def versions() -> dict[str, str]:
+    """What made the data: programs, and the device that drew its pictures."""
+    packages = ("sapien", "mani_skill", "mplib", "numpy")
+    return {
+        "vcage": __version__,
+        "python": platform.python_version(),
+        **{package: _version(package) for package in packages},
+        "driver": device_name(),
+    }

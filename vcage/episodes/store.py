@@ -1,0 +1,163 @@
+"""The folder in which the episodes of a collection gather, so that a killed one can go on; and its counts."""
+
+from __future__ import annotations
+
+import logging
+import os
+import shutil
+from collections.abc import Sequence
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from vcage.base.errors import DamagedFile, InputFileError, MissingStage
+from vcage.base.files import atomic_folder, write_text
+from vcage.base.keeper import Keeper
+from vcage.base.partial import PARTIAL, REPLACED, recover
+from vcage.base.reading import Unreadable, text_of
+from vcage.runs.edits import seal
+from vcage.runs.stage import Job, StageResult
+from vcage.schema.episodes import Attempt, CriticCounts, Episode, Episodes
+from vcage.schema.scene import Scene
+from vcage.schema.subtasks import Subtasks
+
+logger = logging.getLogger(__name__)
+
+
+class EpisodeStore:
+    """The folder in which episodes gather; whole after every episode.
+
+    Args:
+        stage: the collection; its output is what the folder becomes.
+        folder: beside the output.
+    """
+
+    def __init__(self, stage: Job, folder: Path):
+        self.folder, self.run = folder, stage.run
+        self.episodes: list[Episode] = []
+        self._attempts: list[Attempt] = []
+        self._edited: list[str] = []
+        self._stage = stage
+
+    @property
+    def _index(self) -> Path:
+        return self.folder / self._stage.output.name
+
+    def begin(self, done: StageResult[Episodes] | None) -> None:
+        """Go on with a killed collection of the same provenance, or with a finished one, or start anew."""
+        recover(self.folder)
+        if self._go_on():
+            logger.info("collect: going on with the episodes of a run that was interrupted")
+            return
+        self.run.make()
+        shutil.rmtree(self.folder, ignore_errors=True)
+        with atomic_folder(self.folder) as folder:
+            if done is not None:
+                shutil.copytree(done.path.parent, folder, copy_function=os.link, dirs_exist_ok=True)
+        if done is not None:
+            self._load()
+
+    def _go_on(self) -> bool:
+        """Take up what a killed collection left, if it is whole and was made in the same way."""
+        keeper = Keeper(self._index, Episodes, self._stage.provenance())
+        try:
+            if not keeper.knows(keeper.found()):
+                return False
+            for part in sorted(self.folder.rglob(f"*{PARTIAL}*")):  # what was being written when it was killed
+                part.unlink()
+            self._load()
+        except MissingStage:
+            return False
+        except InputFileError as error:
+            logger.warning("collect: starting anew, as an interrupted run left what cannot be read: %s", error)
+            return False
+        return True
+
+    def _load(self) -> None:
+        record, attempts = Episodes.read(self._index), read_log(self.folder)
+        self.episodes, self._edited = list(record.episodes), record.edited
+        known = {episode.index for episode in self.episodes}
+        self._attempts = [a for a in attempts if a.episode in known]
+
+    def add(self, episode: Episode, attempts: Sequence[Attempt]) -> None:
+        """Note an episode whose files are written; the index is written last, as it makes the episode count."""
+        self.episodes = sorted([*self.episodes, episode], key=lambda one: one.index)
+        self._attempts = sorted([*self._attempts, *attempts], key=lambda one: one.episode)
+        lines = [attempt.model_dump_json() + "\n" for attempt in self._attempts]
+        write_text(log_path(self.folder), "".join(lines))
+        self._record().write(self._index)
+
+    def finish(self) -> Episodes:
+        """Make the folder the stage's output."""
+        final = self._stage.output.parent
+        record = seal(self._record(), self._index)
+        old = final.with_name(f"{final.name}{REPLACED}{os.getpid()}")
+        if final.exists():
+            os.replace(final, old)
+        os.replace(self.folder, final)
+        shutil.rmtree(old, ignore_errors=True)
+        return record
+
+    def _record(self) -> Episodes:
+        scene = Scene.read(self.run.layout)
+        return Episodes(
+            provenance=self._stage.provenance(),
+            edited=self._edited,
+            instruction=scene.instruction,
+            chains=Subtasks.read(self.run.subtasks).chains,
+            episodes=self.episodes,
+            accept=self._stage.options["accept"],
+            attempts=len(self._attempts),
+            acceptance=acceptance(self._attempts),
+            critic=confusion(self._attempts),
+        )
+
+
+def background_name(episode: int) -> str:
+    """File, in the folder of the episodes, of an episode's picture of the empty table."""
+    return f"critic/e{episode:06d}-background-top.png"
+
+
+def log_path(folder: Path) -> Path:
+    """Where all attempts of the episodes in a folder are noted."""
+    return folder / "log.jsonl"
+
+
+def read_log(folder: Path) -> list[Attempt]:
+    """The attempts of ``log.jsonl``, in order; none when there is no log.
+
+    Raises:
+        DamagedFile: a line is not an attempt.
+    """
+    path = log_path(folder)
+    try:
+        text = text_of(path.read_bytes()) if path.is_file() else ""
+    except Unreadable as error:
+        raise DamagedFile(f"{path} is no text: {error}", maker="collect") from error
+    lines = enumerate(text.split("\n"), start=1)  # an attempt's words may hold other line ends of Unicode
+    return [_attempt(line, f"{path}, line {number}") for number, line in lines if line.strip()]
+
+
+def _attempt(line: str, where: str) -> Attempt:
+    try:
+        return Attempt.model_validate_json(line)
+    except ValidationError as error:
+        first = error.errors()[0]
+        field = ".".join(map(str, first["loc"])) or "(whole line)"
+        raise DamagedFile(f"{where}: field {field}: {first['msg']}", hint="mend it", maker="collect") from error
+
+
+def acceptance(attempts: Sequence[Attempt]) -> dict[str, dict[str, int]]:
+    """Asset/variant → how many attempts there were, and how many were accepted."""
+    counts: dict[str, dict[str, int]] = {}
+    for attempt in sorted(attempts, key=lambda a: (a.asset, a.variant)):
+        entry = counts.setdefault(f"{attempt.asset}/{attempt.variant}", {"accepted": 0, "attempts": 0})
+        entry["accepted"] += attempt.accepted
+        entry["attempts"] += 1
+    return counts
+
+
+def confusion(attempts: Sequence[Attempt]) -> CriticCounts:
+    """The critic against the simulator's truth, over the attempts that were judged."""
+    judged = [a for a in attempts if a.verdict is not None and a.truth is not None]
+    return CriticCounts.of((a.verdict.accepted, a.truth.success) for a in judged)  # pyrefly: ignore

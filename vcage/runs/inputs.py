@@ -1,0 +1,113 @@
+"""What a stage reads of the stages before: each file by itself is checked by its schema, here against the others."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+
+import numpy as np
+
+from vcage.base.errors import InputFileError
+from vcage.base.files import RunFolder
+from vcage.base.pictures import read_labels, read_picture
+from vcage.layout.capacities import size_complaints
+from vcage.layout.items import TableItem
+from vcage.plans.check import plan_complaints
+from vcage.plans.descriptions import unsaid, with_descriptions
+from vcage.plans.plain_words import in_words
+from vcage.runs.context import StageContext
+from vcage.schema.matches import Matches
+from vcage.schema.plan import LayoutPlan, Plan
+from vcage.schema.scene import Scene
+from vcage.vision.match import ScenePictures
+
+FARTHEST = 0.5
+"""Metres beyond the table's edge up to which a matched position is one to be optimised, and not a damaged file."""
+
+
+def read_plan(run: RunFolder, scene: Scene, context: StageContext) -> Plan:
+    """``inpaint/plan.json``, which may have been edited since it was checked.
+
+    Raises:
+        InputFileError: it is not possible for the scene; lists the complaints.
+    """
+    plan = Plan.read(run.plan)
+    complaints = plan_check(scene, context.capacities(scene))(LayoutPlan(text=plan.text, relations=plan.relations))
+    if complaints:
+        raise InputFileError(
+            f"{run.plan} is not possible: {'; '.join(complaints)}",
+            hint="mend its relations",
+            maker="inpaint_plan",
+            details={"path": str(run.plan), "field": "relations", "problems": complaints},
+        )
+    return plan
+
+
+def plan_check(scene: Scene, items: Mapping[str, TableItem]) -> Callable[[LayoutPlan], list[str]]:
+    """What complains of a plan that cannot be true of the scene: of its words, or of the sizes of its objects."""
+    return partial(plan_complaints, scene=scene, sizes=partial(size_complaints, items=items, workspace=scene.workspace))
+
+
+def described_check(scene: Scene, items: Mapping[str, TableItem]) -> Callable[[LayoutPlan], list[str]]:
+    """:func:`plan_check` of a plan to which what is described will be added where it does not say that itself."""
+    check, phrases = plan_check(scene, items), {o.id: o.phrase for o in scene.objects}
+
+    def complaints(plan: LayoutPlan) -> list[str]:
+        found = check(with_descriptions(plan, scene.descriptions, phrases))
+        added = unsaid(plan.relations, scene.descriptions)
+        if found and added:
+            found.append(f"whatever else, this must be true: {'; '.join(in_words(d, phrases) for d in added)}")
+        return found
+
+    return complaints
+
+
+def read_matches(run: RunFolder, scene: Scene) -> Matches:
+    """``match/matches.json``: one match for each object of the scene, not far from its table.
+
+    Raises:
+        InputFileError: it is of other objects, or of places that are nowhere near the table.
+    """
+    matches = Matches.read(run.matches)
+    ids, found = [o.id for o in scene.objects], [m.object for m in matches.matches]
+    if sorted(ids) != sorted(found):
+        wrong = sorted(set(ids) ^ set(found)) or sorted({name for name in found if found.count(name) > 1})
+        raise InputFileError(
+            f"{run.matches} has not one match for each object of the scene: see {', '.join(wrong)}",
+            maker="match",
+        )
+    lower, upper = scene.table.rectangle + np.array([[-FARTHEST], [FARTHEST]])
+    far = [m.object for m in matches.matches if np.any(m.position < lower) or np.any(m.position > upper)]
+    if far:
+        raise InputFileError(
+            f"{run.matches} has places that are nowhere near the table: {', '.join(far)}",
+            maker="match",
+        )
+    return matches
+
+
+def read_pictures(run: RunFolder, scene: Scene) -> ScenePictures:
+    """The pictures that ``scene.json`` names.
+
+    Raises:
+        MissingStage, DamagedFile: one is not there, or not a picture.
+        InputFileError: one has not the size of the scene's camera.
+    """
+    for name in ("source", "segmentation", "background"):
+        if name not in scene.pictures:
+            raise InputFileError(
+                f"{run.scene}: field pictures.{name}: nothing; expected the path of a picture",
+                hint="mend the field",
+                maker="select_place",
+            )
+    read = {"source": read_picture, "segmentation": read_labels, "background": read_picture}
+    pictures = {name: reader(run.file(scene.pictures[name])) for name, reader in read.items()}
+    expected = (scene.top_camera.height, scene.top_camera.width)
+    for name, picture in pictures.items():
+        if picture.shape[:2] != expected:
+            raise InputFileError(
+                f"{run.file(scene.pictures[name])} has {picture.shape[1]} x {picture.shape[0]} pixels, the scene's "
+                f"camera {expected[1]} x {expected[0]}",
+                maker="select_place",
+            )
+    return ScenePictures(**pictures)

@@ -1,0 +1,80 @@
+"""Told goals that make no sense: parts and arms that there are not, things that cannot be done, contradictions."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+
+from vcage.base.commands import vcage_command
+from vcage.base.errors import NoFeasibleTask, UnknownName, UsageError
+from vcage.base.text import listed
+from vcage.plans.actions import EVENTS, supersedes
+from vcage.plans.consistency import inconsistencies
+from vcage.scenes.stated_goals import Said, Told, shortened
+from vcage.schema.asset import CatalogueEntry
+from vcage.schema.goals import OF_A_PART, AskedGoal, Description, Goal, part_that
+from vcage.schema.plan import TABLE
+
+_ACTIONS = {"open": "open", "closed": "open", "pressed": "press", "turned": "turn"}
+
+
+def require_part(said: Said, place: Mapping[str, str | None], entry: CatalogueEntry) -> None:
+    """Check that a part which is to be operated is there, and is one that can be."""
+    if said.word not in OF_A_PART:
+        return
+    subject, part = place["subject"], place["part"]
+    able = [name for name in entry.moving_parts if part_that(_ACTIONS[said.word], name)]
+    if not able:
+        raise _impossible(said.text, f"{subject} has no part that can be {said.word}")
+    if part is None:
+        raise UsageError(
+            f"{shortened(said.text)}: {said.word!r} is said of a moving part",
+            hint=f"write {' or '.join(f'{subject}/{name} {said.word}' for name in able)}",
+        )
+    if part not in able:
+        raise UnknownName(f"part of {subject} that can be {said.word} in {shortened(said.text)}:", part, able)
+
+
+def require_sense(said: Said, asked: AskedGoal, arms: Collection[str]) -> None:
+    """Check that a goal asks for an arm that there is, and of the table only what can be asked of it."""
+    arm = asked.goal.reference if asked.goal.relation == "handed" else asked.arm
+    if arm is not None and arm not in arms:
+        raise UnknownName(f"arm in {shortened(said.text)}:", arm, arms)
+    if asked.goal.reference == TABLE and asked.goal.relation != "on":
+        raise UsageError(f"{shortened(said.text)}: of the table only 'on' can be a goal")
+
+
+def require_place(told: Description, kinds: Mapping[str, CatalogueEntry]) -> None:
+    """Check that what shall lie in or on something at the start can be put there."""
+    if told.relation not in ("inside", "on") or told.reference == TABLE:
+        return
+    there = [("inside" if p.holds == "in" else "on", p.link) for p in kinds[told.reference].functional_points]
+    if (told.relation, told.part) not in there:
+        forms = [f"{word} {told.reference}{f'/{part}' if part else ''}" for word, part in dict.fromkeys(there)]
+        asked = f"{told.relation} {told.reference}{f'/{told.part}' if told.part else ''}"
+        raise _impossible(told.words, f"nothing can be {asked}; what can be: {listed(forms) or 'nothing'}")
+
+
+def require_consistent(told: Told, goals: Sequence[AskedGoal], descriptions: Sequence[Description]) -> None:
+    """Check that no goal is said twice or true before its turn, and that nothing contradicts the rest."""
+    true = {_as_goal(one): 0 for one in descriptions if one.reference != TABLE}
+    for said, asked in zip(told.goals, goals, strict=True):
+        goal, step = asked.goal, asked.step
+        if true.get(goal) == step or (goal in true and goal.relation not in EVENTS):
+            when = "at the start already" if not true[goal] else "said before"
+            raise UsageError(f"{shortened(said.text)} is {when}", hint="leave it out")
+        true = {g: since for g, since in true.items() if since == step or not supersedes(goal, g)} | {goal: step}
+    if found := inconsistencies(goals, descriptions):
+        of_start = not inconsistencies(goals, [])
+        hint = "leave one out" if of_start else "leave one out, or let a later goal begin with 'then'"
+        raise UsageError(found[0], hint=hint)
+
+
+def _as_goal(one: Description) -> Goal:
+    return Goal.model_validate(one.model_dump(exclude={"words"}))
+
+
+def _impossible(text: str, why: str) -> NoFeasibleTask:
+    """The error about what its objects do not allow."""
+    return NoFeasibleTask(
+        f"{shortened(text)}: {why}", hint="see what there is", command=vcage_command("assets", "list")
+    )

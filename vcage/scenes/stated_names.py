@@ -1,0 +1,133 @@
+"""From names in told goals to the objects of a scene: which kinds and looks stand there, and which one a name means."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from vcage.base.errors import UnknownName, UsageError
+from vcage.models.selection_check import NamedObject, name_objects
+from vcage.scenes.stated_goals import Said, Told, shortened
+from vcage.schema.asset import CatalogueEntry
+from vcage.schema.plan import SelectedAsset, Selection
+
+
+@dataclass(frozen=True)
+class Wish:
+    """An object that shall stand there: a kind, its look where one is asked for, and which one of several alike."""
+
+    kind: str
+    look: str | None
+    number: int = 1
+
+
+def objects_of(told: Told, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator) -> list[NamedObject]:
+    """The objects that ``--objects`` lists, or else those that the goals name and the tools that they need.
+
+    Looks that are not asked for are drawn, different ones first. All have the role ``context``.
+
+    Raises:
+        UnknownName: the catalogue has no such kind or look.
+    """
+    kinds = {entry.name: entry for entry in catalogue}
+    if told.objects is not None:
+        wishes = [_wish(name, kinds, "--objects") for count, name in told.objects for _ in range(count)]
+    else:
+        wishes = _named(told, kinds)
+        wishes += [Wish(tool, None) for tool in _tools(told, catalogue, [kinds[wish.kind] for wish in wishes])]
+    taken = Counter((wish.kind, wish.look) for wish in wishes)
+    chosen = []
+    for wish in wishes:
+        look = wish.look or _draw_look(kinds[wish.kind], taken, rng)
+        taken[wish.kind, look] += wish.look is None
+        chosen.append(SelectedAsset(asset=wish.kind, variant=look, role="context"))
+    return name_objects(Selection(objects=chosen), catalogue)
+
+
+def split_part(path: str, kinds: Mapping[str, CatalogueEntry], with_part: bool) -> tuple[str, str | None]:
+    """A name and the moving part at its end: ``cabinet/oak/drawer`` is the drawer of ``cabinet/oak``.
+
+    Args:
+        path: as it was written.
+        kinds: the catalogue, by name.
+        with_part: whether the name may end with a part; the look of a kind is none.
+    """
+    *head, last = path.split("/")
+    if not head or not with_part:
+        return path, None
+    entry = kinds.get(head[0])
+    is_look = len(head) == 1 and entry is not None and last in {variant.id for variant in entry.variants}
+    return (path, None) if is_look else ("/".join(head), last)
+
+
+def object_meant(name: str, objects: Sequence[NamedObject], said: Said) -> str:
+    """The id of the object that a name means: an id, or a kind or ``kind/look`` that one object alone has.
+
+    Raises:
+        UnknownName: there is none; lists what there is.
+        UsageError: it may mean several; lists these.
+    """
+    if any(o.id == name for o in objects):
+        return name
+    found = [o.id for o in objects if name in (o.asset, f"{o.asset}/{o.variant}")]
+    if not found:
+        hint = "add it to --objects, or take one of those listed"
+        raise UnknownName(f"object in {shortened(said.text)}:", name, [o.id for o in objects], hint)
+    if len(found) > 1:
+        raise UsageError(
+            f"{name!r} in {shortened(said.text)} may mean {' or '.join(found)}",
+            hint="name one of them",
+            details={"name": name, "available": found},
+        )
+    return found[0]
+
+
+def _named(told: Told, kinds: Mapping[str, CatalogueEntry]) -> list[Wish]:
+    """One object for each name; a bare kind means the one that another name gives a look, if there is one."""
+    wishes = dict.fromkeys(
+        _wish(split_part(path, kinds, with_part)[0], kinds, shortened(said.text))
+        for said in (*told.goals, *told.starts)
+        for path, with_part in said.names
+    )
+    with_look = {wish.kind for wish in wishes if wish.look is not None}
+    return [wish for wish in wishes if wish.look is not None or wish.kind not in with_look]
+
+
+def _wish(name: str, kinds: Mapping[str, CatalogueEntry], where: str) -> Wish:
+    """The kind and look that a name says: ``marker``, ``marker/red``, or an id such as ``marker_red_2``."""
+    kind, _, look = name.partition("/")
+    if kind in kinds and look:
+        looks = [variant.id for variant in kinds[kind].variants]
+        if look not in looks:
+            raise UnknownName(f"look of {kind} in {where}:", look, looks)
+        return Wish(kind, look)
+    if name in kinds:
+        only = kinds[name].variants
+        return Wish(name, only[0].id if len(only) == 1 else None)
+    ids = {f"{entry.name}_{v.id}": Wish(entry.name, v.id) for entry in kinds.values() for v in entry.variants}
+    ids |= {entry.name: Wish(entry.name, entry.variants[0].id) for entry in kinds.values() if len(entry.variants) == 1}
+    stem, _, number = name.rpartition("_")
+    if name in ids:
+        return ids[name]
+    if stem in ids and number.isdecimal():
+        return replace(ids[stem], number=int(number))
+    raise UnknownName(f"object in {where}:", name, kinds)
+
+
+def _tools(told: Told, catalogue: Sequence[CatalogueEntry], there: Sequence[CatalogueEntry]) -> list[str]:
+    """The scanner and the scale that goals need and that nothing names: the first kind by name."""
+    words = {said.word for said in told.goals}
+    found = []
+    for word in ("scanned", "weighed"):
+        if word in words and not any(word in entry.tool_for for entry in there):
+            found += sorted(entry.name for entry in catalogue if word in entry.tool_for)[:1]
+    return found
+
+
+def _draw_look(entry: CatalogueEntry, taken: Counter[tuple[str, str | None]], rng: np.random.Generator) -> str:
+    fewest = min(taken[entry.name, variant.id] for variant in entry.variants)
+    looks = [variant.id for variant in entry.variants if taken[entry.name, variant.id] == fewest]
+    return looks[int(rng.integers(len(looks)))]
