@@ -13,7 +13,7 @@ from tests.run_folders import command, digests
 from tests.scripted_agent import Act, Read, Run, ScriptedAgent, Write
 from vcage.base.commands import vcage_command
 from vcage.base.pictures import read_picture
-from vcage.models.kept import Exchanges
+from vcage.models.exchanges import Exchanges
 
 TASK = "Get the table ready for the next player: the red and the green block both belong in the box"
 """Plain English that the rules refuse: whoever reads it is the model."""

@@ -16,7 +16,7 @@ from tests.model_server import ModelServer, Special, text_answer
 from tests.model_server.special import Faults
 from tests.run_folders import QUICK_VIDEOS, REPOSITORY, Answer, command
 from vcage.base.files import RunFolder, read_json
-from vcage.models.kept import Exchanges
+from vcage.models.exchanges import Exchanges
 
 TASK = "Put the red block and the green block into the box"
 

@@ -13,7 +13,7 @@ from tests.models.catalogue import CATALOGUE, unchecked
 from tests.models.tabletop import BOX, MARKERS, critic_question
 from vcage.base.errors import ConfigurationError, EndpointFailed, ModelNotServed, UsageError
 from vcage.cli.doctor import ollama as doctor_ollama
-from vcage.models.kept import Exchanges
+from vcage.models.exchanges import Exchanges
 from vcage.models.ollama import OLLAMA
 from vcage.models.protocols import CriticQuestion, Models
 from vcage.models.registry import Choice, build_models
@@ -71,7 +71,7 @@ def test_a_model_that_was_not_fetched_is_told_with_those_that_were(monkeypatch: 
 def test_auto_takes_it_where_no_provider_has_a_key_and_says_so(
     server: ModelServer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    told = Choice("auto").told(ROLES)
+    told = Choice("auto").announcement(ROLES)
     assert "ollama for reasoner, critic, rules (offline) for editor, since no provider has a key" in told
     assert f"answers at {server.url}/ollama/v1 with qwen3-vl:8b" in told
     monkeypatch.setenv("OPENAI_API_KEY", "key-1")
@@ -85,7 +85,7 @@ def test_auto_takes_rules_where_it_does_not_answer_or_has_no_model(
     assert Choice("auto").of("reasoner") == "offline"
     monkeypatch.setenv("VCAGE_OLLAMA_URL", "http://127.0.0.1:9")
     assert Choice("auto").of("reasoner") == "offline"
-    assert "and no Ollama at http://127.0.0.1:9" in Choice("auto").told(ROLES)
+    assert "and no Ollama at http://127.0.0.1:9" in Choice("auto").announcement(ROLES)
 
 
 def test_it_is_looked_for_once_in_a_process(server: ModelServer) -> None:
@@ -117,9 +117,9 @@ def test_rules_are_the_critic_for_a_model_without_eyes_and_that_is_said(server: 
         "reasoner": "ollama:llama3.2:3b", "critic": "offline"
     }  # fmt: skip
     blind = "rules (offline) are the critic, since ollama:llama3.2:3b sees no pictures"
-    assert blind in Choice("ollama").told(("critic",))
-    assert Choice("ollama").told(("reasoner",)) == ""
-    assert "ollama for reasoner, rules (offline) for editor, critic" in Choice("auto").told(ROLES)
+    assert blind in Choice("ollama").announcement(("critic",))
+    assert Choice("ollama").announcement(("reasoner",)) == ""
+    assert "ollama for reasoner, rules (offline) for editor, critic" in Choice("auto").announcement(ROLES)
 
 
 def test_a_model_without_eyes_that_is_named_as_critic_is_refused_before_anything_is_sent(server: ModelServer) -> None:

@@ -28,7 +28,7 @@ from vcage.base.errors import (
 )
 from vcage.layout.capacities import size_complaints
 from vcage.models import pictures
-from vcage.models.kept import Exchanges
+from vcage.models.exchanges import Exchanges
 from vcage.models.pictures import encode_base64
 from vcage.models.protocols import CriticQuestion, EditRequest, Models
 from vcage.models.registry import Choice, build_models

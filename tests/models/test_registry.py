@@ -96,13 +96,18 @@ def test_hub_weights_are_named_in_full_without_being_read() -> None:
 
 def test_auto_tells_which_provider_it_took_and_why(monkeypatch: pytest.MonkeyPatch) -> None:
     roles = ("reasoner", "editor", "critic")
-    assert "rules (offline) for reasoner, editor, critic, since there is no key" in Choice("auto").told(roles)
+    assert "rules (offline) for reasoner, editor, critic, since there is no key" in Choice("auto").announcement(roles)
     monkeypatch.setenv("OPENROUTER_API_KEY", "key-1")
     monkeypatch.setenv("ANTHROPIC_API_KEY", "key-2")
-    told = Choice("auto", critic="offline").told(roles)
+    told = Choice("auto", critic="offline").announcement(roles)
     assert "openrouter for reasoner, editor, since its key is in OPENROUTER_API_KEY; anthropic too" in told
     assert "key-" not in told
-    assert Choice("offline").told(roles) == Choice("gemini").told(roles) == Choice("auto").told(()) == ""
+    assert (
+        Choice("offline").announcement(roles)
+        == Choice("gemini").announcement(roles)
+        == Choice("auto").announcement(())
+        == ""
+    )
 
 
 def test_who_does_not_draw_leaves_the_drawing_to_rules_unless_named(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -117,7 +122,7 @@ def test_a_key_of_one_that_does_not_draw_leaves_the_drawing_to_rules(monkeypatch
     monkeypatch.setenv("ANTHROPIC_API_KEY", "key-1")
     roles = ("reasoner", "editor", "critic")
     assert [Choice("auto").of(role) for role in roles] == ["anthropic", "offline", "anthropic"]
-    assert "anthropic for reasoner, critic, rules (offline) for editor" in Choice("auto").told(roles)
+    assert "anthropic for reasoner, critic, rules (offline) for editor" in Choice("auto").announcement(roles)
 
 
 @pytest.fixture

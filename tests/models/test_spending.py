@@ -9,7 +9,7 @@ import pytest
 
 from vcage.base.errors import ConfigurationError, SpendingCap
 from vcage.models.exchange import Message, Question, Reply
-from vcage.models.kept import Exchanges, Keeping
+from vcage.models.exchanges import Exchanges, Stored
 from vcage.models.spending import Cap, Price, Spending, cost, price_of
 
 
@@ -45,8 +45,8 @@ def no_prices(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("VCAGE_PRICE_FILE", str(tmp_path / "none.json"))
 
 
-def keeping(folder: Path, cap: Cap, who: Paid, *, tells: bool = False) -> Keeping:
-    return Keeping(who, Exchanges(folder), spending=Spending(folder, cap, who.provider, tells=tells))
+def keeping(folder: Path, cap: Cap, who: Paid, *, reports: bool = False) -> Stored:
+    return Stored(who, Exchanges(folder), spending=Spending(folder, cap, who.provider, reports_cost=reports))
 
 
 def test_what_a_reply_costs_is_what_it_says_or_else_tokens_by_price():
@@ -72,12 +72,12 @@ def test_a_run_holds_no_more_answers_than_it_may_whoever_asked_before(folder: Pa
 
 def test_answers_of_an_agent_are_not_paid(folder: Path):
     for number in range(3):
-        Keeping(Paid(provider="agent"), Exchanges(folder)).answer(question(number))
+        Stored(Paid(provider="agent"), Exchanges(folder)).answer(question(number))
     keeping(folder, Cap(calls=1), Paid()).answer(question(3))
 
 
 def test_a_run_asks_no_more_once_the_money_is_spent(folder: Path):
-    who = keeping(folder, Cap(usd=0.02), Paid(usd=0.015), tells=True)
+    who = keeping(folder, Cap(usd=0.02), Paid(usd=0.015), reports=True)
     who.answer(question(1))
     who.answer(question(2))
     with pytest.raises(SpendingCap, match=r"0\.0300 USD") as caught:
@@ -86,7 +86,7 @@ def test_a_run_asks_no_more_once_the_money_is_spent(folder: Path):
 
 
 def test_money_is_not_capped_where_nobody_knows_the_price(folder: Path):
-    with pytest.raises(ConfigurationError, match="what gemini:some costs is not known"):
+    with pytest.raises(ConfigurationError, match="the price of gemini:some is not known"):
         Spending(folder, Cap(usd=1.0), "gemini:some").check()
 
 

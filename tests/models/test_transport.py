@@ -15,7 +15,7 @@ from vcage.base.errors import ConfigurationError, EndpointFailed, VcageError
 from vcage.models.llm_critic import Judgement
 from vcage.models.providers import PROVIDERS
 from vcage.models.structured import flat_schema
-from vcage.models.transport import Transport
+from vcage.models.transport import Transport, TransportLimits
 
 PATH = "v1/chat/completions"
 BODY = {
@@ -98,7 +98,7 @@ def test_a_base_url_without_a_scheme_is_refused() -> None:
 def test_an_answer_that_never_ends_is_given_up_in_time(server: ModelServer) -> None:
     server.queue(*[Special(manner="drip")] * 4)
     start = time.monotonic()
-    patient = Transport(server.url, {"Authorization": f"Bearer {server.key}"}, timeout=(1, 1), most_seconds=0.4)
+    patient = Transport(server.url, {"Authorization": f"Bearer {server.key}"}, limits=TransportLimits(1, 1, 0.4))
     with pytest.raises(EndpointFailed, match="no whole answer"):
         patient.post_json(PATH, BODY)
     assert time.monotonic() - start < 1
@@ -107,7 +107,7 @@ def test_an_answer_that_never_ends_is_given_up_in_time(server: ModelServer) -> N
 def test_a_wait_that_leaves_no_time_ends_it(server: ModelServer) -> None:
     server.queue(*[Special(manner="hang")] * 4)
     start = time.monotonic()
-    hurried = Transport(server.url, {"Authorization": f"Bearer {server.key}"}, timeout=(1, 0.2), most_seconds=0.5)
+    hurried = Transport(server.url, {"Authorization": f"Bearer {server.key}"}, limits=TransportLimits(1, 0.2, 0.5))
     with pytest.raises(EndpointFailed, match="does not answer"):
         hurried.post_json(PATH, BODY)
     assert time.monotonic() - start < 1 and len(server.requests) == 1

@@ -9,7 +9,7 @@ from vcage.base.errors import UsageError
 from vcage.base.files import PRODUCERS, RunFolder
 from vcage.base.leftovers import scratch_folder
 from vcage.models.exchange import Answerer, Question, Reply
-from vcage.models.kept import Exchanges, Replayed, who_answered
+from vcage.models.exchanges import Exchanges, Replayed, who_answered
 from vcage.models.llm_critic import LlmCritic
 from vcage.models.llm_editor import LlmEditor
 from vcage.models.llm_reasoner import LlmReasoner

@@ -56,7 +56,7 @@ def options_of(name: str) -> type[StageCommand]:
 def context_of(options: StageOptions, run: RunFolder, *stages: str) -> StageContext:
     """What stages need beyond their files, once it is told who answers them where nobody was named."""
     roles = list(dict.fromkeys(role for stage in stages for role in ASKS.get(stage, ())))
-    if isinstance(options, ModelOptions) and (told := options.who(run).told(roles)):
+    if isinstance(options, ModelOptions) and (told := options.who(run).announcement(roles)):
         logger.info("%s", told)
     return options.context(run)
 

@@ -1,7 +1,7 @@
 """Exchanges with models: whatever answers, a rule, an agent, an endpoint or a record, is asked and answers alike.
 
 What was asked is known by its hash: role, turns with their pictures, and what the answer must look like.
-:mod:`vcage.models.kept` keeps exchanges under that hash.
+:mod:`vcage.models.exchanges` keeps exchanges under that hash.
 """
 
 from __future__ import annotations

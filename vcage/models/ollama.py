@@ -1,39 +1,38 @@
 """Ollama, and other servers on the user's own machine: OpenAI's chat without a key and without a price.
 
-Wire shapes: https://docs.ollama.com/openai, …/api-reference/show-model-details, …/api-reference/list-running-models
+Wire formats: https://docs.ollama.com/openai, …/api-reference/show-model-details, …/api-reference/list-running-models
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
 
 from vcage.base.errors import ConfigurationError, EndpointFailed, VcageError
 from vcage.models.exchange import Question, Reply
-from vcage.models.openai import OpenAiText
-from vcage.models.provider import Provider
+from vcage.models.openai import CHAT
+from vcage.models.provider import Client, Provider
 from vcage.models.served import Served
-from vcage.models.transport import Transport
+from vcage.models.transport import Transport, TransportLimits
 
-PROBE = (0.5, 3.0)
-"""Seconds to connect and to wait, where it is only looked whether a server is there."""
+PROBE = TransportLimits(connect_s=0.5, read_s=3.0)
+"""Limits where only the presence of a server is tested."""
 
-PATIENCE = {"timeout": (2.0, 1800.0), "most_seconds": 1800.0}
+PATIENT = TransportLimits(connect_s=2.0, read_s=1800.0, total_s=1800.0)
 """A laptop without a GPU takes minutes to read a long prompt, and sends nothing meanwhile."""
 
 CHARACTERS_PER_TOKEN = 4.0
-"""Of prompts, at the least tokens that they can come to: names and numbers take more."""
+"""Characters of a prompt in the fewest tokens that they can be; names and numbers take more tokens."""
 
 
-class OllamaText(OpenAiText):
-    """OpenAI's chat; what a server has cut off from a prompt, and then answered, is an error."""
+class LocalClient(Client):
+    """A client for a server that may silently cut off the end of a long prompt; that is an error here."""
 
     def answer(self, question: Question) -> Reply:
         """See :class:`vcage.models.exchange.Answerer`.
 
         Raises:
-            ConfigurationError: the question is longer than the model's context, of which Ollama says nothing.
+            ConfigurationError: the question is longer than the model's context, which Ollama does not report.
         """
         reply = super().answer(question)
         characters = sum(len(message.text) for message in question.messages)
@@ -50,7 +49,7 @@ class OllamaText(OpenAiText):
 
 @dataclass(frozen=True)
 class Local(Provider):
-    """A provider on a machine of the user: the model that it lists first answers where none is named."""
+    """A provider on the user's own machine; the first model that it lists answers unless one is named."""
 
     @property
     def url_variable(self) -> str:
@@ -93,12 +92,12 @@ class Local(Provider):
         try:
             found = self.found()
         except VcageError:
-            return ""  # whoever asks it is told
+            return ""  # the error comes when it is asked
         return "" if found.sees else f"{self.name}:{found.model} sees no pictures"
 
-    def transport(self, key: str, **options: Any) -> Transport:
+    def transport(self, key: str, limits: TransportLimits | None = None) -> Transport:
         """See :meth:`vcage.models.provider.Provider.transport`."""
-        return super().transport(key, **(PATIENCE | options))
+        return super().transport(key, limits or PATIENT)
 
 
 @dataclass(frozen=True)
@@ -108,7 +107,7 @@ class Found:
     Args:
         served: the models that it lists.
         model: the one that answers.
-        sees: whether that takes pictures; true where the server does not say.
+        sees: True if that takes pictures, or if the server does not say.
     """
 
     served: Served
@@ -118,8 +117,8 @@ class Found:
 
 @cache
 def _look(provider: Local, url: str, named: str) -> Found | VcageError:
-    """Models of a server, or why that is not known."""
-    transport = provider.transport("", timeout=PROBE)
+    """The models of a server, or the error that came instead."""
+    transport = provider.transport("", PROBE)
     try:
         served = Served.at(transport, provider.lists)
     except EndpointFailed as error:
@@ -139,7 +138,7 @@ def _look(provider: Local, url: str, named: str) -> Found | VcageError:
 
 
 def _abilities(transport: Transport, model: str, served: Served) -> frozenset[str]:
-    """Abilities of a model, as the server says; all where it does not."""
+    """The abilities of a model as the server reports them; all if it does not."""
     if model in served.modalities:  # llama.cpp's server says so in its list
         return frozenset({"completion", *(["vision"] if "image" in served.modalities[model] else [])})
     try:
@@ -150,7 +149,7 @@ def _abilities(transport: Transport, model: str, served: Served) -> frozenset[st
 
 
 def _context(transport: Transport, model: str) -> int | None:
-    """Tokens that a model was loaded with; None where the server does not say."""
+    """The context of a loaded model in tokens; None if the server does not report it."""
     try:
         running = transport.get_json("api/ps").get("models")
     except VcageError:
@@ -175,11 +174,9 @@ OLLAMA = Local(
     key_variables=(),
     headers=lambda _: {},
     base_url="http://127.0.0.1:11434",
-    version="v1",
     text_model="",
-    image_model="",
-    lists=("models",),
-    text=OllamaText,
-    picture=None,
+    text=CHAT,
+    version="v1",
     needs_key=False,
+    client=LocalClient,
 )

@@ -1,91 +1,192 @@
-"""What is particular to a provider of models online; one file each says it (``gemini``, ``openai``…)."""
+"""A provider of models: its endpoint, its key, and the wire formats of its questions and answers.
+
+Each provider is declared in a file of its own (``gemini``, ``openai``…); docs/adding-a-provider.md shows how.
+"""
 
 from __future__ import annotations
 
 import os
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from vcage.base.errors import ConfigurationError, ModelNotServed, ModelRefused
+import numpy as np
+
+from vcage.base.errors import ConfigurationError, EndpointFailed, ModelNotServed, ModelRefused
 from vcage.models.exchange import Question, Reply
+from vcage.models.pictures import decode_base64
 from vcage.models.served import Served, not_served
-from vcage.models.transport import FilePart, Transport
+from vcage.models.transport import FilePart, Transport, TransportLimits
+
+QUICK = TransportLimits(connect_s=5.0, read_s=10.0)
+"""Limits where only the list of models is requested."""
 
 
-class Client(ABC):
+@dataclass(frozen=True)
+class Content:
+    """What an answer of an endpoint holds.
+
+    Args:
+        text: of the answer, without thoughts.
+        picture: in base64; None if there is none.
+        ended: the reason to stop, as the endpoint names it.
+        whole: False if the model declined or was cut off.
+    """
+
+    text: str = ""
+    picture: object = None
+    ended: str = ""
+    whole: bool = True
+
+
+@dataclass(frozen=True)
+class Usage:
+    """Fields in which an answer names the model's version and counts tokens.
+
+    Args:
+        version: field with the version.
+        counts: field with the object that counts tokens, and perhaps the cost in US dollars as ``cost``.
+        tokens_in, tokens_out: its fields; the first that is there counts.
+        thoughts: its field for tokens of thoughts, where ``tokens_out`` leaves them out.
+    """
+
+    version: str = "model"
+    counts: str = "usage"
+    tokens_in: tuple[str, ...] = ("prompt_tokens", "input_tokens")
+    tokens_out: tuple[str, ...] = ("completion_tokens", "output_tokens")
+    thoughts: str = ""
+
+    def reply(self, data: Mapping[str, Any], text: str = "", picture: np.ndarray | None = None) -> Reply:
+        """The reply with the version, tokens and cost that an answer names."""
+        counts = data.get(self.counts)
+        counts = counts if isinstance(counts, dict) else {}
+        cost = counts.get("cost")
+        out = _count(counts, *self.tokens_out)
+        return Reply(
+            text,
+            picture,
+            model=str(data.get(self.version) or ""),
+            tokens_in=_count(counts, *self.tokens_in),
+            tokens_out=None if out is None else out + (_count(counts, self.thoughts) or 0),
+            usd=float(cost) if isinstance(cost, int | float) else None,
+        )
+
+
+def _count(counts: Mapping[str, object], *names: str) -> int | None:
+    """The number of tokens in the first of some fields that has one."""
+    return next((value for name in names if isinstance(value := counts.get(name), int)), None)
+
+
+def no_files(_: Question) -> Sequence[FilePart]:
+    """The files of a request that is JSON."""
+    return ()
+
+
+@dataclass(frozen=True)
+class WireFormat:
+    """How a kind of question is sent, and how its answer is read.
+
+    Args:
+        path: below the base URL; ``{model}`` stands for the model's id.
+        body: makes the JSON body of the model's id and the question, or the fields of a form with files.
+        content: reads an answer; whatever lookup fails in it becomes an :class:`EndpointFailed`.
+        files: makes the files of a form; none for JSON.
+        usage: where the answer counts tokens.
+        rounds: how often an answer without a picture is asked for again, with the first time, unless it is a refusal.
+    """
+
+    path: str
+    body: Callable[[str, Question], dict[str, Any]]
+    content: Callable[[dict[str, Any]], Content]
+    files: Callable[[Question], Sequence[FilePart]] = no_files
+    usage: Usage = Usage()
+    rounds: int = 1
+
+
+class Client:
     """Implements :class:`vcage.models.exchange.Answerer`: one model behind an endpoint.
 
     Args:
-        model: its id, as the endpoint spells it.
-        provider: what records call it: ``openai:gpt-6.1-terra``.
-        lists: paths at which the endpoint says what it serves.
+        transport: to the endpoint.
+        model: id of the model, as the endpoint spells it.
+        provider: name in records: ``openai:gpt-6.1-terra``.
+        wire: how it takes questions.
+        lists: paths at which the endpoint lists its models.
     """
 
-    def __init__(self, transport: Transport, model: str, provider: str, lists: Sequence[str] = ()):
+    def __init__(self, transport: Transport, model: str, provider: str, wire: WireFormat, lists: Sequence[str] = ()):
         self.transport = transport
         self.model = model
         self.provider = provider
-        self._lists = lists
+        self._wire, self._lists = wire, lists
 
-    @abstractmethod
     def answer(self, question: Question) -> Reply:
-        """See :class:`vcage.models.exchange.Answerer`."""
-
-    def post(self, path: str, body: Mapping[str, Any], files: Sequence[FilePart] = ()) -> dict[str, Any]:
-        """The JSON object that answers a JSON body, or a form with files; raises as the transport.
+        """The answer; a picture comes in the size that the model chooses.
 
         Raises:
-            ModelNotServed: the endpoint answers that there is no such model; names those that it serves.
+            ModelRefused: a refusal, an answer that was cut off, or no picture.
+            ModelNotServed: the endpoint has no such model; names those that it serves.
+            EndpointFailed: the answer has an unknown shape, or its picture cannot be decoded; see the transport.
         """
+        content = Content()
+        for _ in range(self._wire.rounds):
+            data = self._post(question)
+            content = self._content(data)
+            if question.schema is None and content.picture:
+                return self._wire.usage.reply(data, picture=decode_base64(content.picture, self.provider))
+            if question.schema is not None and content.text and content.whole:
+                return self._wire.usage.reply(data, content.text)
+            if not content.whole:
+                break
+        what, other = "gave no whole answer", "another model"
+        if question.schema is None:
+            what, other = "drew no picture", "--editor offline"
+        raise ModelRefused(
+            f"{self.provider} {what}: {content.ended or 'no reason given'}",
+            hint=f"change the instruction, or use {other}",
+            details={"finish_reason": content.ended},
+        )
+
+    def _post(self, question: Question) -> dict[str, Any]:
+        path, body = self._wire.path.format(model=self.model), self._wire.body(self.model, question)
+        files = self._wire.files(question)
         try:
-            if files:
-                return self.transport.post_multipart(path, body, files)
-            return self.transport.post_json(path, body)
+            return self.transport.post_form(path, body, files) if files else self.transport.post_json(path, body)
         except ConfigurationError as error:
             if error.details.get("status") in (400, 404) and (reason := self.not_served()):
                 raise reason from error
             raise
 
-    def cut_off(self, reason: str) -> ModelRefused:
-        """The error about an answer that is none, or not whole.
-
-        Args:
-            reason: as the endpoint says it.
-        """
-        return ModelRefused(
-            f"{self.provider} gave no whole answer: {reason or 'no text'}",
-            hint="change the instruction or the model",
-            details={"finish_reason": reason},
-        )
+    def _content(self, data: dict[str, Any]) -> Content:
+        try:
+            return self._wire.content(data)
+        except (AttributeError, IndexError, KeyError, TypeError) as error:
+            raise EndpointFailed(
+                f"{self.provider} answered in an unknown shape", hint="check the base URL, or run it again"
+            ) from error
 
     def not_served(self) -> ModelNotServed | None:
-        """The error about the model where the endpoint says what it serves, and this is not among it."""
+        """The error about a model that the endpoint's list lacks; None if it has it, or there is no list."""
         return not_served(self.provider, self.model, self.transport, self._lists)
-
-
-MadeBy = Callable[[Transport, str, str, Sequence[str]], Client]
-
-QUICK = (5.0, 10.0)
-"""Seconds to connect and to wait, where only a look is taken at what is served."""
 
 
 @dataclass(frozen=True)
 class Provider:
-    """An endpoint, how it takes a key, and the clients that speak its language.
+    """An endpoint, its key, and its wire formats.
 
     Args:
         name: as ``--models`` spells it.
-        key_variables: environment variables that its own tools read the key from.
-        headers: what carries a key in a request.
-        base_url, text_model, image_model: where :attr:`url_variable`, ``VCAGE_<NAME>_TEXT_MODEL`` and
-            ``…_IMAGE_MODEL`` do not name others.
-        version: path of the API, for a base URL that ends with none.
-        lists: paths at which it says what it serves.
-        tells_cost: its replies say what they cost.
-        needs_key: it is no server of the user's own, which takes none and costs nothing.
-        text, picture: made from transport, model, the name for records, and the lists; None where it draws no pictures.
+        key_variables: environment variables from which its own tools read the key.
+        headers: the headers that carry a key.
+        base_url, text_model, image_model: used unless :attr:`url_variable`, ``VCAGE_<NAME>_TEXT_MODEL`` and
+            ``…_IMAGE_MODEL`` name others.
+        text: how it is asked in words and pictures for JSON.
+        picture: how it is asked for a picture; None if it draws none.
+        version: path of the API, appended to a base URL that has none.
+        lists: paths at which it lists its models.
+        reports_cost: True if its replies say what they cost.
+        needs_key: False for a server of the user's own, which costs nothing.
+        client: what talks to it.
     """
 
     name: str
@@ -93,23 +194,24 @@ class Provider:
     headers: Callable[[str], dict[str, str]]
     base_url: str
     text_model: str
-    image_model: str
-    lists: tuple[str, ...]
-    text: MadeBy
-    picture: MadeBy | None
+    text: WireFormat
+    image_model: str = ""
+    picture: WireFormat | None = None
     version: str = ""
-    tells_cost: bool = False
+    lists: tuple[str, ...] = ("models",)
+    reports_cost: bool = False
     needs_key: bool = True
+    client: type[Client] = Client
 
     def connect(self, key: str, *, picture: bool = False) -> Client:
-        """What answers in text, or in pictures; nothing is sent yet.
+        """The client for text, or for pictures; nothing is sent yet.
 
         Raises:
-            ConfigurationError: the base URL that was set is none.
+            ConfigurationError: the base URL that was set cannot be used.
         """
-        make, model = (self.picture, self.models[-1]) if picture else (self.text, self.models[0])
-        assert make is not None, self.name
-        return make(self.transport(key), model, f"{self.name}:{model}", self.lists)
+        wire, model = (self.picture, self.models[-1]) if picture else (self.text, self.models[0])
+        assert wire is not None, self.name
+        return self.client(self.transport(key), model, f"{self.name}:{model}", wire, self.lists)
 
     @property
     def models(self) -> list[str]:
@@ -118,29 +220,29 @@ class Provider:
         return [text] if self.picture is None else [text, self._setting("IMAGE_MODEL", self.image_model)]
 
     def served(self, key: str) -> Served:
-        """What the endpoint serves; raises as :meth:`vcage.models.served.Served.at`."""
-        return Served.at(self.transport(key, timeout=QUICK), self.lists)
+        """The models that the endpoint lists; raises as :meth:`vcage.models.served.Served.at`."""
+        return Served.at(self.transport(key, QUICK), self.lists)
 
     def blind(self) -> str:
-        """Say that its model sees no pictures; empty where it does."""
+        """The sentence that its model takes no pictures; empty if it does."""
         return ""
 
-    def transport(self, key: str, **options: Any) -> Transport:
-        """The transport to the endpoint; options as :class:`vcage.models.transport.Transport` takes them.
+    def transport(self, key: str, limits: TransportLimits | None = None) -> Transport:
+        """The transport to the endpoint.
 
         Raises:
-            ConfigurationError: the base URL that was set is none.
+            ConfigurationError: the base URL that was set cannot be used.
         """
-        return Transport(self.url, self.headers(key), **options)
+        return Transport(self.url, self.headers(key), limits=limits or TransportLimits())
 
     @property
     def url_variable(self) -> str:
-        """The environment variable that names another base URL."""
+        """The environment variable for another base URL."""
         return f"VCAGE_{self.name.upper()}_BASE_URL"
 
     @property
     def model_variable(self) -> str:
-        """The environment variable that names another model for answers in text."""
+        """The environment variable for another model for text."""
         return f"VCAGE_{self.name.upper()}_TEXT_MODEL"
 
     @property
@@ -151,28 +253,18 @@ class Provider:
             ConfigurationError: the one that was set holds what errors must not show.
         """
         url = (os.environ.get(self.url_variable) or self.base_url).rstrip("/")
-        if "@" in url.partition("://")[2].partition("/")[0]:
+        secret = "a user or password" if "@" in url.partition("://")[2].partition("/")[0] else ""
+        secret = secret or ("a query or a fragment" if "?" in url or "#" in url else "")
+        if secret:
             raise ConfigurationError(
-                f"{self.url_variable} holds a user or password, which errors would show",
-                hint="leave it out; a key has a place of its own",
-            )
-        if "?" in url or "#" in url:
-            raise ConfigurationError(
-                f"{self.url_variable} holds a query or a fragment, which errors would show",
+                f"{self.url_variable} holds {secret}, which errors would show",
                 hint="give scheme, host and path alone; a key has a place of its own",
             )
-        if self.version and not url.endswith(("/v1", "/v1beta")):
-            url = f"{url}/{self.version}"
-        return url
+        needs_version = self.version and not url.endswith(("/v1", "/v1beta"))
+        return f"{url}/{self.version}" if needs_version else url
 
     def _setting(self, what: str, default: str) -> str:
         return os.environ.get(f"VCAGE_{self.name.upper()}_{what}") or default
-
-
-def count(used: Mapping[str, object], name: str) -> int | None:
-    """A number of tokens in an answer; None where it says none."""
-    value = used.get(name)
-    return value if isinstance(value, int) else None
 
 
 def bearer(key: str) -> dict[str, str]:

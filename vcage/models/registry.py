@@ -1,17 +1,16 @@
-"""Which implementation plays which role.
+"""The choice of an implementation for each role.
 
-``--models`` chooses reasoner, editor and critic by one word of :data:`CHOICES`, and
-``--reasoner``, ``--editor`` and ``--critic`` one of them alone. What answers questions in words and pictures (all but
-``offline``) is asked through :class:`vcage.models.kept.Keeping`, so every exchange is kept under the run. Detector and
-embedder run on this machine in every choice, and are chosen by a name of their own, with weights after a colon where
-it has a choice of them: ``background``, ``grounding-dino``, ``grounding-dino:IDEA-Research/grounding-dino-base``,
-``dinov2:~/models/dinov2-large``. That is how they are spelled in a record's provenance, too.
+``--models`` chooses reasoner, editor and critic by one word of :data:`CHOICES`; ``--reasoner``, ``--editor`` and
+``--critic`` choose one of them alone. All but ``offline`` answer through :class:`vcage.models.exchanges.Stored`, so
+each exchange is stored in the run. Detector and embedder always run on this machine and have names of their own, with
+weights after a colon if there are several: ``background``, ``grounding-dino``,
+``grounding-dino:IDEA-Research/grounding-dino-base``, ``dinov2:~/models/dinov2-large``. Records spell them likewise.
 """
 
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -20,7 +19,7 @@ from vcage.base.errors import ConfigurationError, InputFileError, UnknownName, U
 from vcage.base.files import RunFolder
 from vcage.models import agent
 from vcage.models.exchange import Answerer
-from vcage.models.kept import Exchanges, Keeping, Replayed, who_answered
+from vcage.models.exchanges import Exchanges, Replayed, Stored, who_answered
 from vcage.models.keys import require_key, variables
 from vcage.models.llm_critic import LlmCritic
 from vcage.models.llm_editor import LlmEditor
@@ -44,18 +43,18 @@ EMBEDDERS = ("classical", "efficientnet", "dinov2")
 
 @dataclass(frozen=True)
 class Choice:
-    """Who plays reasoner, editor and critic.
+    """The choice of reasoner, editor and critic.
 
     Args:
-        models: who does where no other is named; one of :data:`CHOICES`.
-        reasoner, editor, critic: another one for that role.
-        run: folder of the run: exchanges are kept in its ``exchanges/``, questions to an agent lie in its ``ask/``.
-        replayed: folder of the run whose exchanges ``replay`` reads; ``run`` when left out.
+        models: the choice for roles without one of their own; one of :data:`CHOICES`.
+        reasoner, editor, critic: another choice for that role.
+        run: folder of the run; it holds exchanges in ``exchanges/``, questions to an agent in ``ask/``.
+        replayed: folder of the run whose exchanges ``replay`` reads; ``run`` by default.
         anew: ask again what was answered before.
-        fallback: :data:`OFFLINE`, if rules play a role whose endpoint does not serve its model; else that is an error.
-        review: whether a model looks at what a model read in the instruction.
+        fallback: :data:`OFFLINE` to let rules play a role whose endpoint does not serve its model; else an error.
+        review: let a model review the reading of the instruction by a model.
         votes: how often the critic asks a model; see :class:`vcage.models.llm_critic.LlmCritic`.
-        cap: what the run may spend on models online.
+        cap: limits on models online.
     """
 
     models: str = "auto"
@@ -71,55 +70,47 @@ class Choice:
     cap: Cap = field(default_factory=Cap)
 
     def of(self, role: Asked) -> str:
-        """Who plays a role: ``offline``, ``agent``, ``replay`` or a provider.
+        """The choice for a role: ``offline``, ``agent``, ``replay`` or a provider.
 
         Raises:
             UnknownName: there is no such choice.
-            UsageError: who does not draw is named as editor.
-        ConfigurationError: who does not see is named as critic, or the key file cannot be read.
+            UsageError: a choice that does not draw is named as editor.
+            ConfigurationError: a model without eyes is named as critic, or the key file cannot be read.
         """
         chosen = getattr(self, role) or self.models
         if chosen not in CHOICES:
             raise UnknownName(f"choice of the {role}", chosen, CHOICES)
         named = getattr(self, role) not in (None, "auto")
-        if chosen == "auto":
-            chosen = _taken()
-        if role == "editor" and (chosen == agent.PROVIDER or (chosen in PROVIDERS and not PROVIDERS[chosen].picture)):
-            if not named:
-                return OFFLINE
-            hint = f"let {OFFLINE} be the --editor, or give a picture as --target of"
-            raise UsageError(f"{chosen} does not draw", hint=hint, command=vcage_command("inpaint-plan", "--help"))
+        chosen = _automatic() if chosen == "auto" else chosen
+        if role == "editor" and not _draws(chosen):
+            if named:
+                hint = f"let {OFFLINE} be the --editor, or give a picture as --target of"
+                raise UsageError(f"{chosen} does not draw", hint=hint, command=vcage_command("inpaint-plan", "--help"))
+            return OFFLINE
         if role == "critic" and (blind := _blind(chosen)):
-            if not named or self.fallback is not None:
-                return OFFLINE
-            hint = f"name a model that does in {PROVIDERS[chosen].model_variable}, or let {OFFLINE} be the --critic"
-            raise ConfigurationError(f"{blind}, and a critic must", hint=hint)
+            if named and self.fallback is None:
+                hint = f"name a model that does in {PROVIDERS[chosen].model_variable}, or let {OFFLINE} be the --critic"
+                raise ConfigurationError(f"{blind}, and a critic must", hint=hint)
+            return OFFLINE
         return chosen
 
-    def told(self, roles: Sequence[Asked]) -> str:
-        """Say what ``auto`` takes for these roles, and why; and that rules are the critic for a blind model.
+    def announcement(self, roles: Sequence[Asked]) -> str:
+        """The line that says what ``auto`` takes for these roles, and that rules stand in for a critic without eyes.
 
-        Empty where neither is so.
+        Empty if neither is so.
 
         Raises:
             ConfigurationError: the key file cannot be read.
         """
-        chosen = {role: getattr(self, role) or self.models for role in roles}
-        left = [role for role in roles if chosen[role] == "auto"]
-        parts = []
-        if left and (mine := [role for role in left if self.of(role) != OFFLINE]):
-            others = [role for role in left if role not in mine]
-            rest = f", rules (offline) for {', '.join(others)}" if others else ""
-            parts = [f"{_taken()} for {', '.join(mine)}{rest}, {_why(_taken())}; --models names another"]
-        elif left:
-            parts = [f"rules (offline) for {', '.join(left)}, {_why(_taken())}"]
-        if "critic" in roles and self.of("critic") == OFFLINE and (blind := _blind(chosen["critic"])):
+        automatic = [role for role in roles if (getattr(self, role) or self.models) == "auto"]
+        parts = [_automatic_roles({role: self.of(role) for role in automatic})] if automatic else []
+        if "critic" in roles and self.of("critic") == OFFLINE and (blind := _blind(self.critic or self.models)):
             parts.append(f"rules (offline) are the critic, since {blind}; --critic names another")
         return f"models: {'; '.join(parts)}" if parts else ""
 
     @property
     def exchanges(self) -> Exchanges:
-        """Of this run, or of the one that is replayed.
+        """The exchanges of this run.
 
         Raises:
             UsageError: there is no run.
@@ -127,13 +118,13 @@ class Choice:
         return Exchanges(self._run().exchanges)
 
     def answerer(self, role: Asked) -> Answerer | None:
-        """Who answers the role's questions; None where rules do.
+        """The answerer of the role's questions; None if rules answer.
 
         Raises:
-            MissingKey: the provider's key is nowhere to be found.
-            ConfigurationError: money is capped, and what the provider takes is not known.
-            UsageError: there is no run in which an agent could be asked, or to replay.
-            InputFileError: what is to be replayed holds no exchange.
+            MissingKey: there is no key for the provider.
+            ConfigurationError: money is limited, and the provider's price is not known.
+            UsageError: there is no run for an agent's questions, or to replay.
+            InputFileError: the run to replay holds no exchange.
         """
         chosen = self.of(role)
         if chosen == OFFLINE:
@@ -141,21 +132,22 @@ class Choice:
         if chosen == "replay":
             return self._replayed(role)
         if chosen == agent.PROVIDER:
-            # It keeps its answers itself, beside the questions.
-            return Keeping(agent.Agent(self._run().questions), self.exchanges, anew=True)
+            # The agent stores its answers itself, beside the questions.
+            return Stored(agent.Agent(self._run().questions), self.exchanges, anew=True)
         provider = PROVIDERS[chosen]
-        who = provider.connect(require_key(provider), picture=role == "editor")
-        if self.fallback is not None and (reason := who.not_served()):
+        client = provider.connect(require_key(provider), picture=role == "editor")
+        if self.fallback is not None and (reason := client.not_served()):
             logger.warning("%s: rules (offline) play the %s", reason.message, role)
             return None
         if self.run is None:
-            return who
-        paid = provider.needs_key
-        spending = Spending(self.exchanges.folder, self.cap, who.provider, tells=provider.tells_cost) if paid else None
-        return Keeping(who, self.exchanges, anew=self.anew, spending=spending)
+            return client
+        folder, spending = self.exchanges.folder, None
+        if provider.needs_key:
+            spending = Spending(folder, self.cap, client.provider, reports_cost=provider.reports_cost)
+        return Stored(client, self.exchanges, anew=self.anew, spending=spending)
 
     def _replayed(self, role: Asked) -> Replayed | None:
-        """What was answered in the role; None where nobody was asked, as rules answer alike each time."""
+        """The stored answers of the role; None if nobody was asked, since rules answer alike each time."""
         exchanges = self.exchanges if self.replayed is None else Exchanges(RunFolder(self.replayed).exchanges)
         answered = who_answered(exchanges)
         if not answered:
@@ -171,13 +163,23 @@ class Choice:
         return RunFolder(self.run)
 
 
-def _taken() -> str:
+def _automatic() -> str:
     """The choice of ``auto``."""
     return next(iter(found_keys()), OLLAMA.name if OLLAMA.is_there() else OFFLINE)
 
 
-def _why(taken: str) -> str:
-    """Say why ``auto`` takes that."""
+def _automatic_roles(chosen: Mapping[Asked, str]) -> str:
+    """The sentence about the choice of ``auto`` for some roles."""
+    taken = _automatic()
+    online = [role for role, who in chosen.items() if who != OFFLINE]
+    offline = [role for role, who in chosen.items() if who == OFFLINE]
+    parts = [f"{taken} for {', '.join(online)}"] if online else []
+    parts += [f"rules (offline) for {', '.join(offline)}"] if offline else []
+    return f"{', '.join(parts)}, {_reason(taken)}{'; --models names another' if online else ''}"
+
+
+def _reason(taken: str) -> str:
+    """The reason for the choice of ``auto``."""
     found = found_keys()
     if taken in found:
         others = f"; {' and '.join(rest)} too" if (rest := [other for other in found if other != taken]) else ""
@@ -188,13 +190,17 @@ def _why(taken: str) -> str:
     return f"since there is no key of a provider in {names}, and no Ollama at {OLLAMA.url}"
 
 
+def _draws(chosen: str) -> bool:
+    return PROVIDERS[chosen].picture is not None if chosen in PROVIDERS else chosen != agent.PROVIDER
+
+
 def _blind(chosen: str) -> str:
-    """Say that who was chosen sees no pictures; empty where it does."""
+    """The sentence that the choice sees no pictures; empty if it does."""
     return PROVIDERS[chosen].blind() if chosen in PROVIDERS else ""
 
 
 def build_models(choice: Choice, detector: str = DETECTORS[0], embedder: str = EMBEDDERS[0]) -> Models:
-    """All roles.
+    """Build the implementations of all roles.
 
     Base URLs and model ids come from ``VCAGE_<PROVIDER>_BASE_URL``, ``…_TEXT_MODEL`` and ``…_IMAGE_MODEL``
     where these are set.
@@ -221,7 +227,7 @@ def _reasoner(choice: Choice) -> Reasoner:
 
 
 def third_reader() -> ThirdReader:
-    """The reader without a model, with which readings by others are compared."""
+    """The reader without a model; readings of others are compared with its own."""
     from vcage.models.rules.reasoner import OfflineReasoner
 
     return OfflineReasoner().read_goals

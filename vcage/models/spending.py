@@ -1,7 +1,7 @@
-"""What asking models costs, and an end to it: a run asks so often, and for so much money, and no more.
+"""The cost of asking models, and limits on it: on the number of questions of a run, and on their price.
 
-Prices are facts of a day, so there are none here. OpenRouter tells with each reply what it cost; for the others
-``$VCAGE_PRICE_FILE``, else ``~/.config/vcage/prices.json``, holds what their price lists say, in US dollars per million
+Prices change, so none are stored here. OpenRouter reports the cost with each reply; for the others
+``$VCAGE_PRICE_FILE``, else ``~/.config/vcage/prices.json``, holds the prices of their lists, in US dollars per million
 tokens: ``{"gemini:gemini-pro-latest": {"input": 2.0, "output": 12.0}}``.
 """
 
@@ -28,7 +28,7 @@ class Price(Record):
 
 
 def price_file() -> Path:
-    """Where prices are looked up."""
+    """The file of prices."""
     return Path(os.environ.get("VCAGE_PRICE_FILE") or Path.home() / ".config" / "vcage" / "prices.json")
 
 
@@ -55,7 +55,7 @@ def price_of(provider: str) -> Price | None:
 
 
 def cost(reply: Reply, price: Price | None) -> float | None:
-    """US dollars: what the reply says, else tokens by price; None where neither is known."""
+    """US dollars: as the reply reports them, else tokens by price; None if neither is known."""
     if reply.usd is not None or price is None or reply.tokens_in is None:
         return reply.usd
     return (reply.tokens_in * price.input + (reply.tokens_out or 0) * price.output) / 1e6
@@ -63,58 +63,62 @@ def cost(reply: Reply, price: Price | None) -> float | None:
 
 @dataclass(frozen=True)
 class Cap:
-    """How often a run may ask models online, and for how much in all; None is without end."""
+    """Limits on a run: how often it may ask models online, and for how many US dollars; None is no limit."""
 
     calls: int | None = None
     usd: float | None = None
 
 
 class Spending:
-    """What a run has spent on models online, in whatever process.
+    """The money that a run has spent on models online, in all processes.
 
     Args:
         folder: of its exchanges.
-        cap: what it may spend.
-        provider: who is paid now, ``gemini:gemini-pro-latest``.
-        tells: its replies say what they cost.
+        cap: its limits.
+        provider: the one that is paid now, ``gemini:gemini-pro-latest``.
+        reports_cost: True if its replies say what they cost.
 
     Raises:
-        ConfigurationError: the file of prices holds none.
+        ConfigurationError: the file of prices cannot be used.
     """
 
-    def __init__(self, folder: Path, cap: Cap, provider: str, *, tells: bool = False):
+    def __init__(self, folder: Path, cap: Cap, provider: str, *, reports_cost: bool = False):
         self.price = price_of(provider)
         self._folder, self._cap = folder, cap
         self._seen: dict[str, Exchange] = {}
-        self._provider, self._tells = provider, tells
+        self._provider, self._reports_cost = provider, reports_cost
 
     def check(self) -> None:
-        """Make sure that there is something left.
+        """Refuse to go on at a limit.
 
         Raises:
-            ConfigurationError: money is capped, and what the provider takes is not known.
-            SpendingCap: there is not; says what was spent.
+            ConfigurationError: money is limited, and the provider's price is not known.
+            SpendingCap: a limit is reached; says what was spent.
             DamagedFile, SchemaMismatch: an exchange cannot be read.
         """
-        if self._cap.usd is not None and self.price is None and not self._tells:
+        if self._cap.usd is not None and self.price is None and not self._reports_cost:
             wanted = f'{{"{self._provider}": {{"input": …, "output": …}}}}'
             raise ConfigurationError(
-                f"what {self._provider} costs is not known, so --most-usd cannot be kept",
+                f"the price of {self._provider} is not known, so --most-usd cannot be kept",
                 hint=f"write {wanted}, in USD per million tokens, to {price_file()}",
             )
+        calls, usd = self._spent()
+        if self._cap.calls is not None and calls >= self._cap.calls:
+            raise self._reached(f"{calls} answers of models online", "--most-calls", calls, usd)
+        if self._cap.usd is not None and usd >= self._cap.usd:
+            raise self._reached(f"answers for {usd:.4f} USD", "--most-usd", calls, usd)
+
+    def _spent(self) -> tuple[int, float]:
+        """The number of answers from models online, and US dollars for them."""
         for path in self._folder.glob("*.json"):
             if path.name not in self._seen:
                 self._seen[path.name] = Exchange.read(path)
         paid = [exchange for exchange in self._seen.values() if exchange.online]
-        usd = sum(exchange.usd or 0.0 for exchange in paid)
-        if self._cap.calls is not None and len(paid) >= self._cap.calls:
-            told, option = f"{len(paid)} answers of models online", "--most-calls"
-        elif self._cap.usd is not None and usd >= self._cap.usd:
-            told, option = f"answers for {usd:.4f} USD", "--most-usd"
-        else:
-            return
-        raise SpendingCap(
-            f"the run holds {told}, as many as it may",
+        return len(paid), sum(exchange.usd or 0.0 for exchange in paid)
+
+    def _reached(self, spent: str, option: str, calls: int, usd: float) -> SpendingCap:
+        return SpendingCap(
+            f"the run holds {spent}, which is its limit",
             hint=f"run it again with a larger {option}: what was answered is not asked again",
-            details={"calls": len(paid), "usd": usd, "cap": {"calls": self._cap.calls, "usd": self._cap.usd}},
+            details={"calls": calls, "usd": usd, "cap": {"calls": self._cap.calls, "usd": self._cap.usd}},
         )

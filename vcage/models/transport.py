@@ -1,10 +1,11 @@
-"""The one way out: every request to a model endpoint leaves the process through :class:`Transport`."""
+"""The only way out: every request to a model endpoint leaves the process through :class:`Transport`."""
 
 from __future__ import annotations
 
 import copy
 import json
 import logging
+import math
 import re
 import threading
 import time
@@ -23,18 +24,26 @@ from vcage.models.http import is_loopback, retry_after
 
 LOG = logging.getLogger(__name__)
 
-TIMEOUT = (10.0, 180.0)
-"""Seconds to connect, and to wait for bytes of the answer."""
 
-MOST_SECONDS = 300.0
-"""For one answer with all attempts: the wait for bytes begins anew with each of them."""
+@dataclass(frozen=True)
+class TransportLimits:
+    """Bounds on a request.
 
-MOST_BYTES = 48_000_000
-"""Of an answer; the largest pictures that models draw have 4096 x 4096 pixels."""
+    Args:
+        connect_s, read_s: to connect, and to wait for bytes of the answer.
+        total_s: for one answer with all attempts: the wait for bytes begins anew with each of them.
+        answer_bytes: of an answer; the largest pictures that models draw have 4096 x 4096 pixels.
+        attempts: how often a passing fault is tried in all.
+        wait_s: longest pause between attempts; a longer ``Retry-After`` ends the request.
+    """
 
-ATTEMPTS = 4
-LONGEST_WAIT = 60.0
-"""A ``Retry-After`` beyond this is not waited for, seconds."""
+    connect_s: float = 10.0
+    read_s: float = 180.0
+    total_s: float = 300.0
+    answer_bytes: int = 48_000_000
+    attempts: int = 4
+    wait_s: float = 60.0
+
 
 FilePart = tuple[str, tuple[str, bytes, str]]
 """A multipart file: field name, (file name, content, type)."""
@@ -64,7 +73,7 @@ BLOCKED = ("moderation_blocked", "content_policy_violation", "content_filter")
 _USER_OF_URL = re.compile(r"//[^/\s@]+@")
 """A proxy's URL may hold user and password."""
 
-_PASSING = (
+_TRANSIENT = (
     requests.ConnectionError,
     requests.Timeout,
     requests.exceptions.ChunkedEncodingError,
@@ -73,18 +82,30 @@ _PASSING = (
 """Errors that may be gone the next time."""
 
 
+class _Transient(Exception):
+    """A fault that may be gone the next time.
+
+    Args:
+        problem: in words.
+        wait_s: seconds until another attempt makes sense; None where that is not known.
+    """
+
+    def __init__(self, problem: str, wait_s: float | None = None):
+        super().__init__(problem)
+        self.wait_s = wait_s
+
+
 class Transport:
     """Requests with time-outs, bounded retries, and errors that say what to do; keys never show.
 
-    The only credentials sent are those in ``headers``: no ``.netrc``, no cookies, and no redirect is followed. Proxies
-    (``HTTPS_PROXY``, ``NO_PROXY``) and certificates (``REQUESTS_CA_BUNDLE``) of the environment are used; no proxy
-    for the loopback interface, which it could not reach.
+    It sends no credentials but those in ``headers``: no ``.netrc``, no cookies, and it follows no redirect. It uses the
+    environment's proxies (``HTTPS_PROXY``, ``NO_PROXY``) and certificates (``REQUESTS_CA_BUNDLE``); no proxy for the
+    loopback interface, which that could not reach.
 
     Args:
         base_url: scheme, host and path prefix, e.g. ``https://generativelanguage.googleapis.com``.
         headers: sent with every request; their values count as secrets.
-        attempts: how often a passing fault is tried in all.
-        timeout, most_seconds: see :data:`TIMEOUT`, :data:`MOST_SECONDS`.
+        limits: bounds on each request.
         sleep: waits between attempts; tests pass their own.
     """
 
@@ -93,21 +114,17 @@ class Transport:
         base_url: str,
         headers: Mapping[str, str],
         *,
-        attempts: int = ATTEMPTS,
-        timeout: tuple[float, float] = TIMEOUT,
-        most_seconds: float = MOST_SECONDS,
+        limits: TransportLimits = TransportLimits(),
         sleep: Callable[[float], None] = time.sleep,
     ):
         if not base_url.startswith(("http://", "https://")):
             raise ConfigurationError(f"{base_url!r} is not a base URL", hint="it starts with http:// or https://")
         self.base_url = base_url.rstrip("/")
-        self._attempts = attempts
-        self._timeout, self._most_seconds = timeout, most_seconds
-        self._sleep = sleep
+        self._limits, self._sleep = limits, sleep
         self._secrets = [part for value in headers.values() for part in value.split() if len(part) > 7]
         self._session = requests.Session()
         self._session.headers.update(headers)
-        self._session.auth = _as_it_is  # without it requests looks into ~/.netrc, and replaces the key
+        self._session.auth = _unchanged  # without it requests looks into ~/.netrc, and replaces the key
         self._session.cookies.set_policy(DefaultCookiePolicy(allowed_domains=[]))
 
     def at(self, base_url: str) -> Transport:
@@ -117,7 +134,7 @@ class Transport:
         return other
 
     def get_json(self, path: str) -> dict[str, Any]:
-        """GET the JSON object at a path, once: whoever looks can go on without; raises as :meth:`post_json`."""
+        """GET the JSON object at a path in one attempt: callers can do without; raises as :meth:`post_json`."""
         return self._send("GET", path, 1)
 
     def post_json(self, path: str, body: Mapping[str, Any]) -> dict[str, Any]:
@@ -128,9 +145,9 @@ class Transport:
             ConfigurationError: the endpoint says that key, model or request are wrong.
             ModelRefused: it declines for another reason (other 4xx).
         """
-        return self._send("POST", path, self._attempts, json=body)
+        return self._send("POST", path, self._limits.attempts, json=body)
 
-    def post_multipart(self, path: str, fields: Mapping[str, str], files: Sequence[FilePart]) -> dict[str, Any]:
+    def post_form(self, path: str, fields: Mapping[str, str], files: Sequence[FilePart]) -> dict[str, Any]:
         """POST a form with files and return the JSON object of the answer; raises as :meth:`post_json`.
 
         Args:
@@ -138,46 +155,45 @@ class Transport:
             fields: name → text.
             files: the parts that are files.
         """
-        return self._send("POST", path, self._attempts, data=dict(fields), files=list(files))
+        return self._send("POST", path, self._limits.attempts, data=dict(fields), files=list(files))
 
     def _send(self, method: str, path: str, attempts: int, **content: Any) -> dict[str, Any]:
         url = f"{self.base_url}/{path.lstrip('/')}"
-        deadline = time.monotonic() + self._most_seconds
-        problem, wait = "", 0.0
+        deadline = time.monotonic() + self._limits.total_s
+        problem = ""
         for attempt in range(attempts):
-            if attempt:
-                if wait > deadline - time.monotonic():
-                    break
-                LOG.warning("%s; trying again in %.0f s", problem, wait)
-                self._sleep(wait)
-            wait = min(2.0**attempt, LONGEST_WAIT)
             try:
-                answer = _within(deadline - time.monotonic(), lambda: self._once(method, url, content))
-            except TimeoutError:
-                problem = f"{url} gave no whole answer within {self._most_seconds:.0f} s"
+                return self._attempt(method, url, deadline, content)
+            except _Transient as fault:
+                problem = str(fault)
+                wait = min(2.0**attempt, self._limits.wait_s) if fault.wait_s is None else fault.wait_s
+            if attempt + 1 == attempts or wait > min(self._limits.wait_s, deadline - time.monotonic()):
                 break
-            except _PASSING as error:
-                problem = f"{url} does not answer: {type(error).__name__}"
-                continue
-            except OSError as error:  # all others of requests, and a bundle of certificates that is not there
-                raise ConfigurationError(
-                    self._redact(f"{url}: {error}"), hint="check the base URL, and the proxy if there is one"
-                ) from None
-            if answer.status < 300 and answer.body:
-                return self._json(url, answer)
-            problem = self._problem(url, answer)
-            passing = answer.status < 300 or answer.status in (408, 429) or answer.status >= 500
-            if not passing or answer.error.get("code") == NO_CREDIT:
-                raise _final(answer, problem)
-            asked = retry_after(answer.headers.get("Retry-After"))
-            if asked is not None and asked > LONGEST_WAIT:
-                break
-            wait = wait if asked is None else asked
+            LOG.warning("%s; trying again in %.0f s", problem, wait)
+            self._sleep(wait)
         raise EndpointFailed(problem, hint="run the same command again later", details={"url": url})
 
-    def _once(self, method: str, url: str, content: Mapping[str, Any]) -> _Answer:
-        """One attempt."""
-        options: dict[str, Any] = {"timeout": self._timeout, "allow_redirects": False, "stream": True, **content}
+    def _attempt(self, method: str, url: str, deadline: float, content: Mapping[str, Any]) -> dict[str, Any]:
+        try:
+            answer = _within(deadline - time.monotonic(), lambda: self._request(method, url, content))
+        except TimeoutError:
+            raise _Transient(f"{url} gave no whole answer within {self._limits.total_s:.0f} s", math.inf) from None
+        except _TRANSIENT as error:
+            raise _Transient(f"{url} does not answer: {type(error).__name__}") from None
+        except OSError as error:  # all others of requests, and a bundle of certificates that is not there
+            raise ConfigurationError(
+                self._redact(f"{url}: {error}"), hint="check the base URL, and the proxy if there is one"
+            ) from None
+        if answer.status < 300 and answer.body:
+            return self._json(url, answer)
+        if answer.transient:
+            raise _Transient(self._problem(url, answer), retry_after(answer.headers.get("Retry-After")))
+        raise _final(answer, self._problem(url, answer))
+
+    def _request(self, method: str, url: str, content: Mapping[str, Any]) -> _Answer:
+        """The answer to one request, whatever its status."""
+        timeout, most = (self._limits.connect_s, self._limits.read_s), self._limits.answer_bytes
+        options: dict[str, Any] = {"timeout": timeout, "allow_redirects": False, "stream": True, **content}
         host = urlsplit(url).hostname or ""
         if is_loopback(host):
             options["proxies"] = {"no_proxy": host}
@@ -185,9 +201,9 @@ class Transport:
             body = bytearray()
             for piece in response.iter_content(1 << 16):
                 body += piece
-                if len(body) > MOST_BYTES:
+                if len(body) > most:
                     raise EndpointFailed(
-                        f"{url} answered with more than {MOST_BYTES:,} bytes",
+                        f"{url} answered with more than {most:,} bytes",
                         hint="check that the base URL is that of the API, or take another model",
                     )
             return _Answer(response.status_code, response.headers, bytes(body))
@@ -211,14 +227,14 @@ class Transport:
         return _USER_OF_URL.sub("//***@", text)
 
 
-def _as_it_is(request: requests.PreparedRequest) -> requests.PreparedRequest:
-    """A request authorised by its headers alone."""
+def _unchanged(request: requests.PreparedRequest) -> requests.PreparedRequest:
+    """The request, authorised by its headers alone."""
     return request
 
 
 @dataclass(frozen=True)
 class _Answer:
-    """What an endpoint sent."""
+    """An answer of an endpoint."""
 
     status: int
     headers: Mapping[str, str]
@@ -239,19 +255,25 @@ class _Answer:
 
     @property
     def error(self) -> dict[str, Any]:
-        """What is said of an error."""
+        """The object that describes an error."""
         error = self.data.get("error") if isinstance(self.data, dict) else None
         return error if isinstance(error, dict) else {"message": error}
 
     @property
+    def transient(self) -> bool:
+        """True if the same request may succeed later."""
+        passing = self.status < 300 or self.status in (408, 429) or self.status >= 500
+        return passing and self.error.get("code") != NO_CREDIT
+
+    @property
     def blocked(self) -> bool:
-        """OpenAI's way, or OpenRouter's, to say that the content is not allowed."""
+        """True if OpenAI or OpenRouter says that the content is not allowed."""
         metadata = self.error.get("metadata")
         return self.error.get("code") in BLOCKED or (isinstance(metadata, dict) and bool(metadata.get("reasons")))
 
 
 def _within(seconds: float, work: Callable[[], _Answer]) -> _Answer:
-    """What comes of some work.
+    """The result of some work.
 
     Raises:
         TimeoutError: it takes longer. It goes on in a thread that the end of the process does not wait for: nothing

@@ -26,7 +26,7 @@ from vcage.base.pictures import jpeg, read_picture
 from vcage.base.version import __version__
 from vcage.episodes.question import CUSTOMER, TOP
 from vcage.episodes.store import read_log
-from vcage.models.kept import Exchanges
+from vcage.models.exchanges import Exchanges
 from vcage.plans.kept import relations_kept_in
 from vcage.runs.accepted import judged_steps, refusals
 from vcage.runs.running import read_timings

@@ -108,7 +108,7 @@ class Exchanges:
         return names
 
 
-class Keeping:
+class Stored:
     """Implements :class:`vcage.models.exchange.Answerer`: asks another one, and keeps what it says.
 
     Args:

@@ -10,7 +10,7 @@ import pytest
 
 from vcage.base.errors import DamagedFile, InputFileError, MissingStage
 from vcage.models.exchange import Message, Question, Reply
-from vcage.models.kept import Exchanges, Keeping, Replayed, who_answered
+from vcage.models.exchanges import Exchanges, Replayed, Stored, who_answered
 
 PICTURE = np.arange(48, dtype=np.uint8).reshape(4, 4, 3)
 ASKED = Question("reasoner", (Message("user", "which?", (PICTURE,)),), {"type": "object"}, "select_assets")
@@ -36,21 +36,21 @@ def exchanges(tmp_path: Path) -> Exchanges:
 
 def test_what_was_answered_is_not_asked_again(exchanges: Exchanges) -> None:
     other = Counting(Reply("yes", model="one-2026", tokens_in=7, tokens_out=2))
-    first = Keeping(other, exchanges).answer(ASKED)
-    assert Keeping(other, exchanges).answer(ASKED) == first == other.reply
+    first = Stored(other, exchanges).answer(ASKED)
+    assert Stored(other, exchanges).answer(ASKED) == first == other.reply
     assert other.times == 1
 
 
 def test_it_is_asked_again_where_that_is_wanted(exchanges: Exchanges) -> None:
     other = Counting(Reply("yes"))
     for _ in range(2):
-        Keeping(other, exchanges, anew=True).answer(ASKED)
+        Stored(other, exchanges, anew=True).answer(ASKED)
     assert other.times == 2
 
 
 def test_a_picture_comes_back_as_it_was(exchanges: Exchanges) -> None:
     drawn = Question("editor", ASKED.messages, None, "rearrange")
-    Keeping(Counting(Reply(picture=PICTURE[::-1])), exchanges).answer(drawn)
+    Stored(Counting(Reply(picture=PICTURE[::-1])), exchanges).answer(drawn)
     found = exchanges.find(drawn, "counting:one")
     assert found is not None and np.array_equal(found.picture, PICTURE[::-1])
 
@@ -67,12 +67,12 @@ def test_a_picture_comes_back_as_it_was(exchanges: Exchanges) -> None:
     ids=["role", "words", "picture", "schema", "round"],
 )
 def test_another_question_is_another_exchange(exchanges: Exchanges, changed: Question) -> None:
-    Keeping(Counting(Reply("yes")), exchanges).answer(ASKED)
+    Stored(Counting(Reply("yes")), exchanges).answer(ASKED)
     assert exchanges.find(changed, "counting:one") is None
 
 
 def test_a_replay_answers_what_was_asked_and_names_what_was_not(exchanges: Exchanges) -> None:
-    Keeping(Counting(Reply("yes")), exchanges).answer(ASKED)
+    Stored(Counting(Reply("yes")), exchanges).answer(ASKED)
     assert who_answered(exchanges) == {"reasoner": "counting:one"}
     replayed = Replayed(exchanges, "counting:one")
     assert replayed.answer(ASKED).text == "yes"
@@ -81,7 +81,7 @@ def test_a_replay_answers_what_was_asked_and_names_what_was_not(exchanges: Excha
 
 
 def test_all_that_was_said_is_in_the_record(exchanges: Exchanges) -> None:
-    Keeping(Counting(Reply("yes", model="one-2026", tokens_in=7)), exchanges).answer(ASKED.again(Reply("no"), "hm"))
+    Stored(Counting(Reply("yes", model="one-2026", tokens_in=7)), exchanges).answer(ASKED.again(Reply("no"), "hm"))
     (kept,) = exchanges.all()
     assert [(turn.speaker, turn.text) for turn in kept.turns] == [("user", "which?"), ("model", "no"), ("user", "hm")]
     assert (kept.provider, kept.model, kept.answer, kept.tokens_in, kept.tokens_out) == (
@@ -91,7 +91,7 @@ def test_all_that_was_said_is_in_the_record(exchanges: Exchanges) -> None:
 
 
 def test_a_damaged_record_is_named(exchanges: Exchanges) -> None:
-    Keeping(Counting(Reply("yes")), exchanges).answer(ASKED)
+    Stored(Counting(Reply("yes")), exchanges).answer(ASKED)
     (path,) = exchanges.folder.glob("*.json")
     path.write_text("{")
     with pytest.raises(DamagedFile, match=path.name):
@@ -104,13 +104,13 @@ def test_a_damaged_record_is_named(exchanges: Exchanges) -> None:
 def test_exchanges_are_in_the_order_in_which_they_were_first_kept(exchanges: Exchanges) -> None:
     later = ASKED.again(Reply("no"), "why not?")
     for question in (ASKED, later, ASKED):
-        Keeping(Counting(Reply("yes")), exchanges, anew=True).answer(question)
+        Stored(Counting(Reply("yes")), exchanges, anew=True).answer(question)
     assert [exchange.round for exchange in exchanges.all()] == [1, 2]
 
 
 @pytest.mark.parametrize(("field", "value"), [("answer", "no"), ("hash", "0" * 64), ("provider", "somebody:else")])
 def test_an_exchange_that_was_edited_is_not_repeated(exchanges: Exchanges, field: str, value: str) -> None:
-    Keeping(Counting(Reply("yes")), exchanges).answer(ASKED)
+    Stored(Counting(Reply("yes")), exchanges).answer(ASKED)
     (path,) = exchanges.folder.glob("*.json")
     record = json.loads(path.read_text())
     path.write_text(json.dumps(record | {field: value}))
