@@ -10,7 +10,7 @@ weights after a colon if there are several: ``background``, ``grounding-dino``,
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -20,13 +20,12 @@ from vcage.base.files import RunFolder
 from vcage.models import agent
 from vcage.models.exchange import Answerer
 from vcage.models.exchanges import Exchanges, Replayed, Stored, who_answered
-from vcage.models.keys import require_key, variables
+from vcage.models.keys import require_key
 from vcage.models.llm_critic import LlmCritic
 from vcage.models.llm_editor import LlmEditor
 from vcage.models.llm_reasoner import LlmReasoner
-from vcage.models.ollama import OLLAMA
 from vcage.models.protocols import OFFLINE, Critic, ImageEditor, Models, Reasoner
-from vcage.models.providers import PROVIDERS, found_keys
+from vcage.models.providers import PROVIDERS, automatic_choice, explain_automatic
 from vcage.models.same_reading import ThirdReader
 from vcage.models.spending import Cap, Spending
 from vcage.schema.exchange import Asked
@@ -81,7 +80,7 @@ class Choice:
         if chosen not in CHOICES:
             raise UnknownName(f"choice of the {role}", chosen, CHOICES)
         named = getattr(self, role) not in (None, "auto")
-        chosen = _automatic() if chosen == "auto" else chosen
+        chosen = automatic_choice() if chosen == "auto" else chosen
         if role == "editor" and not _draws(chosen):
             if named:
                 hint = f"let {OFFLINE} be the --editor, or give a picture as --target of"
@@ -103,7 +102,7 @@ class Choice:
             ConfigurationError: the key file cannot be read.
         """
         automatic = [role for role in roles if (getattr(self, role) or self.models) == "auto"]
-        parts = [_automatic_roles({role: self.of(role) for role in automatic})] if automatic else []
+        parts = [explain_automatic({role: self.of(role) for role in automatic})] if automatic else []
         if "critic" in roles and self.of("critic") == OFFLINE and (blind := _blind(self.critic or self.models)):
             parts.append(f"rules (offline) are the critic, since {blind}; --critic names another")
         return f"models: {'; '.join(parts)}" if parts else ""
@@ -161,33 +160,6 @@ class Choice:
         if self.run is None:
             raise UsageError("there is no run folder to keep exchanges in", hint="give one with --run")
         return RunFolder(self.run)
-
-
-def _automatic() -> str:
-    """The choice of ``auto``."""
-    return next(iter(found_keys()), OLLAMA.name if OLLAMA.is_there() else OFFLINE)
-
-
-def _automatic_roles(chosen: Mapping[Asked, str]) -> str:
-    """The sentence about the choice of ``auto`` for some roles."""
-    taken = _automatic()
-    online = [role for role, who in chosen.items() if who != OFFLINE]
-    offline = [role for role, who in chosen.items() if who == OFFLINE]
-    parts = [f"{taken} for {', '.join(online)}"] if online else []
-    parts += [f"rules (offline) for {', '.join(offline)}"] if offline else []
-    return f"{', '.join(parts)}, {_reason(taken)}{'; --models names another' if online else ''}"
-
-
-def _reason(taken: str) -> str:
-    """The reason for the choice of ``auto``."""
-    found = found_keys()
-    if taken in found:
-        others = f"; {' and '.join(rest)} too" if (rest := [other for other in found if other != taken]) else ""
-        return f"since its key is in {found[taken]}{others}"
-    if taken == OLLAMA.name:
-        return f"since no provider has a key and it answers at {OLLAMA.url} with {OLLAMA.found().model}"
-    names = ", ".join(variables(provider)[0] for provider in PROVIDERS.values() if provider.needs_key)
-    return f"since there is no key of a provider in {names}, and no Ollama at {OLLAMA.url}"
 
 
 def _draws(chosen: str) -> bool:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import json
 import logging
 import math
 import re
@@ -12,14 +11,14 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
-from functools import cached_property
 from http.cookiejar import DefaultCookiePolicy
 from typing import Any
 from urllib.parse import urlsplit
 
 import requests
 
-from vcage.base.errors import ConfigurationError, EndpointFailed, ModelRefused
+from vcage.base.errors import ConfigurationError, EndpointFailed
+from vcage.models.endpoint_answer import EndpointAnswer, final_error
 from vcage.models.http import is_loopback, retry_after
 
 LOG = logging.getLogger(__name__)
@@ -47,28 +46,6 @@ class TransportLimits:
 
 FilePart = tuple[str, tuple[str, bytes, str]]
 """A multipart file: field name, (file name, content, type)."""
-
-_CONFIGURATION = {
-    400: ("the endpoint does not accept the request", "check the model id and the base URL"),
-    401: ("the endpoint does not accept the key", "check the key"),
-    402: ("the account has no credit", "top up the account, or use another provider"),
-    403: ("the key may not use this model", "check the key's permissions and the model id"),
-    404: ("the endpoint has no such model or path", "check the model id and the base URL"),
-    413: ("the request is too large for the endpoint", "use smaller pictures"),
-    422: ("the endpoint does not accept the request", "check the model id"),
-}
-
-WRONG_KEY = "API_KEY_INVALID"
-"""Gemini says this of a key, with status 400."""
-
-NO_CREDIT = "insufficient_quota"
-"""OpenAI says this of an account, with status 429."""
-
-TOO_LONG = ("context_length_exceeded", "exceed_context_size_error")
-"""OpenAI's code and llama.cpp's type of a question that is longer than the model's context, with status 400."""
-
-BLOCKED = ("moderation_blocked", "content_policy_violation", "content_filter")
-"""OpenAI and others say one of these of what was asked, with status 400."""
 
 _USER_OF_URL = re.compile(r"//[^/\s@]+@")
 """A proxy's URL may hold user and password."""
@@ -188,9 +165,9 @@ class Transport:
             return self._json(url, answer)
         if answer.transient:
             raise _Transient(self._problem(url, answer), retry_after(answer.headers.get("Retry-After")))
-        raise _final(answer, self._problem(url, answer))
+        raise final_error(answer, self._problem(url, answer))
 
-    def _request(self, method: str, url: str, content: Mapping[str, Any]) -> _Answer:
+    def _request(self, method: str, url: str, content: Mapping[str, Any]) -> EndpointAnswer:
         """The answer to one request, whatever its status."""
         timeout, most = (self._limits.connect_s, self._limits.read_s), self._limits.answer_bytes
         options: dict[str, Any] = {"timeout": timeout, "allow_redirects": False, "stream": True, **content}
@@ -206,9 +183,9 @@ class Transport:
                         f"{url} answered with more than {most:,} bytes",
                         hint="check that the base URL is that of the API, or take another model",
                     )
-            return _Answer(response.status_code, response.headers, bytes(body))
+            return EndpointAnswer(response.status_code, response.headers, bytes(body))
 
-    def _json(self, url: str, answer: _Answer) -> dict[str, Any]:
+    def _json(self, url: str, answer: EndpointAnswer) -> dict[str, Any]:
         if not isinstance(answer.data, dict):
             raise EndpointFailed(
                 f"{url} answered without a JSON object: {self._redact(answer.text[:120])!r}",
@@ -216,7 +193,7 @@ class Transport:
             )
         return answer.data
 
-    def _problem(self, url: str, answer: _Answer) -> str:
+    def _problem(self, url: str, answer: EndpointAnswer) -> str:
         detail = str(answer.error.get("message") or answer.text or "nothing")
         shown = "".join(c if c.isprintable() else " " for c in detail)
         return self._redact(f"{url} answered {answer.status}: {' '.join(shown.split())[:300]}")
@@ -232,54 +209,14 @@ def _unchanged(request: requests.PreparedRequest) -> requests.PreparedRequest:
     return request
 
 
-@dataclass(frozen=True)
-class _Answer:
-    """An answer of an endpoint."""
-
-    status: int
-    headers: Mapping[str, str]
-    body: bytes
-
-    @property
-    def text(self) -> str:
-        """The beginning of it, for a person."""
-        return self.body[:1000].decode(errors="replace")
-
-    @cached_property
-    def data(self) -> object:
-        """The JSON; None where it is none."""
-        try:
-            return json.loads(self.body)
-        except (ValueError, RecursionError):
-            return None
-
-    @property
-    def error(self) -> dict[str, Any]:
-        """The object that describes an error."""
-        error = self.data.get("error") if isinstance(self.data, dict) else None
-        return error if isinstance(error, dict) else {"message": error}
-
-    @property
-    def transient(self) -> bool:
-        """True if the same request may succeed later."""
-        passing = self.status < 300 or self.status in (408, 429) or self.status >= 500
-        return passing and self.error.get("code") != NO_CREDIT
-
-    @property
-    def blocked(self) -> bool:
-        """True if OpenAI or OpenRouter says that the content is not allowed."""
-        metadata = self.error.get("metadata")
-        return self.error.get("code") in BLOCKED or (isinstance(metadata, dict) and bool(metadata.get("reasons")))
-
-
-def _within(seconds: float, work: Callable[[], _Answer]) -> _Answer:
+def _within(seconds: float, work: Callable[[], EndpointAnswer]) -> EndpointAnswer:
     """The result of some work.
 
     Raises:
         TimeoutError: it takes longer. It goes on in a thread that the end of the process does not wait for: nothing
             else ends what comes byte by byte, and neither head nor body of an answer need ever end.
     """
-    done: Future[_Answer] = Future()
+    done: Future[EndpointAnswer] = Future()
 
     def run() -> None:
         try:
@@ -289,22 +226,3 @@ def _within(seconds: float, work: Callable[[], _Answer]) -> _Answer:
 
     threading.Thread(target=run, daemon=True).start()
     return done.result(timeout=max(seconds, 0.0))
-
-
-def _final(answer: _Answer, problem: str) -> ConfigurationError | ModelRefused:
-    """The error about an answer that asking again does not change."""
-    details = {"status": answer.status}
-    status = answer.status
-    if answer.blocked:
-        return ModelRefused(f"the request is blocked: {problem}", hint="change the instruction", details=details)
-    if answer.error.get("code") in TOO_LONG or answer.error.get("type") in TOO_LONG:
-        hint = "take a model with a longer context, or start its server with one"
-        return ConfigurationError(f"the question is too long for the model: {problem}", hint=hint, details=details)
-    if answer.error.get("code") == NO_CREDIT:
-        status = 402
-    elif WRONG_KEY in str(answer.error.get("details")):
-        status = 401
-    if status in _CONFIGURATION or 300 <= status < 400:
-        what, hint = _CONFIGURATION.get(status, ("the endpoint redirects", "check the base URL"))
-        return ConfigurationError(f"{what}: {problem}", hint=hint, details=details)
-    return ModelRefused(problem, hint="change the instruction or the model", details=details)
