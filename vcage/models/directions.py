@@ -7,50 +7,64 @@ from collections.abc import Collection, Mapping, Sequence
 
 from vcage.base.words import COUNTED, HIGHEST, LOWEST, WHICH_PART
 from vcage.models.asides import AskedPart
+from vcage.models.phrases import compiled, phrase
 from vcage.objects.mentions import Noun
 from vcage.plans.descriptions import HOLDING
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import AskedGoal, Description, Goal, Reading
 
-_END = r"(?= of\b| side\b| and\b| then\b| [,.;:!?)]|$)"
-_TO_SIDE = r"\b(?:to|on|at) (?:the|its) (?:far |very )?"
-_SIDES: tuple[tuple[str, str, str], ...] = (
-    (rf"{_TO_SIDE}left(?: hand)?{_END}|\bleft(?: hand)?(?: side)? of\b", "left_of", "right_of"),
-    (rf"{_TO_SIDE}right(?: hand)?{_END}|\bright(?: hand)?(?: side)? of\b", "right_of", "left_of"),
-    (r"\bin front of\b(?! (?:the |a |our |your )?(?:customer|client|robot|me|us|you)\b)", "in_front_of", "behind"),
-    (r"\bbehind\b", "behind", "in_front_of"),
+
+def _to_side(side: str) -> tuple[str, str]:
+    return (
+        phrase(f"(to|on|at) (the|its) [far|very] {side} [hand]", before="(of|side|and|then|#)", or_end=True),
+        phrase(f"{side} [hand] [side] of"),
+    )
+
+
+_SIDES: tuple[tuple[re.Pattern[str], str, str], ...] = (
+    (compiled(*_to_side("left")), "left_of", "right_of"),
+    (compiled(*_to_side("right")), "right_of", "left_of"),
+    (
+        compiled(phrase("in front of", not_before="[the|a|our|your] (customer|client|robot|me|us|you)")),
+        "in_front_of",
+        "behind",
+    ),
+    (compiled(phrase("behind")), "behind", "in_front_of"),
 )
 """Words for a side, the relation that they ask for, and the opposite one."""
 _OWNED = re.compile(
     r"\b(the|my|a) ((?:\w+ ){0,2}\w+)(?:'s|s') (left|right)\b(?: hand)?(?: side)?(?! (?:arm|hand|gripper)\b)"
 )
-"""The plate's left."""
-
-_WHICH = re.compile(r"\bthe (left|right)(?:most|hand| hand)? (?!arm\b|hand\b|gripper\b|side\b|of\b|one\b)\w+")
-_ARM = re.compile(
-    r"\b(left|right) (?:robot(?:ic)? )?(?:arm|hand|gripper)s?\b(?! side)"
-    r"|\b(?:with|use|using) (?:the|your|its) (left|right)(?: one)?(?= to\b| and\b| then\b| [,.;]|$)"
+"""A side of a thing: "the plate's left"."""
+_WHICH = compiled(r"\bthe (left|right)(?:most|hand| hand)? (?!arm\b|hand\b|gripper\b|side\b|of\b|one\b)\w+")
+"""One of several things: "the leftmost mug"."""
+_ARM = compiled(
+    phrase("<left|right> [robot|robotic] (arm|arms|hand|hands|gripper|grippers)", not_before="side*"),
+    phrase("(with|use|using) (the|your|its) <left|right> [one]", before="(to|and|then|,|.|;)", or_end=True),
 )
-_BOTH_ARMS = re.compile(r"\b(?:arms|hands|grippers|(?:other|each|one|either|opposite) (?:arm|hand|gripper|one))\b")
-_TO_ARM = re.compile(r"\bto (?:the |its |your )?(left|right)\b(?! of\b| side\b)")
-_ROW = re.compile(r"\bfrom (?:the )?(?:left|right) to (?:the )?(?:left|right)\b")
-_DRAWER = r"(?:drawer|shelf|compartment|layer|one)"
+_BOTH_ARMS = compiled(
+    phrase("(arms|hands|grippers)"), phrase("(other|each|one|either|opposite) (arm|hand|gripper|one)")
+)
+_TO_ARM = compiled(phrase("to [the|its|your] <left|right>", not_before="(of|side)"))
+_ROW = compiled(phrase("from [the] (left|right) to [the] (left|right)"))
+_DRAWER = "drawer|shelf|compartment|layer|one"
 _HEIGHTS = "|".join((*HIGHEST, *LOWEST))
-_FROM_END = re.compile(
-    rf"\b(?P<nth>{'|'.join(COUNTED[:3])})(?: {_DRAWER})?(?: (?:from|to) the| from)? (?P<end>{_HEIGHTS})\b"
-    rf"|\b(?P<step>{'|'.join(COUNTED[:3])}) {_DRAWER} (?P<way>down|up)\b"
-    rf"|\b(?P<height>{_HEIGHTS}|middle) {_DRAWER}\b"
-    rf"|\b{_DRAWER} (?:at|in|on) the (?P<at>{_HEIGHTS}|middle)\b"
-    r"|\b(?P<most>highest|uppermost|topmost|lowest|bottommost|middle)(?: one)? of the (?:\w+ )?drawers\b"
+_NTH = "|".join(COUNTED[:3])
+_WHICH_HEIGHT = compiled(
+    phrase(f"<nth={_NTH}> [{_DRAWER}] [from the|to the|from] <end={_HEIGHTS}>"),
+    phrase(f"<step={_NTH}> ({_DRAWER}) <way=down|up>"),
+    phrase(f"<height={_HEIGHTS}|middle> ({_DRAWER})"),
+    phrase(f"({_DRAWER}) (at|in|on) the <at={_HEIGHTS}|middle>"),
+    phrase("<most=highest|uppermost|topmost|lowest|bottommost|middle> [one] of the [_] drawers"),
 )
-"""The second drawer from the top; the top drawer."""
-_FROM = re.compile(r"\b(?:from|out of)(?: (?:inside|within|in))?(?: (?:the|my|your))?$")
+"""One of several drawers: "the second drawer from the top", "the top drawer"."""
+_FROM = compiled(phrase("(from|out of) [inside|within|in] [the|my|your]", or_end=True))
 _WAYS = {"down": "top", "up": "bottom"}
-_WHICH_DRAWERS = re.compile(
-    r"\b(?:both|all|each|every|others?|same|any|drawers|them)\b"
-    rf"|\b(?:{'|'.join(COUNTED)}|next|last) {_DRAWER}\b(?! from\b| to\b)"
+_ANY_DRAWER = compiled(
+    phrase("(both|all|each|every|other|others|same|any|drawers|them)"),
+    phrase(f"({'|'.join(COUNTED)}|next|last) ({_DRAWER})", not_before="(from|to)"),
 )
-"""Words by which another drawer may be meant than one that is called top, middle or bottom."""
+"""Words for a drawer that may be another one than the top, middle or bottom drawer."""
 
 
 def plain_sides(text: str) -> str:
@@ -62,7 +76,7 @@ def sides(text: str) -> dict[int, str]:
     """Relations that a text of words and marks asks for, by the place of their words."""
     if _ROW.search(text):
         return {}
-    return {_at(text, found): word for pattern, word, _ in _SIDES for found in re.finditer(pattern, text)}
+    return {_at(text, found): word for pattern, word, _ in _SIDES for found in pattern.finditer(text)}
 
 
 def arms(text: str) -> dict[int, str]:
@@ -79,7 +93,7 @@ def heights(text: str, parts: Collection[str]) -> dict[int, str]:
     ends = {part.rpartition("_")[2] for part in parts}
     order = [height for height in ("top", "middle", "bottom") if height in ends]
     found = {}
-    for said in _FROM_END.finditer(text):
+    for said in _WHICH_HEIGHT.finditer(text):
         number = COUNTED.index(said["nth"] or said["step"] or COUNTED[0])
         height = {**WHICH_PART, **_WAYS}[next(filter(None, said.group("end", "height", "at", "most", "way")))]
         counted = [*dict.fromkeys((height, *order[:: -1 if height == "bottom" else 1]))]
@@ -121,7 +135,7 @@ def _unsaid_sides(text: str, relations: Collection[str], goals: Collection[str])
     """Words for a side that no relation says, and goals for the opposite of the only side that is said."""
     found, asked = list[str](), sides(text).values()
     for pattern, word, opposite in _SIDES:
-        match = re.search(pattern, text)
+        match = pattern.search(text)
         if match and word not in relations:
             other = f", but {opposite!r}" if opposite in relations else ""
             found.append(f"{match[0]!r} is asked, but no goal or description says {word!r}{other}")
@@ -140,7 +154,7 @@ def _of_another(
     return [
         f"'{match[0]} {noun.words}' is asked, but no goal or description says that of it"
         for pattern, word, opposite in _SIDES
-        for match in re.finditer(pattern, text)
+        for match in pattern.finditer(text)
         if any(one.relation == word for one in found)
         and (noun := _side_of(text.count(" ", 0, match.end()), text, said))
         and not any(_is_said(one, word, opposite, noun, things) for one in found)
@@ -214,7 +228,7 @@ def wrong_drawers(task: AskedPart, things: Mapping[str, CatalogueEntry], reading
         f"the {height} drawer is named, but no goal or description names a part '..._{height}'"
         for height in sorted(meant - parts)
     ]
-    other = named and not _WHICH_DRAWERS.search(task.open_text)
+    other = named and not _ANY_DRAWER.search(task.open_text)
     wrong = sorted((parts - named) & {"top", "middle", "bottom"}) if other else ()
     found += _wrong_sources(task.text, there, reading)
     return found + [f"a goal or description names the {part} drawer, which the instruction does not" for part in wrong]
