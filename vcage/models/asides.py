@@ -12,39 +12,51 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 
 from vcage.base.words import COLOURS, marked_tokens
+from vcage.models.phrases import compiled, named, phrase
 from vcage.objects.mentions import Noun, nouns
 from vcage.schema.asset import CatalogueEntry
 
-_TAKEN_BACK = re.compile(
-    r"\b(?:sorry(?! to\b| for\b| about\b)|wait|(?<!not )actually|i mean|meant|oops|scratch(?: that)?|correction"
-    r"|nothing|hang on|or rather|[,;:] rather|instead(?! of\b)"
-    r"|no(?= (?:[,.;:!?]|the|an?|not|that|it|i|make|put|on|in|into|to)(?!\w)))\b"
+_TAKEN_BACK = compiled(
+    phrase("(wait|i mean|meant|oops|scratch that|scratch|correction|nothing|hang on|or rather)"),
+    phrase("sorry", not_before="(to|for|about)"),
+    phrase("actually", not_after="not"),
+    phrase("instead", not_before="of"),
+    phrase("no", before="(#|the|a|an|not|that|it|i|make|put|on|in|into|to)"),
 )
-"""Words by which a speaker changes the sentence: how much of what was said before still stands is open."""
-_UNLESS = re.compile(r"\b(?:unless|otherwise)\b")
-_MOVED = r"(?:put|mov|touch|tak|pick|us|disturb|add|plac|includ|bring|grab)\w*"
-_STATE = (
-    r"(?:is|are|was|were|be|that's|it's|they're) not|(?:is|are|was|were)n't|(?:doesn't|didn't|does not|did not) \w+"
-    rf"|(?:don't|do not|never|mustn't|must not|shouldn't|should not|without) (?!{_MOVED})"
-    r"(?!forget|worry|mind|hesitate|you\b|we\b|the\b|an?\b|any\b)\w+"
-)
-_ASIDE = re.compile(
-    rf"\b(?:(?P<state>{_STATE})|(?P<but>(?:but|bar|save)(?! not\b)(?: for)?)"
-    r"|(?P<list>except(?:ing)?(?: for)?|with the exception of|apart from|other than|excluding|neither|never mind)"
-    rf"|(?P<kept>leav(?:e|ing)|(?:don't|do not|never|mustn't|must not|shouldn't|should not|without) {_MOVED})"
-    r"|without|instead of|rather than|skip(?:ping)?|no(?= \w+s\b)|(?<!if )(?<!or )(?<!why )not(?! only\b))(?!\w)"
+"""Words by which a speaker changes the sentence; it is open how much of what was said before still stands."""
+_UNLESS = compiled(phrase("(unless|otherwise)"))
+_MOVED = "put*|mov*|touch*|tak*|pick*|us*|disturb*|add*|plac*|includ*|bring*|grab*"
+_NEVER = "(don't|do not|never|mustn't|must not|shouldn't|should not|without)"
+_ASIDE = compiled(
+    named(
+        "state",
+        phrase("(is|are|was|were|be|that's|it's|they're) not"),
+        phrase("(isn't|aren't|wasn't|weren't)"),
+        phrase("(doesn't|didn't|does not|did not) _"),
+        phrase(f"{_NEVER} !({_MOVED}|forget*|worry*|mind*|hesitate*|you|we|the|a|an|any)"),
+    ),
+    named("but", phrase("(but|bar|save) for"), phrase("(but|bar|save)", not_before="not")),
+    named(
+        "list",
+        phrase("(except|excepting) [for]"),
+        phrase("(with the exception of|apart from|other than|excluding|neither|never mind)"),
+    ),
+    named("kept", phrase("(leave|leaving)"), phrase(f"{_NEVER} ({_MOVED})")),
+    phrase("(without|instead of|rather than|skip|skipping)"),
+    phrase("no", before="*s"),
+    phrase("not", not_after="if or why", not_before="only"),
 )
 """Beginnings of asides: what is not so, or not done; what is left out; what stays where it is."""
-_ALL = re.compile(r"\b(?:all|every|everything|anything|each|any)\b")
+_ALL = compiled(phrase("(all|every|everything|anything|each|any)"))
 _CLAUSE = re.compile(rf"{_ALL.pattern}.* (?:go|goes|in|into|on|onto)\b")
-_GOES = re.compile(r"(?:go|goes|should|must|belongs?|has|needs?)\b")
+_GOES = compiled(phrase("(go|goes|should|must|belong|belongs|has|need|needs)"))
 _LEFT_ALONE = re.compile(r"(?:is |are |it |they |be )*(?:alone|where|out|be|as|untouched|there|behind|in peace)\b")
 _LATER = re.compile(r"until\b|till\b|before\b|, (?:which|that|it|those|they|he|she)\b")
 """Words after an aside that say when or where its things are used after all."""
-_GAP_WORDS = 3
-"""Words between an aside's first word and the noun that it is about."""
+_MAX_GAP_WORDS = 3
+"""Words between an aside's first word and its noun."""
 _PREPOSITIONS = frozenset(("in", "into", "on", "onto", "to", "from", "off", "inside"))
-_TO = re.compile(r"(?:in|into|on|onto|inside|to|next to|behind|beside|near)(?: (?:the|a|an|my|your|any))?")
+_TO = compiled(phrase("(in|into|on|onto|inside|to|next to|behind|beside|near) [the|a|an|my|your|any]"))
 
 
 @dataclass(frozen=True)
@@ -127,7 +139,9 @@ def _adds(found: re.Match[str], before: str, after: str) -> bool:
 
 def _next_mark(words: list[str], at: int) -> int:
     """Place of the mark that ends a short phrase which names nothing; the place itself where none is near."""
-    return next((place for place in range(at, min(at + _GAP_WORDS + 2, len(words))) if not words[place].isalnum()), at)
+    return next(
+        (place for place in range(at, min(at + _MAX_GAP_WORDS + 2, len(words))) if not words[place].isalnum()), at
+    )
 
 
 def _named(words: list[str], at: int, said: list[Noun], found: re.Match[str]) -> Iterator[Noun]:
@@ -143,7 +157,7 @@ def _named(words: list[str], at: int, said: list[Noun], found: re.Match[str]) ->
     prepositions = _PREPOSITIONS if found[0] != "not" else frozenset[str]()
     for before, noun in itertools.pairwise([Noun("", ()), *said]):
         between = words[at : noun.at]
-        fits = len(between) <= _GAP_WORDS and " ".join(["a", *between]).replace(" ", "").isalpha()
+        fits = len(between) <= _MAX_GAP_WORDS and " ".join(["a", *between]).replace(" ", "").isalpha()
         if noun.at < at or not fits or prepositions.intersection(between):
             continue
         yield noun if noun.name else replace(noun, name=before.name)
@@ -159,6 +173,6 @@ def _alternatives(words: list[str], said: list[Noun]) -> set[int]:
         between = words[before.end : after.at]
         if "or" in between and words[before.end + between.index("or") - 1] in COLOURS:
             found |= {*range(before.end + between.index("or") - 1, after.end)}  # the red or the green mug
-        elif "or" in between and len(between) <= _GAP_WORDS + 1:
+        elif "or" in between and len(between) <= _MAX_GAP_WORDS + 1:
             found |= {*range(before.at, after.end)}
     return found

@@ -29,6 +29,11 @@ def phrase(text: str, *, before: str = "", or_end: bool = False, not_before: str
     return rf"\b{behind}{_sequence(text)}{ahead}"
 
 
+def named(name: str, *patterns: str) -> str:
+    """The regular expression of any of some patterns, as a group with a name."""
+    return f"(?P<{name}>{'|'.join(patterns)})"
+
+
 def compiled(*patterns: str) -> re.Pattern[str]:
     """The compiled expression of any of some patterns, the first that fits."""
     return re.compile("|".join(patterns))
