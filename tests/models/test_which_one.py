@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tests.models.catalogue import CATALOGUE
+from vcage.models.checked_reading import CheckedReading
 from vcage.models.which_one import coloured, unclear
 from vcage.objects.mentions import nouns
 from vcage.schema.goals import AskedGoal, Description, Reading, goal_of
@@ -21,7 +22,7 @@ def complaints(said: str, told: str | None = None) -> list[str]:
         [] if told is None else [Description(subject="mug_red", relation="left_of", reference="mug_white", words=told)]
     )
     reading = Reading(goals=[asked], descriptions=where)
-    return unclear(said, nouns(said, THINGS.values()), THINGS, reading)
+    return list(unclear(CheckedReading(said, THINGS, reading)))
 
 
 def test_a_noun_that_two_objects_answer_to_is_unclear() -> None:

@@ -12,7 +12,7 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 
 from vcage.base.words import COLOURS, marked_tokens
-from vcage.models.phrases import compiled, named, phrase
+from vcage.models.phrases import compiled, group, phrase
 from vcage.objects.mentions import Noun, nouns
 from vcage.schema.asset import CatalogueEntry
 
@@ -28,23 +28,23 @@ _UNLESS = compiled(phrase("(unless|otherwise)"))
 _MOVED = "put*|mov*|touch*|tak*|pick*|us*|disturb*|add*|plac*|includ*|bring*|grab*"
 _NEVER = "(don't|do not|never|mustn't|must not|shouldn't|should not|without)"
 _ASIDE = compiled(
-    named(
+    group(
         "state",
         phrase("(is|are|was|were|be|that's|it's|they're) not"),
         phrase("(isn't|aren't|wasn't|weren't)"),
         phrase("(doesn't|didn't|does not|did not) _"),
         phrase(f"{_NEVER} !({_MOVED}|forget*|worry*|mind*|hesitate*|you|we|the|a|an|any)"),
     ),
-    named("but", phrase("(but|bar|save) for"), phrase("(but|bar|save)", not_before="not")),
-    named(
+    group("but", phrase("(but|bar|save) for"), phrase("(but|bar|save)", not_before="not")),
+    group(
         "list",
         phrase("(except|excepting) [for]"),
         phrase("(with the exception of|apart from|other than|excluding|neither|never mind)"),
     ),
-    named("kept", phrase("(leave|leaving)"), phrase(f"{_NEVER} ({_MOVED})")),
+    group("kept", phrase("(leave|leaving)"), phrase(f"{_NEVER} ({_MOVED})")),
     phrase("(without|instead of|rather than|skip|skipping)"),
     phrase("no", before="*s"),
-    phrase("not", not_after="if or why", not_before="only"),
+    phrase("not", not_after="if / or / why", not_before="only"),
 )
 """Beginnings of asides: what is not so, or not done; what is left out; what stays where it is."""
 _ALL = compiled(phrase("(all|every|everything|anything|each|any)"))

@@ -8,59 +8,51 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 from vcage.base.words import PART_WORDS, lemma, tokens
+from vcage.models.checked_reading import CheckedReading
 from vcage.models.directions import arms, heights, sides
+from vcage.models.phrases import compiled, phrase
+from vcage.models.verbs import VERBS
 from vcage.models.which_one import coloured
 from vcage.objects.mentions import Noun
-from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import AskedGoal, Goal, Reading
 
 _REFERS_BACK = frozenset(
     ("there", "too", "also", "same", "likewise", "together", "respectively", "each", "other", "others", "rest")
 )
 """Words by which a clause refers to another one, so that the nearest place may not be its own."""
-_VERBS = {
-    "open": r"open(?:ed|ing)?|pull\w*",
-    "closed": r"(?:clos|shut)\w*|push\w*",
-    "pressed": r"(?:press|push|ring|rung|rang|click)\w*",
-    "turned": r"(?:turn|switch|start|run)\w*",
-    "scanned": r"scan\w*",
-    "weighed": r"weigh\w*",
-    "back": r"back|return\w*",
-    "presented": r"(?:present|show|giv|hand|offer)\w*",
-}
-"""Goals that are no place of a thing → the verbs that ask for them."""
-
-_DONE = r"(?:that|this|it|which)(?:'s| is| has been)?(?: all)?(?: done| finished| over)"
-_THEN = re.compile(
-    r"\b(?:then|afterwards|finally|lastly|after (?:that|this|which)\b"
-    rf"|(?:once|when|as soon as|after) (?:{_DONE}|done)\b)"
+_ONCE = "(once|when|as soon as)"
+_IS_DONE = (
+    "(that|this|it|which) [is|has been] [all] (done|finished|over)"
+    " / (that's|this's|it's|which's) [all] (done|finished|over) / done"
 )
-_FIRST = re.compile(r"\bbut first\b|\bbefore (?:that|this|doing so)\b")
-_BEFORE = re.compile(r"\bbefore\b(?! (?:that|this|doing so)\b)")
-_AFTER = re.compile(rf"\b(?:after(?! (?:that|this|which)\b)|(?:once|when|as soon as)\b(?! (?:{_DONE}|done)\b))")
+_THEN = compiled(
+    phrase("(then|afterwards|finally|lastly|after that|after this|after which)"),
+    *(phrase(f"(once|when|as soon as|after) {done}") for done in _IS_DONE.split(" / ")),
+)
+_FIRST = compiled(phrase("(but first|before that|before this|before doing so)"))
+_BEFORE = compiled(phrase("before", not_before="(that|this|doing so)"))
+_AFTER = compiled(phrase("after", not_before="(that|this|which)"), phrase(_ONCE, not_before=_IS_DONE))
 _CUES = frozenset(["then", "once", "after", "before", "when", "afterwards", "finally", "lastly"])
 _JOINTS = frozenset((",", ".", ";", "and"))
 _ENDS = re.compile(r" ?(?:[.;!]|$)")
-_BEGINNING_WORDS = 3
+_MAX_BEGINNING_WORDS = 3
 """Words that may stand before a subordinate clause which begins a sentence: "please, before"."""
 
 Span = tuple[int, int]
 
 
-class Clauses:
-    """The words of an instruction and where they name objects of a reading.
+def order_complaints(read: CheckedReading) -> list[str]:
+    """Complaints about goals whose arm, side, drawer or place is said of another thing, or whose order is not said."""
+    return _Clauses(read).complaints()
 
-    Args:
-        text: words and marks of what is asked for, with blanks between them.
-        said: its nouns.
-        things: the catalogue's entries by object id.
-        reading: of it.
-    """
 
-    def __init__(self, text: str, said: Sequence[Noun], things: Mapping[str, CatalogueEntry], reading: Reading) -> None:
+class _Clauses:
+    """The words of an instruction and where they name objects of a reading."""
+
+    def __init__(self, read: CheckedReading) -> None:
+        text, said, reading = read.task.text, read.said, read.reading
         self._text, self._words, self._goals = text, text.split(" "), reading.goals
-        spoken = reading.in_goals
-        self._things = {name: entry for name, entry in things.items() if name in spoken}
+        self._things = {name: entry for name, entry in read.things.items() if name in reading.in_goals}
         self._meant = {noun.at: names for noun in said if (names := self._names(noun, said, reading))}
         self._vague = any(len(self._meant.get(noun.at, ())) > 1 and not noun.is_several for noun in said)
 
@@ -76,7 +68,6 @@ class Clauses:
         return frozenset(found & there if side else found)
 
     def complaints(self) -> list[str]:
-        """Complaints about goals whose arm, side, drawer or place is said of another thing, or whose order is not."""
         parts = {part for entry in self._things.values() for part in entry.moving_parts}
         places = {at: next(iter(names)) for at, names in self._of("reference").items() if len(names) == 1}
         handed = any(asked.goal.relation == "handed" for asked in self._goals)
@@ -132,8 +123,8 @@ class Clauses:
         """Place of the last word that a goal needs, each thing or part of it where it is named first."""
         goal = asked.goal
         named = [self._first(name, goal.part) for name in (goal.subject, goal.reference) if name in self._things]
-        if goal.relation in _VERBS:
-            verbs = [at for at, word in enumerate(self._words) if re.fullmatch(_VERBS[goal.relation], word)]
+        if goal.relation in VERBS:
+            verbs = [at for at, word in enumerate(self._words) if VERBS[goal.relation].words.fullmatch(word)]
             alone = [asked.goal.subject for asked in self._goals].count(goal.subject) == 1
             if len(verbs) > 1 or not (verbs or alone):
                 return None
@@ -205,7 +196,7 @@ def _subordinate(words: Sequence[str], at: int) -> tuple[Span, Span] | None:
     begin, end = next((one + 1, two) for one, two in itertools.pairwise(ends) if two > at)
     comma = next((place for place in range(at, end) if words[place] == ","), end)
     before = ("and", "then", ",") if comma < end else ("and", "then")
-    if at - begin >= _BEGINNING_WORDS and words[at - 1] not in before:
+    if at - begin >= _MAX_BEGINNING_WORDS and words[at - 1] not in before:
         return (at, comma), (begin, at)
     if comma == end:
         return None

@@ -1,17 +1,12 @@
-"""Sides, arms and drawers that an instruction says, and the goals and descriptions that say them otherwise."""
+"""Sides, arms and drawers that an instruction names, by the place of their words."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection
 
 from vcage.base.words import COUNTED, HIGHEST, LOWEST, WHICH_PART
-from vcage.models.asides import AskedPart
 from vcage.models.phrases import compiled, phrase
-from vcage.objects.mentions import Noun
-from vcage.plans.descriptions import HOLDING
-from vcage.schema.asset import CatalogueEntry
-from vcage.schema.goals import AskedGoal, Description, Goal, Reading
 
 
 def _to_side(side: str) -> tuple[str, str]:
@@ -21,7 +16,7 @@ def _to_side(side: str) -> tuple[str, str]:
     )
 
 
-_SIDES: tuple[tuple[re.Pattern[str], str, str], ...] = (
+SIDES: tuple[tuple[re.Pattern[str], str, str], ...] = (
     (compiled(*_to_side("left")), "left_of", "right_of"),
     (compiled(*_to_side("right")), "right_of", "left_of"),
     (
@@ -36,35 +31,25 @@ _OWNED = re.compile(
     r"\b(the|my|a) ((?:\w+ ){0,2}\w+)(?:'s|s') (left|right)\b(?: hand)?(?: side)?(?! (?:arm|hand|gripper)\b)"
 )
 """A side of a thing: "the plate's left"."""
-_WHICH = compiled(r"\bthe (left|right)(?:most|hand| hand)? (?!arm\b|hand\b|gripper\b|side\b|of\b|one\b)\w+")
-"""One of several things: "the leftmost mug"."""
 _ARM = compiled(
     phrase("<left|right> [robot|robotic] (arm|arms|hand|hands|gripper|grippers)", not_before="side*"),
     phrase("(with|use|using) (the|your|its) <left|right> [one]", before="(to|and|then|,|.|;)", or_end=True),
 )
-_BOTH_ARMS = compiled(
-    phrase("(arms|hands|grippers)"), phrase("(other|each|one|either|opposite) (arm|hand|gripper|one)")
-)
-_TO_ARM = compiled(phrase("to [the|its|your] <left|right>", not_before="(of|side)"))
-_ROW = compiled(phrase("from [the] (left|right) to [the] (left|right)"))
-_DRAWER = "drawer|shelf|compartment|layer|one"
+ROW = compiled(phrase("from [the] (left|right) to [the] (left|right)"))
+"""A row of things, in which no single side is meant."""
+DRAWER = "drawer|shelf|compartment|layer|one"
+"""Words for a drawer."""
 _HEIGHTS = "|".join((*HIGHEST, *LOWEST))
 _NTH = "|".join(COUNTED[:3])
 _WHICH_HEIGHT = compiled(
-    phrase(f"<nth={_NTH}> [{_DRAWER}] [from the|to the|from] <end={_HEIGHTS}>"),
-    phrase(f"<step={_NTH}> ({_DRAWER}) <way=down|up>"),
-    phrase(f"<height={_HEIGHTS}|middle> ({_DRAWER})"),
-    phrase(f"({_DRAWER}) (at|in|on) the <at={_HEIGHTS}|middle>"),
+    phrase(f"<nth={_NTH}> [{DRAWER}] [from the|to the|from] <end={_HEIGHTS}>"),
+    phrase(f"<step={_NTH}> ({DRAWER}) <way=down|up>"),
+    phrase(f"<height={_HEIGHTS}|middle> ({DRAWER})"),
+    phrase(f"({DRAWER}) (at|in|on) the <at={_HEIGHTS}|middle>"),
     phrase("<most=highest|uppermost|topmost|lowest|bottommost|middle> [one] of the [_] drawers"),
 )
 """One of several drawers: "the second drawer from the top", "the top drawer"."""
-_FROM = compiled(phrase("(from|out of) [inside|within|in] [the|my|your]", or_end=True))
 _WAYS = {"down": "top", "up": "bottom"}
-_ANY_DRAWER = compiled(
-    phrase("(both|all|each|every|other|others|same|any|drawers|them)"),
-    phrase(f"({'|'.join(COUNTED)}|next|last) ({_DRAWER})", not_before="(from|to)"),
-)
-"""Words for a drawer that may be another one than the top, middle or bottom drawer."""
 
 
 def plain_sides(text: str) -> str:
@@ -74,14 +59,14 @@ def plain_sides(text: str) -> str:
 
 def sides(text: str) -> dict[int, str]:
     """Relations that a text of words and marks asks for, by the place of their words."""
-    if _ROW.search(text):
+    if ROW.search(text):
         return {}
-    return {_at(text, found): word for pattern, word, _ in _SIDES for found in pattern.finditer(text)}
+    return {place(text, found): word for pattern, word, _ in SIDES for found in pattern.finditer(text)}
 
 
 def arms(text: str) -> dict[int, str]:
     """Arms that a text of words and marks names, by the place of their words."""
-    return {_at(text, found): found[1] or found[2] for found in _ARM.finditer(text)}
+    return {place(text, found): found[1] or found[2] for found in _ARM.finditer(text)}
 
 
 def heights(text: str, parts: Collection[str]) -> dict[int, str]:
@@ -97,138 +82,10 @@ def heights(text: str, parts: Collection[str]) -> dict[int, str]:
         number = COUNTED.index(said["nth"] or said["step"] or COUNTED[0])
         height = {**WHICH_PART, **_WAYS}[next(filter(None, said.group("end", "height", "at", "most", "way")))]
         counted = [*dict.fromkeys((height, *order[:: -1 if height == "bottom" else 1]))]
-        found |= {_at(text, said): height for height in counted[number : number + 1]}
+        found |= {place(text, said): height for height in counted[number : number + 1]}
     return found
 
 
-def _at(text: str, found: re.Match[str]) -> int:
+def place(text: str, found: re.Match[str]) -> int:
+    """The number of words before a match."""
     return text.count(" ", 0, found.start())
-
-
-def wrong_sides(text: str, said: Sequence[Noun], things: Mapping[str, CatalogueEntry], reading: Reading) -> list[str]:
-    """Complaints about sides of a text that the reading does not say, or says of something else.
-
-    Args:
-        text: words and marks of what is asked for.
-        said: its nouns.
-        things: the catalogue's entries by object id.
-        reading: of it.
-    """
-    relations = {one.relation for one in reading.stated}
-    if "handed" in relations:  # "from the left hand to the right one"
-        return []
-    if _ROW.search(text):
-        row = {"left_of", "right_of"}.intersection(relations)
-        return [] if row else ["a row from one side to the other is asked, but no goal says 'left_of' or 'right_of'"]
-    found = [
-        f"'the {side} …' is said, but no description has an object of a goal '{side}_of' another"
-        for side in _WHICH.findall(text)
-        if not _on_side(side, reading)
-    ]
-    if "scanned" not in relations:  # in front of the scanner
-        found += _unsaid_sides(text, relations, {asked.goal.relation for asked in reading.goals})
-        found += _of_another(text, said, things, reading.stated)
-    return found
-
-
-def _unsaid_sides(text: str, relations: Collection[str], goals: Collection[str]) -> list[str]:
-    """Words for a side that no relation says, and goals for the opposite of the only side that is said."""
-    found, asked = list[str](), sides(text).values()
-    for pattern, word, opposite in _SIDES:
-        match = pattern.search(text)
-        if match and word not in relations:
-            other = f", but {opposite!r}" if opposite in relations else ""
-            found.append(f"{match[0]!r} is asked, but no goal or description says {word!r}{other}")
-        elif match and opposite in goals and opposite not in asked:
-            found.append(f"a goal says {opposite!r}, but the instruction asks for {word!r} alone")
-    return found
-
-
-def _of_another(
-    text: str,
-    said: Sequence[Noun],
-    things: Mapping[str, CatalogueEntry],
-    found: Sequence[Goal | Description],
-) -> list[str]:
-    """Words for a side of something that relations say of another thing alone."""
-    return [
-        f"'{match[0]} {noun.words}' is asked, but no goal or description says that of it"
-        for pattern, word, opposite in _SIDES
-        for match in pattern.finditer(text)
-        if any(one.relation == word for one in found)
-        and (noun := _side_of(text.count(" ", 0, match.end()), text, said))
-        and not any(_is_said(one, word, opposite, noun, things) for one in found)
-    ]
-
-
-def _side_of(at: int, text: str, said: Sequence[Noun]) -> Noun | None:
-    """The noun right after the words of a side that end at a place: "left of" the "plate"."""
-    words = text.split(" ")
-    after = next(
-        place for place in range(at + 1, len(words) + 1) if words[place : place + 1] not in (["hand"], ["side"])
-    )
-    if words[after : after + 1] == ["of"]:
-        after += 1
-    elif words[at] not in ("of", "behind"):
-        return None
-    near = [noun for noun in said if after <= noun.at <= after + 1 and noun.name]
-    return near[0] if near else None
-
-
-def _is_said(
-    one: Goal | Description, word: str, opposite: str, noun: Noun, things: Mapping[str, CatalogueEntry]
-) -> bool:
-    """Check if a relation says a side of what a noun means, in either direction."""
-    name = {word: one.reference, opposite: one.subject}.get(one.relation)
-    return name in things and noun.may_mean(things[name])
-
-
-def _on_side(side: str, reading: Reading) -> bool:
-    """Check if some object of a goal, or what one lies in, is said to stand on that side at the start, or a part is
-    called after it."""
-    if any(side in (one.part or "").split("_") for one in reading.stated):
-        return True
-    other = {"left": "right_of", "right": "left_of"}[side]
-    there = {told.subject for told in reading.descriptions if told.relation == f"{side}_of"}
-    there |= {told.reference for told in reading.descriptions if told.relation == other}
-    lying = [told for told in reading.descriptions if told.relation in HOLDING]
-    return any({one.subject, one.reference} & there for one in (*(asked.goal for asked in reading.goals), *lying))
-
-
-def wrong_arms(text: str, goals: Sequence[AskedGoal]) -> list[str]:
-    """Complaints about arms that a text names and no goal, or the reverse; and about things handed the wrong way."""
-    handed = [str(asked.goal.reference) for asked in goals if asked.goal.relation == "handed"]
-    if handed:
-        to = _TO_ARM.findall(text)
-        wrong = {*handed}.difference(to) if to else ()
-        return [f"it is handed {arm!r}, but the instruction says 'to the {to[0]}'" for arm in sorted(wrong)]
-    said, used = {*arms(text).values()}, {str(asked.arm) for asked in goals} - {"None"}
-    found = [f"'{arm} arm' is said, but no goal names that arm" for arm in sorted(said - used)]
-    allowed = used if said and _BOTH_ARMS.search(text) else said
-    return found + [f"a goal names the {arm} arm, but the instruction does not" for arm in sorted(used - allowed)]
-
-
-def _wrong_sources(text: str, parts: Collection[str], reading: Reading) -> list[str]:
-    """Complaints about drawers after "from the" or "out of the" that no description names."""
-    words, starts = text.split(" "), {(told.part or "").rpartition("_")[2] for told in reading.descriptions}
-    taken = {height for at, height in heights(text, parts).items() if _FROM.search(" ".join(words[:at]))}
-    return [
-        f"something is taken from the {height} drawer, but no description names a part '..._{height}'"
-        for height in sorted(taken - starts)
-    ]
-
-
-def wrong_drawers(task: AskedPart, things: Mapping[str, CatalogueEntry], reading: Reading) -> list[str]:
-    """Complaints about drawers that an instruction names and the reading does not, or the reverse."""
-    owners = [one.reference or one.subject for one in reading.stated if one.part]
-    there = [part for name in owners if name in things for part in things[name].moving_parts]
-    meant, named = {*heights(task.text, there).values()}, {*heights(task.open_text, there).values()}
-    parts = {one.part.partition("_")[2] for one in reading.stated if one.part}
-    found = [
-        f"the {height} drawer is named, but no goal or description names a part '..._{height}'"
-        for height in sorted(meant - parts)
-    ]
-    other = named and not _ANY_DRAWER.search(task.open_text)
-    wrong = sorted((parts - named) & {"top", "middle", "bottom"}) if other else ()
-    found += _wrong_sources(task.text, there, reading)
-    return found + [f"a goal or description names the {part} drawer, which the instruction does not" for part in wrong]

@@ -1,9 +1,9 @@
 """Patterns of English phrases, written as the words themselves.
 
-In a phrase, blanks separate words; ``(a|b c)`` is one of several, ``[a|b]`` the same or nothing, ``<a|b>`` one of several
-that the match captures (``<name=a|b>`` by name). ``mov*`` is a word that begins so, ``_`` any word, ``!(a|b*)`` any
-word but these, and ``#`` a mark that ends something. Patterns are for texts of words and marks with blanks between them, as
-:func:`vcage.base.words.marked_tokens` makes them.
+Blanks separate the words of a phrase. ``(a|b c)`` is one of several, ``[a|b]`` the same or nothing, ``<a|b>`` one of
+several that the match captures, ``<name=a|b>`` by name. ``mov*`` is a word that begins so, ``_`` any word, ``!(a|b*)``
+any word but these, and ``#`` a mark that ends something. Patterns are for texts of words and marks with blanks between
+them, as :func:`vcage.base.words.marked_tokens` makes them.
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ def phrase(text: str, *, before: str = "", or_end: bool = False, not_before: str
 
     Args:
         text: of the phrase.
-        before: a phrase that must follow.
+        before: phrases, with ``/`` between them, of which one must follow.
         or_end: accept the end of the text in its place.
-        not_before: a phrase that must not follow.
-        not_after: words of which none may stand before it.
+        not_before: phrases of which none may follow.
+        not_after: phrases of plain words, with ``/`` between them, of which none may stand before it.
     """
-    ahead = f"(?= {_sequence(before)}{'|$' if or_end else ''})" if before else "$" if or_end else ""
-    ahead += f"(?! {_sequence(not_before)})" if not_before else ""
-    behind = "".join(f"(?<!{word} )" for word in not_after.split())
+    ahead = f"(?= {_any(before)}{'|$' if or_end else ''})" if before else "$" if or_end else ""
+    ahead += f"(?! {_any(not_before)})" if not_before else ""
+    behind = "".join(f"(?<!{words} )" for words in filter(None, not_after.split(" / ")))
     return rf"\b{behind}{_sequence(text)}{ahead}"
 
 
-def named(name: str, *patterns: str) -> str:
+def group(name: str, *patterns: str) -> str:
     """The regular expression of any of some patterns, as a group with a name."""
     return f"(?P<{name}>{'|'.join(patterns)})"
 
@@ -37,6 +37,10 @@ def named(name: str, *patterns: str) -> str:
 def compiled(*patterns: str) -> re.Pattern[str]:
     """The compiled expression of any of some patterns, the first that fits."""
     return re.compile("|".join(patterns))
+
+
+def _any(texts: str) -> str:
+    return f"(?:{'|'.join(map(_sequence, texts.split(' / ')))})"
 
 
 def _sequence(text: str) -> str:

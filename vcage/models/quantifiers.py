@@ -6,11 +6,13 @@ The check knows no grammar, so that it holds for every reader: a person, a langu
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from vcage.base.text import listed
 from vcage.base.words import COLOURS, NUMBERS, PARTS, colour_of, lemma, marked_tokens, tokens
+from vcage.models.checked_reading import CheckedReading
+from vcage.models.phrases import compiled, phrase
 from vcage.objects.names import head_means, names_of
 from vcage.schema.asset import CatalogueEntry
 
@@ -18,9 +20,9 @@ _EVERYTHING = frozenset(("everything", "anything", "whatever"))
 _EVERY = frozenset(("all", "every", "each", "rest", "remaining"))
 _OF_WHAT_WAS_NAMED = frozenset(("all", "every", "each"))
 """Without a noun these mean what was named before: "the cups and the plates, put them all away"."""
-_BEGINNING_WORDS = 2
+_MAX_BEGINNING_WORDS = 2
 """Words that may stand before such a word where nothing was named: "please put all"."""
-_FIXED = ("first of all", "above all", "after all", "at all", "all right", "all done", "each other", "all the way")
+_FIXED = compiled(phrase("(first of all|above all|after all|at all|all right|all done|each other|all the way)"))
 """Phrases in which such a word is no quantifier."""
 _BEFORE_THE_NOUN = frozenset(("of", "the", "my", "your", "our", "these", "those", "them", "single", "last", *NUMBERS))
 _ENDS_THE_NOUN = frozenset(
@@ -32,10 +34,10 @@ _ENDS_THE_NOUN = frozenset(
     )
     for word in words.split()
 )
-_NOTHING = re.compile(r"\b(?:without|not|never|\w+n't|before|near|than|if)\b(?: \w+){0,2} any(?:thing)?\b(?: else)?")
+_NOTHING = compiled(phrase("(without|not|never|*n't|before|near|than|if) [_] [_] (any|anything) [else]"))
 """Phrases in which "any" is no quantifier of what is asked for: "without touching anything else"."""
-_EXCEPT = re.compile(
-    r"\b(?:except|exception of|but|bar|apart from|other than|excluding|save|without|isn't|aren't|not)\b"
+_EXCEPT = compiled(
+    phrase("(except|exception of|but|bar|apart from|other than|excluding|save|without|isn't|aren't|not)")
 )
 
 
@@ -66,16 +68,15 @@ class Quantified:
 
 def quantified(instruction: str) -> list[Quantified]:
     """The universal quantifiers of an instruction, in its order."""
-    text = instruction.lower()
-    for phrase in _FIXED:
-        text = re.sub(rf"\b{phrase}\b", " , ", text)
-    text = _NOTHING.sub(" , ", text)
+    text = _NOTHING.sub(" , ", _FIXED.sub(" , ", instruction.lower()))
     words, found = marked_tokens(text), list[Quantified]()
     for at, word in enumerate(words):
         if word in _EVERYTHING or word in _EVERY:
             one = _quantified(words, at)
             of_parts = PARTS.intersection(one.noun)
-            if not of_parts and (one.noun or one.colour or word not in _OF_WHAT_WAS_NAMED or at <= _BEGINNING_WORDS):
+            if not of_parts and (
+                one.noun or one.colour or word not in _OF_WHAT_WAS_NAMED or at <= _MAX_BEGINNING_WORDS
+            ):
                 found.append(one)
     return found
 
@@ -118,18 +119,10 @@ def _excepted(instruction: str, entry: CatalogueEntry) -> bool:
     return bool(marker) and bool(said & heads or {colour_of(word) for word in said} & (colours - {None}))
 
 
-def left_over(instruction: str, things: Mapping[str, CatalogueEntry], spoken: Collection[str]) -> list[str]:
-    """Complaints about objects that fall under a quantifier of the instruction and that no goal speaks of.
-
-    Args:
-        instruction: in plain language.
-        things: all that stands there, by object id: the catalogue's entries with the object's own look only.
-        spoken: ids of the objects that are subject or reference of a goal, used as a tool, or to be left alone.
-    """
-    complaints = []
-    for quantifier in quantified(instruction):
-        missed = [name for name, entry in things.items() if name not in spoken and quantifier.covers(entry)]
-        missed = [name for name in missed if not _excepted(instruction, things[name])]
+def left_over(read: CheckedReading) -> Iterator[str]:
+    """Complaints about objects under a quantifier of the instruction that the reading does not speak of."""
+    for quantifier in quantified(read.instruction):
+        missed = [name for name, entry in read.things.items() if name not in read.spoken and quantifier.covers(entry)]
+        missed = [name for name in missed if not _excepted(read.instruction, read.things[name])]
         if missed:
-            complaints.append(f"the instruction says {quantifier.words!r}, but no goal speaks of {listed(missed)}")
-    return complaints
+            yield f"the instruction says {quantifier.words!r}, but no goal speaks of {listed(missed)}"

@@ -1,17 +1,17 @@
-"""A second look at a reading by code: are all words of the instruction answered, by objects that they name?
+"""The second look at a reading, by code: does it answer every word of the instruction, with objects that it names?
 
-It needs neither grammar nor model, and looks at what every reader says alike. Each complaint is a sentence that names
-the words. What words mean is checked for English only; of a sentence in another language the rest is.
+It needs neither grammar nor model, and treats every reader alike. Each complaint is a sentence that names the words.
+In another language than English, words are not checked.
 """
 
 from __future__ import annotations
 
-import re
 from collections import Counter
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 
 from vcage.base.text import listed
-from vcage.base.word_classes import FUNCTION_WORDS, HANDLING, VERBS
+from vcage.base.word_classes import FUNCTION_WORDS, HANDLING
+from vcage.base.word_classes import VERBS as KNOWN_VERBS
 from vcage.base.words import (
     ANYTHING,
     COLOURS,
@@ -24,11 +24,14 @@ from vcage.base.words import (
     same_word,
     tokens,
 )
-from vcage.models.asides import AskedPart, asked_part
-from vcage.models.clauses import Clauses
-from vcage.models.directions import plain_sides, wrong_arms, wrong_drawers, wrong_sides
+from vcage.models.asides import asked_part
+from vcage.models.checked_reading import CheckedReading
+from vcage.models.clauses import order_complaints
+from vcage.models.direction_checks import wrong_arms, wrong_drawers, wrong_sides
+from vcage.models.phrases import compiled, phrase
 from vcage.models.plain_english import in_english
 from vcage.models.quantifiers import left_over
+from vcage.models.verbs import VERBS
 from vcage.models.which_one import coloured, meant, unclear
 from vcage.objects.mentions import Noun, exact_count, nouns
 from vcage.objects.names import has_colour, look_texts
@@ -37,77 +40,37 @@ from vcage.schema.goals import Goal, Reading, goal_of, named_by
 
 _MANY = frozenset(("each", "every", "all", "everything", "both", "another", "other", "others", "rest", "more", "any"))
 """Words by which "a mug" may be several."""
-
-_ACTS = (
-    (r"scan\b", "scanned"),
-    (r"weigh\b", "weighed"),
-    (r"(?:ring(?! up)|press)\b", "pressed"),
-    (r"open (?:the|it|that|both)\b", "open"),
-    (r"(?:shut|close) (?:the|it|that|both)\b", "closed"),
-    (r"(?:turn|switch) on\b", "turned"),
-)
-"""Verbs for which there is one goal."""
 _OPEN = frozenset((*ANYTHING, *_MANY, "anything", "something", "whatever", "them"))
-"""Words by which objects are meant that no noun names."""
+"""Words for objects that no noun names."""
 _ORDINALS = frozenset(((), *((word,) for word in COUNTED)))
 """Ends of names that are not counted: "the second"."""
-_ALONE = re.compile(
-    r"(?<!of )(?<!of the )\b(both|two|three|four|five)"
-    r"(?= (?:of (?:them|these|those)|in|into|on|onto|to|go|together|[,.;:!?])|$)"
+_ALONE = compiled(
+    phrase(
+        "<both|two|three|four|five>",
+        before="(of them|of these|of those|in*|on*|to*|go*|,|.|;|:|!|?)",
+        or_end=True,
+        not_after="of / of the",
+    )
 )
-"""Numbers that stand without a noun."""
+"""Numbers without a noun."""
 _TO_READER = frozenset(
     ("ignore", "disregard", "override", "forget", "answer", "respond", "reply", "output", "print", "json", "prompt",
      "instruction", "instructions", "schema", "above", "previous", "prior", "system", "reveal", "repeat")
 )  # fmt: skip
-"""Words by which a text speaks to whoever reads it, and not of things."""
+"""Words that speak to the reader of a text, and not of things."""
 
 
 def second_look(
     instruction: str, things: Mapping[str, CatalogueEntry], reading: Reading, moved: Collection[str] = ()
 ) -> list[str]:
-    """Complaints about a reading, one sentence each; empty when nothing is seen.
+    """Complaints about a reading, one sentence each; empty if no check has any.
 
     Args:
-        instruction: in plain language.
-        things: what there is, by object id: the catalogue's entries with no other look than the object's.
-        reading: what a reader takes from it.
-        moved: ids of the objects that were chosen to be moved.
+        instruction, things, reading, moved: see :class:`vcage.models.checked_reading.CheckedReading`.
     """
-    spoken = _spoken(things, reading)
-    found = _idle(spoken, moved) + _done_already(reading)
-    english = in_english(instruction, things.values())
-    found += _unasked(instruction, reading, things, least=1 if english else 2)
-    if not english:
-        return found
-    task = asked_part(plain_sides(instruction), things.values())
-    said, named = nouns(task.text, things.values()), nouns(task.open_text, things.values())
-    found += left_over(instruction, things, spoken) + _unnamed(task.open_text, named, things, reading)
-    found += _excluded(task, named, things, reading)
-    found += _unanswered(task.text, things, reading, spoken) + _misnamed(said, things, spoken)
-    found += unclear(task.whole, said, things, reading)
-    found += _miscounted(task.text, said, things, reading, spoken) + wrong_sides(task.text, said, things, reading)
-    found += wrong_drawers(task, things, reading) + wrong_arms(task.text, reading.goals)
-    found += _undone(task.text, reading) + Clauses(task.text, said, things, reading).complaints()
-    return list(dict.fromkeys(found))
-
-
-def _idle(spoken: Collection[str], moved: Iterable[str]) -> list[str]:
-    idle = [name for name in moved if name not in spoken]
-    are = "is" if len(idle) == 1 else "are"
-    return [f"{listed(idle)} {are} to be moved, but no goal speaks of it"] if idle else []
-
-
-def _done_already(reading: Reading) -> list[str]:
-    """Goals of the first step that are true at the start."""
-    first = min((asked.step for asked in reading.goals), default=1)
-    starts = {
-        goal_of([told.subject, told.relation, told.reference, told.part])
-        for told in reading.descriptions
-        if told.relation != "center"
-    }
-    begun = dict.fromkeys(asked.goal for asked in reading.goals if asked.step == first and asked.goal in starts)
-    return [f"{goal} is a goal, but true at the start already" for goal in begun]
+    read = CheckedReading(instruction, things, reading, moved)
+    checks = [*_IN_ANY_LANGUAGE, *(_IN_ENGLISH if read.english else ())]
+    return list(dict.fromkeys(complaint for check in checks for complaint in check(read)))
 
 
 def unmet_names(instruction: str, catalogue: Iterable[CatalogueEntry], chosen: Collection[CatalogueEntry]) -> list[str]:
@@ -115,8 +78,8 @@ def unmet_names(instruction: str, catalogue: Iterable[CatalogueEntry], chosen: C
 
     Args:
         instruction: in plain language.
-        catalogue: whose names are looked for.
-        chosen: the kinds that were chosen, with no other look than the chosen one.
+        catalogue: kinds with the names.
+        chosen: the chosen kinds, with no other look than the chosen one.
     """
     if not in_english(instruction, chosen):
         return []
@@ -129,27 +92,49 @@ def unmet_names(instruction: str, catalogue: Iterable[CatalogueEntry], chosen: C
     ]
 
 
-def _spoken(things: Mapping[str, CatalogueEntry], reading: Reading) -> set[str]:
-    """Ids of the objects that a reading speaks of, and of what they are scanned, weighed or presented with."""
-    named = {*named_by(reading.stated)}
-    done = {asked.goal.relation for asked in reading.goals}
-    tools = {name for name, entry in things.items() if done & _done_with(entry)}
-    return {*reading.untouched, *tools, *(name for name in things if name in named)}
+# --- in any language ---------------------------------------------------------------------------------
 
 
-def _done_with(entry: CatalogueEntry) -> set[str]:
-    """Goal words that a thing is the tool for, or the addressee of."""
-    return {*entry.tool_for, *(["presented"] if "customer" in entry.words.name else [])}
+def _idle(read: CheckedReading) -> Iterator[str]:
+    """Objects to be moved that no goal speaks of."""
+    idle = [name for name in read.moved if name not in read.spoken]
+    if idle:
+        yield f"{listed(idle)} {'is' if len(idle) == 1 else 'are'} to be moved, but no goal speaks of it"
 
 
-def _unanswered(
-    instruction: str, things: Mapping[str, CatalogueEntry], reading: Reading, spoken: Collection[str]
-) -> list[str]:
-    """Content words in no ``words`` of a goal or description, which name nothing that the reading speaks of either."""
-    answered = _answered(reading).union(*(_called(things[name]) for name in spoken))
-    missed = [word for word in tokens(instruction) if "'" not in word and not {word, lemma(word)} & answered]
-    missed = list(dict.fromkeys(word for word in missed if not _carries_nothing(word)))
-    return [f"the words {listed(map(repr, missed))} are in no 'words' of a goal or description"] if missed else []
+def _done_already(read: CheckedReading) -> Iterator[str]:
+    """Goals of the first step that are true at the start."""
+    first = min((asked.step for asked in read.reading.goals), default=1)
+    starts = {
+        goal_of([told.subject, told.relation, told.reference, told.part])
+        for told in read.reading.descriptions
+        if told.relation != "center"
+    }
+    for goal in dict.fromkeys(asked.goal for asked in read.reading.goals if asked.step == first):
+        if goal in starts:
+            yield f"{goal} is a goal, but true at the start already"
+
+
+def _unasked(read: CheckedReading) -> Iterator[str]:
+    """Goals of a sentence that names no object of them and speaks to its reader instead."""
+    words = _TO_READER.intersection(tokens(read.instruction))
+    stated = named_by(read.reading.stated)
+    if len(words) >= (1 if read.english else 2) and not any(
+        meant(noun, read.things, stated) for noun in nouns(read.instruction, read.things.values())
+    ):
+        yield f"the instruction names no object of a goal, but says {listed(map(repr, sorted(words)))}"
+
+
+# --- in English: are the words answered? -------------------------------------------------------------
+
+
+def _unanswered(read: CheckedReading) -> Iterator[str]:
+    """Content words in no ``words`` of a goal or description, and in no name of an object of the reading."""
+    answered = _answered(read.reading).union(*(_called(read.things[name]) for name in read.spoken))
+    words = [word for word in tokens(read.task.text) if "'" not in word and not {word, lemma(word)} & answered]
+    missed = list(dict.fromkeys(word for word in words if not _carries_nothing(word)))
+    if missed:
+        yield f"the words {listed(map(repr, missed))} are in no 'words' of a goal or description"
 
 
 def _answered(reading: Reading) -> set[str]:
@@ -159,7 +144,7 @@ def _answered(reading: Reading) -> set[str]:
 
 
 def _carries_nothing(word: str) -> bool:
-    """Check if no goal has to answer a word, slips of the pen included."""
+    """Check if no goal has to answer a word; misspelled words count as the words they resemble."""
     known = FUNCTION_WORDS | HANDLING | DETERMINERS
     return lemma(word) in known or any(same_word(word, other) for other in known)
 
@@ -169,39 +154,42 @@ def _called(entry: CatalogueEntry) -> set[str]:
     return {word for text in (*texts, *look_texts(entry)) for word in tokens(text)}
 
 
-def _misnamed(said: Sequence[Noun], things: Mapping[str, CatalogueEntry], spoken: Collection[str]) -> list[str]:
-    """Nouns and colours that no object answers to which the reading speaks of."""
-    found = []
-    for noun in dict.fromkeys(said):
-        met = [things[name] for name in sorted(spoken) if noun.may_mean(things[name])]
+def _undone(read: CheckedReading) -> Iterator[str]:
+    """Verbs without the goal that they ask for."""
+    for goal, verb in VERBS.items():
+        found = verb.only.search(read.task.text) if verb.only else None
+        if found and goal not in read.relations:
+            yield f"{found[0]!r} is said, but no goal says {goal!r}"
+
+
+# --- in English: are the objects those that are named? -----------------------------------------------
+
+
+def _misnamed(read: CheckedReading) -> Iterator[str]:
+    """Nouns and colours that no object of the reading answers to."""
+    for noun in dict.fromkeys(read.said):
+        met = [read.things[name] for name in sorted(read.spoken) if noun.may_mean(read.things[name])]
         if not met:
-            found.append(f"the instruction names {noun.words!r}, but no goal speaks of such an object")
+            yield f"the instruction names {noun.words!r}, but no goal speaks of such an object"
         else:
             missing = [colour for colour in noun.colours if not any(has_colour(entry, colour) for entry in met)]
-            found += [f"{noun.words!r} asks for {c}, but no goal speaks of such an object" for c in missing]
-    return found
+            yield from (f"{noun.words!r} asks for {c}, but no goal speaks of such an object" for c in missing)
 
 
-def _unnamed(
-    instruction: str, said: Sequence[Noun], things: Mapping[str, CatalogueEntry], reading: Reading
-) -> list[str]:
-    """Objects of goals that the instruction does not name, where it names others and every word of it is known."""
-    words = tokens(instruction)
+def _unnamed(read: CheckedReading) -> Iterator[str]:
+    """Objects of goals that the instruction does not name, if it names others and all of its words are known."""
+    words, said = tokens(read.task.open_text), read.said_or_offered
     if not _all_known(words, said):
-        return []
-    goals, told = [asked.goal for asked in reading.goals], named_by(reading.descriptions)
-    subjects, references = zip(*((goal.subject, goal.reference) for goal in goals), strict=True)
-    found = list[str]()
+        return
+    told = named_by(read.reading.descriptions)
+    subjects, references = zip(*((goal.subject, goal.reference) for goal in read.goals), strict=True)
     for mine, others in ((subjects, references), (references, subjects)):
-        if all(meant(noun, things, (*others, *told)) for noun in said):
+        if all(meant(noun, read.things, (*others, *told)) for noun in said):
             continue  # "put the pens away" leaves open where to, "fill the box" with what
-        unnamed = things.keys() - set[str]().union(*(meant(noun, things, mine) for noun in said))
-        found += [
-            f"{name} is in the goal {goal}, but the instruction names no such object"
-            for name, goal in zip(mine, goals, strict=True)
-            if name in unnamed and not _names_part(words, goal)
-        ]
-    return list(dict.fromkeys(found))
+        unnamed = read.things.keys() - set[str]().union(*(meant(noun, read.things, mine) for noun in said))
+        for name, goal in zip(mine, read.goals, strict=True):
+            if name in unnamed and not _names_part(words, goal):
+                yield f"{name} is in the goal {goal}, but the instruction names no such object"
 
 
 def _names_part(words: Iterable[str], goal: Goal) -> bool:
@@ -210,82 +198,81 @@ def _names_part(words: Iterable[str], goal: Goal) -> bool:
 
 
 def _all_known(words: Collection[str], said: Sequence[Noun]) -> bool:
-    """Check if objects are named, by nouns alone, and there is no word that may name more."""
+    """Check if objects are named, by nouns alone, and every other word is known to name none."""
     if not said or not _OPEN.isdisjoint(words):
         return False
     named = {word for noun in said for word in tokens(noun.words)}
-    known = FUNCTION_WORDS | VERBS | COLOURS | DETERMINERS | PARTS | NUMBERS.keys() | named | {"left", "right", "front"}
-    return all({word, lemma(word)} & known for word in words)
+    known = FUNCTION_WORDS | KNOWN_VERBS | COLOURS | DETERMINERS | PARTS | NUMBERS.keys() | named
+    return all({word, lemma(word)} & (known | {"left", "right", "front"}) for word in words)
 
 
-def _miscounted(
-    text: str, said: Sequence[Noun], things: Mapping[str, CatalogueEntry], reading: Reading, spoken: Collection[str]
-) -> list[str]:
-    """Number words that do not match how many objects of that name the reading speaks of."""
-    subjects, words = {asked.goal.subject for asked in reading.goals}, text.split(" ")
-    times = Counter(noun.name for noun in said if _MANY.isdisjoint(words))
-    counted = [noun for noun in said if noun.name[-1:] not in _ORDINALS]
-    found = _too_few(text, [asked.goal for asked in reading.goals])
-    for noun in counted:
+def _excluded(read: CheckedReading) -> Iterator[str]:
+    """Objects of goals that the instruction names only to leave them out, or not to move them."""
+    out = [(noun, read.reading.in_goals) for noun in read.task.excluded if not _is_named(noun, read)]
+    out += [(noun, _moved_to(at, read)) for noun, at in read.task.kept if at or not _is_named(noun, read)]
+    for noun, used in out:
+        for name in coloured(noun, read.things):
+            if name in used:
+                yield f"{name} is in a goal, but the instruction leaves out {noun.words!r}"
+
+
+def _moved_to(place: Noun | None, read: CheckedReading) -> set[str | None]:
+    """Subjects of goals; of those about a place if one is said."""
+    places = None if place is None else coloured(place, read.things)
+    return {goal.subject for goal in read.goals if places is None or goal.reference in places}
+
+
+def _is_named(noun: Noun, read: CheckedReading) -> bool:
+    named = read.said_or_offered
+    return any(one.name in (noun.name, ()) and {*noun.colours} <= {*one.colours} for one in named)
+
+
+# --- in English: are they as many? -------------------------------------------------------------------
+
+
+def _miscounted(read: CheckedReading) -> Iterator[str]:
+    """Number words that differ from the number of objects of that name in the reading."""
+    subjects, words = {goal.subject for goal in read.goals}, read.task.text.split(" ")
+    times = Counter(noun.name for noun in read.said if _MANY.isdisjoint(words))
+    yield from _too_few(read)
+    for noun in (one for one in read.said if one.name[-1:] not in _ORDINALS):
         number = _number(words, noun)
-        there, moved = len(meant(noun, things, spoken)), len(meant(noun, things, subjects))
+        there, moved = len(meant(noun, read.things, read.spoken)), len(meant(noun, read.things, subjects))
         if there < number:
-            found.append(f"{noun.words!r} asks for {number}, but the goals speak of {there}")
+            yield f"{noun.words!r} asks for {number}, but the goals speak of {there}"
         elif moved > number > 0 and times[noun.name] == 1:
-            found.append(f"{noun.words!r} asks for {number}, but goals are given for {moved}")
-    return found
+            yield f"{noun.words!r} asks for {number}, but goals are given for {moved}"
 
 
-def _too_few(text: str, goals: Sequence[Goal]) -> list[str]:
+def _too_few(read: CheckedReading) -> Iterator[str]:
     """Numbers without a noun that are larger than the number of things or places of the goals."""
-    most = max(len({(g.subject, g.part) for g in goals}), len({(g.reference, g.part) for g in goals}))
-    alone = [word for word in _ALONE.findall(text) if most < (exact_count(word) or 0)]
-    return [f"{word!r} is said, but the goals are about {most}" for word in alone]
+    subjects, references = {(g.subject, g.part) for g in read.goals}, {(g.reference, g.part) for g in read.goals}
+    most = max(len(subjects), len(references))
+    for word in _ALONE.findall(read.task.text):
+        if most < (exact_count(word) or 0):
+            yield f"{word!r} is said, but the goals are about {most}"
 
 
 def _number(words: Sequence[str], noun: Noun) -> int:
-    """How many a noun asks for, 0 where that is not said: 2 of "a pair of mugs", but not of "a pair of scissors"."""
+    """The number that a noun asks for, or 0: 2 of "a pair of mugs", but not of "a pair of scissors"."""
     before = [word for word in words[max(noun.at - 3, 0) : noun.at] if word not in ("of", "the")]
     pair = before[-1:] in (["pair"], ["couple"]) and noun.name[-1] not in NO_PLURAL
     return noun.number or (2 if pair else 0)
 
 
-def _excluded(
-    task: AskedPart, named: Sequence[Noun], things: Mapping[str, CatalogueEntry], reading: Reading
-) -> list[str]:
-    """Objects of goals that the instruction names only to leave them out, or not to move them."""
-    goals = [asked.goal for asked in reading.goals]
-    out = [(noun, reading.in_goals) for noun in task.excluded if not _is_named(noun, named)]
-    out += [(noun, _moved_to(goals, at, things)) for noun, at in task.kept if at or not _is_named(noun, named)]
-    return [
-        f"{name} is in a goal, but the instruction leaves out {noun.words!r}"
-        for noun, used in out
-        for name in coloured(noun, things)
-        if name in used
-    ]
-
-
-def _moved_to(goals: Sequence[Goal], place: Noun | None, things: Mapping[str, CatalogueEntry]) -> set[str | None]:
-    """Subjects of goals, of those about a place if one is said."""
-    places = None if place is None else coloured(place, things)
-    return {goal.subject for goal in goals if places is None or goal.reference in places}
-
-
-def _is_named(noun: Noun, named: Iterable[Noun]) -> bool:
-    return any(one.name in (noun.name, ()) and {*noun.colours} <= {*one.colours} for one in named)
-
-
-def _unasked(instruction: str, reading: Reading, things: Mapping[str, CatalogueEntry], least: int) -> list[str]:
-    """Goals of a sentence that names no object of them and speaks to its reader instead, by so many words at least."""
-    words = _TO_READER.intersection(tokens(instruction))
-    spoken = named_by(reading.stated)
-    if len(words) < least or any(meant(noun, things, spoken) for noun in nouns(instruction, things.values())):
-        return []
-    return [f"the instruction names no object of a goal, but says {listed(map(repr, sorted(words)))}"]
-
-
-def _undone(text: str, reading: Reading) -> list[str]:
-    """Verbs without the goal that they ask for."""
-    done = {asked.goal.relation for asked in reading.goals}
-    said = [(match[0], goal) for verb, goal in _ACTS if (match := re.search(rf"\b{verb}", text))]
-    return [f"{verb!r} is said, but no goal says {goal!r}" for verb, goal in said if goal not in done]
+_IN_ANY_LANGUAGE: tuple[Callable[[CheckedReading], Iterable[str]], ...] = (_idle, _done_already, _unasked)
+_IN_ENGLISH: tuple[Callable[[CheckedReading], Iterable[str]], ...] = (
+    left_over,
+    _unnamed,
+    _excluded,
+    _unanswered,
+    _misnamed,
+    unclear,
+    _miscounted,
+    wrong_sides,
+    wrong_drawers,
+    wrong_arms,
+    _undone,
+    order_complaints,
+)
+"""The checks; complaints reach a model in this order."""

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
 from vcage.base.text import listed
 from vcage.base.word_classes import HANDLING
 from vcage.base.words import tokens
+from vcage.models.checked_reading import CheckedReading
 from vcage.objects.mentions import Noun
 from vcage.objects.names import has_colour, names_of
 from vcage.schema.asset import CatalogueEntry
-from vcage.schema.goals import Description, Reading
+from vcage.schema.goals import Description
 from vcage.schema.plan import TABLE
 
 _LEFT_RIGHT = "left right leftmost rightmost between middle row"
@@ -49,16 +50,15 @@ def coloured(noun: Noun, things: Mapping[str, CatalogueEntry]) -> list[str]:
     return [n for n in meant(noun, things, things) if all(has_colour(things[n], colour) for colour in noun.colours)]
 
 
-def unclear(whole: str, said: Sequence[Noun], things: Mapping[str, CatalogueEntry], reading: Reading) -> list[str]:
-    """Objects of goals that "the mug" means as well as another one of their kind, and that nothing tells apart."""
-    first = {noun.name: noun for noun in reversed(said)}.values()
-    bare = [noun for noun in first if _is_bare(noun, whole.split(" ")) and not _told_apart(noun, said)]
-    alike = {noun.words: _alike(noun, things, reading.in_goals) for noun in bare}
-    return [
-        f"nobody can tell which of {listed(names)} is meant by {words!r}"
-        for words, names in alike.items()
-        if len(names) > 1 and not any(_tells(one, names, said, things) for one in reading.descriptions)
-    ]
+def unclear(read: CheckedReading) -> Iterator[str]:
+    """Complaints about objects of goals that "the mug" means like another one of their kind, with nothing to tell them
+    apart."""
+    first = {noun.name: noun for noun in reversed(read.said)}.values()
+    bare = [n for n in first if _is_bare(n, read.task.whole.split(" ")) and not _told_apart(n, read.said)]
+    alike = {noun.words: _alike(noun, read.things, read.reading.in_goals) for noun in bare}
+    for words, names in alike.items():
+        if len(names) > 1 and not any(_tells(one, names, read) for one in read.reading.descriptions):
+            yield f"nobody can tell which of {listed(names)} is meant by {words!r}"
 
 
 def _alike(noun: Noun, things: Mapping[str, CatalogueEntry], used: Collection[str | None]) -> list[str]:
@@ -84,12 +84,10 @@ def _is_bare(noun: Noun, words: Sequence[str]) -> bool:
     )
 
 
-def _tells(
-    told: Description, alike: Collection[str], said: Sequence[Noun], things: Mapping[str, CatalogueEntry]
-) -> bool:
+def _tells(told: Description, alike: Collection[str], read: CheckedReading) -> bool:
     """Check if a description tells one of some objects from the others by words that say so."""
     about = {told.subject, told.reference} & {*alike}
     if not about or _WORDS_FOR[told.relation].isdisjoint(tokens(told.words)):
         return False
     others = {told.subject, told.reference} - about - {TABLE}
-    return all(any(noun.name and noun.may_mean(things[name]) for noun in said) for name in others)
+    return all(any(noun.name and noun.may_mean(read.things[name]) for noun in read.said) for name in others)
