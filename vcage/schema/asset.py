@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import ClassVar, Literal, TypeVar
+from typing import ClassVar, Literal
 
 from pydantic import Field, model_validator
 
-from vcage.base.errors import UnknownName
-from vcage.schema.base import Document, Finite, Identifier, Point3, Record, UnitVec3, Vec3
+from vcage.schema.base import Document, Finite, Identifier, Point3, Record, UnitVec3, Vec3, require_unique, the
 
 Holds = Literal["in", "on"]
 Use = Literal["grasp", "press"]
@@ -27,13 +25,8 @@ class ContactPoint(Record):
     position: Point3 = Field(description="point between the finger tips, metres")
     approach: UnitVec3 = Field(description="direction in which the gripper moves towards the object")
     closing: UnitVec3 = Field(description="axis along which the fingers close")
-    link: Identifier | None = Field(
-        default=None,
-        description="the moving part that it sits on, with all joints at 0; the object's body when not given",
-    )
-    use: Use = Field(
-        default="grasp", description="'grasp': the fingers close around it; 'press': the closed fingers push it"
-    )
+    link: Identifier | None = Field(default=None, description="moving part that has it, joints at 0; None: the body")
+    use: Use = Field(default="grasp", description="'grasp': fingers close around it; 'press': they push it, closed")
 
     @model_validator(mode="after")
     def _presses_what_moves(self) -> ContactPoint:
@@ -55,10 +48,7 @@ class FunctionalPoint(Record):
     holds: Holds = Field(description="whether things are put 'in' it or 'on' it")
     position: Point3 = Field(description="middle of the floor or surface that receives, metres")
     axis: UnitVec3 = Field(default=(0.0, 0.0, 1.0), description="out of the surface, against the way of placing")
-    link: Identifier | None = Field(
-        default=None,
-        description="the moving part that it belongs to, with all joints at 0; the object's body when not given",
-    )
+    link: Identifier | None = Field(default=None, description="moving part that has it, joints at 0; None: the body")
     weighs: bool = Field(default=False, description="whether what lies there is weighed")
 
     @property
@@ -98,9 +88,7 @@ class PackageModel(Record):
 
     model: str = Field(min_length=1, description="its id in the package")
     turn: Vec3 = Field(default=(0.0, 0.0, 0.0), description="degrees about x, y, z, in this order, to stand as we do")
-    size: Point3 | None = Field(
-        default=None, description="edge lengths after turning, metres; the package's when not given"
-    )
+    size: Point3 | None = Field(default=None, description="edge lengths after turning, metres; None: the package's")
     mass: Finite = Field(gt=0, description="kilograms")
     friction: Finite = Field(default=0.6, gt=0, description="Coulomb coefficient")
     colour: tuple[int, int, int] | None = Field(default=None, description="paints a model without colours, sRGB")
@@ -130,13 +118,9 @@ class Annotation(Document):
 
     @model_validator(mode="after")
     def _ids_are_unique(self) -> Annotation:
-        for what, ids in (
-            ("variant", [v.id for v in self.variants]),
-            ("contact point", [p.id for p in self.contact_points]),
-            ("functional point", [p.id for p in self.functional_points]),
-        ):
-            if len(set(ids)) != len(ids):
-                raise ValueError(f"a {what} id occurs twice in {ids}")
+        require_unique("variant", self.variants)
+        require_unique("contact point", self.contact_points)
+        require_unique("functional point", self.functional_points)
         return self
 
     @model_validator(mode="after")
@@ -154,7 +138,7 @@ class Annotation(Document):
         Raises:
             UnknownName: there is none.
         """
-        return _by_id(f"contact point of {self.name}", self.contact_points, point_id)
+        return the(f"contact point of {self.name}", self.contact_points, point_id)
 
     @property
     def carrying_points(self) -> list[ContactPoint]:
@@ -171,17 +155,7 @@ class Annotation(Document):
         Raises:
             UnknownName: there is none.
         """
-        return _by_id(f"functional point of {self.name}", self.functional_points, point_id)
-
-
-P = TypeVar("P", ContactPoint, FunctionalPoint)
-
-
-def _by_id(what: str, points: Sequence[P], point_id: int) -> P:
-    for point in points:
-        if point.id == point_id:
-            return point
-    raise UnknownName(what, str(point_id), [str(point.id) for point in points])
+        return the(f"functional point of {self.name}", self.functional_points, point_id)
 
 
 class CatalogueEntry(Record):
@@ -190,9 +164,7 @@ class CatalogueEntry(Record):
     name: Identifier
     words: Words
     variants: list[Variant]
-    size: Point3 = Field(
-        default=(0.0, 0.0, 0.0), description="of the first variant's bounding box, metres; 0 while it is not built"
-    )
+    size: Point3 = Field(default=(0.0, 0.0, 0.0), description="bounding box of the first variant, metres; 0: not built")
     contact_points: list[ContactPoint] = []
     functional_points: list[FunctionalPoint] = []
     faces: list[Face] = []
@@ -230,11 +202,7 @@ class Joint(Record):
     lower: Finite = Field(description="end of the range; 0, the closed or resting state, lies within it")
     upper: Finite
     damping: Finite = Field(ge=0, description="resistance against speed, N s/m or N m s/rad")
-    friction: Finite = Field(
-        ge=0,
-        description="the most that the damping resists with, N or N m: less does not move the part noticeably; "
-        "0: no limit",
-    )
+    friction: Finite = Field(ge=0, description="limit of the damping, N or N m; less does not move the part; 0: none")
     spring: Finite = Field(default=0.0, ge=0, description="pulls back to 0, N/m or N m/rad")
 
     @model_validator(mode="after")
@@ -298,7 +266,4 @@ class PhysicalModel(Record):
         Raises:
             UnknownName: there is none.
         """
-        for link in self.links:
-            if link.name == name:
-                return link
-        raise UnknownName("moving part", name, [link.name for link in self.links])
+        return the("moving part", self.links, name, "name")

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Self
+from typing import Annotated, Any, ClassVar, Self, TypeVar
 
 import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
-from vcage.base.errors import SchemaMismatch
+from vcage.base.errors import SchemaMismatch, UnknownName
 from vcage.base.files import maker_of, read_json, write_json
 from vcage.base.geometry import Camera, Pose, world_aabb
 from vcage.base.inside import name_complaint, path_complaint
@@ -38,21 +38,14 @@ def _with_room(box: tuple[Point3, Point3]) -> tuple[Point3, Point3]:
 Box = Annotated[tuple[Point3, Point3], AfterValidator(_with_room)]
 
 
-def _of_unit_length(quaternion: Quat) -> Quat:
-    length = sum(x * x for x in quaternion) ** 0.5
+def _of_unit_length(values: tuple[float, ...]) -> tuple[float, ...]:
+    length = sum(x * x for x in values) ** 0.5
     if abs(length - 1) > 1e-3:
-        raise ValueError(f"expected a unit quaternion, got length {length:.4g}")
-    return quaternion
+        raise ValueError(f"expected a unit {'quaternion' if len(values) == 4 else 'vector'}, got length {length:.4g}")
+    return values
 
 
-def _unit(vector: Vec3) -> Vec3:
-    length = sum(x * x for x in vector) ** 0.5
-    if abs(length - 1) > 1e-3:
-        raise ValueError(f"expected a unit vector, got length {length:.4g}")
-    return vector
-
-
-UnitVec3 = Annotated[Vec3, AfterValidator(_unit)]
+UnitVec3 = Annotated[Vec3, AfterValidator(_of_unit_length)]
 
 
 def _stays(complaint: Callable[[str], str | None]) -> AfterValidator:
@@ -78,6 +71,31 @@ class Record(BaseModel):
     """A typed, frozen piece of JSON; unknown fields are refused."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, ser_json_inf_nan="constants")
+
+
+R = TypeVar("R", bound=Record)
+
+
+def the(kind: str, records: Sequence[R], key: object, field: str = "id") -> R:
+    """The record of a list whose field has a value.
+
+    Args:
+        kind: what the records are, for the error.
+
+    Raises:
+        UnknownName: there is none; names those that there are.
+    """
+    for record in records:
+        if getattr(record, field) == key:
+            return record
+    raise UnknownName(kind, str(key), [str(getattr(record, field)) for record in records])
+
+
+def require_unique(kind: str, records: Sequence[Record], field: str = "id") -> None:
+    """Refuse a list with two records of one id."""
+    ids = [getattr(record, field) for record in records]
+    if len(set(ids)) != len(ids):
+        raise ValueError(f"{kind} id occurs twice in {ids}")
 
 
 def _rounded(values: np.ndarray) -> tuple[float, ...]:
@@ -194,9 +212,7 @@ class StageDocument(Document):
     """The JSON that a stage leaves in the run folder."""
 
     provenance: Provenance
-    edited: list[str] = Field(
-        default=[], description="files of the stage that were changed by hand, and were found to be possible"
-    )
+    edited: list[str] = Field(default=[], description="files of the stage that a user edited and the checks accepted")
 
     @property
     def made_from(self) -> Provenance:

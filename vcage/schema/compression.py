@@ -50,9 +50,7 @@ class VideoStream(Record):
     codec: str
     pixel_format: str
     gop: int = Field(description="frames from one random-access point to the next")
-    crf: int | None = Field(
-        description="the highest at which all that share it pass, or the one given; none: without loss"
-    )
+    crf: int | None = Field(description="the highest at which all that share it pass, or as given; None: lossless")
     loss_max: Finite = Field(description="largest JOD loss over the scored frames")
     loss_mean: Finite
     held_out: HeldOutLoss | None = Field(description="none when no held-out frame was left")
@@ -109,9 +107,7 @@ class ColourOrder(Record):
     """How red and blue lie in the encoded pictures of some recordings; in the videos they are where they belong."""
 
     stored: Literal["rgb", "bgr"] = Field(description="bgr: red and blue had changed places")
-    source: ColourSource = Field(
-        description="a user's option, the file, its layout's convention, or the pictures against that convention"
-    )
+    source: ColourSource = Field(description="a user's option, the file, its layout's convention, or the pictures")
     sure: bool = Field(description="false: look at the pictures")
     recordings: int
 
@@ -142,25 +138,13 @@ class Compression(StageDocument):
     encoding: Encoding
     cameras: list[CameraCompression]
     streams: list[VideoStream]
-    notes: dict[str, list[str]] = Field(
-        default_factory=dict, description="recording → what a user must know about how it was read"
-    )
+    notes: dict[str, list[str]] = Field(default_factory=dict, description="recording → notes on how it was read")
     colours: list[ColourOrder] = Field(default_factory=list, description="of recordings with encoded pictures")
     other_streams: list[OtherStream] = Field(default_factory=list, description="of all recordings")
-    left_out: dict[str, str] = Field(
-        default_factory=dict, description="recorded data that a LeRobot data set does not hold: key → reason"
-    )
-    failed: dict[str, str] = Field(
-        default_factory=dict,
-        description="recording → why it is no demonstration of its task; LeRobot data sets leave it out",
-    )
-    packed: dict[RunPath, str] = Field(
-        default_factory=dict,
-        description="of a run: episode → SHA-256 of its file once it refers to its videos in place of raw pictures",
-    )
-    set_aside: dict[RunPath, SetAside] = Field(
-        default_factory=dict, description="of a run: refused episode → what it takes to count it again; in no figure"
-    )
+    left_out: dict[str, str] = Field(default_factory=dict, description="key of data left out of LeRobot sets → reason")
+    failed: dict[str, str] = Field(default_factory=dict, description="recording left out of LeRobot sets → reason")
+    packed: dict[RunPath, str] = Field(default_factory=dict, description="episode → SHA-256 once it refers to videos")
+    set_aside: dict[RunPath, SetAside] = Field(default_factory=dict, description="refused episode; in no figure")
     reduction_raw: Finite = Field(description="1 − bytes / raw bytes")
     reduction_jpeg: Finite
     reduction_stored: Finite = Field(description="1 − bytes / bytes before")

@@ -47,9 +47,7 @@ class Verdict(Record):
     confidence: Finite = Field(ge=0, le=1)
     provider: str
     failure: Failure | None = Field(default=None, description="what went wrong, where it is a no and that can be told")
-    pictures: list[NearPath] = Field(
-        default=[], description="paths of the pictures, relative to the file that holds the verdict"
-    )
+    pictures: list[NearPath] = Field(default=[], description="paths of the pictures, relative to the verdict's file")
     question: str = Field(default="", description="SHA-256 of what was asked: text, goals, and the pictures' pixels")
 
 
@@ -103,20 +101,14 @@ class Episode(Record):
     file: RunPath | None = Field(default=None, description="HDF5 in the run folder; none when nothing was recorded")
     frames: int = Field(default=0, ge=0)
     fps: Finite
-    layout: Literal["varied", "fixed"] | None = Field(
-        default=None, description="drawn for this episode, or the run's with small shifts; none where it never began"
-    )
-    layouts_refused: dict[str, int] = Field(
-        default={}, description="why layouts that were drawn before were not taken: reason → how many"
-    )
+    layout: Literal["varied", "fixed"] | None = Field(default=None, description="own, or the run's; None: never begun")
+    layouts_refused: dict[str, int] = Field(default={}, description="reason to refuse a layout → count")
     objects: list[ObjectRecord] = Field(default=[], description="those of its scene, where and as it started")
     randomisation: Drawn | None = Field(default=None, description="what was drawn for it; none where it never began")
     subtasks: list[Identifier] = []
     verdicts: list[Verdict] = []
     attempts: int = Field(default=0, ge=0)
-    goals_hold: Truth | None = Field(
-        default=None, description="whether all goals of the chain are true at the end, by the simulator's state"
-    )
+    goals_hold: Truth | None = Field(default=None, description="do all goals of the chain hold at the end?")
 
     @property
     def poses(self) -> dict[str, PoseRecord]:
@@ -186,9 +178,7 @@ class Episodes(StageDocument):
     instruction: str | None
     chains: list[Chain]
     episodes: list[Episode] = Field(description="by number; a number that is missing was not needed")
-    accept: Accept = Field(
-        default="critic", description="whose yes a sub-task needed; earlier runs asked the critic alone"
-    )
+    accept: Accept = Field(default="critic", description="judges of a sub-task; earlier runs had the critic alone")
     attempts: int = Field(ge=0, description="lines of log.jsonl")
     acceptance: dict[str, dict[str, int]] = Field(description="asset/variant → {accepted, attempts}")
     critic: CriticCounts
@@ -229,9 +219,7 @@ class Difference(Record):
     earlier_verdict: Verdict = Field(description="of the critic that collected")
     verdict: Verdict
     truth: Truth
-    picture: NearPath = Field(
-        description="what both looked at, side by side with what they said; relative to this file"
-    )
+    picture: NearPath = Field(description="what both judges saw, with what they said; relative to this file")
 
 
 class Verdicts(StageDocument):
@@ -239,13 +227,9 @@ class Verdicts(StageDocument):
 
     SCHEMA: ClassVar[str] = "vcage.verdicts/2"
 
-    accept: Accept = Field(
-        default="critic", description="whose yes accepted the episodes; if the state's, no critic refuses one"
-    )
+    accept: Accept = Field(default="critic", description="judges of the episodes; if 'state', no critic refuses any")
     episodes: dict[str, list[Verdict]] = Field(description="file of an accepted episode → one verdict per sub-task")
-    taken_over: int = Field(
-        default=0, ge=0, description="verdicts of the collection that the same critic had given on the same question"
-    )
+    taken_over: int = Field(default=0, ge=0, description="verdicts of the same critic on the same question, reused")
     critic: CriticCounts = Field(description="this critic, over the attempts that it judged of which truth is kept")
     earlier_critic: CriticCounts = Field(description="the critic that collected, over the same attempts")
     not_kept: int = Field(ge=0, description="attempts judged while collecting that have no pictures or truth any more")

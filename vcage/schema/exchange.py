@@ -38,9 +38,7 @@ class Exchange(Document):
     picture: FileName | None = Field(description="name of a file in pictures/, PNG, where the answer is one")
     tokens_in: int | None
     tokens_out: int | None
-    usd: float | None = Field(
-        default=None, description="US dollars, as the reply says or estimated from tokens and known prices"
-    )
+    usd: float | None = Field(default=None, description="US dollars, as the reply says, or tokens by known prices")
     seconds: float = Field(description="that the answer took; 0 where it lay there already")
     number: int = Field(description="counts the exchanges of a run, from 1")
     seal: str = Field(description="SHA-256 of hash, provider, answer and picture: no other answer is repeated")

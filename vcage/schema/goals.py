@@ -53,12 +53,8 @@ class Goal(Record):
 
     subject: Identifier = Field(description="id of an object")
     relation: GoalWord
-    reference: Identifier | None = Field(
-        default=None, description="id of another object, or 'table'; for 'handed' the arm that has it then"
-    )
-    part: Identifier | None = Field(
-        default=None, description="moving part: of the subject (open…), or of the reference that it is put into"
-    )
+    reference: Identifier | None = Field(default=None, description="object id, or 'table'; for 'handed' the arm")
+    part: Identifier | None = Field(default=None, description="moving part of the subject, or of the reference")
 
     @model_validator(mode="after")
     def _has_what_its_word_needs(self) -> Goal:
@@ -100,9 +96,7 @@ class Description(Record):
     """Where an object must be in every starting layout: it tells which one is meant, or where it is taken from."""
 
     subject: Identifier = Field(description="id of an object")
-    relation: RelationWord = Field(
-        description="to another object, or to the table: in its middle third ('center') or in an outer third"
-    )
+    relation: RelationWord = Field(description="to another object, or to the table: a third of it")
     reference: Identifier = Field(description="id of another object, or 'table'")
     part: Identifier | None = Field(default=None, description="moving part of the reference that it lies in: a drawer")
     words: str = Field(min_length=1, description="the words of the instruction that say so")
@@ -125,9 +119,7 @@ class Reading(Record):
 
     goals: list[AskedGoal] = Field(min_length=1)
     untouched: list[Identifier] = Field(default=[], description="objects that the instruction wants left alone")
-    descriptions: list[Description] = Field(
-        default=[], description="what must be true of where things are at the start"
-    )
+    descriptions: list[Description] = Field(default=[], description="what must be true at the start")
 
     @property
     def stated(self) -> list[Goal | Description]:

@@ -19,9 +19,7 @@ class Match(Record):
     method: MatchMethod
     similarity: Finite | None = Field(description="cosine similarity of the features; none when kept")
     confidence: Finite = Field(ge=0, le=1, description="estimated probability that the match is right")
-    box: tuple[Finite, Finite, Finite, Finite] | None = Field(
-        description="u0, v0, u1, v1 in the target picture in the source's frame, pixels"
-    )
+    box: tuple[Finite, Finite, Finite, Finite] | None = Field(description="u0, v0, u1, v1 in the source's frame, px")
     position: Point2 = Field(description="x, y of the object's origin in the world, metres")
     yaw: Finite = Field(description="heading of the object's x axis in the world, radians")
     turned: Finite = Field(description="rotation from source to target, the smallest of those that look alike, radians")
@@ -36,9 +34,7 @@ class Matches(StageDocument):
 
     threshold: Finite = Field(description="the paper's τ")
     matches: list[Match] = Field(min_length=1)
-    unclaimed: list[tuple[Finite, Finite, Finite, Finite]] = Field(
-        description="boxes of detections that no object claimed"
-    )
+    unclaimed: list[tuple[Finite, Finite, Finite, Finite]] = Field(description="boxes of detections of no object")
     overlay: RunPath = Field(description="path of the overlay picture in the run folder")
     notes: list[str] = Field(default=[], description="what was strange about the picture, in sentences")
     checks: dict[str, Any] = Field(default={}, description="relations_shown: share of the plan that the picture shows…")

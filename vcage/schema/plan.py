@@ -23,9 +23,7 @@ class SelectedAsset(Record):
     variant: Identifier
     role: Role
     reason: str = ""
-    starts_in: Identifier | None = Field(
-        default=None, description="asset of another chosen object that it lies in or on at the start"
-    )
+    starts_in: Identifier | None = Field(default=None, description="asset of the object that it starts in or on")
     starts_in_part: Identifier | None = Field(default=None, description="moving part of that object: a drawer")
 
 

@@ -30,9 +30,7 @@ class VariantProof(Record):
     asset: Identifier
     variant: Identifier
     source: Source
-    same_as: Identifier | None = Field(
-        default=None, description="the variant of the same shape, mass and friction whose tries count for this one too"
-    )
+    same_as: Identifier | None = Field(default=None, description="variant of the same physics whose tries count here")
     checks: list[ProofCheck]
 
     @property

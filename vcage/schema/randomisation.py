@@ -67,9 +67,7 @@ class LightRanges(Record):
     number: Annotated[Count, _within(1, MOST_LIGHTS)] = Field(
         default=(1, 1), description=f"of lights, at most {MOST_LIGHTS}"
     )
-    heading_deg: Annotated[Range, _within(-360, 360)] = Field(
-        default=(-58.0, -58.0), description="in which they shine, from +x over +y, degrees"
-    )
+    heading_deg: Annotated[Range, _within(-360, 360)] = Field(default=(-58.0, -58.0), description="from +x over +y")
     slant: UpTo5 = Field(default=(0.47, 0.47), description="tangent of the angle between a light and straight down")
     strength: UpTo5 = Field(default=(1.55, 1.55), description="of the key light; others have their share of it")
     others: UpTo5 = Field(default=(0.2, 0.5), description="strength of each further light, share of the key light's")
@@ -94,9 +92,7 @@ class CameraRanges(Record):
 
     shift: Finite = Field(default=0.0, ge=0, le=0.2, description="largest along each axis, metres")
     turn_deg: Finite = Field(default=0.0, ge=0, le=45, description="largest about each axis, degrees")
-    fovy: Annotated[Factor, _within(0.5, 1.5)] = Field(
-        default=(1.0, 1.0), description="factor of the field of view, 0.5 to 1.5"
-    )
+    fovy: Annotated[Factor, _within(0.5, 1.5)] = Field(default=(1.0, 1.0), description="factor of the field of view")
 
 
 class ColourRanges(Record):
@@ -218,9 +214,7 @@ class WorldDraw(Record):
     """What is simulated otherwise in an episode than the run's scene says."""
 
     variants: dict[Identifier, Identifier] = Field(default={}, description="object → its variant, where another")
-    clutter: dict[Identifier, Identifier] = Field(
-        default={}, description="what the task does not touch, and the run's scene has not: object → its asset"
-    )
+    clutter: dict[Identifier, Identifier] = Field(default={}, description="object that is added → its asset")
     clutter_drawn: int = Field(default=0, ge=0, description="how many of these were to be there; fewer have no room")
     table_height: Metres = Field(default=0.0, description="added to the scene's, metres")
     mass: dict[Identifier, Above] = Field(default={}, description="object → kilograms, moving parts included")

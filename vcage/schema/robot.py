@@ -25,21 +25,13 @@ class Gripper(Record):
     tip_depth: Finite = Field(gt=0, description="how far the finger tips reach beyond the frame's origin, metres")
     finger_length: Finite = Field(gt=0, description="free finger length from the palm to the frame's origin, metres")
     palm_size: tuple[Finite, Finite] = Field(description="palm size along x and y of the gripper frame, metres")
-    palm_height: Finite = Field(
-        default=0.12, gt=0, description="extent of hand and flange above the fingers that must stay free, metres"
-    )
+    palm_height: Finite = Field(default=0.12, gt=0, description="extent of hand and flange above the fingers, metres")
     finger_width: Finite = Field(default=0.022, gt=0, description="of one finger across the closing axis, metres")
-    finger_thickness: Finite = Field(
-        default=0.022, gt=0, description="of one finger along the closing axis, metres; taken generously"
-    )
+    finger_thickness: Finite = Field(default=0.022, gt=0, description="along the closing axis, metres, generous")
     friction: Finite = Field(default=2.0, gt=0, description="Coulomb coefficient of the finger tips; rubber by default")
-    friction_patch: Finite = Field(
-        default=0.1, ge=0, description="radius of the finger tips' torsional friction patch, metres"
-    )
+    friction_patch: Finite = Field(default=0.1, ge=0, description="radius of the torsional friction patch, metres")
     empty_width: Finite = Field(default=0.0015, gt=0, description="fingers closer than this hold nothing, metres")
-    approach: Finite = Field(
-        default=0.09, gt=0, description="how far from a grasp the hand comes straight along its approach, metres"
-    )
+    approach: Finite = Field(default=0.09, gt=0, description="straight way of the hand before a grasp, metres")
 
 
 class Arm(Record):
@@ -59,9 +51,7 @@ class Arm(Record):
     max_speed: JointLimit = Field(default=2.1, description="rad/s: of every joint, or a list with one number for each")
     max_acceleration: JointLimit = Field(default=7.5, description="rad/s², in the same way")
     max_jerk: JointLimit = Field(default=3750.0, description="rad/s³, in the same way")
-    self_collision_gap: int = Field(
-        default=4, ge=1, description="links that are so many solid links apart are checked against each other"
-    )
+    self_collision_gap: int = Field(default=4, ge=1, description="links this many apart are checked for collision")
 
     @property
     def speeds(self) -> list[float]:

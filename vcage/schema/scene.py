@@ -7,7 +7,6 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
-from vcage.base.errors import UnknownName
 from vcage.base.graphs import circles
 from vcage.schema.base import (
     Box,
@@ -20,6 +19,8 @@ from vcage.schema.base import (
     Record,
     RunPath,
     StageDocument,
+    require_unique,
+    the,
 )
 from vcage.schema.goals import AskedGoal, Description
 
@@ -109,9 +110,7 @@ class SceneTemplate(Document):
     table: Table = Table()
     workspace: Workspace
     top_camera: CameraRecord
-    contents: list[Contents] = Field(
-        default=[], description="what a scene without an instruction is drawn from; an instruction says itself"
-    )
+    contents: list[Contents] = Field(default=[], description="contents of a scene without an instruction")
 
 
 class ObjectRecord(Record):
@@ -124,9 +123,7 @@ class ObjectRecord(Record):
     role: Role
     pose: PoseRecord = Field(description="object frame (origin at the centre of the bottom) in the world")
     aabb: Box = Field(description="axis-aligned box in the world, computed when the scene was written")
-    joints: tuple[Metres, ...] = Field(
-        default=(), description="position of each moving part, metres or radians; all at rest when empty"
-    )
+    joints: tuple[Metres, ...] = Field(default=(), description="of moving parts, metres or radians; (): at rest")
     container: Identifier | None = Field(default=None, description="id of the object that this one lies in or on")
     container_part: Identifier | None = Field(default=None, description="moving part of the container: a drawer")
 
@@ -141,33 +138,24 @@ class Scene(StageDocument):
 
     SCHEMA: ClassVar[str] = "vcage.scene/1"
 
-    instruction: Annotated[str, Field(min_length=1)] | None = Field(
-        default=None, description="none where the scene is its template's own, for every sub-task that it has"
-    )
+    instruction: Annotated[str, Field(min_length=1)] | None = Field(default=None, description="None: of the template")
     goals: list[AskedGoal] = Field(default=[], description="what the instruction asks for, with the words for it")
     untouched: list[Identifier] = Field(default=[], description="objects that the instruction wants left alone")
-    descriptions: list[Description] = Field(
-        default=[], description="what the instruction says of where things are at the start: true in every layout"
-    )
+    descriptions: list[Description] = Field(default=[], description="what the instruction says of the start")
     template: Identifier = Field(description="name of the scene template")
     robot: Identifier
     table: Table
     workspace: Workspace
     top_camera: CameraRecord
     objects: list[ObjectRecord] = Field(min_length=1)
-    pictures: dict[str, RunPath] = Field(
-        default={}, description="source, background, segmentation: paths in the run folder"
-    )
-    segmentation_ids: dict[str, int] = Field(
-        default={}, description="object id → value in segmentation.png (0 is no object)"
-    )
+    pictures: dict[str, RunPath] = Field(default={}, description="source, background, segmentation → path in the run")
+    segmentation_ids: dict[str, int] = Field(default={}, description="object id → value in segmentation.png; 0: none")
     checks: dict[str, Any] = Field(default={}, description="what was measured: settle time, largest drift…")
 
     @model_validator(mode="after")
     def _names_hold_together(self) -> Scene:
-        ids = [o.id for o in self.objects]
-        if len(set(ids)) != len(ids):
-            raise ValueError(f"an object id occurs twice in {ids}")
+        require_unique("object", self.objects)
+        ids = {o.id for o in self.objects}
         for o in self.objects:
             if o.container is not None and (o.container not in ids or o.container == o.id):
                 raise ValueError(f"{o.id} lies in {o.container!r}, which is not another object of the scene")
@@ -192,7 +180,4 @@ class Scene(StageDocument):
         Raises:
             UnknownName: there is none.
         """
-        for record in self.objects:
-            if record.id == object_id:
-                return record
-        raise UnknownName("object", object_id, [o.id for o in self.objects])
+        return the("object", self.objects, object_id)

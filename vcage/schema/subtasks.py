@@ -6,7 +6,7 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from vcage.schema.base import Finite, Identifier, Point3, Record, RunPath, StageDocument
+from vcage.schema.base import Finite, Identifier, Point3, Record, RunPath, StageDocument, require_unique
 from vcage.schema.goals import Goal
 
 TemplateName = Literal[
@@ -30,9 +30,7 @@ class Check(Record):
 class Grasp(Record):
     """A contact point that an arm reaches, with how well."""
 
-    contact: int = Field(
-        ge=0, description="id of the contact point; of a push its direction: 30° each from the object's own +x"
-    )
+    contact: int = Field(ge=0, description="id of the contact point, or direction of a push: 30° each from its +x")
     arm: str
     score: Finite = Field(description="higher is better: minus the joint travel of the whole motion, radians")
 
@@ -54,9 +52,7 @@ class Statement(Record):
     subject: Identifier = Field(description="id of an object")
     word: StatementWord
     reference: Identifier | None = Field(default=None, description="id of the object that it lies in or on")
-    part: Identifier | None = Field(
-        default=None, description="moving part: of the subject (open, closed), or of the reference"
-    )
+    part: Identifier | None = Field(default=None, description="moving part of the subject, or of the reference")
 
     @model_validator(mode="after")
     def _has_what_its_word_needs(self) -> Statement:
@@ -92,19 +88,10 @@ class Subtask(Record):
     functional_point: int | None = Field(default=None, ge=0, description="of the receptacle")
     tool: Identifier | None = Field(default=None, description="what it is done with: a scanner")
     grasped: Identifier | None = Field(default=None, description="what the hand takes, where that may be the tool")
-    target: Finite | None = Field(
-        default=None, description="where the joint of a part is brought to, metres or radians"
-    )
-    grasps: list[Grasp] = Field(
-        min_length=1,
-        description="feasible grasps as they are tried: the preferred one, then by the length of the motion",
-    )
-    prefers: Preference | None = Field(
-        default=None, description="grasp that is tried first wherever it is feasible; the best one when not given"
-    )
-    arm: Identifier | None = Field(
-        default=None, description="arm that must do it, as is asked for; any when not given; of a hand-over it gives"
-    )
+    target: Finite | None = Field(default=None, description="target of the joint of a part, metres or radians")
+    grasps: list[Grasp] = Field(min_length=1, description="feasible grasps: the preferred one, then by joint travel")
+    prefers: Preference | None = Field(default=None, description="grasp to try first if feasible; None: the best")
+    arm: Identifier | None = Field(default=None, description="required arm, of a hand-over the giving one; None: any")
     hand_to: Identifier | None = Field(default=None, description="arm that takes it from the one that grasped it")
     requires: list[Goal] = Field(default=[], description="what must be true before")
     goals: list[Goal] = Field(min_length=1, description="what it brings about")
@@ -129,18 +116,10 @@ class Refusal(Record):
 class Chain(Record):
     """What an episode does: sub-tasks in order, and what that is called."""
 
-    text: str = Field(
-        min_length=1, description="the instruction, or without one the words of the sub-task: what episodes are called"
-    )
+    text: str = Field(min_length=1, description="name of the episodes: the instruction, or the sub-task's words")
     subtasks: list[Identifier] = Field(min_length=1, description="ids of kept sub-tasks T₁…T_k, in order")
-    wordings: list[Annotated[str, Field(min_length=1)]] = Field(
-        default=[], description="other sentences that ask for the goals of the instruction, for training on language"
-    )
-    wordings_dropped: int = Field(
-        default=0,
-        ge=0,
-        description="sentences of a model that were not taken: unclear, untrue, or asking for more or less",
-    )
+    wordings: list[Annotated[str, Field(min_length=1)]] = Field(default=[], description="other sentences for the goals")
+    wordings_dropped: int = Field(default=0, ge=0, description="sentences of a model that the review dropped")
 
 
 class Subtasks(StageDocument):
@@ -149,21 +128,15 @@ class Subtasks(StageDocument):
     SCHEMA: ClassVar[str] = "vcage.subtasks/2"
 
     instruction: str | None
-    candidates: int = Field(
-        ge=0, description="ways to try a template here: by each contact point, or in each direction of a push"
-    )
+    candidates: int = Field(ge=0, description="template and contact point, or direction of a push, each counted once")
     kept: list[Subtask]
     refused: list[Refusal]
-    chains: list[Chain] = Field(
-        min_length=1, description="the one that fulfils the instruction; without one, a chain for each kept sub-task"
-    )
+    chains: list[Chain] = Field(min_length=1, description="for the instruction; without one, one per kept sub-task")
 
     @field_validator("kept")
     @classmethod
     def _ids_are_unique(cls, kept: list[Subtask]) -> list[Subtask]:
-        ids = [subtask.id for subtask in kept]
-        if len(set(ids)) != len(ids):
-            raise ValueError(f"a sub-task id occurs twice in {ids}")
+        require_unique("sub-task", kept)
         return kept
 
     @field_validator("chains")
