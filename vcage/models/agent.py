@@ -25,7 +25,7 @@ SHEET, COLUMNS, VIEW = "pictures.png", 4, 475
 
 Clients shrink what is larger than 2000 pixels."""
 
-MOST_BYTES = 1_000_000
+MAX_ANSWER_BYTES = 1_000_000
 """An answer that is longer was not meant."""
 
 
@@ -42,7 +42,7 @@ class Agent:
         self._folder = folder
 
     def answer(self, question: Question) -> Reply:
-        """What lies in ``answer-<round>.json``, or else in ``answer.json``.
+        """The answer in ``answer-<round>.json``, or else in ``answer.json``.
 
         Raises:
             AnswerNeeded: it is not there; names the files, the round and what was wrong with the answer before.
@@ -76,7 +76,7 @@ class Agent:
 
 
 def _prompt(question: Question, names: list[str]) -> str:
-    """What the agent reads: the question, what the pictures show, and what was wrong with its last answer."""
+    """The text for the agent: the question, the pictures' captions, and complaints about its last answer."""
     parts = [question.messages[0].text]
     if names:
         listed = zip(names, question.captions, strict=True)
@@ -93,7 +93,7 @@ def _prompt(question: Question, names: list[str]) -> str:
 def _read(path: Path) -> str:
     if not path.is_file():
         raise InputFileError(f"{path} is no file", hint="write the JSON object into one")
-    if path.stat().st_size > MOST_BYTES:
+    if path.stat().st_size > MAX_ANSWER_BYTES:
         raise InputFileError(f"{path} is {path.stat().st_size:,} bytes long", hint="write the JSON object alone")
     try:
         return text_of(path.read_bytes())

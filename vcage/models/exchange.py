@@ -16,11 +16,11 @@ import numpy as np
 
 from vcage.schema.exchange import Asked
 
-SHORT = 12
+HASH_DIGITS = 12
 """Digits of a hash in a file's name."""
 
 
-MOST_SENT_BACK = 20_000
+MAX_CHARACTERS_SENT_BACK = 20_000
 """Characters of a wrong answer that go back with the complaint."""
 
 
@@ -66,13 +66,13 @@ class Question:
     def again(self, reply: Reply, complaint: str) -> Question:
         """The next round."""
         pictures = () if reply.picture is None else (reply.picture,)
-        turns = Message("model", reply.text[:MOST_SENT_BACK], pictures), Message("user", complaint)
+        turns = Message("model", reply.text[:MAX_CHARACTERS_SENT_BACK], pictures), Message("user", complaint)
         return replace(self, messages=(*self.messages, *turns))
 
     @property
     def label(self) -> str:
-        """What files call it: the role, and the beginning of the first round's hash."""
-        return f"{self.role}-{self.first.hash[:SHORT]}"
+        """Its name in files: the role, and the beginning of the first round's hash."""
+        return f"{self.role}-{self.first.hash[:HASH_DIGITS]}"
 
     @cached_property
     def hash(self) -> str:

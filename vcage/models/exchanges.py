@@ -16,7 +16,7 @@ import numpy as np
 
 from vcage.base.errors import InputFileError, MissingStage
 from vcage.base.pictures import read_picture, write_picture
-from vcage.models.exchange import SHORT, Answerer, Question, Reply
+from vcage.models.exchange import HASH_DIGITS, Answerer, Question, Reply
 from vcage.models.spending import Spending, cost
 from vcage.schema.exchange import Asked, Exchange, Turn
 
@@ -40,7 +40,7 @@ class Exchanges:
             raise
 
     def find(self, question: Question, provider: str) -> Reply | None:
-        """What somebody answered to a question; None where that was not kept.
+        """The stored answer of a provider to a question; None if there is none.
 
         Raises:
             DamagedFile, SchemaMismatch: it was, and cannot be read.
@@ -88,14 +88,14 @@ class Exchanges:
         ).write(path)
 
     def _number(self, path: Path) -> int:
-        """That of an exchange in its place, or the next."""
+        """The number of the exchange that it replaces, or the next."""
         with contextlib.suppress(InputFileError):
             return Exchange.read(path).number
         return 1 + len(list(self.folder.glob("*.json")))
 
     def _path(self, question: Question, provider: str) -> Path:
         who = re.sub(r"[^a-z0-9.]+", "-", provider.lower()).strip("-")
-        return self.folder / f"{question.role}-{question.hash[:SHORT]}-{who}.json"
+        return self.folder / f"{question.role}-{question.hash[:HASH_DIGITS]}-{who}.json"
 
     def _pictures(self, pictures: Sequence[np.ndarray]) -> list[str]:
         names = []
@@ -123,7 +123,7 @@ class Stored:
         self._other, self._exchanges, self._anew, self._spending = other, exchanges, anew, spending
 
     def answer(self, question: Question) -> Reply:
-        """What was kept, or what the other says.
+        """The stored answer, or else a new one.
 
         Raises:
             SpendingCap: nothing more may be spent.
@@ -154,7 +154,7 @@ class Replayed:
         self._exchanges = exchanges
 
     def answer(self, question: Question) -> Reply:
-        """What was kept.
+        """The stored answer.
 
         Raises:
             MissingStage: this was not asked before, in these words and of these pictures.

@@ -1,4 +1,4 @@
-"""Where keys of model endpoints are looked up; a key is never logged, printed or written anywhere."""
+"""Look-up of keys for model endpoints; a key is never logged, printed or written anywhere."""
 
 from __future__ import annotations
 

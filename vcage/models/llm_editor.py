@@ -1,6 +1,8 @@
-"""The editor behind whatever answers with pictures; what is not an edit of the source is asked for again."""
+"""The editor that asks a model for pictures; a picture that is no edit of the source goes back with a complaint."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,11 +14,25 @@ from vcage.models.structured import ROUNDS
 from vcage.vision.colour import distance, to_lab
 from vcage.vision.register import register
 
-LIKE, KEPT, SHOWN = 20.0, 0.5, 0.3
-"""Colour distance of a pixel that still shows the table that was there, the least share of such pixels, and of what the
-objects took of the source that something takes of the edit.
 
-Image models recolour a little and objects come to stand elsewhere, but most of the picture is the table that it was."""
+@dataclass(frozen=True)
+class EditSettings:
+    """Limits on a picture that counts as an edit of another.
+
+    Image models recolour a little and move objects, but most of the picture still shows the same table.
+
+    Args:
+        table_distance: largest colour distance (Lab) of a pixel that shows the table.
+        min_table_share: least share of such pixels in the edit.
+        min_object_share: least area of other pixels, as a share of that in the source.
+    """
+
+    table_distance: float = 20.0
+    min_table_share: float = 0.5
+    min_object_share: float = 0.3
+
+
+SETTINGS = EditSettings()
 
 
 class LlmEditor:
@@ -53,7 +69,7 @@ class LlmEditor:
 
 
 def edit_complaint(picture: np.ndarray, source: np.ndarray, background: np.ndarray) -> str:
-    """Why a picture is not an edit of another; empty where it is one.
+    """The complaint that a picture is no edit of another; empty if it is one.
 
     Args:
         picture: (h, w, 3) uint8 RGB of any size.
@@ -65,11 +81,11 @@ def edit_complaint(picture: np.ndarray, source: np.ndarray, background: np.ndarr
     except InputFileError as error:
         return error.message
     empty = to_lab(background)
-    seen = distance(to_lab(laid.picture), empty)[laid.valid] < LIKE
-    kept = float(seen.mean()) if seen.size else 0.0
-    if kept < KEPT:
-        return f"only {100 * kept:.0f} % of it shows the table that was there"
-    before = int((distance(to_lab(source), empty) >= LIKE).sum())
-    if (~seen).sum() < SHOWN * before:
+    seen = distance(to_lab(laid.picture), empty)[laid.valid] < SETTINGS.table_distance
+    table_share = float(seen.mean()) if seen.size else 0.0
+    if table_share < SETTINGS.min_table_share:
+        return f"only {100 * table_share:.0f} % of it shows the table that was there"
+    before = int((distance(to_lab(source), empty) >= SETTINGS.table_distance).sum())
+    if (~seen).sum() < SETTINGS.min_object_share * before:
         return "it shows the table without the objects"
     return ""

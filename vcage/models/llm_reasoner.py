@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -12,7 +13,7 @@ from vcage.models.exchange import Answerer
 from vcage.models.goal_answers import Instructed
 from vcage.models.llm_reading import read_goals
 from vcage.models.llm_selection import select_assets
-from vcage.models.llm_slots import STEPS_PER_CALL, answer_type, complaints, meaning
+from vcage.models.llm_slots import answer_type, complaints, meaning
 from vcage.models.llm_wordings import ask_wordings
 from vcage.models.same_reading import ThirdReader
 from vcage.models.search import Search, best_search
@@ -26,8 +27,16 @@ from vcage.schema.plan import TABLE, LayoutPlan, Relation, RelationWord, Selecti
 from vcage.schema.scene import PLAIN, Scene
 from vcage.schema.subtasks import PairAnswer, PairQuestion, SlotAnswer, SlotQuestion
 
-PAIRS_PER_CALL = 30
-"""Pairs that one prompt asks about."""
+
+@dataclass(frozen=True)
+class BatchSettings:
+    """Number of pairs, and of sub-tasks, that one prompt asks about."""
+
+    pairs: int = 30
+    subtasks: int = 20
+
+
+BATCH = BatchSettings()
 
 
 class _PlannedRelation(Answer):
@@ -109,8 +118,8 @@ class LlmReasoner:
         """One answer per question; pairs that look and measure the same are asked about once, in batches."""
         different = list({_looks(question): question for question in questions}.values())
         judged: dict[tuple[object, ...], _JudgedPair] = {}
-        for start in range(0, len(different), PAIRS_PER_CALL):
-            batch = different[start : start + PAIRS_PER_CALL]
+        for start in range(0, len(different), BATCH.pairs):
+            batch = different[start : start + BATCH.pairs]
             judged |= zip(map(_looks, batch), self._judge_batch(batch, instruction), strict=True)
         found = [(question, judged[_looks(question)]) for question in questions]
         return [
@@ -125,8 +134,8 @@ class LlmReasoner:
     def fill_slots(self, instruction: str | None, questions: Sequence[SlotQuestion]) -> list[SlotAnswer]:
         """The model's choices among what is feasible, asked for the whole chain at once, a long one in batches."""
         found: list[SlotAnswer] = []
-        for start in range(0, len(questions), STEPS_PER_CALL):
-            batch = questions[start : start + STEPS_PER_CALL]
+        for start in range(0, len(questions), BATCH.subtasks):
+            batch = questions[start : start + BATCH.subtasks]
             prompt = prompts.fill("fill_slots", instruction=instruction, questions=list(batch))
             answer = self._ask(prompt, answer_type(batch), partial(complaints, questions=batch))
             found += meaning(answer, batch)

@@ -21,7 +21,7 @@ from vcage.schema.scene import PLAIN, Role
 
 @dataclass(frozen=True)
 class CatalogueSettings:
-    """How much of a catalogue a prompt shows.
+    """Limits on the catalogue in a prompt.
 
     Args:
         most_bytes: of a catalogue, about 15 000 tokens; of a larger one the model first says what to search for.

@@ -1,4 +1,4 @@
-"""How a model fills the slots of sub-tasks: the answer type over what is feasible, its checks, and what it means."""
+"""Slots of sub-tasks filled by a model: the answer type over feasible choices, its checks, and its meaning."""
 
 from __future__ import annotations
 
@@ -6,9 +6,6 @@ from collections.abc import Iterator, Sequence
 
 from vcage.models.structured import NONE, Answer, narrowed, one_of, one_or_none
 from vcage.schema.subtasks import GraspOption, PlaceOption, Preference, SlotAnswer, SlotQuestion
-
-STEPS_PER_CALL = 20
-"""Sub-tasks that one prompt asks about."""
 
 
 class _Step(Answer):

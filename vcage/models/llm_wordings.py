@@ -9,7 +9,7 @@ from vcage.models import prompts
 from vcage.models.structured import Answer, Asking
 from vcage.models.wordings import TaskToWord, TaskWordings
 
-SHOWN = 3
+EXAMPLES = 3
 """Sentences of templates that the prompt shows."""
 
 
@@ -42,7 +42,7 @@ def ask_wordings(put: Asking, task: TaskToWord, plain: Sequence[str]) -> TaskWor
         wrong = [f"{text!r}: {'; '.join(task.complaints(text))}" for text in _texts(answer)]
         return wrong or ["sentences: is empty"]
 
-    prompt = prompts.fill("word_task", task=task, plain=list(plain[:SHOWN]))
+    prompt = prompts.fill("word_task", task=task, plain=list(plain[:EXAMPLES]))
     proposed = _texts(put(prompt, _WordingsAnswer, complaints))
     sentences = task.reviewed(proposed)
     return TaskWordings(sentences, len(proposed) - len(sentences))

@@ -15,7 +15,7 @@ Look = tuple[CatalogueEntry, Variant]
 
 @dataclass(frozen=True)
 class Occasion:
-    """Where a task takes place, and how kinds are preferred there.
+    """The scene of a task, and its preferences among kinds.
 
     Args:
         scene: name of the scene template.

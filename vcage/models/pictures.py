@@ -12,7 +12,7 @@ import numpy as np
 
 from vcage.base.errors import DamagedFile, EndpointFailed, OversizedFile
 
-LEAST_EDGE = 64
+MIN_EDGE_PX = 64
 """Pixels; less is a place kept for a picture."""
 
 
@@ -62,7 +62,7 @@ def decode_base64(text: object, source: str) -> np.ndarray:
             f"{source} sent {len(data)} bytes that are no whole picture: {error.message}", hint="run it again"
         ) from error
     height, width = picture.shape[:2]
-    if min(height, width) < LEAST_EDGE:
+    if min(height, width) < MIN_EDGE_PX:
         raise EndpointFailed(
             f"{source} sent a picture of {width} x {height} pixels, which is no whole picture", hint="run it again"
         )

@@ -1,4 +1,4 @@
-"""What the engine asks of models; offline stand-ins and online clients answer the same questions.
+"""Interfaces of the models' roles; offline stand-ins and online clients implement the same.
 
 Pictures are (H, W, 3) uint8 RGB. Every implementation has a ``provider`` name, which is written into each
 file that its answers touched.
@@ -60,11 +60,11 @@ class EditRequest:
 
     @cached_property
     def layout(self) -> IntendedLayout:
-        """Where the plan wants the objects, whoever draws the picture."""
+        """Poses of the objects by the plan, for any editor."""
         return self.laid_out(self.plan.relations)
 
     def laid_out(self, relations: Sequence[Relation]) -> IntendedLayout:
-        """Where those relations alone want the objects."""
+        """Poses of the objects by those relations alone."""
         # Imported late: `vcage doctor` says which keys there are on a machine that lacks what the solver needs.
         from vcage.layout.intended import intended_layout
         from vcage.layout.items import item_of
@@ -166,7 +166,7 @@ class Reasoner(Protocol):
     def plan_layout(
         self, scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator, check: PlanCheck
     ) -> LayoutPlan:
-        """How the objects of the scene should stand for the instruction.
+        """A layout of the scene's objects for the instruction.
 
         Args:
             check: what its complaints are about is mended, within the rounds that the reasoner has.
@@ -186,7 +186,7 @@ class Reasoner(Protocol):
         ...
 
     def fill_slots(self, instruction: str | None, questions: Sequence[SlotQuestion]) -> list[SlotAnswer]:
-        """How the sub-tasks of a chain are done, of what is feasible, and what must stay as it is; one answer each.
+        """Choices for the sub-tasks of a chain among what is feasible, and states to preserve; one answer each.
 
         What an answer leaves open is done as it is ranked.
 
@@ -206,7 +206,7 @@ class Reasoner(Protocol):
         lying: Mapping[str, str],
         moved: Collection[str] = (),
     ) -> Reading:
-        """What the instruction asks for in a scene, each goal with the words that it answers.
+        """Goals of the instruction in a scene, each with the words that it answers.
 
         Args:
             things: what there is, by object id: the catalogue's entries with no other look than the object's.
@@ -246,7 +246,7 @@ class Critic(Protocol):
     provider: str
 
     def judge(self, question: CriticQuestion) -> Verdict:
-        """Whether the pictures show that the sub-task was done. ``Verdict.pictures`` is filled in by the caller."""
+        """Judge from the pictures if the sub-task was done; the caller fills in ``Verdict.pictures``."""
         ...
 
 

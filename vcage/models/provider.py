@@ -24,7 +24,7 @@ QUICK = TransportLimits(connect_s=5.0, read_s=10.0)
 
 @dataclass(frozen=True)
 class Content:
-    """What an answer of an endpoint holds.
+    """Contents of an endpoint's answer.
 
     Args:
         text: of the answer, without thoughts.
@@ -84,7 +84,7 @@ def no_files(_: Question) -> Sequence[FilePart]:
 
 @dataclass(frozen=True)
 class WireFormat:
-    """How a kind of question is sent, and how its answer is read.
+    """Format of one kind of question and of its answer.
 
     Args:
         path: below the base URL; ``{model}`` stands for the model's id.

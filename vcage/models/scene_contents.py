@@ -1,4 +1,4 @@
-"""What a scene without an instruction holds: kinds that its template names, or that have the tags it names."""
+"""Objects of a scene without an instruction: kinds that its template names, or that have its tags."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def _tags(entry: CatalogueEntry) -> set[str]:
 
 
 def _good_for(entry: CatalogueEntry, role: str) -> bool:
-    """Whether a kind can be carried, if it is to be, and takes things, if it is to."""
+    """Check if a kind suits a role: contents can be carried, receptacles take things."""
     if role == "content":
         return entry.can_be_carried
     return role in ("context", "tool") or bool(entry.functional_points)

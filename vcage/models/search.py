@@ -6,6 +6,7 @@ import importlib.util
 import math
 from collections import Counter
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -35,14 +36,25 @@ _FILLERS = frozenset(
 )  # fmt: skip
 """Words of a query that say nothing about what is looked for."""
 
-_NAMED, _OF_KIND, _DESCRIBED = 1.0, 0.7, 0.5
-"""What a word of the query is worth where it stands in a name, in the kind of thing, and in the description."""
 
-_SPELLING = 0.3
-"""What a name that is only spelled alike is worth at most."""
+@dataclass(frozen=True)
+class SearchSettings:
+    """Weights of a word of the query by its place in an entry.
 
-SUGGESTIONS = 3
-"""Names that a complaint suggests for words that nothing answers."""
+    Args:
+        name, kind, description: in a name, in a kind or scene tag, in the description.
+        spelling: of a name that is only spelled alike, at most.
+        suggestions: number of names in a complaint about words that nothing answers.
+    """
+
+    name: float = 1.0
+    kind: float = 0.7
+    description: float = 0.5
+    spelling: float = 0.3
+    suggestions: int = 3
+
+
+SETTINGS = SearchSettings()
 
 Found = list[tuple[CatalogueEntry, float]]
 Embed = Callable[[Sequence[str]], np.ndarray]
@@ -77,7 +89,7 @@ class LexicalSearch:
         weights = {word: math.log(1 + len(entries) / (1 + frequency[word])) for word in wanted}
         scored = []
         for entry in entries:
-            spelled = _SPELLING * spelling_similarity(" ".join(wanted), entry.words.name.lower())
+            spelled = SETTINGS.spelling * spelling_similarity(" ".join(wanted), entry.words.name.lower())
             scored.append((entry, max(_shared(weights, worth[entry.name]), spelled)))
         return _ranked(scored, top)
 
@@ -146,8 +158,9 @@ def no_asset(
         catalogue: all kinds.
         search: ranks the kinds by meaning.
     """
-    near = [entry.words.name for entry, _ in search.search(text, catalogue, SUGGESTIONS)]
-    hint = "; ".join(f"{e.words.name} comes in {', '.join(v.colour for v in e.variants)}" for e in alike[:SUGGESTIONS])
+    near = [entry.words.name for entry, _ in search.search(text, catalogue, SETTINGS.suggestions)]
+    colours = [f"{e.words.name} comes in {', '.join(v.colour for v in e.variants)}" for e in alike]
+    hint = "; ".join(colours[: SETTINGS.suggestions])
     return NoAssetFits(
         f"no asset of the catalogue matches {text!r}",
         hint=hint or f"nearest in meaning: {', '.join(near)}; see all: {vcage_command('assets', 'list')}",
@@ -177,10 +190,10 @@ def _words_of(entry: CatalogueEntry) -> dict[str, float]:
     category = words.category.lower()
     kinds = [kind for name in (names.words, names.own) for kind in kinds_of(name[-1], category)]
     kinds += [word for word, members in CATEGORIES.items() if category in members]
-    worth = {word: _DESCRIBED for word in lemmas(words.description) if word not in _FILLERS}
-    worth |= {lemma(word): _OF_KIND for text in (category, *words.scene_tags) for word in lemmas(text)}
-    worth |= dict.fromkeys(kinds, _OF_KIND)
-    return worth | {word: _NAMED for name in names.all for word in name}
+    worth = {word: SETTINGS.description for word in lemmas(words.description) if word not in _FILLERS}
+    worth |= {lemma(word): SETTINGS.kind for text in (category, *words.scene_tags) for word in lemmas(text)}
+    worth |= dict.fromkeys(kinds, SETTINGS.kind)
+    return worth | {word: SETTINGS.name for name in names.all for word in name}
 
 
 def _shared(weights: dict[str, float], worth: dict[str, float]) -> float:

@@ -40,7 +40,7 @@ class NamedObject:
 
 
 def validate_selection(selection: Selection, entries: Sequence[CatalogueEntry]) -> list[str]:
-    """What makes a selection unusable, one sentence each: unknown names, starts where there is no room for things."""
+    """Complaints about a selection, one sentence each: unknown names, starting places without room."""
     variants = {entry.name: [variant.id for variant in entry.variants] for entry in entries}
     points = {entry.name: {p.link for p in entry.functional_points} for entry in entries}
     complaints = []
@@ -98,7 +98,7 @@ def entries_of(objects: Iterable[NamedObject], entries: Iterable[CatalogueEntry]
 
 
 def phrase_of(entry: CatalogueEntry, variant: Variant) -> str:
-    """What to call a look of a kind: with its colour where the kind comes in several."""
+    """The words for a look of a kind, with its colour if the kind comes in several."""
     several = len({v.colour for v in entry.variants}) > 1
     return f"{variant.colour} {entry.words.name}" if several else entry.words.name
 
@@ -155,7 +155,7 @@ def _contradictions(o: NamedObject, by_thing: Description | None, by_table: Desc
 
 
 def _as_placed(item: TableItem) -> TableItem:
-    """What a placement uses of it: contents keep clear of the walls."""
+    """The item with the opening that a placement uses: contents keep clear of the walls."""
     if item.opening is None:
         return item
     width, depth = (max(side - 2 * CONTENT_MARGIN, 0.0) for side in item.opening.size)

@@ -1,4 +1,4 @@
-"""Which models an endpoint serves, as it says itself: ids age, and a wrong one is answered with those there are."""
+"""The models that an endpoint lists: ids age, and the error about a wrong one names those that there are."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ SOON = timedelta(days=60)
 """A model that ends within this is told of."""
 
 ALIAS = "~"
-"""What ids of OpenRouter begin with that it resolves itself, and does not list."""
+"""Beginning of ids that OpenRouter resolves itself, and does not list."""
 
 LATEST = ":latest"
 """The tag that Ollama lists after a name, and takes where it is left out."""
 
-MOST_NAMED = 12
+MAX_NAMES = 12
 
 _ENDS = ("shutdown_date", "expiration_date", "retires_at")
-"""What OpenAI, OpenRouter and Anthropic call the day after which a model is gone; Gemini does not say."""
+"""Fields of OpenAI, OpenRouter and Anthropic for the last day of a model; Gemini has none."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Served:
 
     @classmethod
     def at(cls, transport: Transport, paths: Iterable[str]) -> Served:
-        """What an endpoint lists below some paths.
+        """The models that an endpoint lists at some paths.
 
         Raises:
             VcageError: it does not answer, or answers with no list.
@@ -60,7 +60,7 @@ class Served:
         return cls(found, modalities)
 
     def has(self, model: str) -> bool:
-        """Whether a model is served, or an alias that only the endpoint knows."""
+        """Check if a model is served, or an alias that only the endpoint knows."""
         return model.startswith(ALIAS) or model in self.models or model + LATEST in self.models
 
     def ends(self, model: str, today: date) -> date | None:
@@ -70,8 +70,8 @@ class Served:
 
     def nearest(self, model: str) -> list[str]:
         """Ids that are served, those first that are spelled alike."""
-        alike = difflib.get_close_matches(model, self.models, n=MOST_NAMED, cutoff=0.3)
-        return [*alike, *sorted(self.models.keys() - set(alike))][:MOST_NAMED]
+        alike = difflib.get_close_matches(model, self.models, n=MAX_NAMES, cutoff=0.3)
+        return [*alike, *sorted(self.models.keys() - set(alike))][:MAX_NAMES]
 
 
 def not_served(provider: str, model: str, transport: Transport, paths: Iterable[str]) -> ModelNotServed | None:

@@ -39,7 +39,7 @@ def one_of(names: Sequence[str]) -> Any:
 
 
 NONE = "none"
-"""What an answer says for no name: Gemini refuses enumerations that hold an empty text."""
+"""Word for no name in answers: Gemini refuses enumerations with an empty text."""
 
 
 def one_or_none(names: Sequence[str]) -> Any:
@@ -130,11 +130,11 @@ def _read(text: str, answer: type[AnswerType]) -> tuple[AnswerType | None, Seque
 
 
 def _wrong(error: ErrorDetails) -> str:
-    """What is wrong with a field; of many names that it may take those that are spelled alike."""
+    """Complaint about a field; of many allowed names it lists those that are spelled alike."""
     names = re.findall(r"'([^']*)'", error.get("ctx", {}).get("expected", ""))
     if error["type"] != "literal_error":
         return error["msg"]
-    if len(names) <= MOST_NAMES:
+    if len(names) <= MAX_ENUM_NAMES:
         return f"{error['msg']}, got {error['input']!r}"
     near = difflib.get_close_matches(str(error["input"]), names, n=5, cutoff=0.4) or names[:5]
     return f"{error['input']!r} is not among the {len(names)} names; near are {', '.join(near)}"
@@ -159,7 +159,7 @@ def _complaint(problems: Sequence[str]) -> str:
 _SENT = ("type", "items", "required", "additionalProperties", "enum", "anyOf")
 """Keywords that all providers take; bounds of texts and numbers, which Anthropic refuses, are checked here alone."""
 
-MOST_NAMES = 60
+MAX_ENUM_NAMES = 60
 """Of an enumeration that is sent: Gemini refuses long ones. A longer one goes out as any text, and is checked here."""
 
 
@@ -184,6 +184,6 @@ def _flatten(node: Any, definitions: dict[str, Any]) -> Any:
             flat["enum"] = [value]
         elif key in _SENT:
             flat[key] = _flatten(value, definitions)
-    if len(flat.get("enum", ())) > MOST_NAMES:
+    if len(flat.get("enum", ())) > MAX_ENUM_NAMES:
         del flat["enum"]
     return flat

@@ -16,7 +16,7 @@ from vcage.plans.actions import HOLDING
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import OF_A_PART, AskedGoal, Description, Goal, named_by
 
-LONGEST = 300
+MAX_CHARACTERS = 300
 """Characters of a sentence at most."""
 
 
@@ -103,6 +103,6 @@ class TaskToWord:
 
     def complaints(self, sentence: str) -> list[str]:
         """Complaints that keep a sentence from being true of the scene, clear in it, and exactly what is asked for."""
-        if not 0 < len(sentence) <= LONGEST or one_line(sentence) != sentence or not sentence.isprintable():
-            return [f"a sentence has 1 to {LONGEST} characters, on one line"]
+        if not 0 < len(sentence) <= MAX_CHARACTERS or one_line(sentence) != sentence or not sentence.isprintable():
+            return [f"a sentence has 1 to {MAX_CHARACTERS} characters, on one line"]
         return [*Review(self, sentence).complaints()]

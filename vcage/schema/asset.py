@@ -12,13 +12,13 @@ Holds = Literal["in", "on"]
 Use = Literal["grasp", "press"]
 JointMotion = Literal["slide", "turn"]
 Source = Literal["parametric", "sweethome3d", "robosuite", "ycb", "robotwin"]
-"""Where a model comes from: our own builders, a package that set-up fetches, or a folder that was imported."""
+"""Origin of a model: our own builders, a package that set-up fetches, or an imported folder."""
 FETCHED = ("sweethome3d", "robosuite", "ycb")
 IMPORTED = ("robotwin",)
 
 
 class ContactPoint(Record):
-    """Where a parallel gripper may grasp, in the object frame (origin: centre of the bottom; x right, y back, z up)."""
+    """Point to grasp an object by, in the object frame (origin: centre of the bottom; x right, y back, z up)."""
 
     id: int = Field(ge=0)
     name: str = Field(min_length=1)
@@ -36,12 +36,12 @@ class ContactPoint(Record):
 
     @property
     def carries(self) -> bool:
-        """Whether the object is carried by it: handles and buttons of moving parts are not for that."""
+        """True if the object can be carried by it, unlike handles and buttons of moving parts."""
         return self.link is None and self.use == "grasp"
 
 
 class FunctionalPoint(Record):
-    """Where another object may be put, in the object frame."""
+    """Point that receives another object, in the object frame."""
 
     id: int = Field(ge=0)
     name: str = Field(min_length=1)
@@ -53,7 +53,7 @@ class FunctionalPoint(Record):
 
     @property
     def sideways(self) -> bool:
-        """Whether things come in from the side: more than 45° off the vertical."""
+        """True if things come in from the side: more than 45° off the vertical."""
         return self.axis[2] < 0.7
 
 
@@ -73,7 +73,7 @@ class Face(Record):
 
 
 class Words(Record):
-    """What an object is called."""
+    """Names of an object."""
 
     name: str = Field(min_length=1, description="as in a sentence, singular: 'marker pen'")
     plural: str = Field(min_length=1)
@@ -173,7 +173,7 @@ class CatalogueEntry(Record):
 
     @property
     def can_be_carried(self) -> bool:
-        """Whether there is a contact point for that."""
+        """True if it has a contact point to carry it by."""
         return any(point.carries for point in self.contact_points)
 
     @property
@@ -194,7 +194,7 @@ class CatalogueEntry(Record):
 
 
 class Joint(Record):
-    """How a moving part moves, in the object frame with all joints at 0."""
+    """Motion of a moving part, in the object frame with all joints at 0."""
 
     kind: JointMotion = Field(description="'slide' along the axis, metres; 'turn' about it, radians")
     origin: Point3 = Field(description="a point of the axis, metres")
@@ -231,7 +231,7 @@ class MovingLink(Record):
 
 
 class PhysicalModel(Record):
-    """What the simulator needs of one variant: all geometry is in the object frame, in metres.
+    """One variant for the simulator: all geometry is in the object frame, in metres.
 
     An object with moving links is an articulation: ``visual``, ``hulls`` and ``mass`` are its body's.
 

@@ -1,4 +1,4 @@
-"""What every record has in common: strict fields, a schema id, provenance, and honest reading errors."""
+"""Base classes of all records: strict fields, a schema id, provenance, and exact reading errors."""
 
 from __future__ import annotations
 
@@ -198,7 +198,7 @@ class Document(Record):
 
 
 class Provenance(Record):
-    """Where a stage's file came from; equal provenance means that the stage need not run again."""
+    """Origin of a stage's file; with equal provenance the stage need not run again."""
 
     producer: str = Field(description="the stage that wrote this")
     version: str = Field(default=__version__, description="version of vcage")
@@ -216,5 +216,5 @@ class StageDocument(Document):
 
     @property
     def made_from(self) -> Provenance:
-        """What a finished stage is known by (see :class:`vcage.base.keeper.Keeper`)."""
+        """The key of a finished stage (see :class:`vcage.base.keeper.Keeper`)."""
         return self.provenance

@@ -1,4 +1,4 @@
-"""What compression chose, and what it cost and saved."""
+"""Records of compression: its choices, costs and savings."""
 
 from __future__ import annotations
 
@@ -60,12 +60,12 @@ class VideoStream(Record):
 
     @property
     def lossless(self) -> bool:
-        """Whether every pixel comes back as it was."""
+        """True if every pixel is restored exactly."""
         return self.crf is None
 
 
 class ClipRecord(Document):
-    """What was found in the search of one video, kept beside it while others are searched."""
+    """Result of the search for one video, stored beside it while others are searched."""
 
     SCHEMA: ClassVar[str] = "vcage.clip/1"
 
@@ -74,7 +74,7 @@ class ClipRecord(Document):
 
 
 class Encoding(Record):
-    """How all streams were encoded and judged."""
+    """Encoder, metric and limits that all streams share."""
 
     codec: str
     encoder: str
@@ -104,7 +104,7 @@ class CameraCompression(Record):
 
 
 class ColourOrder(Record):
-    """How red and blue lie in the encoded pictures of some recordings; in the videos they are where they belong."""
+    """Order of red and blue in the encoded pictures of some recordings; the videos have them right."""
 
     stored: Literal["rgb", "bgr"] = Field(description="bgr: red and blue had changed places")
     source: ColourSource = Field(description="a user's option, the file, its layout's convention, or the pictures")

@@ -28,10 +28,10 @@ BY_HAND = "by hand"
 """Provider of a verdict that a person changed."""
 
 AttemptStage = Literal["plan", "grasp", "place", "verify", "done"]
-"""How far an attempt at a sub-task came; ``done`` means that it was accepted."""
+"""Stage that an attempt at a sub-task reached; ``done`` means accepted."""
 
 Failure = Literal["lost", "astray", "disturbed"]
-"""What went wrong, as far as another attempt can do better: an object was not taken, or lost on the way; it was brought
+"""Kinds of failure that another attempt can mend: an object was not taken, or lost on the way; it was brought
 to where it does not stay (a rim, a place beside it, what receives it knocked over); something else was moved."""
 
 
@@ -52,14 +52,14 @@ class Verdict(Record):
 
 
 class Truth(Record):
-    """What the simulator's state says; judges the critic and is never shown to it."""
+    """Judgement by the simulator's state; it judges the critic and is never shown to it."""
 
     success: bool
     reason: str
 
 
 def accepts(accept: Accept, verdict: Verdict, truth: Truth) -> bool:
-    """Check whether a sub-task with this verdict and this truth is accepted."""
+    """Check if a sub-task with this verdict and this truth is accepted."""
     judges = {"critic": [verdict.accepted], "state": [truth.success], "both": [verdict.accepted, truth.success]}
     return all(judges[accept])
 
@@ -86,7 +86,7 @@ class Attempt(Record):
 
     @property
     def disputed(self) -> bool:
-        """Check whether critic and simulator state were both asked and disagree."""
+        """True if critic and simulator state disagree."""
         return self.verdict is not None and self.truth is not None and self.verdict.accepted != self.truth.success
 
 
@@ -112,7 +112,7 @@ class Episode(Record):
 
     @property
     def poses(self) -> dict[str, PoseRecord]:
-        """Where it started, by object."""
+        """Starting pose by object."""
         return {o.id: o.pose for o in self.objects}
 
     def scene(self, scene: Scene) -> Scene:
@@ -195,13 +195,13 @@ class Episodes(StageDocument):
         return found
 
     def layouts(self) -> dict[str, int]:
-        """How many were drawn for the episodes, and how many of these were not taken."""
+        """Number of layouts that were drawn for the episodes, and of those that were refused."""
         refused = sum(sum(episode.layouts_refused.values()) for episode in self.episodes)
         return {"drawn": refused + sum(e.layout == "varied" for e in self.episodes), "refused": refused}
 
 
 class Spread(Record):
-    """Where one object started over the episodes of a run, metres."""
+    """Range of one object's starting positions over the episodes of a run, metres."""
 
     lower: Point2
     upper: Point2

@@ -15,7 +15,7 @@ Asked = Literal["reasoner", "editor", "critic"]
 
 
 class Turn(Record):
-    """What one side said."""
+    """One turn of an exchange."""
 
     speaker: Literal["user", "model"]
     text: str
@@ -45,12 +45,12 @@ class Exchange(Document):
 
     @staticmethod
     def seal_of(asked: str, provider: str, answer: str, picture: str | None) -> str:
-        """What :attr:`seal` must be; ``asked`` is :attr:`hash`."""
+        """The right value of :attr:`seal`; ``asked`` is :attr:`hash`."""
         return hashlib.sha256(json.dumps([asked, provider, answer, picture]).encode()).hexdigest()
 
     @property
     def online(self) -> bool:
-        """Whether an endpoint answered, and not an agent."""
+        """True if an endpoint answered, and not an agent."""
         return ":" in self.provider
 
     @property

@@ -1,4 +1,4 @@
-"""What was exported."""
+"""Records of exported datasets."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an instruction asks for in a scene: goals of a closed vocabulary, in the order that the sentence gives them."""
+"""Goals of an instruction in a scene: a closed vocabulary, in the order of the sentence."""
 
 from __future__ import annotations
 
@@ -30,16 +30,16 @@ PARTS_THAT: dict[str, tuple[str, ...]] = {
     "press": ("button",),
     "turn": ("dial", "lever", "knob"),
 }
-"""What parts are called that open and close, are pressed, or turned; the first word of a part's name."""
+"""Names of parts that open and close, are pressed, or turned: the first word of a part's name."""
 
 
 def part_that(action: str, part: str) -> bool:
-    """Whether a moving part is one that opens, is pressed, or turned."""
+    """Check if a moving part opens, is pressed, or turned."""
     return part.split("_")[0] in PARTS_THAT[action]
 
 
 def part_words(part: str) -> str:
-    """What to call a moving part: ``drawer_top`` is the top drawer."""
+    """Return the words for a moving part: "top drawer" for ``drawer_top``."""
     kind, *which = part.split("_")
     return " ".join([*which, kind])
 
@@ -93,7 +93,7 @@ def in_steps(asked: Iterable[AskedGoal]) -> tuple[frozenset[Goal], ...]:
 
 
 class Description(Record):
-    """Where an object must be in every starting layout: it tells which one is meant, or where it is taken from."""
+    """Place of an object in every starting layout: it identifies the object, or says what it is taken from."""
 
     subject: Identifier = Field(description="id of an object")
     relation: RelationWord = Field(description="to another object, or to the table: a third of it")
@@ -115,7 +115,7 @@ class Description(Record):
 
 
 class Reading(Record):
-    """What a reasoner takes from an instruction in a scene."""
+    """A reasoner's understanding of an instruction in a scene."""
 
     goals: list[AskedGoal] = Field(min_length=1)
     untouched: list[Identifier] = Field(default=[], description="objects that the instruction wants left alone")

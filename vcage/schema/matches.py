@@ -13,7 +13,7 @@ MatchMethod = Literal["feature", "name", "kept"]
 
 
 class Match(Record):
-    """Where one object of the scene is in the target picture."""
+    """Place of one object of the scene in the target picture."""
 
     object: Identifier
     method: MatchMethod

@@ -1,4 +1,4 @@
-"""What a reasoner answers about a scene: the selection of assets and the layout plan L."""
+"""A reasoner's answers about a scene: the selection of assets and the layout plan L."""
 
 from __future__ import annotations
 
@@ -42,11 +42,11 @@ class Selection(Record):
 
 
 SelectionCheck = Callable[[Selection], list[str]]
-"""What is wrong with a selection, one sentence each; empty when nothing is."""
+"""Returns complaints about a selection, one sentence each."""
 
 
 def starting_complaints(chosen: Iterable[tuple[str, str | None]]) -> list[str]:
-    """What is wrong with where chosen assets start, one sentence each; empty when nothing is.
+    """Complaints about the starting places of chosen assets, one sentence each.
 
     Args:
         chosen: (asset, asset of what it starts in) of each object, in order. Of an asset that is chosen more than once

@@ -1,4 +1,4 @@
-"""What the validation of the library found: each object, proven by use."""
+"""Records of the library's validation: each object, proven by use."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class VariantProof(Record):
 
     @property
     def failed(self) -> list[str]:
-        """What did not pass, in words."""
+        """The checks that failed, in words."""
         return [
             f"{self.asset}/{self.variant}: {check.check} {check.subject}".strip()
             for check in self.checks
@@ -53,7 +53,7 @@ class ObjectProof(Document):
 
     @property
     def made_from(self) -> str:
-        """What a proof is known by (see :class:`vcage.base.keeper.Keeper`)."""
+        """The key of a proof (see :class:`vcage.base.keeper.Keeper`)."""
         return self.key
 
 

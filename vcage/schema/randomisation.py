@@ -1,4 +1,4 @@
-"""What differs from episode to episode: the ranges of one file, and what was drawn from them for one episode.
+"""Differences between episodes: the ranges of one file, and a draw from them for one episode.
 
 ``look`` is only seen, so recorded states can be drawn again under another one; ``world`` is part of the simulation.
 """
@@ -24,7 +24,7 @@ Range = Annotated[tuple[Finite, Finite], AfterValidator(_in_order)]
 
 
 def _within(lowest: float, highest: float) -> AfterValidator:
-    """That both ends lie between two bounds."""
+    """Require both ends to lie between two bounds."""
 
     def check(ends: tuple[float, float]) -> tuple[float, float]:
         if not lowest <= ends[0] <= ends[1] <= highest:
@@ -164,7 +164,7 @@ class Light(Record):
 
 
 class Tint(Record):
-    """How an object's colours are changed."""
+    """Change of an object's colours."""
 
     hue_deg: Finite
     saturation: Finite
@@ -172,7 +172,7 @@ class Tint(Record):
 
 
 class CameraShift(Record):
-    """How a camera stands beside where the robot's file puts it."""
+    """Offset of a camera from its place in the robot's file."""
 
     shift: Point3 = Field(description="in the frame of what carries it, metres")
     turn_deg: Vec3 = Field(description="about the camera's own x (forward), y (left) and z (up), degrees")
@@ -180,7 +180,7 @@ class CameraShift(Record):
 
 
 class Surface(Record):
-    """How a surface looks."""
+    """Look of a surface."""
 
     texture: Identifier | None = Field(description="painted; none for a plain one")
     colour: Vec3 = Field(description="linear RGB of a plain one, and the factors of a painted one's channels")
@@ -196,7 +196,7 @@ def _of_each(surfaces: dict[Where, Surface]) -> dict[Where, Surface]:
 
 
 class Look(Record):
-    """What an episode looks like."""
+    """Look of an episode."""
 
     lights: list[Light] = Field(min_length=1, max_length=MOST_LIGHTS)
     ambient: Vec3 = Field(description="light from everywhere, linear RGB")
@@ -211,7 +211,7 @@ class Look(Record):
 
 
 class WorldDraw(Record):
-    """What is simulated otherwise in an episode than the run's scene says."""
+    """Differences of an episode's simulation from the run's scene."""
 
     variants: dict[Identifier, Identifier] = Field(default={}, description="object → its variant, where another")
     clutter: dict[Identifier, Identifier] = Field(default={}, description="object that is added → its asset")
@@ -223,7 +223,7 @@ class WorldDraw(Record):
 
     @property
     def told(self) -> str:
-        """What differs, in a line for a person."""
+        """The differences, in a line for a person."""
         beside = f"{len(self.clutter)} objects beside" + (f" of {self.clutter_drawn}" if self.short_of_room else "")
         facts = {
             f"other variants of {', '.join(self.variants)}": self.variants,
@@ -237,12 +237,12 @@ class WorldDraw(Record):
 
     @property
     def short_of_room(self) -> bool:
-        """Whether fewer objects are beside the task's than were drawn."""
+        """True if there was no room for all of the clutter."""
         return len(self.clutter) < self.clutter_drawn
 
 
 class Drawn(Record):
-    """What was drawn for one episode; travels in its file and in what is exported."""
+    """Draw for one episode; its file and exports hold it."""
 
     ranges: str = Field(description="name of the file of ranges")
     look: Look

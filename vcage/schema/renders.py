@@ -21,7 +21,7 @@ class Render(Record):
 
 
 class Renders(StageDocument):
-    """What ``vcage render`` leaves: all renders that there are, of earlier calls too."""
+    """All renders of a run, of earlier calls of ``vcage render`` too."""
 
     SCHEMA: ClassVar[str] = "vcage.renders/2"
 

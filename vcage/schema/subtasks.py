@@ -114,7 +114,7 @@ class Refusal(Record):
 
 
 class Chain(Record):
-    """What an episode does: sub-tasks in order, and what that is called."""
+    """The sub-tasks of an episode, in order, and its name."""
 
     text: str = Field(min_length=1, description="name of the episodes: the instruction, or the sub-task's words")
     subtasks: list[Identifier] = Field(min_length=1, description="ids of kept sub-tasks T₁…T_k, in order")
@@ -150,7 +150,7 @@ class Subtasks(StageDocument):
 
 
 class PairQuestion(Record):
-    """What a reasoner is asked about a pair: can ``receptacle`` sensibly hold ``object``?"""
+    """Question to a reasoner about a pair: can ``receptacle`` sensibly hold ``object``?"""
 
     object: Identifier
     object_words: str

@@ -8,7 +8,7 @@ import pytest
 from tests.models.catalogue import CATALOGUE
 from tests.models.tabletop import BLOCKS, BOX, ERASER, MARKERS, PLATE, scene_of
 from vcage.base.errors import ModelRefused
-from vcage.models.rules.reasoner import TRIES, OfflineReasoner
+from vcage.models.rules.reasoner import MAX_DRAWS, OfflineReasoner
 from vcage.plans.check import plan_complaints
 from vcage.plans.descriptions import described_relations
 from vcage.schema.goals import AskedGoal, Description, Goal
@@ -80,7 +80,7 @@ def test_what_is_always_complained_about_is_refused_after_a_few_draws() -> None:
 
     with pytest.raises(ModelRefused, match="no selection of offline can be used: no room") as caught:
         REASONER.select_assets("Put the blocks on the plate", CATALOGUE, np.random.default_rng(0), never)
-    assert len(seen) == TRIES and "--seed" not in caught.value.hint
+    assert len(seen) == MAX_DRAWS and "--seed" not in caught.value.hint
 
 
 def test_another_seed_is_offered_where_what_is_wrong_differs_from_draw_to_draw() -> None:

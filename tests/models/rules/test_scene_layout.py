@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.example_scenes import library, scene_of, thing
-from vcage.models.rules.scene_layout import ROW, plan_scene
+from vcage.models.rules.scene_layout import MAX_ROW, plan_scene
 from vcage.plans.check import plan_complaints
 from vcage.schema.plan import LayoutPlan, Relation
 from vcage.schema.scene import Role, Scene
@@ -60,7 +60,7 @@ def test_what_opens_stands_in_the_middle_between_the_other_receptacles_and_has_n
 def test_the_row_is_no_wider_than_the_arms_share():
     planned = plan(laid(["plate", "bowl", "cutting_board", "tray"], []))
     beside = places(planned, "left_of") | places(planned, "right_of")
-    assert len(beside) == ROW - 1
+    assert len(beside) == MAX_ROW - 1
     assert list(places(planned, "in_front_of")) == ["bowl"], "the smallest"
 
 

@@ -1,4 +1,4 @@
-"""What the source picture shows of each object: its pixels, and the turned rectangle that it covers on the table."""
+"""Each object in the source picture: its pixels, and the turned rectangle that it covers on the table."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from vcage.base.geometry import Camera, rotation_2d
 from vcage.schema.scene import ObjectRecord, Scene
 
-FEWEST_PIXELS = 12
+MIN_PIXELS = 12
 """A mask with fewer pixels says nothing about the object's shape."""
 
 
@@ -37,7 +37,7 @@ class Cutout:
 
     @property
     def hidden(self) -> bool:
-        """Whether the picture shows nothing of it."""
+        """True if the picture shows nothing of it."""
         return not self.mask.any()
 
     @cached_property
@@ -67,7 +67,7 @@ def _cutout(record: ObjectRecord, mask: np.ndarray, camera: Camera) -> Cutout:
     height = float(box[:, 2].mean())
     centre = box[:, :2].mean(axis=0)
     rows, columns = np.nonzero(mask)
-    if len(rows) < FEWEST_PIXELS:
+    if len(rows) < MIN_PIXELS:
         size = box[1, :2] - box[0, :2]
         hull = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * size / 2
         return Cutout(record, mask, centre, np.sort(size)[::-1], hull, height)

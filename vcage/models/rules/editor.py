@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,11 +19,21 @@ from vcage.schema.plan import Relation
 
 logger = logging.getLogger(__name__)
 
-WELL_VISIBLE = 0.9
-"""Share of an object that should be seen in the picture, unless the plan puts something in or on it."""
 
-BARELY_VISIBLE = 0.5
-"""Share below which the picture is of no use."""
+@dataclass(frozen=True)
+class EditorSettings:
+    """Shares of an object that the target picture shows, unless the plan puts something in or on it.
+
+    Args:
+        good_share: below it, another layout is tried, and the rest is a warning.
+        min_share: below it, the picture is refused.
+    """
+
+    good_share: float = 0.9
+    min_share: float = 0.5
+
+
+SETTINGS = EditorSettings()
 
 
 class OfflineEditor:
@@ -46,7 +57,7 @@ class OfflineEditor:
             request.picture, request.background, items, request.scene.top_camera.camera(), request.scene.table.height
         )
         drawing = _draw(request, items, request.layout, request.plan.relations, light)
-        hidden = drawing.hidden(WELL_VISIBLE)
+        hidden = drawing.hidden(SETTINGS.good_share)
         if hidden:
             others = [r for r in request.plan.relations if r.subject not in hidden and r.reference not in hidden]
             freer = _draw(request, items, request.laid_out(others), others, light)
@@ -59,14 +70,14 @@ class OfflineEditor:
                         f"{r.subject} {r.relation} {r.reference}" for r in request.plan.relations if r not in others
                     ),
                 )
-        lost = drawing.hidden(BARELY_VISIBLE)
+        lost = drawing.hidden(SETTINGS.min_share)
         if lost:
             raise InfeasibleScene(
                 f"{', '.join(lost)} would be hidden, or outside the picture, in the planned layout",
                 hint="plan with fewer or lower objects, or try another --seed",
                 details={"objects": lost, "visible": {name: round(drawing.visible[name], 2) for name in lost}},
             )
-        for name in drawing.hidden(WELL_VISIBLE):
+        for name in drawing.hidden(SETTINGS.good_share):
             logger.warning("%s: %.0f %% of it is seen in the target picture", name, 100 * drawing.visible[name])
         return drawing.picture
 

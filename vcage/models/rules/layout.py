@@ -16,19 +16,19 @@ from vcage.schema.plan import TABLE, LayoutPlan, Relation, RelationWord
 from vcage.schema.scene import ObjectRecord, Scene
 
 _PLACES: tuple[RelationWord, ...] = ("left_of", "right_of", "in_front_of")
-"""Where contents stand around a receptacle, in turn, so that both arms have something to do."""
+"""Places of contents around a receptacle, in turn, so that both arms have something to do."""
 
 _ELSEWHERE: Mapping[RelationWord, RelationWord] = {
     "left_of": "right_of",
     "right_of": "left_of",
     "in_front_of": "left_of",
 }
-"""Where contents stand instead that are to be brought to that side."""
+"""Places of contents whose goal is that side."""
 
 _SIDES: tuple[RelationWord, ...] = ("left_of", "right_of")
-"""Where things stand out of the way that nothing has room for behind it."""
+"""Places out of the way if there is no room behind anything."""
 
-ROOM = 0.06
+CLEARANCE_BEHIND_M = 0.06
 """Free space that an object behind another needs, metres."""
 
 
@@ -80,7 +80,7 @@ def _groups_of(described: Sequence[Relation]) -> dict[str, str]:
 
 
 def _groups(scene: Scene, holders: Collection[str], rng: np.random.Generator) -> tuple[list[ObjectRecord], ...]:
-    """What stands on the table: what the rest stands around, what stands around it, and what stands out of the way."""
+    """Objects on the table: those in the middle, those around them, and those out of the way."""
     standing = [o for o in scene.objects if o.container is None]
     contents = _shuffled([o for o in standing if o.role in ("content", "tool")], rng)
     context = _shuffled([o for o in standing if o.role == "context"], rng)
@@ -97,12 +97,12 @@ def _shuffled(items: Sequence[ObjectRecord], rng: np.random.Generator) -> list[O
 
 
 def relation(subject: ObjectRecord, word: RelationWord, reference: ObjectRecord) -> Relation:
-    """That one object stands so to another."""
+    """Make a relation between two objects."""
     return Relation(subject=subject.id, relation=word, reference=reference.id)
 
 
 def _lies(item: ObjectRecord, holder: ObjectRecord, catalogue: Sequence[CatalogueEntry]) -> RelationWord:
-    """Whether an object lies ``inside`` its container or ``on`` it: a plate has a rim, but things lie on it."""
+    """Tell ``inside`` from ``on`` its container: a plate has a rim, but things lie on it."""
     points = next((e.functional_points for e in catalogue if e.name == holder.asset), [])
     fixed = [point.holds for point in points if point.link is None]
     inside = fixed[0] == "in" if fixed else holds("inside", item.aabb, holder.aabb)
@@ -161,10 +161,10 @@ def _out_of_the_way(
 
 
 def fits_behind(item: ObjectRecord, anchor: ObjectRecord, scene: Scene) -> bool:
-    """Whether the workspace has room for ``item`` behind ``anchor`` when that stands half-way to it."""
+    """Check if the workspace has room for ``item`` behind ``anchor`` in its middle."""
     depth = sum(o.aabb[1][1] - o.aabb[0][1] for o in (item, anchor)) - (anchor.aabb[1][1] - anchor.aabb[0][1]) / 2
     middle = (scene.workspace.lower[1] + scene.workspace.upper[1]) / 2
-    return middle + depth + ROOM < scene.workspace.upper[1]
+    return middle + depth + CLEARANCE_BEHIND_M < scene.workspace.upper[1]
 
 
 def as_sentences(relations: Sequence[Relation], scene: Scene) -> str:

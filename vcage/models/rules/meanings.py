@@ -1,4 +1,4 @@
-"""Which objects of a scene the nouns of a sentence mean, and what must be true of these at the start."""
+"""The objects of a scene that the nouns of a sentence mean, and their required state at the start."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _BEFORE = {"x": ("left_of", "right_of"), "y": ("in_front_of", "behind")}
 
 @dataclass(frozen=True)
 class Spot:
-    """Where things go: an object, or one of its moving parts; and whether they go in it or on it."""
+    """Target of a placement: in or on an object, or one of its moving parts."""
 
     name: str
     relation: str

@@ -78,7 +78,7 @@ class Noun:
 
     @property
     def number(self) -> int | None:
-        """How many it means; None for several or all that are left."""
+        """The number that it means; None for several or all that are left."""
         return self.count or (None if self.several or self.quantifier == "rest" else 1)
 
     @property
@@ -136,7 +136,7 @@ class Noun:
         return KIND if self.several and best < EXACT else best
 
     def owns(self, entry: CatalogueEntry) -> tuple[int, list[Variant]]:
-        """How well its words for an owner name a kind that has the part, and the looks that they fit."""
+        """Return how well its words for an owner name a kind that has the part, and the looks that they fit."""
         if sum(map(self.names_part, entry.moving_parts)) < (self.count or 2 if self.several else 1):
             return 0, []
         owner = [word for word in self.words[:-1] if word != "of"]
@@ -144,7 +144,7 @@ class Noun:
         return (KIND, entry.variants) if anyone else looks_named(owner, self.colour, entry)
 
     def fit(self, entry: CatalogueEntry) -> tuple[int, list[Variant]]:
-        """How well it names a kind (0: not at all), and the kind's looks that it fits; see :func:`looks_named`."""
+        """Return how well it names a kind (0: not at all), and the looks that it fits; see :func:`looks_named`."""
         return looks_named(self.words, self.colour, entry)
 
 

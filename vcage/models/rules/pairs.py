@@ -37,7 +37,7 @@ _NOT_FOOD_PLACES = frozenset(
 )
 _FOOD = frozenset(["bread", "pastry", "fruit", "vegetable", "food"])
 
-MARGIN = 0.004
+OPENING_MARGIN_M = 0.004
 """Free space that an object needs on each side of an opening, metres."""
 
 
@@ -72,7 +72,7 @@ class _Named:
 
 
 def judge_object_and_place(question: PairQuestion) -> PairAnswer:
-    """Whether people would do that, and whether it fits."""
+    """Judge a pair: would people do that, and does it fit?"""
     thing, place = _Named.of(question.object_words), _Named.of(question.receptacle_words)
     objection = next((found for objects in OBJECTIONS if (found := objects(thing, place, question))), "")
     return PairAnswer(
@@ -119,10 +119,10 @@ def _stacked_on_another_kind(thing: _Named, place: _Named, question: PairQuestio
 
 
 def _too_large(thing: _Named, place: _Named, question: PairQuestion) -> str:
-    """Whether the object, turned by a quarter if need be, fits the opening."""
+    """Complaint about an object that does not fit the opening, even after a quarter turn."""
     across = sorted(question.object_size[:2])
     free = sorted(question.opening_size[:2])
-    margin = 2 * MARGIN if question.holds == "in" else 0.0
+    margin = 2 * OPENING_MARGIN_M if question.holds == "in" else 0.0
     if across[0] + margin > free[0] or across[1] + margin > free[1]:
         return (
             f"the {thing.phrase} ({across[1] * 100:.1f} x {across[0] * 100:.1f} cm) is larger than the space "
@@ -140,4 +140,4 @@ OBJECTIONS: tuple[Callable[[_Named, _Named, PairQuestion], str], ...] = (
     _stacked_on_another_kind,
     _too_large,
 )
-"""What common sense may say against putting a thing in or on a place, asked in this order; "" for nothing."""
+"""Objections to putting a thing in or on a place, in this order; each returns "" for none."""

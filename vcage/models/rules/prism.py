@@ -17,19 +17,28 @@ from scipy.fft import irfft2, next_fast_len, rfft2
 from vcage.base.geometry import Camera
 from vcage.models.rules.cutouts import Cutout
 
-CELL = 0.001
-"""Edge of a cell of a slice, metres."""
 
-BRIM = 0.004
-"""How far slices may go beyond the object's box, metres: masks end between pixels."""
+@dataclass(frozen=True)
+class PrismSettings:
+    """How a prism is cut out of a picture.
 
-BETTER_MIDDLE = 1.08
-"""How much more of an object must be alike about another point than about the middle of its box."""
+    Args:
+        cell_m: edge of a cell of a slice.
+        brim_m: margin of slices around the object's box; masks end between pixels.
+        symmetry_gain: factor by which more of the object must have an opposite about another centre than the box's.
+        lopsided_share: an object of which more has no opposite is taken as it looks (a banana).
+        min_slices, max_slices: number of slices.
+    """
 
-LOPSIDED = 0.25
-"""An object of which more than this share has no opposite is taken as it looks (a banana)."""
+    cell_m: float = 0.001
+    brim_m: float = 0.004
+    symmetry_gain: float = 1.08
+    lopsided_share: float = 0.25
+    min_slices: int = 2
+    max_slices: int = 40
 
-FEWEST_SLICES, MOST_SLICES = 2, 40
+
+SETTINGS = PrismSettings()
 
 
 @dataclass(frozen=True)
@@ -55,7 +64,7 @@ class Prism:
     def opposite(self, index: int) -> np.ndarray:
         """(rows, columns) the slice turned by half about the axis."""
         cells = self.slices[index]
-        return _opposite(cells, self.axis / CELL + (np.array(cells.shape[::-1]) - 1) / 2)
+        return _opposite(cells, self.axis / SETTINGS.cell_m + (np.array(cells.shape[::-1]) - 1) / 2)
 
     def normals(self, index: int) -> np.ndarray:
         """(rows, columns, 2) direction out of the slice, of unit length where its rim is near."""
@@ -66,7 +75,7 @@ class Prism:
 
 def cells_of(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
     """(…, 2) column and row, in cells, of points (…, 2) relative to the middle of a slice, metres."""
-    return points / CELL + (np.array(cells.shape[1::-1]) - 1) / 2
+    return points / SETTINGS.cell_m + (np.array(cells.shape[1::-1]) - 1) / 2
 
 
 def look_up(values: np.ndarray, at: np.ndarray) -> np.ndarray:
@@ -77,20 +86,21 @@ def look_up(values: np.ndarray, at: np.ndarray) -> np.ndarray:
 
 def prism_of(item: Cutout, camera: Camera, slices: int) -> Prism:
     """The prism of an object whose mask is not empty."""
-    slices = int(np.clip(slices, FEWEST_SLICES, MOST_SLICES))
+    slices = int(np.clip(slices, SETTINGS.min_slices, SETTINGS.max_slices))
     heights = np.linspace(item.box[0, 2], item.box[1, 2], slices)
     half = (item.box[1, :2] - item.box[0, :2]) / 2
-    points = _cells(half + BRIM)
-    within = np.clip(((half + BRIM - np.abs(points)) / BRIM).min(axis=-1), 0, 1).astype(np.float32)
+    brim = SETTINGS.brim_m
+    points = _cells(half + brim)
+    within = np.clip(((half + brim - np.abs(points)) / brim).min(axis=-1), 0, 1).astype(np.float32)
     mask = item.mask.astype(np.float32)
     seen = [_lifted(mask, camera, item.centre + points, z) * within for z in heights]
     about = _middle(seen)
     stack = np.stack([np.minimum(cells, _opposite(cells, about)) for cells in seen])
-    axis = (about - (np.array(stack.shape[:0:-1]) - 1) / 2) * CELL
+    axis = (about - (np.array(stack.shape[:0:-1]) - 1) / 2) * SETTINGS.cell_m
     prism = Prism(item.centre, heights, stack, axis)
     left = np.clip(mask - _covered(prism, camera, mask), 0, 1)
     left = cv2.morphologyEx(left, cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))
-    if left.sum() > LOPSIDED * mask.sum():
+    if left.sum() > SETTINGS.lopsided_share * mask.sum():
         return Prism(item.centre, heights, np.stack(seen), axis)
     left = np.minimum(cv2.dilate(left, np.ones((5, 5), np.uint8)), mask)
     middle = slices // 2
@@ -100,8 +110,8 @@ def prism_of(item: Cutout, camera: Camera, slices: int) -> Prism:
 
 def _cells(half: np.ndarray) -> np.ndarray:
     """(rows, columns, 2) middles of the cells of a slice, relative to its own middle."""
-    count = np.ceil(half / CELL).astype(int)
-    axes = [np.arange(-n, n + 1) * CELL for n in count]
+    count = np.ceil(half / SETTINGS.cell_m).astype(int)
+    axes = [np.arange(-n, n + 1) * SETTINGS.cell_m for n in count]
     return np.stack(np.meshgrid(*axes, indexing="xy"), axis=-1)
 
 
@@ -121,7 +131,7 @@ def _middle(seen: Sequence[np.ndarray]) -> np.ndarray:
     total = irfft2((rfft2(np.stack(seen), size) ** 2).sum(axis=0), size)[:rows, :columns]
     middle = np.array(total.shape) // 2
     peak = np.array(np.unravel_index(int(np.argmax(total)), total.shape))
-    better = total[tuple(peak)] > BETTER_MIDDLE * total[tuple(middle)]
+    better = total[tuple(peak)] > SETTINGS.symmetry_gain * total[tuple(middle)]
     return (peak if better else middle)[::-1] / 2
 
 

@@ -22,7 +22,7 @@ from vcage.schema.plan import LayoutPlan, Selection, SelectionCheck
 from vcage.schema.scene import PLAIN, Scene
 from vcage.schema.subtasks import PairAnswer, PairQuestion, SlotAnswer, SlotQuestion
 
-TRIES = 5
+MAX_DRAWS = 5
 """Selections or plans that are drawn before one is refused."""
 
 Drawn = TypeVar("Drawn", Selection, LayoutPlan)
@@ -76,14 +76,14 @@ class OfflineReasoner:
 
 
 def _drawn(what: str, draw: Callable[[], Drawn], check: Callable[[Drawn], list[str]]) -> Drawn:
-    """The first of :data:`TRIES` draws that the check has no complaint about.
+    """The first of :data:`MAX_DRAWS` draws that the check has no complaint about.
 
     Raises:
         ModelRefused: there is none; lists the complaints about the last.
     """
     complaints: list[str] = []
     seen: set[tuple[str, ...]] = set()
-    for _ in range(TRIES):
+    for _ in range(MAX_DRAWS):
         drawn = draw()
         complaints = check(drawn)
         if not complaints:

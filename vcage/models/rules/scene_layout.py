@@ -15,7 +15,7 @@ from vcage.schema.asset import CatalogueEntry
 from vcage.schema.plan import TABLE, LayoutPlan, Relation, RelationWord
 from vcage.schema.scene import ObjectRecord, Scene
 
-ROW = 3
+MAX_ROW = 3
 """Receptacles that stand side by side: more are too wide for the part of the table that two arms share."""
 
 _Spot = tuple[RelationWord, ObjectRecord]
@@ -35,10 +35,10 @@ def plan_scene(scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.random
     fixed = {o.id for o in things if _is_fixture(kinds[o.asset])}
     places = [o for o in things if o.role == "receptacle"] or things[:1]
     places.sort(key=lambda o: (o.id not in fixed, -_area(o)))
-    shared = places[ROW:] + [o for o in things if kinds[o.asset].reads_codes and o not in places]
+    shared = places[MAX_ROW:] + [o for o in things if kinds[o.asset].reads_codes and o not in places]
     rest = [o for o in things if o not in places and o not in shared]
     rest.sort(key=lambda o: (o.id not in fixed, o.role, kinds[o.asset].words.category))
-    sides = _sides(places[:ROW], rng)
+    sides = _sides(places[:MAX_ROW], rng)
     relations = [Relation(subject=places[0].id, relation="center", reference=TABLE)]
     relations += [relation(o, word, places[0]) for word, o in sides.items() if o is not places[0]]
     before = [o for o in (*sides.values(), places[0]) if o.id not in fixed]
@@ -49,7 +49,7 @@ def plan_scene(scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.random
 
 
 def _is_fixture(kind: CatalogueEntry) -> bool:
-    """Whether it has moving parts and is not carried about itself."""
+    """Check if a kind has moving parts and cannot be carried."""
     return bool(kind.moving_parts) and not kind.can_be_carried
 
 
@@ -59,7 +59,7 @@ def _area(o: ObjectRecord) -> float:
 
 
 def _sides(row: Sequence[ObjectRecord], rng: np.random.Generator) -> dict[RelationWord, ObjectRecord]:
-    """What is outermost on either side of a row whose first stands in the middle."""
+    """The outermost objects on both sides of a row whose first object stands in the middle."""
     words: list[RelationWord] = ["left_of", "right_of"]
     outer = [*row[1:], row[0], row[0]][:2]
     return {words[i]: o for i, o in zip(rng.permutation(2), outer, strict=True)}
@@ -71,7 +71,7 @@ def _spots(
     rest: Sequence[ObjectRecord],
     scene: Scene,
 ) -> Iterator[_Spot]:
-    """Where there is room around the row, the best first: at its ends, before what does not open, behind the rest."""
+    """Places around the row, the best first: at its ends, before what does not open, behind the rest."""
     yield from sides.items()
     yield from (("in_front_of", o) for o in free)
     largest = max(rest, key=_area, default=None)

@@ -101,7 +101,7 @@ class _Selector:
             self._take(noun, "tool" if sign else role, good, place)
 
     def _place(self, command: Command) -> None:
-        """Where things go, what they stand beside, or the tool."""
+        """Choose the target, the neighbour, or the tool of a command."""
         noun, verb = command.place, command.verb
         if verb in _TOOLS:
             noun = noun or Noun(words=tuple(_TOOLS[verb].split()), text=_TOOLS[verb], at=-1)
@@ -157,7 +157,7 @@ class _Selector:
         return fresh[0][0]
 
     def _count(self, noun: Noun, told_apart: Sequence[str]) -> int | None:
-        """How many a noun asks for; None where it says only that there are several."""
+        """The number that a noun asks for; None if it says only "several"."""
         if noun.position is not None and noun.part is None:
             return 3 if "middle" in told_apart else max(2, len(told_apart))
         return noun.number if noun.part is None else noun.count or 1

@@ -42,7 +42,13 @@ _NOT_READ = re.compile(r"[^a-z0-9 ,.;'-]")
 
 @dataclass(frozen=True)
 class Limits:
-    """How long a sentence may be, how many ways to read it are tried, and how many objects "several" are at first."""
+    """Limits on sentences.
+
+    Args:
+        words: of a sentence.
+        readings: ways to read it that are tried.
+        several: objects that are chosen for "several".
+    """
 
     words: int = 60
     readings: int = 200
