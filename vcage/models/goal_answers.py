@@ -10,7 +10,7 @@ from vcage.base.text import listed, one_line
 from vcage.models.structured import Answer, narrowed, one_of, one_or_none
 from vcage.plans.relations import DIRECTIONS
 from vcage.schema.asset import CatalogueEntry
-from vcage.schema.goals import OF_A_PART, OF_TWO, AskedGoal, Description, Goal, GoalWord, Reading, RelationWord
+from vcage.schema.goals import OF_A_PART, OF_TWO, AskedGoal, Description, GoalWord, Reading, RelationWord, goal_of
 from vcage.schema.plan import TABLE
 
 ARMS = ("left", "right")
@@ -166,31 +166,19 @@ def _wrong_part(owner: str, part: str, read: Instructed) -> list[str]:
 
 
 def reading_of(answer: GoalsAnswer) -> Reading:
-    """The reading that an answer with nothing wrong stands for."""
+    """The reading that an answer without complaints stands for; empty names become None."""
+    goals, told = answer.model_dump()["goals"], answer.model_dump()["descriptions"]
+    of_goal = ("subject", "relation", "reference", "part")
     return Reading(
         goals=[
             AskedGoal(
-                goal=Goal(
-                    subject=goal.subject,
-                    relation=goal.relation,
-                    reference=goal.reference or None,
-                    part=goal.part or None,
-                ),
-                step=goal.step,
-                words=goal.words,
-                arm=goal.arm or None,
+                goal=goal_of([goal[name] or None for name in of_goal]),
+                step=goal["step"],
+                words=goal["words"],
+                arm=goal["arm"] or None,
             )
-            for goal in answer.goals
+            for goal in goals
         ],
         untouched=list(dict.fromkeys(answer.untouched)),
-        descriptions=[
-            Description(
-                subject=told.subject,
-                relation=told.relation,
-                reference=told.reference,
-                part=told.part or None,
-                words=told.words,
-            )
-            for told in answer.descriptions
-        ],
+        descriptions=[Description.model_validate(one | {"part": one["part"] or None}) for one in told],
     )

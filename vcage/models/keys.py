@@ -8,9 +8,9 @@ import shlex
 from functools import cache
 from pathlib import Path
 
-from vcage.base.errors import ConfigurationError, InputFileError, MissingKey, MissingStage
-from vcage.base.reading import read_json
+from vcage.base.errors import ConfigurationError, MissingKey
 from vcage.models.provider import Provider
+from vcage.models.user_files import read_user_file, user_file
 
 logger = logging.getLogger(__name__)
 
@@ -25,7 +25,7 @@ def variables(provider: Provider) -> tuple[str, ...]:
 
 def key_file() -> Path:
     """``$VCAGE_KEY_FILE``, else ``~/.config/vcage/keys.json``: ``{"gemini": "…"}``."""
-    return Path(os.environ.get("VCAGE_KEY_FILE") or Path.home() / ".config" / "vcage" / "keys.json")
+    return user_file("VCAGE_KEY_FILE", "keys.json")
 
 
 def find_key(provider: Provider) -> tuple[str, str] | None:
@@ -68,36 +68,25 @@ def require_key(provider: Provider) -> str:
 
 
 def open_to_others(path: Path) -> bool:
-    """Check if other users of the machine may read a file or write to it; False where it is not there."""
+    """Check if other users of the machine may read or write a file; False if there is none."""
     return os.name == "posix" and path.exists() and bool(path.stat().st_mode & 0o077)
 
 
 @cache
 def _warn_of_readers(path: Path) -> None:
-    """Say once in a process that others may read the keys."""
+    """Warn once in a process that others may read the keys."""
     if open_to_others(path):
         logger.warning("other users may read the keys in %s; run: %s", path, closing_command(path))
 
 
 def closing_command(path: Path) -> str:
-    """The command that keeps a file from other users."""
+    """The command that closes a file to other users."""
     return shlex.join(["chmod", "600", str(path)])
 
 
 def _read_key_file() -> dict[str, str]:
     path = key_file()
-    try:
-        data = read_json(path)
-    except MissingStage:
-        return {}
-    except InputFileError as error:
-        line = f" (line {error.details['line']})" if "line" in error.details else ""
-        raise ConfigurationError(  # without the reason, which may quote a key
-            f"the key file {path} cannot be read{line}", hint='it holds JSON like {"gemini": "<key>"}, in UTF-8'
-        ) from None
-    _warn_of_readers(path)
-    if not isinstance(data, dict) or not all(isinstance(value, str) for value in data.values()):
-        raise ConfigurationError(
-            f"the key file {path} is not an object of strings", hint='it holds JSON like {"gemini": "<key>"}'
-        )
-    return data
+    keys = read_user_file(path, str, what="keys", example='{"gemini": "<key>"}', secret=True)
+    if keys:
+        _warn_of_readers(path)
+    return keys

@@ -171,16 +171,11 @@ def _gives_work(chosen: _ChosenObject, operable: Collection[str]) -> bool:
 
 
 def _selection(answer: _SelectionAnswer) -> Selection:
-    return Selection(
-        objects=[
-            SelectedAsset(
-                asset=chosen.look.partition("/")[0],
-                variant=chosen.look.partition("/")[2],
-                role=chosen.role,
-                reason=chosen.reason,
-                starts_in=chosen.starts_in or None,
-                starts_in_part=chosen.starts_in_part or None,
-            )
-            for chosen in answer.objects
-        ]
-    )
+    return Selection(objects=[_selected(chosen) for chosen in answer.objects])
+
+
+def _selected(chosen: _ChosenObject) -> SelectedAsset:
+    asset, _, variant = chosen.look.partition("/")
+    place, part = chosen.starts_in or None, chosen.starts_in_part or None
+    fields = {"asset": asset, "variant": variant, "starts_in": place, "starts_in_part": part}
+    return SelectedAsset(role=chosen.role, reason=chosen.reason, **fields)

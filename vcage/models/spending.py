@@ -7,15 +7,14 @@ tokens: ``{"gemini:gemini-pro-latest": {"input": 2.0, "output": 12.0}}``.
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from pathlib import Path
 
-from pydantic import Field, TypeAdapter, ValidationError
+from pydantic import Field
 
-from vcage.base.errors import ConfigurationError, InputFileError, MissingStage, SpendingCap
-from vcage.base.reading import read_json
+from vcage.base.errors import ConfigurationError, SpendingCap
 from vcage.models.exchange import Reply
+from vcage.models.user_files import read_user_file, user_file
 from vcage.schema.base import Finite, Record
 from vcage.schema.exchange import Exchange
 
@@ -29,29 +28,17 @@ class Price(Record):
 
 def price_file() -> Path:
     """The file of prices."""
-    return Path(os.environ.get("VCAGE_PRICE_FILE") or Path.home() / ".config" / "vcage" / "prices.json")
+    return user_file("VCAGE_PRICE_FILE", "prices.json")
 
 
 def price_of(provider: str) -> Price | None:
-    """The price of ``provider:model``; None where the file does not know it, or is not there.
+    """The price of ``provider:model``; None if the file does not have it, or there is no file.
 
     Raises:
-        ConfigurationError: the file is there, and does not hold prices.
+        ConfigurationError: the file does not hold prices.
     """
-    path = price_file()
-    try:
-        data = read_json(path)
-    except MissingStage:
-        return None
-    except InputFileError as error:
-        raise ConfigurationError(f"{path} holds no prices: {error.message}", hint="mend or remove it") from error
-    try:
-        return TypeAdapter(dict[str, Price]).validate_python(data).get(provider)
-    except ValidationError as error:
-        raise ConfigurationError(
-            f"{path} holds no prices: {error.errors()[0]['msg']}",
-            hint='it holds JSON like {"gemini:gemini-pro-latest": {"input": 2, "output": 12}}, USD per million tokens',
-        ) from error
+    example = '{"gemini:gemini-pro-latest": {"input": 2, "output": 12}}, USD per million tokens'
+    return read_user_file(price_file(), Price, what="prices", example=example).get(provider)
 
 
 def cost(reply: Reply, price: Price | None) -> float | None:

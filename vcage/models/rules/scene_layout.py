@@ -35,17 +35,24 @@ def plan_scene(scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.random
     fixed = {o.id for o in things if _is_fixture(kinds[o.asset])}
     places = [o for o in things if o.role == "receptacle"] or things[:1]
     places.sort(key=lambda o: (o.id not in fixed, -_area(o)))
-    shared = places[MAX_ROW:] + [o for o in things if kinds[o.asset].reads_codes and o not in places]
+    scanners = [o for o in things if kinds[o.asset].reads_codes and o not in places]
+    shared = places[MAX_ROW:] + scanners
     rest = [o for o in things if o not in places and o not in shared]
     rest.sort(key=lambda o: (o.id not in fixed, o.role, kinds[o.asset].words.category))
     sides = _sides(places[:MAX_ROW], rng)
-    relations = [Relation(subject=places[0].id, relation="center", reference=TABLE)]
-    relations += [relation(o, word, places[0]) for word, o in sides.items() if o is not places[0]]
     before = [o for o in (*sides.values(), places[0]) if o.id not in fixed]
-    for number, o in enumerate(shared):
-        relations.append(relation(o, "in_front_of", before[number % len(before)] if before else places[0]))
+    relations = _row(sides, places[0]) + _before_the_row(shared, before or places[:1])
     relations += _by_kind(rest, list(_spots(sides, before[len(shared) :], rest, scene)))
     return LayoutPlan(text=as_sentences(relations, scene), relations=relations)
+
+
+def _row(sides: Mapping[RelationWord, ObjectRecord], middle: ObjectRecord) -> list[Relation]:
+    found = [Relation(subject=middle.id, relation="center", reference=TABLE)]
+    return found + [relation(o, word, middle) for word, o in sides.items() if o is not middle]
+
+
+def _before_the_row(shared: Sequence[ObjectRecord], row: Sequence[ObjectRecord]) -> list[Relation]:
+    return [relation(o, "in_front_of", row[number % len(row)]) for number, o in enumerate(shared)]
 
 
 def _is_fixture(kind: CatalogueEntry) -> bool:
