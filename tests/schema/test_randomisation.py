@@ -70,5 +70,5 @@ def test_a_look_says_what_table_wall_and_floor_are():
 
 def test_a_line_tells_what_differs_and_what_there_is_no_room_for():
     world = WorldDraw(clutter={"cup": "cup"}, clutter_drawn=3, table_height=-0.02)
-    assert world.told == "1 objects beside of 3, table -2 cm"
-    assert WorldDraw().told == ""
+    assert world.summary == "1 objects beside of 3, table -2 cm"
+    assert WorldDraw().summary == ""

@@ -1,8 +1,8 @@
 """The agent that runs the commands is the model: it reads a question from a folder and writes its answer there.
 
 ``ask/<role>-<hash>/`` of the run holds ``prompt.md``, ``schema.json`` and the pictures. Where ``answer.json`` is
-missing, the command ends with :class:`vcage.base.errors.AnswerNeeded`; run again, it reads it. An answer that was read
-is kept as ``answer-<round>.json``, and read again by whatever asks the same; the folder is removed to answer anew.
+missing, the command ends with :class:`vcage.base.errors.AnswerNeeded`; the next run reads the answer, stores it as
+``answer-<round>.json``, and reads it whenever the same is asked. Remove the folder to answer anew.
 """
 
 from __future__ import annotations
@@ -21,19 +21,19 @@ from vcage.models.exchange import Question, Reply
 PROVIDER = "agent"
 
 SHEET, COLUMNS, VIEW = "pictures.png", 4, 475
-"""All pictures of a question at one look: how many to a row at most, and their width, pixels.
+"""Contact sheet of a question's pictures: file, pictures in a row at most, and their width, pixels.
 
-Clients shrink what is larger than 2000 pixels."""
+Clients shrink pictures above 2000 pixels."""
 
 MAX_ANSWER_BYTES = 1_000_000
-"""An answer that is longer was not meant."""
+"""Limit on the file of an answer."""
 
 
 class Agent:
     """Implements :class:`vcage.models.exchange.Answerer`.
 
     Args:
-        folder: where questions are put.
+        folder: the folder of questions.
     """
 
     provider = PROVIDER
@@ -45,18 +45,18 @@ class Agent:
         """The answer in ``answer-<round>.json``, or else in ``answer.json``.
 
         Raises:
-            AnswerNeeded: it is not there; names the files, the round and what was wrong with the answer before.
+            AnswerNeeded: there is none; names the files, the round and the complaint about the last answer.
             InputFileError: it is no text, or too long.
             OutputFolderError: the question cannot be written.
         """
         folder = self._folder / question.label
-        kept, written = folder / f"answer-{question.round}.json", folder / "answer.json"
-        if kept.exists():
-            return Reply(_read(kept))
+        stored, written = folder / f"answer-{question.round}.json", folder / "answer.json"
+        if stored.exists():
+            return Reply(_read(stored))
         if not written.exists():
             raise self._needed(question, folder)
         text = _read(written)
-        written.replace(kept)
+        written.replace(stored)
         return Reply(text)
 
     def _needed(self, question: Question, folder: Path) -> AnswerNeeded:

@@ -1,7 +1,7 @@
-"""Exchanges with models: whatever answers, a rule, an agent, an endpoint or a record, is asked and answers alike.
+"""Exchanges with models: an agent, an endpoint and a record take the same questions and give the same replies.
 
-What was asked is known by its hash: role, turns with their pictures, and what the answer must look like.
-:mod:`vcage.models.exchanges` keeps exchanges under that hash.
+The hash of a question covers its role, its turns with their pictures, and the schema of the answer.
+:mod:`vcage.models.exchanges` stores exchanges by that hash.
 """
 
 from __future__ import annotations
@@ -19,7 +19,6 @@ from vcage.schema.exchange import Asked
 HASH_DIGITS = 12
 """Digits of a hash in a file's name."""
 
-
 MAX_CHARACTERS_SENT_BACK = 20_000
 """Characters of a wrong answer that go back with the complaint."""
 
@@ -35,15 +34,15 @@ class Message:
 
 @dataclass(frozen=True)
 class Question:
-    """What is asked.
+    """A question to a model.
 
     Args:
-        role: who should answer.
-        messages: the turns so far, the last one the user's.
+        role: the role that should answer.
+        messages: the turns so far; the last one is the user's.
         schema: JSON Schema of the answer; None asks for a picture.
-        name: of the prompt, ``prompts/<name>.md``.
-        captions: what each picture of the first turn shows.
-        vote: counts how often the same is asked, from 1.
+        name: name of the prompt, ``prompts/<name>.md``.
+        captions: one for each picture of the first turn.
+        vote: number of the repetition, from 1.
     """
 
     role: Asked
@@ -55,7 +54,7 @@ class Question:
 
     @property
     def round(self) -> int:
-        """1, and one more for each answer that came back with a complaint."""
+        """The number of the round: 1, and one more for each complaint."""
         return (len(self.messages) + 1) // 2
 
     @property
@@ -88,14 +87,14 @@ class Question:
 
 @dataclass(frozen=True)
 class Reply:
-    """What came back.
+    """An answer to a question.
 
     Args:
-        text: of the answer; what was written beside a picture.
-        picture: (H, W, 3) uint8 RGB, in whatever size it came.
+        text: of the answer, or beside a picture.
+        picture: (H, W, 3) uint8 RGB, of any size.
         model: version, as the reply names it.
         tokens_in, tokens_out: as the reply counts them.
-        usd: what it cost, where the reply says so.
+        usd: cost, if the reply says it.
     """
 
     text: str = ""

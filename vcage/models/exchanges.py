@@ -1,4 +1,4 @@
-"""Exchanges kept in a folder: a run that crashed never pays twice, and one is replayed without a network.
+"""Exchanges stored in a folder: a run that crashed never pays twice, and a replay needs no network.
 
 ``<role>-<hash>-<who>.json`` is :class:`vcage.schema.exchange.Exchange`; pictures lie in ``pictures/``, each once.
 """
@@ -22,13 +22,13 @@ from vcage.schema.exchange import Asked, Exchange, Turn
 
 
 class Exchanges:
-    """A folder of exchanges; it is made when the first one is kept."""
+    """A folder of exchanges; the first one creates it."""
 
     def __init__(self, folder: Path):
         self.folder = folder
 
     def all(self) -> list[Exchange]:
-        """Every exchange, in the order in which they were kept.
+        """All exchanges, in the order in which they were stored.
 
         Raises:
             DamagedFile, SchemaMismatch: one cannot be read.
@@ -36,32 +36,32 @@ class Exchanges:
         try:
             return sorted(map(Exchange.read, self.folder.glob("*.json")), key=lambda exchange: exchange.number)
         except InputFileError as error:
-            error.hint = "put it back as it was, or remove it: what it answered is asked again where it is needed"
+            error.hint = "restore it, or remove it: its question is then asked again when it is needed"
             raise
 
     def find(self, question: Question, provider: str) -> Reply | None:
         """The stored answer of a provider to a question; None if there is none.
 
         Raises:
-            DamagedFile, SchemaMismatch: it was, and cannot be read.
+            DamagedFile, SchemaMismatch: it cannot be read.
             InputFileError: it was edited since.
         """
         path = self._path(question, provider)
         if not path.exists():
             return None
-        kept = Exchange.read(path)
-        said = (question.hash, provider, kept.answer, kept.picture)
-        if (kept.hash, kept.provider) != said[:2] or kept.seal != Exchange.seal_of(*said):
+        stored = Exchange.read(path)
+        said = (question.hash, provider, stored.answer, stored.picture)
+        if (stored.hash, stored.provider) != said[:2] or stored.seal != Exchange.seal_of(*said):
             raise InputFileError(
-                f"{path} was edited: it does not hold what was asked and answered",
-                hint="put it back as it was, or remove it and ask again",
+                f"{path} was edited: its hash and seal do not fit its question and answer",
+                hint="restore it, or remove it and ask again",
                 details={"path": str(path)},
             )
-        picture = None if kept.picture is None else read_picture(self.folder / "pictures" / kept.picture)
-        return Reply(kept.answer, picture, kept.model, kept.tokens_in, kept.tokens_out, kept.usd)
+        picture = None if stored.picture is None else read_picture(self.folder / "pictures" / stored.picture)
+        return Reply(stored.answer, picture, stored.model, stored.tokens_in, stored.tokens_out, stored.usd)
 
-    def keep(self, question: Question, reply: Reply, provider: str, seconds: float, usd: float | None) -> None:
-        """Write an exchange, with what it took.
+    def store(self, question: Question, reply: Reply, provider: str, seconds: float, usd: float | None) -> None:
+        """Store an exchange with its time and cost.
 
         Raises:
             OutputFolderError: the folder cannot be written.
@@ -109,13 +109,13 @@ class Exchanges:
 
 
 class Stored:
-    """Implements :class:`vcage.models.exchange.Answerer`: asks another one, and keeps what it says.
+    """Implements :class:`vcage.models.exchange.Answerer`: asks another one, and stores its answers.
 
     Args:
-        other: who is asked.
-        exchanges: what was answered before is not asked again.
-        anew: it is, all the same.
-        spending: what may be spent on the other one, where it is paid.
+        other: the answerer to ask.
+        exchanges: stored answers, which are not asked for again.
+        anew: ask again nevertheless.
+        spending: limits on the other one, if it is paid.
     """
 
     def __init__(self, other: Answerer, exchanges: Exchanges, *, anew: bool = False, spending: Spending | None = None):
@@ -126,27 +126,27 @@ class Stored:
         """The stored answer, or else a new one.
 
         Raises:
-            SpendingCap: nothing more may be spent.
+            SpendingCap: a limit is reached.
             VcageError: as the other one.
         """
-        if not self._anew and (kept := self._exchanges.find(question, self.provider)) is not None:
-            return kept
+        if not self._anew and (stored := self._exchanges.find(question, self.provider)) is not None:
+            return stored
         if self._spending is not None:
             self._spending.check()
         start = time.perf_counter()
         reply = self._other.answer(question)
         seconds = time.perf_counter() - start
         usd = reply.usd if self._spending is None else cost(reply, self._spending.price)
-        self._exchanges.keep(question, reply, self.provider, seconds, usd)
+        self._exchanges.store(question, reply, self.provider, seconds, usd)
         return reply
 
 
 class Replayed:
-    """Implements :class:`vcage.models.exchange.Answerer`: what was answered before, and nothing else.
+    """Implements :class:`vcage.models.exchange.Answerer`: stored answers, and nothing else.
 
     Args:
-        exchanges: where that lies.
-        provider: who answered.
+        exchanges: the folder of stored answers.
+        provider: the one that gave them.
     """
 
     def __init__(self, exchanges: Exchanges, provider: str):
@@ -157,21 +157,21 @@ class Replayed:
         """The stored answer.
 
         Raises:
-            MissingStage: this was not asked before, in these words and of these pictures.
+            MissingStage: the question was not asked before, with these words and pictures.
         """
-        kept = self._exchanges.find(question, self.provider)
-        if kept is None:
+        stored = self._exchanges.find(question, self.provider)
+        if stored is None:
             asked = f"{question.name}, round {question.round}"
             raise MissingStage(
                 f"{self._exchanges.folder} holds no answer of {self.provider} to this question ({asked})",
                 hint="a replay asks what the run asked: same instruction, seed, options and version; else ask a model",
                 details={"role": question.role, "hash": question.hash},
             )
-        return kept
+        return stored
 
 
 def who_answered(exchanges: Exchanges) -> dict[Asked, str]:
-    """By role who answered first."""
+    """The provider that answered first, by role."""
     found: dict[Asked, str] = {}
     for exchange in exchanges.all():
         found.setdefault(exchange.role, exchange.provider)

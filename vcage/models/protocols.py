@@ -54,7 +54,7 @@ class EditRequest:
 
     @cached_property
     def hidden(self) -> list[str]:
-        """Ids of the objects that the picture shows nothing of: they can only stay where they are."""
+        """Ids of the objects that the picture does not show; they stay in place."""
         shown = set(np.unique(self.segmentation).tolist())
         return [o.id for o in self.scene.objects if self.scene.segmentation_ids.get(o.id, -1) not in shown]
 
@@ -139,7 +139,7 @@ class CriticQuestion:
 
 
 class Reasoner(Protocol):
-    """Chooses, plans and filters. What it selects and plans passes the caller's check, or it refuses."""
+    """Chooses, plans and filters; its selections and plans pass the caller's check, or it refuses."""
 
     provider: str
 
@@ -155,7 +155,7 @@ class Reasoner(Protocol):
 
         Args:
             scene: name of the scene template; kinds that list it among their scenes are preferred.
-            check: what its complaints are about is mended, within the rounds that the reasoner has.
+            check: its complaints are mended, within the rounds that the reasoner has.
 
         Raises:
             NoAssetFits: the catalogue has nothing that the instruction names.
@@ -169,7 +169,7 @@ class Reasoner(Protocol):
         """A layout of the scene's objects for the instruction.
 
         Args:
-            check: what its complaints are about is mended, within the rounds that the reasoner has.
+            check: its complaints are mended, within the rounds that the reasoner has.
 
         Raises:
             ModelRefused: the last round's plan is still complained about; lists the complaints.

@@ -12,7 +12,7 @@ from vcage.base.errors import ConfigurationError, ModelNotServed, VcageError
 from vcage.models.transport import Transport
 
 SOON = timedelta(days=60)
-"""A model that ends within this is told of."""
+"""Models that end within this are reported."""
 
 ALIAS = "~"
 """Beginning of ids that OpenRouter resolves itself, and does not list."""
@@ -31,8 +31,8 @@ class Served:
     """The models of an endpoint.
 
     Args:
-        models: id → the day on which it ends; None where none is told.
-        modalities: id → what it takes, ``text`` and ``image``, where that is told.
+        models: id → its last day; None if it has none.
+        modalities: id → its inputs, ``text`` and ``image``, if they are listed.
     """
 
     models: dict[str, date | None]
@@ -43,7 +43,7 @@ class Served:
         """The models that an endpoint lists at some paths.
 
         Raises:
-            VcageError: it does not answer, or answers with no list.
+            VcageError: it does not answer, or not with a list.
         """
         found: dict[str, date | None] = {}
         modalities: dict[str, list[str]] = {}
@@ -64,18 +64,18 @@ class Served:
         return model.startswith(ALIAS) or model in self.models or model + LATEST in self.models
 
     def ends(self, model: str, today: date) -> date | None:
-        """The day on which a model ends, where that is soon."""
+        """The last day of a model, if that is soon."""
         day = self.models.get(model)
         return day if day is not None and day - today <= SOON else None
 
     def nearest(self, model: str) -> list[str]:
-        """Ids that are served, those first that are spelled alike."""
+        """Ids that are served, those with similar spelling first."""
         alike = difflib.get_close_matches(model, self.models, n=MAX_NAMES, cutoff=0.3)
         return [*alike, *sorted(self.models.keys() - set(alike))][:MAX_NAMES]
 
 
 def not_served(provider: str, model: str, transport: Transport, paths: Iterable[str]) -> ModelNotServed | None:
-    """The error about a model that an endpoint does not list; None where it does, or lists none."""
+    """The error about a model that an endpoint does not list; None if it does, or lists none."""
     try:
         served = Served.at(transport, paths)
     except VcageError:
@@ -97,15 +97,15 @@ def _is_served(item: dict[str, Any]) -> bool:
 
 def _entry(item: dict[str, Any]) -> tuple[str, date | None]:
     name = str(item.get("id", item.get("name"))).removeprefix("models/")
-    told = next((item[key] for key in _ENDS if isinstance(item.get(key), str)), "")
+    stated = next((item[key] for key in _ENDS if isinstance(item.get(key), str)), "")
     try:
-        return name, date.fromisoformat(told[:10])
+        return name, date.fromisoformat(stated[:10])
     except ValueError:
         return name, None
 
 
 def _taken(item: dict[str, Any]) -> list[str] | None:
-    """Inputs of a model, as llama.cpp and OpenRouter tell it."""
-    told = item.get("architecture")
-    taken = told.get("input_modalities") if isinstance(told, dict) else None
+    """Inputs of a model, as llama.cpp and OpenRouter list them."""
+    stated = item.get("architecture")
+    taken = stated.get("input_modalities") if isinstance(stated, dict) else None
     return taken if isinstance(taken, list) else None

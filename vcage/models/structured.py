@@ -1,4 +1,4 @@
-"""Typed answers: a JSON Schema with enumerations goes out, and what breaks it goes back with the exact complaint."""
+"""Typed answers: a JSON Schema with enumerations goes out, and a wrong answer goes back with the exact complaint."""
 
 from __future__ import annotations
 
@@ -67,11 +67,11 @@ def ask(
     """Ask until the answer is valid, at most :data:`ROUNDS` times.
 
     Args:
-        role: which is asked.
-        prompt: with its placeholders filled in.
-        answer: the type of the answer; its JSON Schema is sent along.
-        pictures: (what it shows, (H, W, 3) uint8 RGB).
-        complaints: what is wrong with an answer of the right type; empty when nothing is.
+        role: the role that is asked.
+        prompt: the filled prompt.
+        answer: type of the answer; its JSON Schema is sent with the prompt.
+        pictures: (caption, (H, W, 3) uint8 RGB).
+        complaints: returns complaints about an answer of the right type.
         vote: see :class:`vcage.models.exchange.Question`.
 
     Raises:
@@ -100,7 +100,7 @@ def ask(
 
 
 class Asking(Protocol):
-    """Puts a prompt to somebody, and returns an answer that nothing is wrong with."""
+    """Sends a prompt and returns an answer without complaints."""
 
     def __call__(
         self, prompt: Prompt, answer: type[AnswerType], complaints: Callable[[AnswerType], Sequence[str]]
@@ -110,7 +110,7 @@ class Asking(Protocol):
 
 
 def asking(who: Answerer, role: Asked) -> Asking:
-    """Fix whom :func:`ask` asks, and in which role."""
+    """Bind :func:`ask` to an answerer and a role."""
 
     def put(prompt: Prompt, answer: type[AnswerType], complaints: Callable[[AnswerType], Sequence[str]]) -> AnswerType:
         return ask(who, role, prompt, answer, complaints=complaints)
@@ -141,7 +141,7 @@ def _wrong(error: ErrorDetails) -> str:
 
 
 def json_of(text: str) -> str:
-    """The JSON in an answer: the whole of it, what a fence encloses, or what the outermost braces enclose."""
+    """The JSON in an answer: all of it, the contents of a fence, or the outermost braces with their contents."""
     text = text.removeprefix("\ufeff").strip()
     if text.startswith("{"):
         return text

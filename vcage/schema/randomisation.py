@@ -222,7 +222,7 @@ class WorldDraw(Record):
     start: dict[str, list[Offset]] = Field(default={}, description="arm → offset of each joint from home, radians")
 
     @property
-    def told(self) -> str:
+    def summary(self) -> str:
         """The differences, in a line for a person."""
         beside = f"{len(self.clutter)} objects beside" + (f" of {self.clutter_drawn}" if self.short_of_room else "")
         facts = {
