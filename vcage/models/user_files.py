@@ -38,4 +38,4 @@ def read_user_file(path: Path, values: Any, *, what: str, example: str, secret: 
         reason = "" if secret else f": {error.message}"
     except ValidationError as error:
         line, reason = "", "" if secret else f": {error.errors()[0]['msg']}"
-    raise ConfigurationError(f"{path}{line} holds no {what}{reason}", hint=f"it holds JSON in UTF-8 like {example}")
+    raise ConfigurationError(f"{path} holds no {what}{line}{reason}", hint=f"it holds JSON in UTF-8 like {example}")
