@@ -19,7 +19,7 @@ from vcage.models.prompts import Prompt
 from vcage.schema.exchange import Asked
 
 ROUNDS = 3
-"""How often a model may answer before its answers count as a refusal."""
+"""Answers of a model before they count as a refusal."""
 
 _FENCED = re.compile(r"```(?:json)?\s*(.*?)```", re.DOTALL)
 

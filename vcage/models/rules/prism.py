@@ -20,7 +20,7 @@ from vcage.models.rules.cutouts import Cutout
 
 @dataclass(frozen=True)
 class PrismSettings:
-    """How a prism is cut out of a picture.
+    """Settings of the prism that is cut out of a picture.
 
     Args:
         cell_m: edge of a cell of a slice.
