@@ -1,4 +1,4 @@
-"""What is measured: ours with a detector and an embedder by name, and the paper's plain rule with the offline ones."""
+"""Measured stacks: our matcher with a detector and an embedder by name, and the greedy baseline."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 
 from benchmarks._match.cases import Case
-from benchmarks._match.paper import match_plainly
+from benchmarks._match.greedy import match_greedily
 from benchmarks._match.scoring import Score, score
 from vcage.base.errors import NoRenderer, UnknownName, UsageError
 from vcage.models.registry import build_detector, build_embedder, split_weights
@@ -15,12 +15,14 @@ from vcage.objects.library import Library
 from vcage.schema.matches import Match
 from vcage.setup.vulkan import ensure_driver
 from vcage.sim.drawer import ModelDrawer
-from vcage.vision.match import Looks, Recogniser, ScenePictures, match_picture
+from vcage.vision.match import Looks, Recogniser, match_picture
+from vcage.vision.observation import ScenePictures
 from vcage.vision.symmetry import rotational_symmetry
 
 OFFLINE = "background+classical"
-PAPER = "paper-greedy"
-"""The paper's rule on the detections and features of the offline stack."""
+BASELINE = "greedy-baseline"
+"""Greedy pairing (section III-A3 of the paper) on the detections and features of the offline stack. It is not the
+paper's system, which uses Grounding DINO and DINOv2."""
 
 Matcher = Callable[[Case], list[Match]]
 
@@ -32,12 +34,12 @@ def build(stack: str) -> Matcher:
         UsageError: it is not spelled so, or there is no such detector or embedder.
         MissingDependency, InputFileError: a package or the weights are not there.
     """
-    detector, plus, embedder = (OFFLINE if stack == PAPER else stack).partition("+")
+    detector, plus, embedder = (OFFLINE if stack == BASELINE else stack).partition("+")
     if not plus:
         raise UsageError(f"no stack is called {stack!r}", hint=f"give detector+embedder, as in {OFFLINE}")
     found = build_detector(*split_weights(detector)), build_embedder(*split_weights(embedder))
-    if stack == PAPER:
-        return lambda case: match_plainly(case, *found)
+    if stack == BASELINE:
+        return lambda case: match_greedily(case, *found)
 
     def match(case: Case) -> list[Match]:
         pictures = ScenePictures(case.source, case.segmentation, case.background)

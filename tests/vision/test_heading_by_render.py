@@ -10,7 +10,7 @@ from vcage.base.geometry import Camera, Pose
 from vcage.schema.asset import PhysicalModel
 from vcage.sim.drawer import Drawing, Window
 from vcage.vision.colour import LabImage
-from vcage.vision.heading_by_render import FARTHEST, settle_heading
+from vcage.vision.heading_by_render import SETTINGS, settle_heading
 
 MOVED = np.array([-0.2, 0.1, 1.3, 0.0])
 
@@ -50,7 +50,7 @@ def target(block, paint, slope: float = 1.0) -> LabImage:
 
 def settled(block, paint, make_scene, camera, image: LabImage, start: np.ndarray, order: int = 1) -> np.ndarray:
     record = make_scene([block]).objects[0]
-    return settle_heading(image, record, camera, start, PaintedDrawer(block, paint), order)
+    return settle_heading(image, camera, record, start, PaintedDrawer(block, paint), order)
 
 
 @pytest.mark.parametrize("away", [np.pi, -1.1, 0.0])
@@ -78,7 +78,7 @@ def test_where_nothing_is_to_be_seen_the_object_stays_near(block, paint, make_sc
     empty = LabImage(np.full((480, 640, 3), 50, np.float32), np.zeros((480, 640), np.float32))
     pose = settled(block, paint, make_scene, camera, empty, MOVED)
     assert np.all(np.isfinite(pose))
-    assert np.hypot(*(pose[:2] - MOVED[:2])) <= FARTHEST + 1e-9
+    assert np.hypot(*(pose[:2] - MOVED[:2])) <= SETTINGS.farthest_m + 1e-9
 
 
 def test_an_object_beyond_the_pictures_edge_is_settled_without_failing(block, paint, make_scene, camera):

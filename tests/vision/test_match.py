@@ -11,7 +11,8 @@ from vcage.base.geometry import wrap_angle
 from vcage.schema.plan import LayoutPlan, Relation
 from vcage.vision.detector import BackgroundDetector
 from vcage.vision.embedder import ClassicalEmbedder
-from vcage.vision.match import Looks, Recogniser, ScenePictures, match_picture
+from vcage.vision.match import Looks, Recogniser, match_picture
+from vcage.vision.observation import ScenePictures
 from vcage.vision.protocols import Detection
 
 
@@ -188,8 +189,7 @@ def test_an_empty_picture_is_refused(table):
         table(np.zeros((0, 0, 3), np.uint8))
 
 
-def test_pictures_of_a_scene_that_differ_in_size_are_refused(things, paint, make_scene, background, target):
+def test_pictures_of_a_scene_that_differ_in_size_are_refused(things, paint, background):
     source, segmentation = paint(things)
-    pictures = ScenePictures(source[:100], segmentation, background)
     with pytest.raises(ValueError, match="differ in size"):
-        match_picture(make_scene(things), None, pictures, target, Recogniser(Fixed(), ClassicalEmbedder()), Looks())
+        ScenePictures(source[:100], segmentation, background)

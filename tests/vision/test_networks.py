@@ -11,7 +11,7 @@ import pytest
 
 from tests.models.tabletop import BLOCKS, PLATE, draw
 from tests.vision.tiny_networks import save_dinov2, save_grounding_dino
-from vcage.base.errors import FetchFailed, InputFileError, MissingDependency, UsageError
+from vcage.base.errors import FetchFailed, InputFileError, MissingDependency
 from vcage.models.registry import build_detector, build_embedder
 from vcage.vision.protocols import Detection, Detector, Embedder
 
@@ -187,17 +187,15 @@ def test_more_names_than_the_text_encoder_reads_at_once_are_asked_in_turn(detect
 
 def test_a_name_too_long_to_read_is_left_out_and_said_so(detector: Detector, caplog: pytest.LogCaptureFixture) -> None:
     assert list(detector._prompts(["red block " * 20, "plate"])) == [["plate"]]
-    assert "not looked for" in caplog.text
+    assert "it is left out" in caplog.text
 
 
 def test_a_higher_threshold_leaves_fewer_boxes(grounding_folder: Path, detector: Detector) -> None:
-    from vcage.vision.networks.grounding_dino import GroundingDinoDetector
+    from vcage.vision.networks.grounding_dino import BoxLimits, GroundingDinoDetector
 
     picture, _ = draw([PLATE])
-    strict = GroundingDinoDetector(str(grounding_folder), box_threshold=1.0)
+    strict = GroundingDinoDetector(str(grounding_folder), BoxLimits(box_probability=1.0))
     assert strict.detect(picture, ["plate"]) == [] != detector.detect(picture, ["plate"])
-    with pytest.raises(UsageError, match="thresholds"):
-        GroundingDinoDetector(str(grounding_folder), overlap=1.5)
 
 
 # --- weights -------------------------------------------------------------------------------------------

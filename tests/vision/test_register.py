@@ -184,9 +184,9 @@ def test_transparent_parts_show_the_empty_table(source, target, table) -> None:
 @pytest.mark.parametrize(
     ("made", "complaint"),
     [
-        (np.zeros((0, 0, 3), np.uint8), "no picture"),
-        (np.zeros((4,), np.uint8), "no picture"),
-        ("a picture", "no picture"),
+        (np.zeros((0, 0, 3), np.uint8), "not a picture"),
+        (np.zeros((4,), np.uint8), "not a picture"),
+        ("a picture", "not a picture"),
         (np.zeros((4, 4, 2), np.uint8), "2 channels"),
         (np.full((4, 4, 3), np.nan), "not finite"),
         (np.full((4, 4, 3), 200.0), "from 200 to 200"),
@@ -194,7 +194,7 @@ def test_transparent_parts_show_the_empty_table(source, target, table) -> None:
         (np.zeros((4, 4, 4), np.uint8), "wholly transparent"),
     ],
 )
-def test_what_is_no_picture_is_refused(made, complaint, source, table) -> None:
+def test_anything_but_a_picture_is_refused(made, complaint, source, table) -> None:
     with pytest.raises(InputFileError, match=complaint):
         register(made, source, table)
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vcage.vision.register_edges import SHARE, Axis, Profile, agrees, laid, table_edges
+from vcage.vision.register_edges import SETTINGS, Axis, Profile, agrees, laid, table_edges
 
 
 def lab(back: float, front: float, height: int = 240, width: int = 320) -> np.ndarray:
@@ -50,7 +50,7 @@ def test_edges_agree_within_the_pixels_allowed_only() -> None:
 @pytest.mark.parametrize("shape", [(480, 640), (2, 2), (1, 900), (900, 1)])
 def test_an_even_picture_has_no_lines(shape) -> None:
     empty = Profile.of(np.full((*shape, 3), 128, np.uint8), 0)
-    assert empty.lines(SHARE) == [] and table_edges(empty) is None
+    assert empty.lines(SETTINGS.share) == [] and table_edges(empty) is None
 
 
 @given(scale=st.floats(0.5, 2), shift=st.floats(-50, 50), at=st.floats(0, 500))

@@ -19,7 +19,7 @@ from vcage.runs.context import StageContext
 from vcage.schema.matches import Matches
 from vcage.schema.plan import LayoutPlan, Plan
 from vcage.schema.scene import Scene
-from vcage.vision.match import ScenePictures
+from vcage.vision.observation import ScenePictures
 
 FARTHEST = 0.5
 """Metres beyond the table's edge up to which a matched position is one to be optimised, and not a damaged file."""

@@ -25,7 +25,7 @@ from vcage.sim.world import World
 if TYPE_CHECKING:
     import sapien
 
-DISTANCE = 15.0
+REFERENCE_DISTANCE_M = 15.0
 """Metres from the camera to the object's base: far enough that the view is parallel to half a percent."""
 
 MARGIN = 4
@@ -168,11 +168,11 @@ def reference_view(
     """
     reach = np.maximum(np.abs(model.lower[:2]), np.abs(model.upper[:2])) + _outreach(model, joints)
     width, height = (2 * (int(np.ceil(r / metres_per_pixel)) + MARGIN) for r in reach)
-    fovy = 2 * np.arctan(height * metres_per_pixel / 2 / DISTANCE)
+    fovy = 2 * np.arctan(height * metres_per_pixel / 2 / REFERENCE_DISTANCE_M)
     # The table stands far below: no shadow and no colour of it reach the object.
     world = World(Table(height=-2.0), {"object": Body(model, Pose(), joints)}, appearance=appearance, render=True)
-    camera = Camera(width, height, fovy, look_at([0, 0, DISTANCE], [0, 0, 0], up=(0, 1, 0)))
-    shot = observe(world, camera, near=DISTANCE - 1.0)
+    camera = Camera(width, height, fovy, look_at([0, 0, REFERENCE_DISTANCE_M], [0, 0, 0], up=(0, 1, 0)))
+    shot = observe(world, camera, near=REFERENCE_DISTANCE_M - 1.0)
     alpha = np.where(shot.segmentation > 0, 255, 0).astype(np.uint8)
     return np.dstack([shot.picture, alpha])
 

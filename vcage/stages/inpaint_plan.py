@@ -34,7 +34,7 @@ from vcage.runs.stage import Job, ModelOptions, StageResult, stage_seed
 from vcage.schema.base import Provenance
 from vcage.schema.plan import LayoutPlan, Plan
 from vcage.schema.scene import Scene
-from vcage.vision.match import ScenePictures
+from vcage.vision.observation import ScenePictures
 
 TARGET = "target.png"
 """The picture, beside the plan."""

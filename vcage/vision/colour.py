@@ -1,7 +1,7 @@
 """Colours in CIELAB: distances, palettes, pictures that are sampled at any scale, and colour transfer between them.
 
-An image model recolours what it redraws. Its table cannot tell how, as it may be painted anew; the objects can, as they
-are the same: first by their colours as a whole, then pixel by pixel once some are found.
+An image model changes the colours of a picture. The objects show how, as they stay the same; the table does not, as it
+may be painted anew. The transfer first uses the objects' colours as a whole, then their pixels once some are found.
 """
 
 from __future__ import annotations
@@ -12,29 +12,39 @@ import cv2
 import numpy as np
 
 LIGHTNESS_WEIGHT = 0.5
-"""Lightness counts less than hue and chroma: shade changes it, and nothing else."""
+"""Weight of lightness in :func:`distance`: shade changes lightness alone."""
 
 
-GAINS = (0.7, 1.5)
-"""Smallest and largest factor of a colour channel."""
+@dataclass(frozen=True)
+class TransferSettings:
+    """Limits of a colour transfer.
 
-SURE = 0.6
-"""Salience of a pixel that belongs to an object."""
+    Args:
+        least_gain, largest_gain: of a colour channel.
+        object_salience: least salience of a pixel that belongs to an object.
+        least_pixels: with fewer, colours are left alone.
+        prior_share: weight of "the colours are right already" in the fit, as a share of the pixels' weight.
+        rounds: of reweighted least squares.
+    """
 
-LEAST = 60
-"""Fewer pixels say nothing about colours."""
+    least_gain: float = 0.7
+    largest_gain: float = 1.5
+    object_salience: float = 0.6
+    least_pixels: int = 60
+    prior_share: float = 0.05
+    rounds: int = 5
 
-STIFFNESS = 0.05
-"""Weight of "the colours are right already" in the fit, as a share of the pixels'."""
+
+TRANSFER = TransferSettings()
 
 
 @dataclass(frozen=True)
 class LabImage:
-    """A picture as it is compared.
+    """A picture in the colours and with the mask that are compared.
 
     Args:
         lab: (H, W, 3) float32 CIELAB.
-        salience: (H, W) float32 in [0, 1], how surely a pixel is no table.
+        salience: (H, W) float32 in [0, 1]: 0 is table, 1 surely an object.
     """
 
     lab: np.ndarray
@@ -81,13 +91,13 @@ def to_lab(picture: np.ndarray) -> np.ndarray:
 
 
 def smoothed(picture: np.ndarray) -> np.ndarray:
-    """(H, W, 3) float32 CIELAB of an RGB uint8 picture without its pixels' noise: two views are compared so."""
+    """(H, W, 3) float32 CIELAB of an RGB uint8 picture without pixel noise, to compare two views."""
     return to_lab(cv2.GaussianBlur(picture, (3, 3), 0))
 
 
 def distance(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """(...) colour distance of Lab arrays (..., 3), lightness counting less."""
-    # channel by channel: sums along an axis of three take numpy six times as long
+    # Channel by channel: sums along an axis of three take numpy six times as long.
     lightness, green_red, blue_yellow = np.moveaxis(a - b, -1, 0)
     lightness = lightness * np.float32(LIGHTNESS_WEIGHT)
     return np.sqrt(lightness * lightness + green_red * green_red + blue_yellow * blue_yellow)
@@ -116,21 +126,22 @@ def palette_distance(lab: np.ndarray, centres: np.ndarray) -> np.ndarray:
 
 
 def transfer_statistics(image: LabImage, source: LabImage, masks: np.ndarray) -> LabImage:
-    """The picture with the mean and deviation of what stands out made those of the objects of the source.
+    """The picture with mean and deviation of its salient colours set to those of the objects of the source.
 
     E. Reinhard et al., Color Transfer between Images, IEEE CG&A 2001.
 
     Args:
         image: the picture whose colours change.
-        source: the picture that has the colours wanted.
-        masks: (H, W) bool, where objects are in the source.
+        source: the picture with the right colours.
+        masks: (H, W) bool, the objects in the source.
     """
     known = source.lab[masks]
-    standing = cv2.erode((image.salience > SURE).astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+    standing = cv2.erode((image.salience > TRANSFER.object_salience).astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
     found = image.lab[standing]
-    if min(len(known), len(found)) < LEAST:
+    if min(len(known), len(found)) < TRANSFER.least_pixels:
         return image
-    gain = np.clip(known.std(axis=0) / np.maximum(found.std(axis=0), 1e-3), *GAINS)
+    gain = known.std(axis=0) / np.maximum(found.std(axis=0), 1e-3)
+    gain = np.clip(gain, TRANSFER.least_gain, TRANSFER.largest_gain)
     return image.scaled(gain, known.mean(axis=0) - gain * found.mean(axis=0))
 
 
@@ -142,23 +153,23 @@ def transfer_pixelwise(image: LabImage, known: np.ndarray, found: np.ndarray) ->
 
     Args:
         image: the picture whose colours change.
-        known: what the pixels should be.
-        found: what they are in the picture.
+        known: right colours of the pixels.
+        found: their colours in the picture.
     """
-    if len(known) < LEAST:
+    if len(known) < TRANSFER.least_pixels:
         return image
     gain, offset = np.ones(3), np.zeros(3)
     for channel in range(3):
         x, y = found[:, channel].astype(np.float64), known[:, channel].astype(np.float64)
         middle = float(np.median(x))
         design = np.stack([x - middle, np.ones_like(x)], axis=1)
-        prior = np.diag([STIFFNESS * 100.0, STIFFNESS]) * len(x)
+        prior = np.diag([TRANSFER.prior_share * 100.0, TRANSFER.prior_share]) * len(x)
         answer = np.array([1.0, middle])
-        for _ in range(5):
+        for _ in range(TRANSFER.rounds):
             left = y - design @ answer
             weight = 1 / (1 + (left / max(1.4826 * float(np.median(np.abs(left))), 1.0)) ** 2)
             matrix = (design * weight[:, None]).T @ design + prior
             answer = np.linalg.solve(matrix, (design * weight[:, None]).T @ y + prior @ [1.0, middle])
-        gain[channel] = np.clip(answer[0], *GAINS)
+        gain[channel] = np.clip(answer[0], TRANSFER.least_gain, TRANSFER.largest_gain)
         offset[channel] = answer[1] - gain[channel] * middle
     return image.scaled(gain, offset)

@@ -1,12 +1,13 @@
-"""The detector that needs no weights: background subtraction without shadows, split into objects.
+"""The detector without weights: background subtraction without shadows, split into objects.
 
-Where most of the picture differs, the table was painted anew: then what stands out of the table that the picture
-itself shows is taken.
+Where most of the picture differs from the empty table, the table was painted anew. Then the pixels that stand out of
+the table in the picture itself are used.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -15,35 +16,36 @@ from vcage.vision.colour import to_lab
 from vcage.vision.protocols import Detection
 from vcage.vision.table_model import fit_table
 
-CHROMA_LIMIT = 2.5
-"""Least difference in a, b above which a pixel is an object's."""
-
-LIGHT_LIMIT = 2.5
-"""Least difference in L above which a pixel is an object's."""
-
-NOISE_FACTOR = 6.0
-"""The limits grow with the noise between the two pictures: so many robust standard deviations."""
-
-SHADOW_FLOOR = 0.62
-"""A shadow leaves at least this share of the light."""
-
-SHADOW_TINT = 0.03
-"""A shadow takes nearly the same share of red, green and blue: largest spread of the three ratios. Noise adds to it."""
-
-SHADOW_ROUGHNESS = 0.12
-"""A shadow darkens evenly: largest spread of the ratio among neighbours. Noise adds to it."""
-
 MIN_AREA = 2e-4
 """Smallest share of the picture that is an object and not a speck."""
 
-MIN_CORE = 0.35
-"""A part of a split component has a core at least this deep, as a share of the deepest one."""
 
-PAINTED_ANEW = 0.5
-"""A table of whose picture a larger share differs from the known one is another table."""
+@dataclass(frozen=True)
+class DetectorSettings:
+    """Limits of background subtraction and of splitting.
 
-SPAN = 0.9
-"""What reaches across so much of a picture whose table is painted anew is floor or wall."""
+    Args:
+        colour_limit: least difference in L, or in a and b, of an object's pixel, Lab units.
+        noise_factor: the limits grow to this many robust standard deviations of the noise between the pictures.
+        shadow_least_light: least share of the light that a shadow leaves.
+        shadow_tint: largest spread of the ratios of red, green and blue in a shadow; noise adds to it.
+        shadow_roughness: largest spread of the ratio among neighbours in a shadow; noise adds to it.
+        least_core_share: least depth of the core of a part that is split off, as a share of the deepest.
+        new_table_share: the table was painted anew when a larger share of the picture differs.
+        spanning_share: floor or wall reaches across more of a picture whose table was painted anew.
+    """
+
+    colour_limit: float = 2.5
+    noise_factor: float = 6.0
+    shadow_least_light: float = 0.62
+    shadow_tint: float = 0.03
+    shadow_roughness: float = 0.12
+    least_core_share: float = 0.35
+    new_table_share: float = 0.5
+    spanning_share: float = 0.9
+
+
+SETTINGS = DetectorSettings()
 
 
 class BackgroundDetector:
@@ -56,11 +58,11 @@ class BackgroundDetector:
     ) -> list[Detection]:
         """Regions that may be objects, the surest first.
 
-        ``names`` says how many to expect: only while fewer were found are components that look like several
-        touching objects split.
+        The number of ``names`` is expected: while fewer regions were found, components that look like several touching
+        objects are split.
         """
         mask = foreground(picture, background)
-        anew = background is not None and mask.mean() > PAINTED_ANEW
+        anew = background is not None and mask.mean() > SETTINGS.new_table_share
         if anew:
             mask = clean(fit_table(picture).salience > 0.5)
         pieces = [piece for piece in components(mask, MIN_AREA * mask.size) if not (anew and _spans(piece))]
@@ -69,14 +71,14 @@ class BackgroundDetector:
             if split is None:
                 break
             pieces = split
-        detections = [_detection(piece) for piece in pieces]
+        detections = [Detection.of_mask(piece, min(1.0, _solidity(piece))) for piece in pieces]
         return sorted(detections, key=lambda d: (-d.score, d.box))
 
 
 def foreground(picture: np.ndarray, background: np.ndarray | None) -> np.ndarray:
-    """(H, W) bool: pixels that differ from the empty table by more than light and shadow.
+    """(H, W) bool, pixels that differ from the empty table by more than light and shadow.
 
-    Without a background, what differs from the colours along the picture's border.
+    Without a background, pixels that differ from the colours along the picture's border.
     """
     if background is None:
         return _unlike_border(picture)
@@ -85,15 +87,15 @@ def foreground(picture: np.ndarray, background: np.ndarray | None) -> np.ndarray
     blurred, plain = (cv2.GaussianBlur(p, (3, 3), 0) for p in (picture, background))
     delta = to_lab(blurred) - to_lab(plain)
     delta -= np.median(delta.reshape(-1, 3), axis=0)
-    noise = NOISE_FACTOR * 1.4826 * np.median(np.abs(delta.reshape(-1, 3)), axis=0)
+    noise = SETTINGS.noise_factor * 1.4826 * np.median(np.abs(delta.reshape(-1, 3)), axis=0)
     chroma = np.hypot(delta[..., 1], delta[..., 2])
     light = delta[..., 0]
     ratio = (blurred.astype(np.float32) + 4) / (plain.astype(np.float32) + 4)
-    smooth = _local_spread(ratio.mean(axis=-1)) < SHADOW_ROUGHNESS + noise[0] / 100
-    shadow = (
-        smooth & (ratio.min(-1) > SHADOW_FLOOR) & (np.ptp(ratio, axis=-1) < SHADOW_TINT + noise[0] / 100) & (light < 0)
-    )
-    differs = (chroma > max(CHROMA_LIMIT, noise[1:].max())) | (np.abs(light) > max(LIGHT_LIMIT, noise[0]))
+    smooth = _local_spread(ratio.mean(axis=-1)) < SETTINGS.shadow_roughness + noise[0] / 100
+    grey = np.ptp(ratio, axis=-1) < SETTINGS.shadow_tint + noise[0] / 100
+    shadow = smooth & grey & (ratio.min(-1) > SETTINGS.shadow_least_light) & (light < 0)
+    limit = SETTINGS.colour_limit
+    differs = (chroma > max(limit, noise[1:].max())) | (np.abs(light) > max(limit, noise[0]))
     return clean(differs & ~shadow)
 
 
@@ -113,7 +115,7 @@ def _unlike_border(picture: np.ndarray) -> np.ndarray:
 
 
 def clean(mask: np.ndarray) -> np.ndarray:
-    """Specks dropped, cracks closed, holes filled."""
+    """The mask with specks dropped, cracks closed and holes filled."""
     small, large = np.ones((3, 3), np.uint8), cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (7, 7))
     mask = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_OPEN, small)
     mask = cv2.morphologyEx(mask, cv2.MORPH_CLOSE, large)
@@ -128,12 +130,12 @@ def components(mask: np.ndarray, min_area: float) -> list[np.ndarray]:
 
 
 def _spans(piece: np.ndarray) -> bool:
-    """Whether a mask reaches across the picture."""
-    return bool(piece.any(axis=0).mean() > SPAN or piece.any(axis=1).mean() > SPAN)
+    """True if a mask reaches across the picture."""
+    return bool(max(piece.any(axis=0).mean(), piece.any(axis=1).mean()) > SETTINGS.spanning_share)
 
 
 def _split_best(pieces: list[np.ndarray], picture: np.ndarray, min_area: float) -> list[np.ndarray] | None:
-    """The pieces with the least convex one that can be split replaced by its parts; None when none can."""
+    """The pieces with the least convex one that can be split replaced by its parts; None if none can be split."""
     for index in np.argsort([_solidity(piece) for piece in pieces], kind="stable"):
         parts = _watershed(pieces[index], picture, min_area)
         if len(parts) > 1:
@@ -151,7 +153,7 @@ def _solidity(piece: np.ndarray) -> float:
 def _watershed(piece: np.ndarray, picture: np.ndarray, min_area: float) -> list[np.ndarray]:
     """Parts grown from the two deepest cores of a piece that a neck separates."""
     depth = cv2.distanceTransform(np.pad(piece.astype(np.uint8), 1), cv2.DIST_L2, 5)[1:-1, 1:-1]
-    for level in np.linspace(MIN_CORE, 0.95, 13) * depth.max():
+    for level in np.linspace(SETTINGS.least_core_share, 0.95, 13) * depth.max():
         count, markers = cv2.connectedComponents((depth > level).astype(np.uint8))
         if count > 2:
             break
@@ -162,9 +164,3 @@ def _watershed(piece: np.ndarray, picture: np.ndarray, min_area: float) -> list[
     parts = [(edges == i) & piece for i in range(1, count)]
     parts = [part for part in parts if part.sum() >= min_area]
     return parts if len(parts) > 1 else [piece]
-
-
-def _detection(piece: np.ndarray) -> Detection:
-    rows, columns = np.nonzero(piece)
-    box = (float(columns.min()), float(rows.min()), float(columns.max() + 1), float(rows.max() + 1))
-    return Detection(box=box, mask=piece, score=min(1.0, _solidity(piece)))

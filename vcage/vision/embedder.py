@@ -1,4 +1,4 @@
-"""The embedder that needs no weights: colours, shape and size of a masked region, whatever way it is turned."""
+"""The embedder without weights: colours, shape and size of a masked region, independent of its rotation."""
 
 from __future__ import annotations
 
@@ -33,19 +33,8 @@ class ClassicalEmbedder:
         return np.array(rows, dtype=np.float64)
 
 
-def region_mask(region: Detection, shape: tuple[int, ...]) -> np.ndarray:
-    """(H, W) bool mask of a region; the ellipse inside its box when it has none."""
-    if region.mask is not None and region.mask.any():
-        return region.mask
-    u0, v0, u1, v1 = region.box
-    mask = np.zeros(shape[:2], np.uint8)
-    centre = (round((u0 + u1) / 2), round((v0 + v1) / 2))
-    axes = (max(1, int((u1 - u0) / 2)), max(1, int((v1 - v0) / 2)))
-    return cv2.ellipse(mask, centre, axes, 0, 0, 360, (1,), cv2.FILLED).astype(bool)
-
-
 def _features(lab: np.ndarray, region: Detection) -> np.ndarray:
-    whole = region_mask(region, lab.shape).astype(np.uint8)
+    whole = region.pixels(lab.shape).astype(np.uint8)
     u, v, width, height = cv2.boundingRect(whole)
     around = np.s_[max(v - 1, 0) : v + height + 1, max(u - 1, 0) : u + width + 1]
     lab, mask = lab[around], whole[around].astype(bool)
@@ -67,7 +56,7 @@ def _unit(vector: np.ndarray) -> np.ndarray:
 
 
 def _soft_bins(values: np.ndarray | float, centres: np.ndarray) -> np.ndarray:
-    """(n, k) membership of values in overlapping bins; rows sum to 1."""
+    """(n, k) memberships of values in overlapping bins; rows sum to 1."""
     width = centres[1] - centres[0]
     closeness = np.exp(-0.5 * ((np.reshape(values, (-1, 1)) - centres) / width) ** 2) + 1e-12
     return closeness / closeness.sum(axis=1, keepdims=True)
@@ -90,7 +79,7 @@ def _sides(mask: np.ndarray) -> tuple[float, float]:
 
 
 def _moments(mask: np.ndarray) -> np.ndarray:
-    """Logarithms of the Hu moments that noise does not drown, shifted so that likeness is a cosine."""
+    """Logarithms of the first Hu moments, in overlapping bins so that their likeness is a cosine."""
     hu = cv2.HuMoments(cv2.moments(mask.astype(np.uint8), binaryImage=True)).ravel()[:4]
     logs = np.log10(np.abs(hu) + 1e-6)
     return np.concatenate([np.sqrt(_soft_bins(value, np.linspace(-6, 0, 7))[0]) for value in logs])

@@ -1,4 +1,4 @@
-"""What is compared when a known object is looked for: points on a proxy of its shape, coloured by a picture of it.
+"""Templates of known objects: points on a proxy of an object's shape, coloured by a picture of it.
 
 The picture is either the scene's own source picture, in which the object's mask is known, or the library's reference
 picture of the object from straight above.
@@ -6,6 +6,7 @@ picture of the object from straight above.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -13,37 +14,39 @@ import numpy as np
 
 from vcage.base.errors import InputFileError
 from vcage.base.geometry import Camera, look_at
+from vcage.sim.drawer import REFERENCE_DISTANCE_M
 from vcage.vision.colour import LabImage
 from vcage.vision.protocols import Reference
 
-POINTS = 220
-"""Points inside an object that are compared."""
 
-RIM_POINTS = 80
-"""Points along its outline."""
+@dataclass(frozen=True)
+class TemplateSettings:
+    """Size and sampling of a template.
 
-FINE_EXTENT = 44.0
-"""Objects that are larger than this are compared in a smaller picture, pixels."""
+    Args:
+        surface_points: compared points inside an object.
+        rim_points: compared points along its outline.
+        extent_px: larger objects are compared in a smaller picture, in which they have this longest side.
+        least_top_share: an object of whose silhouette less is its top is no upright prism; its proxy is flat, at half
+            its height.
+        layers: copies of the top face, from the bottom up, that make the outline of the proxy.
+        ray_steps: heights at which a ray is tested for meeting the proxy.
+    """
 
-RIM_OUT, RIM_IN = 2.5, 2.0
-"""How far from the outline the pixels beside it are taken, outwards and inwards, in pixels of the compared size."""
+    surface_points: int = 220
+    rim_points: int = 80
+    extent_px: float = 44.0
+    least_top_share: float = 0.25
+    layers: int = 3
+    ray_steps: int = 9
 
-LEAST_TOP = 0.25
-"""An object of whose silhouette less is its top is no upright prism; it is taken as flat, at half its height."""
 
-LAYERS = 3
-"""Copies of the top face, from the bottom up, that make the outline of the proxy."""
-
-RAY_STEPS = 9
-"""Heights at which a ray is tested for meeting the proxy."""
-
-REFERENCE_DISTANCE = 15.0
-"""Metres from the camera of a reference picture to the object's base: the view is parallel to half a percent."""
+SETTINGS = TemplateSettings()
 
 
 @dataclass(frozen=True)
 class Surface:
-    """Seen points of an object.
+    """Visible points of an object.
 
     Args:
         points: (n, 3) relative to its origin, world axes of the source, metres.
@@ -73,26 +76,25 @@ class Rim:
 
 @dataclass(frozen=True)
 class ObjectTemplate:
-    """A known object as it is looked for: its picture on a proxy of its shape.
+    """A known object: its picture on a proxy of its shape.
 
-    The proxy is the object's footprint drawn up to its height. It says where each pixel of the picture goes when the
-    object moves to where the camera sees it from another side, and which are hidden there.
+    The proxy is the object's footprint drawn up to its height. When the object moves and the camera sees it from
+    another side, the proxy tells where each pixel of the picture goes and which pixels are hidden.
 
     Args:
         source: the picture of the object.
         source_camera: took it; one of its pixels covers as much of the object as one of ``camera``'s.
-        camera: takes the pictures in which the object is looked for.
-        mask: (H, W) bool, where the object is in the source.
+        camera: takes the pictures in which the object is searched.
+        mask: (H, W) bool, the object's place in the source.
         top: (H, W) bool, pixels of its top face; all of them when the shape is not known.
         centre: (2,) u, v of the middle of its mask, pixels.
         box: (2, 3) its bounding box when the source was taken, world, metres.
         origin: (3,) its origin then; z is the bottom of the box.
         layers: heights above its base at which the top face is drawn to get its outline, metres.
-        surface, rim: what of it is compared.
+        surface, rim: compared points.
         extent: its longest side, pixels.
-        step: how much smaller the pictures are in which it is compared.
+        step: factor by which the compared pictures are smaller.
         pixel: metres that a pixel covers at half its height.
-        shell: points that lie deeper inside the mask than this share of the deepest are not compared; 1 compares all.
     """
 
     source: LabImage
@@ -109,7 +111,6 @@ class ObjectTemplate:
     extent: float
     step: float
     pixel: float
-    shell: float
 
     @property
     def area(self) -> int:
@@ -122,27 +123,25 @@ def template_of(
     mask: np.ndarray,
     source_camera: Camera,
     box: np.ndarray,
-    origin: np.ndarray,
+    origin: Sequence[float] | np.ndarray,
     *,
     camera: Camera | None = None,
-    shell: float = 1.0,
 ) -> ObjectTemplate:
     """The template of an object that a picture shows.
 
     Args:
         source: the picture.
-        mask: (H, W) bool, not empty, where it shows the object.
+        mask: (H, W) bool, not empty, the object's place in it.
         source_camera: took the picture.
         box: (2, 3) the object's world box there, metres.
         origin: (2,) x, y of its origin there.
-        camera: takes the pictures in which it is looked for; None for the same.
-        shell: see :class:`ObjectTemplate`.
+        camera: takes the pictures in which it is searched; None for the same.
     """
     centre, extent = _middle_and_extent(mask)
-    step = max(1.0, extent / FINE_EXTENT)
+    step = max(1.0, extent / SETTINGS.extent_px)
     base = np.array([*origin, box[0, 2]])
     top, low, high = _top_and_heights(mask, source_camera, *box[:, 2].tolist())
-    seen = _inner(mask, step, shell)
+    seen = _inner(mask, step)
     points, facing = _on_proxy(seen, mask, source_camera, low, high)
     return ObjectTemplate(
         source=source,
@@ -153,32 +152,28 @@ def template_of(
         centre=centre,
         box=box,
         origin=base,
-        layers=np.linspace(low, high, LAYERS if low < high else 1) - base[2],
+        layers=np.linspace(low, high, SETTINGS.layers if low < high else 1) - base[2],
         surface=Surface(points - base, facing, source.sample(seen[None], step)[0, :, :3]),
         rim=_rim(top, source_camera, low, high, base),
         extent=extent,
         step=step,
         pixel=_metres_per_pixel(source_camera, centre, (low + high) / 2),
-        shell=shell,
     )
 
 
 def _top_and_heights(mask: np.ndarray, camera: Camera, low: float, high: float) -> tuple[np.ndarray, float, float]:
-    """(H, W) bool the top face of the proxy, and from which height to which it stands."""
-    top = _top_face(mask, camera, low, high)
-    return (top, low, high) if top.sum() >= LEAST_TOP * mask.sum() else (mask, (low + high) / 2, (low + high) / 2)
+    """(H, W) bool the top face of the proxy, and the heights of its bottom and top, metres."""
+    top, middle = _top_face(mask, camera, low, high), (low + high) / 2
+    return (top, low, high) if top.sum() >= SETTINGS.least_top_share * mask.sum() else (mask, middle, middle)
 
 
-def template_from_reference(
-    reference: Reference, camera: Camera, height: float, *, shell: float = 1.0
-) -> ObjectTemplate:
-    """The template of an object that is known by its look from above; a pose's angle is the object's heading then.
+def template_from_reference(reference: Reference, camera: Camera, height: float) -> ObjectTemplate:
+    """The template of an object of which a picture from above is known; a pose's angle is its heading then.
 
     Args:
-        reference: how it looks.
-        camera: takes the pictures in which it is looked for.
+        reference: its look.
+        camera: takes the pictures in which it is searched.
         height: of the table that it stands on, metres.
-        shell: see :class:`ObjectTemplate`.
 
     Raises:
         InputFileError: the reference picture shows nothing.
@@ -191,19 +186,19 @@ def template_from_reference(
     solid = reference.picture[..., 3] > 127
     if not solid.any():
         raise InputFileError(f"the reference picture of {reference.phrase!r} shows nothing", hint="render it anew")
-    # Around the object lies its own mean colour: what is mixed in at its edge changes nothing.
+    # The ground gets the object's mean colour, so that resampling does not change the colours at its edge.
     alone = np.where(solid[..., None], reference.picture[..., :3], reference.picture[solid][:, :3].mean(axis=0))
     scaled = cv2.resize(alone.astype(np.uint8), (width, tall), interpolation=cv2.INTER_AREA)
     mask = cv2.resize(solid.astype(np.float32), (width, tall), interpolation=cv2.INTER_AREA) > 0.5
-    fovy = 2 * np.arctan(tall * pixel / 2 / REFERENCE_DISTANCE)
-    above = look_at([0, 0, height + REFERENCE_DISTANCE], [0, 0, height], up=(0, 1, 0))
+    fovy = 2 * np.arctan(tall * pixel / 2 / REFERENCE_DISTANCE_M)
+    above = look_at([0, 0, height + REFERENCE_DISTANCE_M], [0, 0, height], up=(0, 1, 0))
     box = np.array([[*-size[:2] / 2, height], [*size[:2] / 2, height + size[2]]])
     source = LabImage.of(scaled, np.zeros(mask.shape, np.float32))
-    return template_of(source, mask, Camera(width, tall, fovy, above), box, np.zeros(2), camera=camera, shell=shell)
+    return template_of(source, mask, Camera(width, tall, fovy, above), box, np.zeros(2), camera=camera)
 
 
 def _inside(mask: np.ndarray, camera: Camera, points: np.ndarray) -> np.ndarray:
-    """(...,) bool: which world points (..., 3) are drawn inside a mask."""
+    """(...,) bool, True for world points (..., 3) whose pixels lie inside a mask."""
     pixels = np.floor(camera.project(points))
     seen = np.all((pixels >= 0) & (pixels < [mask.shape[1], mask.shape[0]]), axis=-1)
     u, v = (np.where(seen, pixels[..., k], 0).astype(int) for k in (0, 1))
@@ -211,9 +206,9 @@ def _inside(mask: np.ndarray, camera: Camera, points: np.ndarray) -> np.ndarray:
 
 
 def _top_face(mask: np.ndarray, camera: Camera, low: float, high: float) -> np.ndarray:
-    """(H, W) bool: pixels of a silhouette that show the top: straight below them the silhouette goes on.
+    """(H, W) bool, pixels of a silhouette that show the top: the silhouette continues straight below them.
 
-    For an upright prism the top's and the bottom's pictures lie both in the silhouette, and nothing else's do.
+    Of an upright prism exactly the pictures of top and bottom both lie in the silhouette.
     """
     v, u = np.nonzero(mask)
     below = camera.unproject(np.stack([u, v], axis=1) + 0.5, high)
@@ -227,12 +222,12 @@ def _top_face(mask: np.ndarray, camera: Camera, low: float, high: float) -> np.n
 def _on_proxy(
     pixels: np.ndarray, mask: np.ndarray, camera: Camera, low: float, high: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(n, 3) where the rays through pixels (n, 2) meet the proxy, and the directions (n, 2) that it faces there."""
-    heights = np.linspace(high, low, RAY_STEPS)
+    """(n, 3) points where the rays through pixels (n, 2) meet the proxy, and the directions (n, 2) it faces there."""
+    heights = np.linspace(high, low, SETTINGS.ray_steps)
     along = np.stack([camera.unproject(pixels, z) for z in heights])  # (s, n, 3)
     ends = [np.concatenate([along[..., :2], np.full((*along.shape[:2], 1), z)], axis=-1) for z in (low, high)]
     hit = _inside(mask, camera, ends[0]) & _inside(mask, camera, ends[1])
-    first = np.where(hit.any(axis=0), hit.argmax(axis=0), RAY_STEPS // 2)
+    first = np.where(hit.any(axis=0), hit.argmax(axis=0), SETTINGS.ray_steps // 2)
     points = along[first, np.arange(len(pixels))]
     away = points[:, :2] - points[first == 0, :2].mean(axis=0) if (first == 0).any() else points[:, :2] * 0
     away = away / (np.linalg.norm(away, axis=1, keepdims=True) + 1e-9)
@@ -253,10 +248,12 @@ def _metres_per_pixel(camera: Camera, at: np.ndarray, height: float) -> float:
 
 
 def _rim(top: np.ndarray, camera: Camera, low: float, high: float, base: np.ndarray) -> Rim:
-    """The rim of an object whose top face (H, W) bool is seen, relative to (3,) its origin; one outline if it is
-    flat."""
+    """The rim of an object with a visible top face (H, W) bool, relative to its origin (3,).
+
+    A flat object has one outline.
+    """
     edge, normals = _outline(top)
-    chosen = np.linspace(0, len(edge) - 1, min(RIM_POINTS // 2, len(edge))).astype(int)
+    chosen = np.linspace(0, len(edge) - 1, min(SETTINGS.rim_points // 2, len(edge))).astype(int)
     around = camera.unproject(edge[chosen], high)[:, :2]
     out = camera.unproject(edge[chosen] + normals[chosen], high)[:, :2] - around
     out = out / (np.linalg.norm(out, axis=1, keepdims=True) + 1e-9)
@@ -266,18 +263,17 @@ def _rim(top: np.ndarray, camera: Camera, low: float, high: float, base: np.ndar
     return Rim(points, np.tile(out, (len(heights), 1)), upper)
 
 
-def _inner(mask: np.ndarray, step: float, shell: float) -> np.ndarray:
-    """(n, 2) at most :data:`POINTS` pixels of a mask, deep enough not to mix with what is around, within the shell."""
+def _inner(mask: np.ndarray, step: float) -> np.ndarray:
+    """(n, 2) pixels of a mask that lie deep enough not to mix with their surroundings, evenly spread."""
     u, v, width, height = cv2.boundingRect(mask.astype(np.uint8))
     window = np.s_[v : v + height, u : u + width]
     depth = cv2.distanceTransform(np.pad(mask[window].astype(np.uint8), 1), cv2.DIST_L2, 5)[1:-1, 1:-1]
-    deep = (depth >= min(step, 0.5 * depth.max())) & (depth <= shell * depth.max())
-    rows, columns = np.nonzero(deep)
-    return _spread_out(np.stack([columns + u, rows + v], axis=1) + 0.5, POINTS)
+    rows, columns = np.nonzero(depth >= min(step, 0.5 * depth.max()))
+    return _spread_out(np.stack([columns + u, rows + v], axis=1) + 0.5, SETTINGS.surface_points)
 
 
 def _spread_out(points: np.ndarray, count: int) -> np.ndarray:
-    """At most ``count`` of the points, evenly spread: every so many along a grid that is finer than needed."""
+    """At most ``count`` of the points, evenly spread."""
     if len(points) <= count:
         return points
     # A stride that shares no factor with the row length would alias; golden-ratio steps do not.

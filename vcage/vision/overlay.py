@@ -1,4 +1,4 @@
-"""The picture of a matching: where each object was found in the target, from where it came, and how surely."""
+"""The picture of a matching: the old and the new place of each object in the target, and the confidence."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from vcage.base.drawing import WARNING, Canvas, Colour, distinct_colours
 from vcage.schema.matches import Match
 from vcage.schema.scene import ObjectRecord, Scene
 
-WIDTH = 1280
-"""Smaller pictures are enlarged to this width, so that the labels can be read."""
+WIDTH_PX = 1280
+"""Smaller pictures are enlarged to this width, so that the labels are readable."""
 
-DOUBTFUL = 0.6
-"""Confidence below which a match is drawn with a dashed box and a question mark."""
+SURE_CONFIDENCE = 0.6
+"""A match of less confidence is drawn with a dashed box and a question mark."""
 
 
 def draw_overlay(
@@ -32,7 +32,7 @@ def draw_overlay(
     Returns:
         (H', W', 3) uint8, W' at least 1280.
     """
-    scale = max(1.0, WIDTH / picture.shape[1])
+    scale = max(1.0, WIDTH_PX / picture.shape[1])
     size = (round(picture.shape[1] * scale), round(picture.shape[0] * scale))
     canvas = Canvas(cv2.resize(picture, size, interpolation=cv2.INTER_CUBIC), text_size=19)
     colours = dict(zip([o.id for o in scene.objects], distinct_colours(len(scene.objects)), strict=True))
@@ -58,7 +58,7 @@ def draw_overlay(
 
 
 def _places(scene: Scene, match: Match) -> np.ndarray:
-    """(2, 2) pixels of the object's middle before and after."""
+    """(2, 2) pixels of the object's middle in the source and in the target."""
     record = scene.object(match.object)
     height = (record.aabb[0][2] + record.aabb[1][2]) / 2
     points = [(*record.pose.position[:2], height), (*match.position, height)]
@@ -67,7 +67,7 @@ def _places(scene: Scene, match: Match) -> np.ndarray:
 
 def _draw_match(canvas: Canvas, match: Match, places: np.ndarray, colour: Colour, scale: float) -> None:
     if match.box is not None:
-        sure = match.confidence >= DOUBTFUL
+        sure = match.confidence >= SURE_CONFIDENCE
         outline = (*colour, 255) if sure else None
         canvas.draw.rectangle([x * scale for x in match.box], fill=(*colour, 28), outline=outline, width=3)
         if not sure:
@@ -90,7 +90,7 @@ def _words(record: ObjectRecord, match: Match) -> str:
     if match.method == "kept":
         return f"{record.phrase}: kept ({match.note.partition(' in ')[0].partition(';')[0]})"
     how = " by name" if match.method == "name" else ""
-    doubt = "?" if match.confidence < DOUBTFUL else ""
+    doubt = "?" if match.confidence < SURE_CONFIDENCE else ""
     return f"{record.phrase}{doubt} {match.confidence:.2f}{how}, {np.rad2deg(match.turned):+.0f}°"
 
 

@@ -1,6 +1,6 @@
-"""How well a known object fits at a pose in the target picture, and the pose nearby where it fits best.
+"""The score of a known object's template at a pose in a picture, and the best pose nearby.
 
-A pose is where the object's origin is on the table (x, y, metres), how far it has turned since the source picture
+A pose is the place of the object's origin on the table (x, y, metres), its turn since the source picture
 (counter-clockwise from above, radians) and the logarithm of its scale.
 """
 
@@ -13,91 +13,88 @@ import numpy as np
 
 from vcage.base.geometry import Camera
 from vcage.vision.colour import LabImage
-from vcage.vision.object_templates import RIM_IN, RIM_OUT, ObjectTemplate
+from vcage.vision.object_templates import ObjectTemplate
 
 LIGHTNESS = 0.6
 """Weight of lightness beside hue and chroma: shading changes it when an object turns."""
-
-CAP = 32.0
-"""Largest colour distance that a pixel can cost, Lab units."""
-
-NOISE = 5.0
-"""Colour differences inside an object that say nothing, Lab units."""
-
-BORDER = 10.0
-"""Colour distance across an outline that is surely one, Lab units."""
-
-SCALE_LIMIT = 0.10
-"""Largest logarithm of the scale: image models and perspective change sizes by no more."""
 
 TERMS = ("colour", "structure", "fill", "border")
 WEIGHTS = np.array([1.0, 1.6, 0.8, 1.0])
 """Of the terms of :class:`Fit` in the goodness that is maximised."""
 
-SHELL_WEIGHTS = np.array([1.0, 0.0, 0.8, 2.0])
-"""Of the terms for an object of which only a shell is compared: one thing that lies along a wall decides the pattern
-of the shell, as nothing caps that term, so the outline counts instead. Of 27 drawn boxes with a pen along a wall all
-are found so, and 21 with .8 for the pattern; of 182 rendered questions the critic answers 170 right."""
+
+@dataclass(frozen=True)
+class ScoreSettings:
+    """Scales of the terms of a fit.
+
+    Args:
+        colour_cap: largest colour distance that a pixel can cost, Lab units.
+        pattern_noise: colour differences inside an object that are noise, Lab units.
+        border_contrast: colour distance across an outline that is surely one, Lab units.
+        outside_px, inside_px: distance of the compared pixels from the outline, in pixels of the compared size.
+        largest_log_scale: image models and perspective change sizes by no more.
+    """
+
+    colour_cap: float = 32.0
+    pattern_noise: float = 5.0
+    border_contrast: float = 10.0
+    outside_px: float = 2.5
+    inside_px: float = 2.0
+    largest_log_scale: float = 0.10
+
+
+SETTINGS = ScoreSettings()
 
 
 @dataclass(frozen=True)
 class Fit:
-    """Poses and how well the object fits there, each in [0, 1], 1 is best.
+    """Poses and the score of an object's template at each; every term lies in [0, 1], 1 is best.
 
     Args:
         poses: (b, 4).
         terms: (b, 4): likeness of colours; likeness of the pattern once the mean colour is taken away (a masked
             normalised cross-correlation that plain objects pass); share of the inside that is no table; share of the
             outline that is one, by table outside or by a change of colour.
-        weights: (4,) of the terms.
     """
 
     poses: np.ndarray
     terms: np.ndarray
-    weights: np.ndarray
 
     @property
     def goodness(self) -> np.ndarray:
         """(b,) in [0, 1]."""
-        return self.terms @ self.weights / self.weights.sum()
-
-    @property
-    def first(self) -> Fit:
-        """The first pose alone."""
-        return Fit(self.poses[:1], self.terms[:1], self.weights)
+        return self.terms @ WEIGHTS / WEIGHTS.sum()
 
     def term(self, name: str) -> np.ndarray:
         """(b,) one of :data:`TERMS`."""
         return self.terms[:, TERMS.index(name)]
 
     def where(self, chosen: np.ndarray) -> Fit:
-        """The poses that a mask (b,) chooses."""
-        return Fit(self.poses[chosen], self.terms[chosen], self.weights)
+        """The poses that a mask (b,) or indices choose."""
+        return Fit(self.poses[chosen], self.terms[chosen])
 
     def with_those(self, others: Fit) -> Fit:
         """These and other poses."""
-        poses, terms = np.concatenate([self.poses, others.poses]), np.concatenate([self.terms, others.terms])
-        return Fit(poses, terms, self.weights)
+        return Fit(np.concatenate([self.poses, others.poses]), np.concatenate([self.terms, others.terms]))
 
     def best_first(self) -> Fit:
         """The poses in the order of their goodness, the best first."""
-        order = np.argsort(-self.goodness, kind="stable")
-        return Fit(self.poses[order], self.terms[order], self.weights)
+        return self.where(np.argsort(-self.goodness, kind="stable"))
 
 
 def rotation(angle: np.ndarray) -> np.ndarray:
-    """(..., 2, 2) that turns pixel offsets counter-clockwise as seen in the picture (v points down)."""
+    """(..., 2, 2) matrix that turns pixel offsets counter-clockwise as seen in the picture (v points down)."""
     c, s = np.cos(angle), np.sin(angle)
     return np.stack([np.stack([c, s], axis=-1), np.stack([-s, c], axis=-1)], axis=-2)
 
 
 def about_vertical(angle: np.ndarray) -> np.ndarray:
-    """(..., 2, 2) that turns x, y counter-clockwise from above."""
+    """(..., 2, 2) matrix that turns x, y counter-clockwise from above."""
     return np.swapaxes(rotation(angle), -1, -2)
 
 
 def pixels_of(camera: Camera, points: np.ndarray) -> np.ndarray:
-    """(..., 2) float32 pixels of world points (..., 3) before the camera."""
+    """(..., 2) float32 pixels of world points (..., 3) in front of the camera."""
     matrix = (camera.intrinsics() @ camera.extrinsics()[:3]).astype(np.float32)
     seen = points @ matrix[:, :3].T + matrix[:, 3]
     return seen[..., :2] / np.maximum(seen[..., 2:], np.float32(1e-6))
@@ -113,25 +110,24 @@ def placed(template: ObjectTemplate, poses: np.ndarray, points: np.ndarray) -> n
 
 
 def turned_towards(template: ObjectTemplate, poses: np.ndarray, at: np.ndarray, directions: np.ndarray) -> np.ndarray:
-    """(b, n) how directions (n, 2) of the template at world points (b, n, 3) lie to the way to the camera."""
+    """(b, n) components towards the camera of the template's directions (n, 2) at world points (b, n, 3)."""
     turned = directions.astype(np.float32) @ np.swapaxes(about_vertical(np.asarray(poses[:, 2], np.float32)), -1, -2)
     return np.einsum("bnk,bnk->bn", turned, template.camera.pose.p[:2].astype(np.float32) - at[..., :2])
 
 
 def fit(image: LabImage, template: ObjectTemplate, poses: np.ndarray) -> Fit:
-    """How well the object fits at each of the poses (b, 4)."""
+    """The score of the object at each of the poses (b, 4)."""
     poses = np.asarray(poses, np.float64).reshape(-1, 4)
-    term_weights = SHELL_WEIGHTS if template.shell < 1 else WEIGHTS
     if not len(poses):
-        return Fit(poses, np.zeros((0, len(TERMS))), term_weights)
+        return Fit(poses, np.zeros((0, len(TERMS))))
     surface, rim = template.surface, template.rim
     count, edge = len(surface.points), len(rim.points)
     beside = np.column_stack([rim.normals, np.zeros(edge)]) * (template.step * template.pixel)
-    around = [rim.points + RIM_OUT * beside, rim.points - RIM_IN * beside]
+    around = [rim.points + SETTINGS.outside_px * beside, rim.points - SETTINGS.inside_px * beside]
     points = placed(template, poses, np.concatenate([surface.points, *around]))
     seen = image.sample(pixels_of(template.camera, points), template.step)
     inside, outer, inner = seen[:, :count], seen[:, count : count + edge], seen[:, count + edge :]
-    # What turned away from the camera is hidden; top and bottom make the silhouette where they end it.
+    # Points that turned away from the camera are hidden; the silhouette is the top's or the bottom's outline.
     shown = _shares(turned_towards(template, poses, points[:, :count], surface.facing) >= 0)
     facing = turned_towards(template, poses, points[:, count : count + edge], rim.normals)
     outline = _shares(facing * rim.upper <= 0)
@@ -139,19 +135,19 @@ def fit(image: LabImage, template: ObjectTemplate, poses: np.ndarray) -> Fit:
     known, found = surface.colours.astype(np.float32) * weights, inside[..., :3] * weights
     away = found - known
     squares = _squares(away)
-    colour = 1 - _mean(np.minimum(np.sqrt(squares), CAP), shown) / CAP
+    colour = 1 - _mean(np.minimum(np.sqrt(squares), SETTINGS.colour_cap), shown) / SETTINGS.colour_cap
     # Variances as mean squares less squared means.
     left, *energy = (
         _mean(squared, shown) - _squares(np.einsum("bnc,bn->bc", np.broadcast_to(values, found.shape), shown))
         for values, squared in ((away, squares), (known, _squares(known)[None]), (found, _squares(found)))
     )
-    structure = 1 - left / (energy[0] + energy[1] + 2 * NOISE**2)
+    structure = 1 - left / (energy[0] + energy[1] + 2 * SETTINGS.pattern_noise**2)
     across = (outer[..., :3] - inner[..., :3]) * weights
-    change = np.minimum(np.sqrt(_squares(across)) / BORDER, 1)
+    change = np.minimum(np.sqrt(_squares(across)) / SETTINGS.border_contrast, 1)
     border = _mean(np.maximum(1 - outer[..., 3], change), outline)
     fill = _mean(inside[..., 3], shown)
     terms = np.stack([colour, np.clip(structure, 0, 1), fill, border], axis=1).astype(np.float64)
-    return Fit(poses, terms, term_weights)
+    return Fit(poses, terms)
 
 
 def _squares(values: np.ndarray) -> np.ndarray:
@@ -174,12 +170,12 @@ _DIRECTIONS = np.concatenate([np.eye(4), -np.eye(4)])
 
 
 def refine(image: LabImage, template: ObjectTemplate, poses: np.ndarray, steps: np.ndarray, rounds: int) -> Fit:
-    """Each of the poses moved to where the object fits best nearby (pattern search, all poses at once).
+    """Each of the poses moved to the best one nearby (pattern search, all poses at once).
 
     Args:
         poses: (b, 4) to start from.
-        steps: (4,) first steps along x, y (metres), angle and log scale; halved where nothing nearby is better.
-        rounds: how many times all eight neighbours are looked at.
+        steps: (4,) first steps along x, y (metres), angle and log scale; halved where no neighbour is better.
+        rounds: in each, all eight neighbours of a pose are tried.
     """
     best = fit(image, template, poses)
     if not len(best.poses):
@@ -188,7 +184,7 @@ def refine(image: LabImage, template: ObjectTemplate, poses: np.ndarray, steps: 
     scale = np.ones(len(poses))
     for _ in range(rounds):
         tried = poses[:, None] + _DIRECTIONS[None] * (steps * scale[:, None])[:, None]
-        tried[..., 3] = np.clip(tried[..., 3], -SCALE_LIMIT, SCALE_LIMIT)
+        tried[..., 3] = np.clip(tried[..., 3], -SETTINGS.largest_log_scale, SETTINGS.largest_log_scale)
         around = fit(image, template, tried.reshape(-1, 4))
         scores = around.goodness.reshape(len(poses), -1)
         k = scores.argmax(axis=1)
@@ -198,13 +194,13 @@ def refine(image: LabImage, template: ObjectTemplate, poses: np.ndarray, steps: 
         terms = np.where(better[:, None], around.terms.reshape(len(poses), -1, 4)[rows, k], terms)
         goodness = np.where(better, scores[rows, k], goodness)
         scale = np.where(better, scale, scale / 2)
-    return Fit(poses, terms, best.weights)
+    return Fit(poses, terms)
 
 
 def mask_at(template: ObjectTemplate, pose: np.ndarray) -> np.ndarray:
-    """(H, W) bool: the outline of the proxy in the target picture at a pose (4,)."""
+    """(H, W) bool, the silhouette of the proxy in the target picture at a pose (4,)."""
     height, width = template.camera.height, template.camera.width
-    # The proxy's top face was seen at its height; each layer of it is that picture moved.
+    # Each layer is the picture of the top face, moved by three of its corners.
     corners = template.centre + template.extent * np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5]])
     flat = template.source_camera.unproject(corners, template.origin[2] + template.layers[-1]) - template.origin
     drawn, top = np.zeros((height, width), np.uint8), template.top.astype(np.uint8)
@@ -225,10 +221,10 @@ def mask_at(template: ObjectTemplate, pose: np.ndarray) -> np.ndarray:
 
 
 def from_pixels(template: ObjectTemplate, poses: np.ndarray) -> np.ndarray:
-    """(k, 4) poses from (k, 4) where the template's centre goes (u, v, pixels), turn and log scale.
+    """(k, 4) poses from (k, 4): the place of the template's centre (u, v, pixels), turn and log scale.
 
-    A silhouette's centroid is close to the picture of the object's middle, so rays are met at half its height; the
-    rest of the way from there to the object's origin is measured in the source and turns with the object.
+    A silhouette's centroid is close to the picture of the object's middle, so its ray is cut at half the height. The
+    offset from there to the object's origin is measured in the source and turns with the object.
     """
     poses = np.reshape(poses, (-1, 4))
     middle = (template.box[0, 2] + template.box[1, 2]) / 2

@@ -1,4 +1,4 @@
-"""What detectors, embedders and the critic see: pictures with their cameras, regions of them, and how an asset looks.
+"""Inputs of detectors, embedders and the critic: pictures with cameras, regions of pictures, looks of assets.
 
 Pictures are (H, W, 3) uint8 RGB. Every implementation has a ``provider`` name, which is written into each file that
 its answers touched.
@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+import cv2
 import numpy as np
 
 from vcage.base.geometry import Camera
@@ -31,6 +32,31 @@ class Detection:
     score: float
     label: str | None = None
 
+    @classmethod
+    def of_mask(cls, mask: np.ndarray, score: float = 1.0) -> Detection:
+        """The region that a mask (H, W), not empty, covers."""
+        u, v, width, height = cv2.boundingRect(mask.astype(np.uint8))
+        return cls((float(u), float(v), float(u + width), float(v + height)), mask, score)
+
+    @property
+    def centre(self) -> tuple[float, float]:
+        """(u, v) of the middle of the box, pixels."""
+        u0, v0, u1, v1 = self.box
+        return (u0 + u1) / 2, (v0 + v1) / 2
+
+    def pixels(self, shape: tuple[int, ...]) -> np.ndarray:
+        """(H, W) bool: the mask, or the part of the box inside a picture of that shape where there is no mask.
+
+        Empty when neither lies in the picture.
+        """
+        if self.mask is not None and self.mask.shape == tuple(shape[:2]) and self.mask.any():
+            return self.mask
+        mask = np.zeros(shape[:2], bool)
+        if np.isfinite(self.box).all():
+            u0, v0, u1, v1 = np.clip(self.box, 0, [shape[1], shape[0]] * 2)
+            mask[int(v0) : int(np.ceil(v1)), int(u0) : int(np.ceil(u1))] = True
+        return mask
+
 
 @dataclass(frozen=True)
 class View:
@@ -42,11 +68,11 @@ class View:
 
 @dataclass(frozen=True)
 class Reference:
-    """What an object looks like: the library's own render of the asset, alone, from straight above.
+    """The look of an object: the library's own render of the asset, alone, from straight above.
 
     Args:
-        phrase: what to call it.
-        picture: (h, w, 4) uint8 RGBA; alpha 0 where the object is not. Object x to the right, y up.
+        phrase: its name in sentences.
+        picture: (h, w, 4) uint8 RGBA; alpha 0 beside the object. Object x to the right, y up.
         metres_per_pixel: scale of the picture at the object's base.
         size: (3,) bounding box, metres.
     """
@@ -65,12 +91,12 @@ class Detector(Protocol):
     def detect(
         self, picture: np.ndarray, names: Sequence[str], background: np.ndarray | None = None
     ) -> list[Detection]:
-        """Regions that may be objects, best first; ``names`` is the text prompt, ``background`` the empty table."""
+        """Regions that may be objects, the best first; ``names`` is the text prompt, ``background`` the empty table."""
         ...
 
 
 class Embedder(Protocol):
-    """Turns regions of a picture into feature vectors whose cosine says how alike they look."""
+    """Turns regions of a picture into feature vectors; their cosine is the similarity of two looks."""
 
     provider: str
 

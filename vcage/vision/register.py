@@ -1,9 +1,9 @@
-"""Brings the picture that an image model answered with into the frame of the picture that it was given.
+"""Registration: brings the answer of an image model into the frame of the picture that the model was given.
 
-Image models answer in sizes of their own, mostly of the same aspect; some crop or pad to get there, zoom a little, and
-recolour. What they keep is the table: its edges against the ground, and its grain if they left that. So the empty table
-says how the answer lies over the source, and objects, which were moved, have no say. What the table does not confirm is
-not done: the answer is resized as a whole then, and a note says so.
+Image models answer in sizes of their own, mostly of the same aspect. Some crop or pad, zoom a little, and change
+colours. They keep the table: its edges against the ground, and often its grain. So the fit uses the empty table alone
+and ignores the objects, which were moved. A fit that the table does not confirm is not applied: the answer is resized
+as a whole, and a note says so.
 """
 
 from __future__ import annotations
@@ -18,32 +18,38 @@ from vcage.base.errors import InputFileError
 from vcage.vision.register_edges import Axis, EdgesAlong, confirmed_by, laid, warp_of
 from vcage.vision.register_texture import grain_fit
 
-SAME_ASPECT = 0.01
-"""Logarithm of a stretch that is none: sizes are whole numbers."""
-
-PADDED_ASPECT = 0.03
-"""Logarithm of the stretch that a padding may leave: what it pads may be of a slightly other aspect already."""
-
-BENT, BENT_EDGE = 0.03, 3.0
-"""Logarithm of the stretch between two axes that were found each for itself, beyond which the edges are bent; and
-pixels by which image models bend an edge."""
-
 UNSEEN = ": the table is not seen well enough to check where the picture lies over it"
 
-WITHIN = 1.25
-"""Pixels by which a table's edges may be off in an answer that is where it should be."""
 
-LEAST_SHIFT = 1.0
-"""Pixels that a fit must move some corner by to be worth resampling the picture for."""
+@dataclass(frozen=True)
+class RegistrationSettings:
+    """Tolerances of the registration; stretches as logarithms.
 
-LARGEST_TURN = 0.6
-"""Pixels at the sides by which a picture may be turned without a word; pictures of a table are seldom turned."""
+    Args:
+        same_aspect: stretch that is rounding: sizes are whole numbers.
+        padded_aspect: stretch that may remain without the padding: the padded picture may have another aspect.
+        bent_stretch: the edges are bent if both axes, each fitted by itself, differ by a larger stretch.
+        bent_edge_px: image models bend an edge by as much.
+        confirmed_px: largest error of the table's edges in an answer that lies where it should.
+        least_shift_px: a fit that moves no corner by more is not worth resampling.
+        largest_turn_px: turn of the picture, measured at its sides, above which a note says so.
+        uniform_levels: grey levels by which the pixels of a padded border may differ.
+    """
 
-UNIFORM = 6.0
-"""Grey levels by which the pixels of a padded border may differ."""
+    same_aspect: float = 0.01
+    padded_aspect: float = 0.03
+    bent_stretch: float = 0.03
+    bent_edge_px: float = 3.0
+    confirmed_px: float = 1.25
+    least_shift_px: float = 1.0
+    largest_turn_px: float = 0.6
+    uniform_levels: float = 6.0
+
+
+SETTINGS = RegistrationSettings()
 
 ZOOMS, FEW_ZOOMS = (np.exp(np.arange(np.log(low), np.log(high), 0.015)) for low, high in ((0.78, 1.14), (0.9, 1.06)))
-"""Scales that the grain is looked for at: editors zoom in by cropping, and out a little; less beside another change."""
+"""Scales at which the grain is searched: editors zoom in by cropping, and out a little; less if the aspect changed."""
 
 
 @dataclass(frozen=True)
@@ -51,10 +57,10 @@ class Registered:
     """A picture in the frame of the source.
 
     Args:
-        picture: (H, W, 3) uint8 RGB in the source's size; the empty table where the answer shows nothing.
-        valid: (H, W) bool, where the answer shows something.
+        picture: (H, W, 3) uint8 RGB in the source's size; the empty table beyond the answer.
+        valid: (H, W) bool, pixels that the answer shows.
         warp: (2, 3) float64, pixels of the answer to pixels of the source; centres at whole numbers.
-        notes: what was done and how sure it is, for the record; empty when there was nothing to do.
+        notes: changes and their certainty, for the record; empty when nothing was changed.
     """
 
     picture: np.ndarray
@@ -64,7 +70,7 @@ class Registered:
 
 
 def register(target: np.ndarray, source: np.ndarray, background: np.ndarray) -> Registered:
-    """Undo what an image model did to size and frame.
+    """Undo an image model's changes of size and frame.
 
     Args:
         target: (h, w), (h, w, 1), (h, w, 3) or (h, w, 4) of any size; uint8, uint16, or floats in [0, 1].
@@ -86,7 +92,7 @@ def register(target: np.ndarray, source: np.ndarray, background: np.ndarray) -> 
         notes.append(f"padding was cut off; columns {u0} to {u1} and rows {v0} to {v1} are left")
     whole = _resized(content, size)
     x, y, note = _fit(whole, background, content.shape[1] / content.shape[0] * size[1] / size[0])
-    if max(axis.largest_shift(length) for axis, length in zip((x, y), size)) < LEAST_SHIFT:
+    if max(axis.largest_shift(length) for axis, length in zip((x, y), size)) < SETTINGS.least_shift_px:
         x, y = Axis(), Axis()
     laid_over, valid = _applied(whole, shown, (x, y), background)
     resized = Axis.between((u0, u1), (0, size[0])), Axis.between((v0, v1), (0, size[1]))
@@ -95,7 +101,7 @@ def register(target: np.ndarray, source: np.ndarray, background: np.ndarray) -> 
 
 
 def read_picture(target: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """((h, w, 3) uint8 RGB, (h, w) bool where it is not transparent) of a picture in any form.
+    """((h, w, 3) uint8 RGB, (h, w) bool of the opaque pixels) of a picture in any form.
 
     Raises:
         InputFileError: see :func:`register`.
@@ -103,7 +109,7 @@ def read_picture(target: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     hint = "it must be RGB, RGBA or grey, in whole numbers up to 255 or 65535 or fractions up to 1"
     if not isinstance(target, np.ndarray) or target.ndim not in (2, 3) or 0 in target.shape:
         shape = getattr(target, "shape", type(target).__name__)
-        raise InputFileError(f"the edited picture is no picture: {shape}", hint=hint)
+        raise InputFileError(f"the edited picture is not a picture: {shape}", hint=hint)
     layers = np.atleast_3d(target)
     if layers.shape[2] not in (1, 3, 4):
         raise InputFileError(f"the edited picture has {layers.shape[2]} channels", hint=hint)
@@ -129,34 +135,36 @@ def _as_bytes(layers: np.ndarray, hint: str) -> np.ndarray:
     raise InputFileError(f"the edited picture has {what}", hint=hint)
 
 
-# --- how the answer lies over the source -----------------------------------------------------------------
+# --- fit of the answer over the source ----------------------------------------------------------------------
 
 
 def _fit(whole: np.ndarray, background: np.ndarray, aspect: float) -> tuple[Axis, Axis, str]:
-    """Where a picture, resized to the source's size, lies in it along x and y, and what is to be said of that.
+    """The fit along x and y of a picture, resized to the source's size, over the source; and a note on it.
 
     Args:
         whole: (H, W, 3) uint8, the picture.
         background: (H, W, 3) uint8, the empty table.
-        aspect: how much wider the picture was than the source, for its height.
+        aspect: ratio of the aspects of the picture and the source.
     """
-    same = abs(np.log(aspect)) < SAME_ASPECT
+    aspect = 1.0 if abs(np.log(aspect)) < SETTINGS.same_aspect else aspect
     empty, seen = (np.asarray(cv2.cvtColor(picture, cv2.COLOR_RGB2LAB)) for picture in (background, whole))
     along = [EdgesAlong.of(empty, seen, axis) for axis in (1, 0)]
-    confirmed = confirmed_by(along, WITHIN)
-    if confirmed and same:
+    confirmed = confirmed_by(along, SETTINGS.confirmed_px)
+    if confirmed and aspect == 1:
         return Axis(), Axis(), ""
-    by_texture = _by_texture(whole, background, 1.0 if same else aspect)
+    by_texture = _by_texture(whole, background, aspect)
     if by_texture is not None:
         return by_texture
     x, y = [Axis() if one.edges else None for one in along] if confirmed else _by_edges(along)
-    return _completed(x, y, 1.0 if same else aspect, whole.shape[1::-1])
+    return _completed(x, y, aspect, whole.shape[1::-1])
 
 
 def _by_texture(whole: np.ndarray, background: np.ndarray, aspect: float) -> tuple[Axis, Axis, str] | None:
-    """The fit by the table's grain, see :func:`_fit`; None where that cannot be seen. The aspect is exactly 1 when the
-    picture's is the source's."""
-    # Stretched to the aspect of the answer; or cropped or extended to it, of which either keeps one side whole.
+    """The fit by the table's grain, see :func:`_fit`; None if the grain is not visible.
+
+    The aspect is exactly 1 if picture and source have the same.
+    """
+    # The model stretched the picture to the answer's aspect; or cropped or extended it, which keeps one side whole.
     plain = [(1.0, 1.0)] if aspect == 1 else [(1.0, 1.0), (1.0, 1 / aspect), (aspect, 1.0)]
     zooms = (1.0, *(ZOOMS if aspect == 1 else FEW_ZOOMS))
     theirs, ours = (cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY) for picture in (whole, background))
@@ -164,28 +172,28 @@ def _by_texture(whole: np.ndarray, background: np.ndarray, aspect: float) -> tup
     if found is None:
         return None
     (sx, sy, tx, ty), turn = found
-    turned = "; it is turned a little, which is not undone" if abs(turn) > LARGEST_TURN else ""
+    turned = "; it is turned a little, which is not undone" if abs(turn) > SETTINGS.largest_turn_px else ""
     return Axis(sx, tx), Axis(sy, ty), f"laid over the table by its grain: {_spelled((sx, sy))}{turned}"
 
 
 def _by_edges(along: Sequence[EdgesAlong]) -> list[Axis | None]:
-    """How the edges of the table lie along x and along y; None where the table shows none, or one cannot be sure."""
+    """The fit of the table's edges along x and y; None for an axis without edges, and for both if one is ambiguous."""
     found: list[Axis | None] = []
     for one in along:
         ways = laid(one.empty, one.edges, one.seen) if one.edges else []
         if one.edges and len(ways) != 1:
             return [None, None]
-        bent = bool(ways) and ways[0].largest_shift(len(one.seen.change)) < BENT_EDGE
+        bent = bool(ways) and ways[0].largest_shift(len(one.seen.change)) < SETTINGS.bent_edge_px
         found.append(Axis() if bent else ways[0] if ways else None)
     return found
 
 
 def _completed(x: Axis | None, y: Axis | None, aspect: float, size: Sequence[int]) -> tuple[Axis, Axis, str]:
-    """The fit by the edges of the table along x and y; an axis that they leave open is centred, and said to be.
+    """The fit by the edges of the table along x and y; an open axis is centred, and the note says so.
 
     Args:
-        x, y: what the edges say.
-        aspect: exactly 1 when the picture's is the source's.
+        x, y: fits of the edges.
+        aspect: exactly 1 if picture and source have the same.
         size: width and height of the source, pixels.
     """
     if x is None and y is None:
@@ -194,13 +202,13 @@ def _completed(x: Axis | None, y: Axis | None, aspect: float, size: Sequence[int
         return x, y, f"{how}{UNSEEN}"
     if x is None or y is None:
         return _with_one_centred(x, y, aspect, size)
-    if min(abs(np.log(x.scale / y.scale / shape)) for shape in (1.0, aspect)) > BENT:
+    if min(abs(np.log(x.scale / y.scale / shape)) for shape in (1.0, aspect)) > SETTINGS.bent_stretch:
         return Axis(), Axis(), f"resized as a whole{UNSEEN}"
     return x, y, f"laid over the table by its edges: {_spelled((x.scale, y.scale))}"
 
 
 def _with_one_centred(x: Axis | None, y: Axis | None, aspect: float, size: Sequence[int]) -> tuple[Axis, Axis, str]:
-    """:func:`_completed` where one axis is open."""
+    """:func:`_completed` for one open axis."""
     side = "across" if x is None else "along"
     x = x or _centred(_open_scale((y or Axis()).scale, aspect), size[0])
     y = y or _centred(_open_scale(x.scale, 1 / aspect), size[1])
@@ -211,9 +219,9 @@ def _with_one_centred(x: Axis | None, y: Axis | None, aspect: float, size: Seque
 
 
 def _open_scale(known: float, aspect: float) -> float:
-    """The scale of the open axis: with square pixels, or stretched where that would show more than there is."""
+    """The scale of the open axis: for square pixels, or stretched if square pixels would exceed the picture."""
     square = known * aspect
-    return square if square <= 1 + SAME_ASPECT else min(square, known, key=lambda scale: abs(np.log(scale)))
+    return square if square <= 1 + SETTINGS.same_aspect else min(square, known, key=lambda scale: abs(np.log(scale)))
 
 
 def _centred(scale: float, length: int) -> Axis:
@@ -228,19 +236,19 @@ def _spelled(scale: Sequence[float]) -> str:
 
 
 def _content(picture: np.ndarray, there: np.ndarray, size: tuple[int, int]) -> tuple[int, int, int, int]:
-    """The box (u0, v0, u1, v1) without the padding by which an editor got to its own aspect from the source's.
+    """The box (u0, v0, u1, v1) without the padding that an editor added to reach its own aspect.
 
-    Even ground beside a table looks like a padding too, so it is one only where it leaves the aspect of the source.
+    Even ground beside a table looks like a padding, so a border is one only if the rest has the aspect of the source.
     """
     whole = 0, 0, picture.shape[1], picture.shape[0]
     for box in (whole, unpadded(picture, there)):
-        if abs(np.log((box[2] - box[0]) / (box[3] - box[1]) * size[1] / size[0])) < PADDED_ASPECT:
+        if abs(np.log((box[2] - box[0]) / (box[3] - box[1]) * size[1] / size[0])) < SETTINGS.padded_aspect:
             return box
     return whole
 
 
 def unpadded(picture: np.ndarray, there: np.ndarray) -> tuple[int, int, int, int]:
-    """The box (u0, v0, u1, v1) that borders of one colour, or transparent ones, leave; at least half of each side."""
+    """The box (u0, v0, u1, v1) without transparent borders and borders of one colour; at least half of each side."""
     box = [0, 0, picture.shape[1], picture.shape[0]]
     for axis, (lines, clear) in enumerate(((picture.transpose(1, 0, 2), ~there.T), (picture, ~there))):
         first = _border(lines, clear)
@@ -251,11 +259,14 @@ def unpadded(picture: np.ndarray, there: np.ndarray) -> tuple[int, int, int, int
 
 
 def _border(lines: np.ndarray, clear: np.ndarray) -> int:
-    """How many lines from the first on are ``clear``, or have the colour that the first has all along."""
+    """Number of lines from the first on that are ``clear`` or have the colour of the first all along."""
     colour = np.median(lines[0], axis=0)
     for k, line in enumerate(lines):
         off = np.abs(line - colour).max(axis=1)
-        if not clear[k].all() and np.partition(off, -(len(off) // 50) - 1)[-(len(off) // 50) - 1] >= UNIFORM:
+        if (
+            not clear[k].all()
+            and np.partition(off, -(len(off) // 50) - 1)[-(len(off) // 50) - 1] >= SETTINGS.uniform_levels
+        ):
             return k
     return len(lines)
 
@@ -264,7 +275,7 @@ def _border(lines: np.ndarray, clear: np.ndarray) -> int:
 
 
 def _resized(picture: np.ndarray, size: tuple[int, int]) -> np.ndarray:
-    """The picture in a size (width, height); shrunk by areas, as sampling would skip pixels."""
+    """The picture in a size (width, height); shrunk by averaging, as sampling would skip pixels."""
     if picture.shape[1::-1] == size:
         return picture
     smaller = size[0] <= picture.shape[1] and size[1] <= picture.shape[0]
@@ -274,7 +285,7 @@ def _resized(picture: np.ndarray, size: tuple[int, int]) -> np.ndarray:
 def _applied(
     whole: np.ndarray, shown: np.ndarray, fit: tuple[Axis, Axis], background: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(the picture resampled, the empty table where it shows nothing; where it shows something)."""
+    """(the picture resampled, with the empty table beyond it; (H, W) bool, the pixels that it shows)."""
     height, width = background.shape[:2]
     valid = cv2.resize(shown.astype(np.uint8), (width, height), interpolation=cv2.INTER_NEAREST)
     if fit != (Axis(), Axis()):

