@@ -1,4 +1,4 @@
-"""How well objects are found again in target pictures whose truth is known, level by level, beside the paper's rule.
+"""Matching of objects in target pictures with known truth, level by level, beside a greedy baseline.
 
 Pictures are rendered scenes of the library's objects, moved and turned, then changed as image models change what they
 redraw (docs/match-pictures.md). They are made once and kept in the user's cache; --pictures scores others instead.
@@ -15,7 +15,7 @@ from typing import Any
 from benchmarks._match.cases import Case, case_folders, read_case, write_case
 from benchmarks._match.levels import LEVELS
 from benchmarks._match.scoring import Score, row
-from benchmarks._match.stacks import OFFLINE, PAPER, build, judge
+from benchmarks._match.stacks import BASELINE, OFFLINE, build, judge
 from vcage.base.errors import UsageError
 
 logger = logging.getLogger(__name__)
@@ -27,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--stack",
         action="append",
         metavar="DETECTOR+EMBEDDER",
-        help=f"what finds objects and tells them apart; may be given several times (default: {OFFLINE})",
+        help=f"detector and embedder to measure; may be given several times (default: {OFFLINE})",
     )
     parser.add_argument("--pictures", type=Path, metavar="DIR", help="score the cases in this folder, made elsewhere")
     parser.add_argument("--keep", type=Path, metavar="DIR", help="copy the generated cases of this run to a folder")
@@ -40,7 +40,7 @@ def run(
 
     Args:
         quick: 30 pictures instead of 320.
-        stack: stacks that are measured; the paper's plain rule is measured beside them in any case.
+        stack: measured stacks; the greedy baseline is always measured beside them.
         pictures: folder of cases to score instead of the generated ones.
         keep: folder that the generated cases are copied to.
 
@@ -51,7 +51,7 @@ def run(
     """
     if keep is not None and pictures is not None:
         raise UsageError("--keep copies generated pictures, --pictures has none made", hint="give one of the two")
-    matchers = {name: build(name) for name in [*(stack or [OFFLINE]), PAPER]}
+    matchers = {name: build(name) for name in [*(stack or [OFFLINE]), BASELINE]}
     root, folders = (pictures, case_folders(pictures)) if pictures is not None else _generated(quick)
     scores: dict[tuple[str, str], list[Score]] = {}
     for case in _read(root, folders, keep):

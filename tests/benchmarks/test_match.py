@@ -1,4 +1,4 @@
-"""``python -m benchmarks match`` on painted pictures: its rows, its options, its refusals, and the paper's rule."""
+"""``python -m benchmarks match`` on painted pictures: its rows, its options, its refusals, and the greedy baseline."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 from benchmarks import match
 from benchmarks.__main__ import main
 from benchmarks._match.cases import write_case
-from benchmarks._match.paper import match_plainly
+from benchmarks._match.greedy import match_greedily
 from benchmarks._match.stacks import build
 from tests.benchmarks.painted import MOVED, painted_case
 from vcage.base.errors import UnknownName, UsageError
@@ -25,8 +25,8 @@ def pictures(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_the_paper_rule_finds_painted_bars_where_they_are() -> None:
-    matches = match_plainly(painted_case(), build_detector("background"), build_embedder("classical"))
+def test_the_baseline_finds_painted_bars_where_they_are() -> None:
+    matches = match_greedily(painted_case(), build_detector("background"), build_embedder("classical"))
     for found in matches:
         place, yaw = MOVED[found.object]
         assert found.method == "feature"
@@ -34,18 +34,18 @@ def test_the_paper_rule_finds_painted_bars_where_they_are() -> None:
         assert abs(float(wrap_angle(found.yaw - yaw))) < np.radians(8)
 
 
-def test_the_paper_rule_keeps_what_an_empty_table_does_not_show() -> None:
+def test_the_baseline_keeps_objects_that_an_empty_table_does_not_show() -> None:
     case = painted_case()
     empty = type(case)(**{**vars(case), "target": case.background})
-    matches = match_plainly(empty, build_detector("background"), build_embedder("classical"))
+    matches = match_greedily(empty, build_detector("background"), build_embedder("classical"))
     assert {found.method for found in matches} == {"kept"}
 
 
-def test_every_level_has_a_row_of_each_stack_and_of_the_paper(pictures: Path) -> None:
+def test_every_level_has_a_row_of_each_stack_and_of_the_baseline(pictures: Path) -> None:
     rows = match.run(False, pictures=pictures)["rows"]
     assert [(row["level"], row["stack"]) for row in rows] == [
         ("painted", "background+classical"),
-        ("painted", "paper-greedy"),
+        ("painted", "greedy-baseline"),
     ]
     assert all(row["pictures"] == 1 and row["recall"] == 1 for row in rows)
 
@@ -58,9 +58,9 @@ def test_the_last_line_is_json(pictures: Path, capsys: pytest.CaptureFixture[str
 def test_the_log_ends_with_the_rows_as_a_table(pictures: Path, caplog: pytest.LogCaptureFixture) -> None:
     caplog.set_level("INFO")
     assert main(["match", "--pictures", str(pictures)]) == 0
-    heading, ours, paper = (line.split() for line in caplog.messages[-3:])
+    heading, ours, baseline = (line.split() for line in caplog.messages[-3:])
     assert heading[:3] == ["level", "stack", "pictures"]
-    assert (ours[:3], paper[:3]) == (["painted", "background+classical", "1"], ["painted", "paper-greedy", "1"])
+    assert (ours[:3], baseline[:3]) == (["painted", "background+classical", "1"], ["painted", "greedy-baseline", "1"])
 
 
 def test_a_damaged_case_ends_the_run_with_its_name(pictures: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,8 +1,8 @@
-"""The paper's plain rule (section III-A3) as it is written, for comparison; nothing of ``vcage.matching`` is used.
+"""A baseline: the pairing of the paper's section III-A3, with any detector and embedder; none of our matching is used.
 
-Each known object in turn takes the free detection whose features are most alike, if their cosine is above τ; what is
-left is paired by name and features together; the middle of the box becomes a place on the plane of the object's
-middle; the turn is the best correlation of the upright crops over an angular grid.
+Each known object in turn takes the free detection with the most similar features, if their cosine is above τ. The rest
+is paired by name and features together. The middle of the box becomes a place on the plane of the object's middle. The
+turn is the best correlation of the upright crops over a grid of angles. The paper runs it on Grounding DINO and DINOv2.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ CROP = 64
 """Side of the crops that are correlated, pixels."""
 
 
-def match_plainly(case: Case, detector: Detector, embedder: Embedder) -> list[Match]:
+def match_greedily(case: Case, detector: Detector, embedder: Embedder) -> list[Match]:
     """A match for each object of the case's scene, in its order."""
     target = _in_size_of(_as_rgb(case.target), case.source)
     detections = detector.detect(target, [o.phrase for o in case.scene.objects], case.background)
