@@ -1,32 +1,32 @@
-"""A URDF of one arm, as our simulator wants it, made from that of an embodiment.
+"""The URDF of one arm for our simulator, made from that of an embodiment.
 
-Our fingers are driven to one position together, so a finger that runs the other way gets its axis turned round. A
-URDF with two arms becomes one for each arm; the body that carries both stays with the first. Joints that are neither
-arm nor finger are held where they are. Meshes stay where they lie, and are named by absolute path.
+Our fingers are driven to one position together, so the axis of a finger that runs the other way is reversed. A URDF
+with two arms becomes one for each arm; the body that carries both stays with the first. Joints that are neither arm
+nor finger become fixed. Meshes stay in their folders and are named by absolute path.
 """
 
 from __future__ import annotations
 
 import copy
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from vcage.base.errors import DamagedFile, SchemaMismatch
-from vcage.sim.robotwin.embodiment import ArmConfig, Embodiment, Problems, wrong
+from vcage.base.errors import DamagedFile
+from vcage.sim.robotwin.embodiment import ArmConfig, Embodiment, Problem, require_none
 
 FULL_TURN = 2 * np.pi
-"""Range to either side of a joint that turns without end, radians."""
+"""Range to either side of a continuous joint, radians."""
 
 Element = ElementTree.Element
 
 
 @dataclass(frozen=True)
 class ArmFiles:
-    """What is written for an arm.
+    """The files of an arm.
 
     Args:
         urdf: text.
@@ -47,36 +47,44 @@ def read_robot(embodiment: Embodiment) -> Element:
         SchemaMismatch: joints of the config are not in it, on another arm or without limits, or meshes that it names
             are missing; names all of them.
     """
-    root = _parse(embodiment.urdf)
-    problems = Problems()
+    root = _parse(embodiment.urdf_path)
+    problems: list[Problem] = []
     for mesh in root.iter("mesh"):
-        found = problems.attempt(_mesh_file, embodiment, mesh.get("filename", ""))
+        found = _mesh_file(embodiment, mesh.get("filename", ""))
+        if isinstance(found, Problem):
+            problems.append(found)
         mesh.set("filename", str(found))
     joints = {joint.get("name", ""): joint for joint in root.findall("joint")}
     for i, arm in enumerate(embodiment.arms.values()):
-        wanted = [(f"arm_joints_name.{i}.{k}", name) for k, name in enumerate(arm.joints)]
-        wanted += [(f"ee_joints.{i}", arm.ee_joint)]
-        wanted += [(f"gripper_name.{i}", name) for name, _ in arm.fingers]
-        own = links_of_arm(root, arm) if arm.joints[0] in joints else None
-        for field, name in wanted:
-            if name not in joints:
-                text = f"{name!r} is no joint of {embodiment.urdf}; expected one of {', '.join(joints)}"
-                problems.add(wrong(embodiment.path, field, text))
-            elif own is not None and _child(joints[name]) not in own:
-                text = f"{name!r} does not hang on the arm that begins with {arm.joints[0]!r}"
-                problems.add(wrong(embodiment.path, field, f"{text}; expected one that does"))
-        for name in (*arm.joints, *(finger for finger, _ in arm.fingers)):
-            if name in joints:
-                problems.attempt(_check_limits, embodiment.urdf, joints[name])
-    problems.require_none()
+        problems += _misplaced_joints(embodiment, root, joints, i)
+        moved = [joints[name] for name in (*arm.joints, *(finger for finger, _ in arm.fingers)) if name in joints]
+        problems += [problem for joint in moved for problem in _limit_problems(embodiment.urdf_path, joint)]
+    require_none(problems)
     return root
 
 
-def _check_limits(path: Path, joint: Element) -> None:
+def _misplaced_joints(
+    embodiment: Embodiment, root: Element, joints: dict[str, Element], side: int
+) -> Iterator[Problem]:
+    """Joints of an arm's config that are not in the URDF, or not on the arm."""
+    arm = list(embodiment.arms.values())[side]
+    wanted = [(f"arm_joints_name.{side}.{k}", name) for k, name in enumerate(arm.joints)]
+    wanted += [(f"ee_joints.{side}", arm.ee_joint), *((f"gripper_name.{side}", name) for name, _ in arm.fingers)]
+    own = links_of_arm(root, arm) if arm.joints[0] in joints else None
+    for field, name in wanted:
+        if name not in joints:
+            text = f"{name!r} is no joint of {embodiment.urdf_path}; expected one of {', '.join(joints)}"
+            yield Problem(embodiment.path, field, text)
+        elif own is not None and _child(joints[name]) not in own:
+            text = f"{name!r} does not hang on the arm that begins with {arm.joints[0]!r}"
+            yield Problem(embodiment.path, field, f"{text}; expected one that does")
+
+
+def _limit_problems(path: Path, joint: Element) -> Iterator[Problem]:
     name, kind, limit = joint.get("name"), joint.get("type"), joint.find("limit")
     if kind not in ("revolute", "prismatic", "continuous"):
-        raise wrong(path, f"joint {name}.type", f"got {kind!r}; expected a joint that moves")
-    if kind == "continuous":
+        yield Problem(path, f"joint {name}.type", f"got {kind!r}; expected a joint that moves")
+    if kind not in ("revolute", "prismatic"):
         return
     ends = [None if limit is None else limit.get(end) for end in ("lower", "upper")]
     try:
@@ -84,7 +92,7 @@ def _check_limits(path: Path, joint: Element) -> None:
     except ValueError:
         lower, upper = 0.0, 0.0
     if not lower < upper:
-        raise wrong(path, f"joint {name}.limit", f"got lower {ends[0]}, upper {ends[1]}; expected lower < upper")
+        yield Problem(path, f"joint {name}.limit", f"got lower {ends[0]}, upper {ends[1]}; expected lower < upper")
 
 
 def arm_files(root: Element, embodiment: Embodiment, side: str, visuals: bool = True) -> ArmFiles:
@@ -92,10 +100,10 @@ def arm_files(root: Element, embodiment: Embodiment, side: str, visuals: bool = 
 
     Args:
         root: of :func:`read_robot`; it is not changed.
-        visuals: whether what is seen is kept.
+        visuals: keep the visual shapes.
     """
     root, arm = copy.deepcopy(root), embodiment.arms[side]
-    if embodiment.dual:
+    if embodiment.dual_arm:
         _separate(root, embodiment, side)
     turned = dict(arm.fingers)
     for joint in root.findall("joint"):
@@ -107,16 +115,16 @@ def arm_files(root: Element, embodiment: Embodiment, side: str, visuals: bool = 
         elif joint.get("type") == "continuous":
             _limit(joint)
         if turned.get(name, False):
-            _turn_round(joint)
+            _reverse(joint)
     meshes = _solids_as_meshes(root)
     for link in root.findall("link") if not visuals else []:
         for visual in link.findall("visual"):
             link.remove(visual)
-    return ArmFiles(ElementTree.tostring(root, encoding="utf-8"), _pairs(root, embodiment.srdf), meshes)
+    return ArmFiles(ElementTree.tostring(root, encoding="utf-8"), _pairs(root, embodiment.srdf_path), meshes)
 
 
 def held_joints(root: Element, embodiment: Embodiment) -> list[str]:
-    """Names of joints that could move, and are neither arm nor finger."""
+    """Names of movable joints that are neither arm nor finger."""
     own = {name for arm in embodiment.arms.values() for name in (*arm.joints, *(f for f, _ in arm.fingers))}
     return [j.get("name", "") for j in root.findall("joint") if j.get("type") != "fixed" and j.get("name") not in own]
 
@@ -137,26 +145,23 @@ def _parse(path: Path) -> Element:
         raise DamagedFile(f"{path} is not XML that can be read: {error}", hint="download the robot again") from error
 
 
-def _mesh_file(embodiment: Embodiment, name: str) -> Path:
-    """The file of a mesh; a package is looked for from the URDF's folder up to that of the config."""
+def _mesh_file(embodiment: Embodiment, name: str) -> Path | Problem:
+    """The file of a mesh; a package is searched from the URDF's folder up to that of the config."""
     plain = Path(name.removeprefix("package://").removeprefix("file://"))
     inside = Path(*plain.parts[1:]) if name.startswith("package://") and len(plain.parts) > 1 else plain
-    places = [embodiment.urdf.parent, *embodiment.urdf.parent.parents, embodiment.path.parent]
+    places = [embodiment.urdf_path.parent, *embodiment.urdf_path.parent.parents, embodiment.path.parent]
     stop = len(embodiment.path.parent.resolve().parents)
     places = [place.resolve() for place in places if len(place.resolve().parents) >= stop]
     for place in places:
         for candidate in (place / plain, place / inside):
             if candidate.is_file():
                 return candidate
-    raise SchemaMismatch(
-        f"{embodiment.urdf}: field mesh.filename: {name!r} is missing; expected the file {places[0] / plain}",
-        hint="download the robot again",
-        details={"path": str(embodiment.urdf), "field": "mesh.filename"},
-    )
+    text = f"{name!r} is missing; expected the file {places[0] / plain}"
+    return Problem(embodiment.urdf_path, "mesh.filename", text, hint="download the robot again")
 
 
 def _separate(root: Element, embodiment: Embodiment, side: str) -> None:
-    """Take the other arms out; all but the first arm lose the shape of the body that carries them."""
+    """Remove the other arms; all but the first arm lose the shape of the body that carries them."""
     for other, arm in embodiment.arms.items():
         if other != side:
             gone = links_of_arm(root, arm)
@@ -180,7 +185,7 @@ def _limit(joint: Element) -> None:
     limit.set("upper", str(FULL_TURN))
 
 
-def _turn_round(joint: Element) -> None:
+def _reverse(joint: Element) -> None:
     axis, limit = joint.find("axis"), joint.find("limit")
     axis = ElementTree.SubElement(joint, "axis", xyz="1 0 0") if axis is None else axis
     axis.set("xyz", " ".join(f"{-float(x):g}" for x in axis.get("xyz", "1 0 0").split()))
@@ -191,7 +196,7 @@ def _turn_round(joint: Element) -> None:
 
 
 def _solids_as_meshes(root: Element) -> dict[str, str]:
-    """Replace spheres and cylinders of collision shapes by meshes: planning knows boxes and convex meshes only."""
+    """Replace spheres and cylinders of collision shapes by meshes: planning handles boxes and convex meshes only."""
     import trimesh
 
     meshes = {}
@@ -234,7 +239,7 @@ def _parent(joint: Element) -> str:
 
 
 def _below(root: Element, link: str) -> set[str]:
-    """A link and all that hang on it."""
+    """A link and all links that hang on it."""
     children: dict[str, list[str]] = {}
     for joint in root.findall("joint"):
         children.setdefault(_parent(joint), []).append(_child(joint))
@@ -248,7 +253,7 @@ def _below(root: Element, link: str) -> set[str]:
 
 
 def fixed_below(root: Element, links: Sequence[str]) -> set[str]:
-    """Links and what fixed joints hang on them."""
+    """Links and the links that fixed joints hang on them."""
     found = set(links)
     while True:
         more = {_child(j) for j in root.findall("joint") if j.get("type") == "fixed" and _parent(j) in found} - found

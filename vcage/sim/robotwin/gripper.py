@@ -21,25 +21,25 @@ from vcage.sim.robotwin.embodiment import ArmConfig
 if TYPE_CHECKING:
     import sapien
 
-TIP_ZONE = 0.015
-"""The opening is measured on the last stretch of the fingers, metres."""
+TIP_LENGTH_M = 0.015
+"""The opening is measured on this last part of the fingers."""
 
-SMALL = 0.001
-"""Less than this is no opening, reach or palm, metres."""
+LEAST_SIZE_M = 0.001
+"""A smaller opening, reach or palm counts as not measurable."""
 
 ASSUMED = {"max_width": 0.08, "tip_depth": 0.01, "finger_length": 0.04, "palm_size": (0.06, 0.15), "force": 100.0}
-"""Where nothing can be measured: a gripper like the Panda's, metres and newtons."""
+"""Sizes that cannot be measured: those of a gripper like the Panda's, metres and newtons."""
 
 
 @dataclass(frozen=True)
 class Measured:
-    """A gripper of ours.
+    """A measured gripper.
 
     Args:
         tool_link: the link that its frame hangs on.
         tool_offset: the frame in that link.
         gripper: its sizes.
-        warnings: what could not be measured, and was assumed.
+        warnings: assumptions for sizes that cannot be measured.
     """
 
     tool_link: str
@@ -53,8 +53,8 @@ def measure_gripper(urdf: Path, arm: ArmConfig, field: str) -> Measured:
 
     Args:
         urdf: without visuals; its fingers all close the same way.
-        arm: joints, and where RoboTwin has the gripper's frame.
-        field: what the warnings begin with.
+        arm: joints, and RoboTwin's frame of the gripper.
+        field: beginning of the warnings.
 
     Raises:
         DamagedFile: SAPIEN cannot load the URDF.
@@ -95,7 +95,7 @@ def _loaded(urdf: Path, field: str) -> tuple[sapien.physx.PhysxArticulation, sap
     loader.fix_root_link = True
     try:
         return loader.load(str(urdf)), scene
-    except Exception as error:  # SAPIEN and the readers below it raise whatever their file makes them raise
+    except Exception as error:  # SAPIEN and its readers raise errors of many types
         raise DamagedFile(
             f"{field}: SAPIEN cannot load the URDF: {type(error).__name__}: {error}", hint="mend the URDF"
         ) from error
@@ -183,15 +183,15 @@ def _axis(articulation: sapien.physx.PhysxArticulation, name: str, frame: Pose) 
 
 
 def _opening(fingers: Sequence[np.ndarray], axes: Sequence[np.ndarray], travel: float) -> float | None:
-    """Room between two fingers near their tips, along y; how far they slide apart where there are no shapes."""
+    """Gap between two fingers near their tips, along y; the distance they slide apart if there are no shapes."""
     if len(fingers) == 2 and all(len(points) for points in fingers):
         tip = min(points[:, 2].max() for points in fingers)
-        low, high = sorted((points[points[:, 2] > tip - TIP_ZONE][:, 1] for points in fingers), key=np.mean)
+        low, high = sorted((points[points[:, 2] > tip - TIP_LENGTH_M][:, 1] for points in fingers), key=np.mean)
         gap = float(high.min() - low.max())
-        if gap > SMALL:
+        if gap > LEAST_SIZE_M:
             return round(gap, 4)
     slid = float(sum(abs(axis[1]) for axis in axes) * abs(travel))
-    return round(slid, 4) if slid > SMALL else None
+    return round(slid, 4) if slid > LEAST_SIZE_M else None
 
 
 def _lengths(fingers: Sequence[np.ndarray], palm: np.ndarray) -> dict[str, float | tuple[float, float] | None]:
@@ -200,14 +200,14 @@ def _lengths(fingers: Sequence[np.ndarray], palm: np.ndarray) -> dict[str, float
     free = round(float(-palm[:, 2].max()), 4) if len(palm) else 0.0
     wide = 2 * np.abs(palm[:, :2]).max(axis=0) if len(palm) else np.zeros(2)
     return {
-        "tip_depth": reach if reach > SMALL else None,
-        "finger_length": free if free > SMALL else None,
-        "palm_size": (round(float(wide[0]), 4), round(float(wide[1]), 4)) if wide.min() > SMALL else None,
+        "tip_depth": reach if reach > LEAST_SIZE_M else None,
+        "finger_length": free if free > LEAST_SIZE_M else None,
+        "palm_size": (round(float(wide[0]), 4), round(float(wide[1]), 4)) if wide.min() > LEAST_SIZE_M else None,
     }
 
 
 def _force(root: ElementTree.Element, joint: str) -> float | None:
-    """The limit of the finger's effort, newtons, where the URDF has one that can hold something."""
+    """The limit of the finger's effort, newtons, if the URDF has one that can hold an object."""
     limit = next(x for x in root.findall("joint") if x.get("name") == joint).find("limit")
     try:
         effort = float("nan" if limit is None else limit.get("effort", "nan"))

@@ -23,14 +23,14 @@ from vcage.sim.robotwin.arm_urdf import ArmFiles, arm_files, held_joints, links_
 from vcage.sim.robotwin.embodiment import Embodiment, read_embodiment
 from vcage.sim.robotwin.gripper import Measured, measure_gripper
 
-LONGEST = 80
+LONGEST_NAME = 80
 """Characters of a robot's name."""
 
-DISTANCE = 0.6
-"""Between the bases of two single arms, metres, when it is not given."""
+ARM_DISTANCE_M = 0.6
+"""Assumed distance between the bases of two single arms."""
 
-FOVY = 0.65
-"""Vertical field of view of a camera that RoboTwin gives none, radians: a RealSense D435's."""
+FOVY_RAD = 0.65
+"""Assumed vertical field of view of a camera: a RealSense D435's."""
 
 HEAD_CAMERA = RobotCamera(fovy=0.95, position=(0.0, -0.5, 1.62), forward=(0.0, 0.5, -0.866025), up=(0.0, 0.866025, 0.5))
 """Between and above the shoulders, looking down at the middle of the table."""
@@ -44,9 +44,9 @@ class ImportedRobot:
     """A robot that was imported.
 
     Args:
-        name: what ``load_robot`` calls it.
+        name: for ``load_robot``.
         path: of its record.
-        warnings: what was assumed.
+        warnings: assumptions.
     """
 
     name: str
@@ -59,7 +59,7 @@ def import_robot(folder: Path, distance: float | None = None, *, force: bool = F
 
     Args:
         folder: that holds ``config.yml``.
-        distance: between the bases of two single arms, metres; :data:`DISTANCE` when not given.
+        distance: between the bases of two single arms, metres; :data:`ARM_DISTANCE_M` when not given.
         force: replace a robot of that name that was imported before.
 
     Raises:
@@ -73,14 +73,14 @@ def import_robot(folder: Path, distance: float | None = None, *, force: bool = F
     _claim(name, path, force)
     embodiment = read_embodiment(folder)
     warnings = list(embodiment.warnings)
-    if embodiment.dual and distance is not None:
+    if embodiment.dual_arm and distance is not None:
         raise UsageError(f"{name} has both arms on one body: there is no distance to set", hint="leave out --distance")
-    if not embodiment.dual and distance is None:
-        warnings.append(f"{embodiment.path}: the arms' distance is not given; {DISTANCE} m is assumed")
-    distance = DISTANCE if distance is None else distance
+    if not embodiment.dual_arm and distance is None:
+        warnings.append(f"{embodiment.path}: the arms' distance is not given; {ARM_DISTANCE_M} m is assumed")
+    distance = ARM_DISTANCE_M if distance is None else distance
     root = read_robot(embodiment)
     if held := held_joints(root, embodiment):
-        warnings.append(f"{embodiment.urdf}: neither arm nor finger, held where they are: {', '.join(held)}")
+        warnings.append(f"{embodiment.urdf_path}: neither arm nor finger, held where they are: {', '.join(held)}")
     files, measured = {}, {}
     for side in embodiment.arms:
         files[side], measured[side] = arm_files(root, embodiment, side), _measured(embodiment, root, side)
@@ -103,9 +103,10 @@ def import_robot(folder: Path, distance: float | None = None, *, force: bool = F
 
 
 def _claim(name: str, path: Path, force: bool) -> None:
-    if len(name) > LONGEST:
+    if len(name) > LONGEST_NAME:
         raise UsageError(
-            f"{name!r} has {len(name)} characters; expected at most {LONGEST}", hint="rename the embodiment's folder"
+            f"{name!r} has {len(name)} characters; expected at most {LONGEST_NAME}",
+            hint="rename the embodiment's folder",
         )
     own = resource("assets", "robots", f"{name}.yml")
     if own.is_file():
@@ -115,7 +116,7 @@ def _claim(name: str, path: Path, force: bool) -> None:
 
 
 def _measured(embodiment: Embodiment, root: Element, side: str) -> Measured:
-    """The gripper of an arm; two arms alike are measured by themselves all the same."""
+    """The gripper of an arm; each of two equal arms is measured by itself."""
     with scratch_folder() as scratch:
         _write_files(scratch, side, arm_files(root, embodiment, side, visuals=False))
         field = f"{embodiment.path}: {side} gripper"
@@ -136,7 +137,7 @@ def _write_files(folder: Path, side: str, files: ArmFiles) -> None:
 def _arm(
     embodiment: Embodiment, root: Element, side: str, measured: Measured, own: Path, distance: float
 ) -> tuple[Arm, list[str]]:
-    """The record of an arm, and what was assumed.
+    """The record of an arm, and the assumptions.
 
     Args:
         own: folder of the robot's files.
@@ -144,27 +145,27 @@ def _arm(
     """
     arm = embodiment.arms[side]
     position = arm.base[:3].copy()
-    if not embodiment.dual:
+    if not embodiment.dual_arm:
         position[0] += distance / 2 * (-1 if side == "left" else 1)
     w, x, y, z = (_rounded(q) for q in arm.base[3:] / np.linalg.norm(arm.base[3:]))
     home, warnings = _home(embodiment, root, side)
     record = Arm(
         urdf=f"file:{own / f'{side}.urdf'}",
-        srdf=None if embodiment.srdf is None else f"file:{own / f'{side}.srdf'}",
+        srdf=None if embodiment.srdf_path is None else f"file:{own / f'{side}.srdf'}",
         base=PoseRecord(position=_vector(position), quaternion=(w, x, y, z)),
         joints=arm.joints,
         home=home,
         tool_link=measured.tool_link,
         tool_offset=measured.tool_offset,
         gripper=measured.gripper,
-        stiffness=embodiment.stiffness,
-        damping=embodiment.damping,
+        stiffness=embodiment.joint_stiffness,
+        damping=embodiment.joint_damping,
     )
     return record, warnings
 
 
 def _home(embodiment: Embodiment, root: Element, side: str) -> tuple[list[float], list[str]]:
-    """Home within the limits of the joints, and which angles were taken there."""
+    """Home within the limits of the joints, and a warning for each angle that was changed."""
     arm, warnings = embodiment.arms[side], []
     home = list(arm.home or [0.0] * len(arm.joints))
     joints = {joint.get("name"): joint for joint in root.findall("joint")}
@@ -183,26 +184,26 @@ def _home(embodiment: Embodiment, root: Element, side: str) -> tuple[list[float]
 
 
 def _cameras(embodiment: Embodiment, root: Element) -> tuple[dict[str, RobotCamera], list[str]]:
-    """The fixed cameras and those at the wrists by name, and what was assumed."""
+    """The fixed cameras and those at the wrists by name, and the assumptions."""
     cameras, warnings = _fixed_cameras(embodiment)
     for side, names in WRIST_LINKS.items():
         links = links_of_arm(root, embodiment.arms[side])
         link = next((x for x in names if x in links), None)
         if link is None:
-            warnings.append(f"{embodiment.urdf}: no link {' or '.join(names)}: no camera at the {side} wrist")
+            warnings.append(f"{embodiment.urdf_path}: no link {' or '.join(names)}: no camera at the {side} wrist")
         else:
             cameras[f"cam_{side}_wrist"] = RobotCamera(
-                fovy=FOVY, arm=side, link=link, position=(0, 0, 0), forward=(1, 0, 0), up=(0, 0, 1)
+                fovy=FOVY_RAD, arm=side, link=link, position=(0, 0, 0), forward=(1, 0, 0), up=(0, 0, 1)
             )
     return cameras, warnings
 
 
 def _fixed_cameras(embodiment: Embodiment) -> tuple[dict[str, RobotCamera], list[str]]:
     cameras, warnings = {}, []
-    for i, camera in enumerate(embodiment.cameras):
-        warnings.append(f"{embodiment.path}: field static_camera_list.{i}: no field of view; {FOVY} rad is assumed")
+    for i, camera in enumerate(embodiment.static_camera_list):
+        warnings.append(f"{embodiment.path}: field static_camera_list.{i}: no field of view; {FOVY_RAD} rad is assumed")
         cameras[camera.name] = RobotCamera(
-            fovy=FOVY,
+            fovy=FOVY_RAD,
             position=_vector(camera.position),
             forward=_vector(camera.forward),
             up=_vector(camera.up),
