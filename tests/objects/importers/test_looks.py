@@ -10,7 +10,8 @@ import trimesh
 from PIL import Image
 
 from vcage.base.errors import DamagedFile
-from vcage.objects.importers.looks import colour_word, load_surfaces, parts_of, word_of
+from vcage.objects.colour_words import word_of
+from vcage.objects.importers.looks import colour_word, load_surfaces, parts_of
 
 
 def parts_in(path: Path, linear=None) -> list:

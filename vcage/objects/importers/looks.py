@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import colorsys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,7 @@ from PIL import Image
 
 from vcage.base.errors import DamagedFile, VcageError
 from vcage.base.placeholders import require_fetched
+from vcage.objects.colour_words import word_of
 from vcage.objects.mesh_files import MeshFiles
 from vcage.objects.modelling.parts import Part, paint
 
@@ -188,10 +188,6 @@ def _to_screen(linear: np.ndarray) -> np.ndarray:
 # --- the word for a colour -----------------------------------------------------------------------------
 
 
-HUES = ((15, "red"), (42, "orange"), (70, "yellow"), (165, "green"), (195, "cyan"), (260, "blue"), (300, "purple"))
-"""Upper end of each hue in degrees; what lies beyond is pink, then red again."""
-
-
 def colour_word(parts: Sequence[Part]) -> str:
     """The word for the mean colour of all surfaces, weighted by their area."""
     total, weight = np.zeros(3), 0.0
@@ -208,14 +204,3 @@ def _colours_at(texture: np.ndarray, uv: np.ndarray) -> np.ndarray:
     column = (uv[:, 0] % 1.0 * width).astype(int).clip(0, width - 1)
     row = ((1 - uv[:, 1] % 1.0) * height).astype(int).clip(0, height - 1)
     return texture[row, column].astype(np.float64)
-
-
-def word_of(colour: np.ndarray) -> str:
-    """The everyday word for an sRGB colour (3,) from 0 to 255."""
-    hue, lightness, _ = colorsys.rgb_to_hls(*(np.asarray(colour) / 255))
-    chroma = (np.max(colour) - np.min(colour)) / 255
-    if chroma < 0.12:
-        return "black" if lightness < 0.2 else "white" if lightness > 0.8 else "grey"
-    degrees = hue * 360
-    name = next((word for end, word in HUES if degrees < end), "pink" if degrees < 345 else "red")
-    return "brown" if name in ("red", "orange") and degrees > 10 and lightness < 0.45 else name
