@@ -16,7 +16,7 @@ from vcage.schema.scene import ObjectRecord, Scene
 from vcage.sim.cameras import placed
 from vcage.sim.looks import PAINTED, _cameras, _lights, appearance_of
 from vcage.sim.robots import load_randomisation, load_robot
-from vcage.sim.tints import BESIDE, Colours, truthful
+from vcage.sim.tints import HUE_MARGIN_DEG, Colours, truthful
 
 CHANNEL = st.integers(0, 255)
 
@@ -39,7 +39,7 @@ def test_a_yellow_thing_keeps_its_distance_from_orange(hue, turn):
     rgb = (cv2.cvtColor(picture, cv2.COLOR_HLS2RGB)[0, 0] * 255).round().astype(np.uint8)
     colours = Colours(rgb[None], np.ones(1))
     kept = truthful(colours, Tint(hue_deg=turn, saturation=1.0, lightness=1.0))
-    nearer = None if kept is None else kept.model_copy(update={"hue_deg": kept.hue_deg - BESIDE})
+    nearer = None if kept is None else kept.model_copy(update={"hue_deg": kept.hue_deg - HUE_MARGIN_DEG})
     assert nearer is None or colours.words(nearer) == colours.words()
 
 

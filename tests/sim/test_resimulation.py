@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from tests.example_scenes import block_and_plate, world_of
-from vcage.sim.again import simulate_again
 from vcage.sim.drives import GRID, on_grid
 from vcage.sim.recording import StateLog
+from vcage.sim.resimulation import resimulate
 from vcage.sim.world import World
 
 
@@ -47,7 +47,7 @@ def test_the_recording_is_the_same_bit_for_bit():
     wave(world, 0)
     world.step(400)
     world.arms["right"].grip(0.0)
-    assert same(simulate_again(build, log.drives, 25, {}), log)
+    assert same(resimulate(build, log.drives, 25, {}), log)
 
 
 def test_so_is_one_that_went_on_from_a_snapshot_in_a_fresh_world():
@@ -61,7 +61,7 @@ def test_so_is_one_that_went_on_from_a_snapshot_in_a_fresh_world():
     wave(world, 2, steps=80)
     assert log.drives.restarts == [log.drives.settled + 60]
     assert len(log.drives) == 140
-    assert same(simulate_again(build, log.drives, 25, {}), log)
+    assert same(resimulate(build, log.drives, 25, {}), log)
 
 
 def test_what_was_told_after_a_snapshot_is_forgotten_when_it_is_gone_back_to_again():

@@ -47,7 +47,7 @@ def test_an_object_of_many_triangles_throws_the_shadow_of_its_hulls(models, tmp_
     fine.export(tmp_path / "fine.glb")
     body = Body(cube.model_copy(update={"visual": str(tmp_path / "fine.glb")}), Pose([0, 0, TABLE.height + 0.05]))
     hulls = World(TABLE, {"cube": body}, appearance=LOOK, render=True)
-    monkeypatch.setattr(bodies, "FAR_FEWER", np.inf)
+    monkeypatch.setattr(bodies, "SHADOW_SAVING", np.inf)
     itself = World(TABLE, {"cube": body}, appearance=LOOK, render=True)
     assert len(shapes(itself)) == 1 and len(shapes(hulls)) == 1 + len(cube.hulls)
     assert np.abs(shoot(hulls, ABOVE).astype(int) - shoot(itself, ABOVE)).max() <= 2

@@ -18,10 +18,10 @@ from vcage.episodes.recorded import Recorded
 from vcage.episodes.runner import versions
 from vcage.runs.accepted import accepted_episodes, none_counts
 from vcage.runs.context import StageContext
-from vcage.sim.again import simulate_again
 from vcage.sim.looks import look_world
 from vcage.sim.recording import StateLog
 from vcage.sim.replay import camera_paths, render_log
+from vcage.sim.resimulation import resimulate
 from vcage.tasks.assemble import camera_tracks, episode_data
 
 NOT_RECORDED = "not recorded"
@@ -120,7 +120,7 @@ def replay_episode(path: Path, context: StageContext) -> Replayed:
                 hint="record the episode again: collect with --force",
             )
         start = Recorded.of(episode, path, context)
-        log = simulate_again(start.world, episode.drives, round(episode.fps), start.drawn.world.start)
+        log = resimulate(start.world, episode.drives, round(episode.fps), start.drawn.world.start)
         again = episode_data(log, [], {}, episode.meta)
         pictures = _pictures(reader, start, log)
     # Pictures of a render were drawn by another program than simulated its states.

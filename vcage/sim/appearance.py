@@ -1,4 +1,4 @@
-"""How a rendered world looks; physics never depends on it, so a recording can be drawn again in another light."""
+"""The look of a rendered world. Physics never depends on it, so a recording can be drawn again in another light."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ class Appearance:
         floor_texture, wall_texture: the same as pictures that repeat (:mod:`vcage.objects.room_surfaces`), or None for
             the colours.
         floor_colour, wall_colour: of the surroundings without a picture.
-        light_direction: in which the key light shines, world frame; towards the robot (-y), so that the arms throw
-            their shadows away from the table.
+        light_direction: of the key light, world frame; towards the robot (-y), so that the arms throw their shadows
+            away from the table.
         light_colour: of the key light; values above 1 are brighter.
-        ambient: light from everywhere.
-        shadows: whether things throw shadows.
-        further_lights: (direction, colour) of up to two more lights, which throw none.
-        tints: how the colours of objects are changed, by id.
-        cameras: how cameras of the robot stand beside where its file puts them, by name.
+        ambient: light from all directions.
+        shadows: the key light throws shadows.
+        further_lights: (direction, colour) of up to two more lights without shadows.
+        tints: changes of the colours of objects, by id.
+        cameras: shifts of the robot's cameras from the poses in its file, by name.
     """
 
     table_texture: np.ndarray | None = field(default=None, repr=False)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -23,20 +24,28 @@ from vcage.sim.urdf import physics_urdf, render_urdf
 if TYPE_CHECKING:
     import sapien
 
-ARRIVED = 0.003
-"""The arm has arrived when every joint is this near its target, radians."""
 
-ARRIVAL_STEPS = 125
-"""Longest wait for it, physics steps."""
+@dataclass(frozen=True)
+class WaitSettings:
+    """Ends of the waits for an arm; steps are physics steps.
 
-FINGERS_STILL = 2e-5
-"""Movement of the fingers per physics step below which they stand still, metres."""
+    Args:
+        arrived_rad: the arm has arrived when every joint is this near its target.
+        arrival_steps: longest wait for that.
+        fingers_still_m: the fingers stand still when they move less per step.
+        fingers_apart_m: a released object is free when the fingers are this near to their goal.
+        least_finger_steps, most_finger_steps: shortest and longest wait for the fingers.
+    """
 
-FINGERS_APART = 0.006
-"""What is let go is free when the fingers are this near to where they open, metres."""
+    arrived_rad: float = 0.003
+    arrival_steps: int = 125
+    fingers_still_m: float = 2e-5
+    fingers_apart_m: float = 0.006
+    least_finger_steps: int = 25
+    most_finger_steps: int = 250
 
-FINGER_STEPS = (25, 250)
-"""Shortest and longest time that the fingers are given, physics steps."""
+
+WAITS = WaitSettings()
 
 
 def build_arm(scene: sapien.Scene, arm: Arm, visual_faces: float | None) -> sapien.physx.PhysxArticulation:
@@ -57,7 +66,7 @@ def build_arm(scene: sapien.Scene, arm: Arm, visual_faces: float | None) -> sapi
 
 @functools.lru_cache(maxsize=8)
 def _builder(arm_json: str, visual_faces: float | None) -> sapien.ArticulationBuilder:
-    """The arm read from its files, which takes longer than building it: once per process."""
+    """The builder of an arm, read from its files once per process: that takes longer than building."""
     import sapien
 
     arm = Arm.model_validate_json(arm_json)
@@ -81,7 +90,7 @@ def _finger_links(arm: Arm, urdf: Path) -> list[str]:
 
 
 class ArmControl:
-    """One arm of a world: what it is told to do, and what it does.
+    """One arm of a world: its commands and its measured state.
 
     ``qpos`` and ``command`` have the same layout: the arm's joints in radians, then the gripper's opening from
     0 (closed) to 1 (open).
@@ -94,7 +103,7 @@ class ArmControl:
 
     Attributes:
         layout: of the next.
-        drives: all that holds for the next physics step (:mod:`vcage.sim.drives`); replaced, never written into.
+        drives: commands for the next physics step (:mod:`vcage.sim.drives`); replaced, never written into.
     """
 
     def __init__(self, name: str, arm: Arm, articulation: sapien.physx.PhysxArticulation, step: Callable[[], None]):
@@ -113,7 +122,7 @@ class ArmControl:
             joint.set_drive_properties(arm.stiffness, arm.damping, force_limit=force, mode="force")
         self.layout = DriveLayout(len(arm.joints), articulation.dof)
         self.drives = np.zeros(self.layout.size)
-        self._told = np.full(self.layout.size, np.nan)
+        self._sent = np.full(self.layout.size, np.nan)
         self.reset()
 
     # --- actions: these advance the world ---
@@ -121,8 +130,8 @@ class ArmControl:
     def move(self, trajectory: Trajectory) -> None:
         """Follow a trajectory, one target for each physics step, and wait until the arm has arrived.
 
-        Like a robot's own controller, the drives are helped by the torque that the arm's inertia asks for, so that
-        the arm is where it is told to be while it speeds up and slows down.
+        As in a robot's own controller, a feed-forward torque for the arm's inertia keeps the arm on its targets while
+        it accelerates.
         """
         openings = dict(trajectory.openings)
         torques = self._torques(trajectory)
@@ -131,35 +140,34 @@ class ArmControl:
             if i in openings:
                 self.command_gripper(openings[i])
             self.command_joints(q, velocity)
-            self._tell("torque", torque)
+            self._command("torque", torque)
             self._step()
-        self._tell("torque", np.zeros(self.articulation.dof))
+        self._command("torque", np.zeros(self.articulation.dof))
         self.command_joints(trajectory.end)
-        for _ in range(ARRIVAL_STEPS):
-            if np.abs(self.joints - trajectory.end).max() < ARRIVED:
+        for _ in range(WAITS.arrival_steps):
+            if np.abs(self.joints - trajectory.end).max() < WAITS.arrived_rad:
                 break
             self._step()
 
     def grip(self, opening: float) -> None:
         """Drive the fingers to ``opening`` (0 closed, 1 open) until they stand still, there or against an object."""
         self.command_gripper(opening)
-        shortest, longest = FINGER_STEPS
-        for count in range(longest):
+        for count in range(WAITS.most_finger_steps):
             before = self.finger_width
             self._step()
-            if count >= shortest and abs(self.finger_width - before) < FINGERS_STILL:
+            if count >= WAITS.least_finger_steps and abs(self.finger_width - before) < WAITS.fingers_still_m:
                 break
 
     def release(self, opening: float) -> None:
         """Drive the fingers apart to ``opening`` until they are nearly there; they go on while the arm moves."""
         self.command_gripper(opening)
-        for _ in range(FINGER_STEPS[1]):
-            if (opening - self.opening) * self.arm.gripper.max_width < FINGERS_APART:
+        for _ in range(WAITS.most_finger_steps):
+            if (opening - self.opening) * self.arm.gripper.max_width < WAITS.fingers_apart_m:
                 break
             self._step()
 
     def _torques(self, trajectory: Trajectory) -> np.ndarray:
-        """(T, dof) mass matrix × acceleration, N m; the empty hand's, as nothing weighs what it holds."""
+        """(T, dof) mass matrix × acceleration, N m; that of an empty hand, as the held mass is unknown."""
         joints = np.tile(self.articulation.get_qpos(), (len(trajectory), 1)).astype(np.float64)
         joints[:, self._arm_index] = trajectory.q
         acceleration = np.zeros_like(joints)
@@ -185,27 +193,29 @@ class ArmControl:
 
     def command_joints(self, q: np.ndarray, velocity: np.ndarray | None = None) -> None:
         """Drive the arm's joints (n,) to ``q``, rad, passing at ``velocity``, rad/s (0 when not given)."""
-        self._tell("position", q)
-        self._tell("velocity", np.zeros(len(self._joints)) if velocity is None else velocity)
+        self._command("position", q)
+        self._command("velocity", np.zeros(len(self._joints)) if velocity is None else velocity)
 
     def command_gripper(self, opening: float) -> None:
         """Drive the fingers to ``opening``, 0 closed to 1 open."""
-        self._tell("opening", opening)
+        self._command("opening", opening)
 
-    def _tell(self, part: str, values: float | np.ndarray) -> None:
+    def _command(self, part: str, values: float | np.ndarray) -> None:
         drives = self.drives.copy()
         drives[self.layout.part(part)] = on_grid(part, values)
         self.drives = drives
 
     def before_step(self) -> None:
-        """Hand the drives what has changed since the last physics step, and nothing else: that would wake what sleeps,
-        and a replay knows no more than what was told at each step."""
-        if self.drives is self._told:
+        """Send the drives the commands that changed since the last physics step.
+
+        Repeated commands would wake sleeping bodies, and a replay knows the commands of each step alone.
+        """
+        if self.drives is self._sent:
             return
         new = {part: self.drives[self.layout.part(part)] for part in PARTS}
-        old = {part: self._told[self.layout.part(part)] for part in PARTS}
+        old = {part: self._sent[self.layout.part(part)] for part in PARTS}
         changed = {part for part in PARTS if not np.array_equal(new[part], old[part])}
-        self._told = self.drives
+        self._sent = self.drives
         if changed & {"position", "velocity"}:
             rows = zip(self._joints, new["position"].tolist(), new["velocity"].tolist(), strict=True)
             for joint, target, speed in rows:
@@ -240,7 +250,7 @@ class ArmControl:
 
     @property
     def empty(self) -> bool:
-        """Whether the fingers are so close that nothing is between them."""
+        """True if the fingers are so close that nothing is between them."""
         return self.finger_width < self.arm.gripper.empty_width
 
     @property
@@ -258,7 +268,7 @@ class ArmControl:
 
     @property
     def command(self) -> np.ndarray:
-        """(n + 1,) the targets now in force."""
+        """(n + 1,) the present targets."""
         return np.append(self.drives[self.layout.part("position")], self.drives[-1])
 
     @property

@@ -24,15 +24,15 @@ if TYPE_CHECKING:
 Loaded = TypeVar("Loaded")
 
 REST_SPEED, REST_SPIN = 0.005, 0.05
-"""Below these a part counts as at rest: m/s, rad/s."""
+"""A slower part is at rest: m/s, rad/s."""
 
-FAR_FEWER = 3
-"""How many times fewer: hulls share no vertices between their triangles."""
+SHADOW_SAVING = 3
+"""Hulls throw the shadow of a mesh with more than this many times their triangles; hulls share no vertices."""
 
 
 @dataclass(frozen=True)
 class Body:
-    """An object and where it stands.
+    """An object and its pose.
 
     Args:
         model: its geometry and physics.
@@ -68,26 +68,26 @@ class RigidObject:
 
     @property
     def joints(self) -> np.ndarray:
-        """(0,) it has none."""
+        """(0,) no joints."""
         return np.zeros(0)
 
     def set_pose(self, pose: Pose) -> None:
-        """Put it somewhere; its velocity stays."""
+        """Move it to a pose; its velocity stays."""
         self.entities[None].set_pose(to_sapien(pose))
 
     def set_joints(self, joints: Sequence[float] | np.ndarray) -> None:
-        """Accepts no positions only."""
+        """Accept an empty sequence only."""
         if len(joints):
             raise ValueError(f"expected 0 joint positions, got {len(joints)}")
 
     def stop(self) -> None:
-        """Take away its velocity."""
+        """Set its velocity to zero."""
         still = np.zeros(3, dtype=np.float32)
         self._physics.set_linear_velocity(still)
         self._physics.set_angular_velocity(still)
 
     def at_rest(self) -> bool:
-        """Whether it moves slower than :data:`REST_SPEED` and :data:`REST_SPIN`."""
+        """True if it moves slower than :data:`REST_SPEED` and :data:`REST_SPIN`."""
         return _slow(self._physics)
 
 
@@ -125,35 +125,35 @@ class ArticulatedObject:
         return self._articulation.get_qpos()[self._index].astype(np.float64)
 
     def set_pose(self, pose: Pose) -> None:
-        """Put the body somewhere with all its parts; joints and velocities stay."""
+        """Move the body to a pose with all its parts; joints and velocities stay."""
         self._articulation.set_root_pose(to_sapien(pose))
 
     def set_joints(self, joints: Sequence[float] | np.ndarray) -> None:
-        """Put the parts at (n,) joint positions; all at 0 when empty."""
+        """Set the (n,) joint positions; all to 0 when empty."""
         positions = np.zeros(len(self._index))
         positions[self._index] = joint_positions(self._model, joints)
         self._articulation.set_qpos(positions)
 
     def stop(self) -> None:
-        """Take away all velocities."""
+        """Set all velocities to zero."""
         still = np.zeros(3, dtype=np.float32)
         self._articulation.set_root_linear_velocity(still)
         self._articulation.set_root_angular_velocity(still)
         self._articulation.set_qvel(np.zeros(len(self._index)))
 
     def at_rest(self) -> bool:
-        """Whether every part moves slower than :data:`REST_SPEED` and :data:`REST_SPIN`."""
+        """True if every part moves slower than :data:`REST_SPEED` and :data:`REST_SPIN`."""
         return all(_slow(link) for link in self._links.values())
 
 
 def add_object(scene: sapien.Scene, name: str, body: Body, render: bool) -> RigidObject | ArticulatedObject:
-    """Put an object into a scene.
+    """Add an object to a scene.
 
     Args:
         scene: SAPIEN's.
         name: of the entity of its body.
-        body: what it is and where it stands.
-        render: whether it can be seen.
+        body: the object and its pose.
+        render: make it visible.
 
     Raises:
         DamagedFile: a mesh cannot be loaded.
@@ -206,7 +206,7 @@ def _set_joint(joint: sapien.physx.PhysxArticulationJoint, link: MovingLink) -> 
     joint.pose_in_parent = frame
     joint.pose_in_child = frame
     joint.limit = [record.lower, record.upper]
-    # PhysX's joint friction lets a lid creep shut whatever its coefficient; a damper of limited force holds it.
+    # Under PhysX's joint friction a lid creeps shut at any coefficient; a damper of limited force holds it.
     limit = record.friction if record.friction > 0 else float(np.finfo(np.float32).max)
     joint.set_drive_properties(record.spring, record.damping, force_limit=limit, mode="force")
     joint.set_drive_target(0.0)
@@ -231,7 +231,7 @@ def _entity(
 
 
 def _visual(part: PhysicalModel | MovingLink) -> sapien.render.RenderBodyComponent:
-    """The mesh that is seen; the shadow is thrown by the hulls where they have far fewer triangles."""
+    """The visible mesh; the hulls throw the shadow if they have far fewer triangles."""
     import sapien
 
     mesh = sapien.render.RenderShapeTriangleMesh
@@ -239,7 +239,7 @@ def _visual(part: PhysicalModel | MovingLink) -> sapien.render.RenderBodyCompone
     hulls = [_load(mesh, path, scale=[1, 1, 1], material=unseen_material()) for path in part.hulls]
     body = sapien.render.RenderBodyComponent()
     body.attach(seen)
-    if hulls and FAR_FEWER * sum(_triangles(hull) for hull in hulls) < _triangles(seen):
+    if hulls and SHADOW_SAVING * sum(_triangles(hull) for hull in hulls) < _triangles(seen):
         seen.name = SEEN
         for hull in hulls:
             body.attach(hull)
@@ -259,7 +259,7 @@ def _make_solid(
     for path in hulls:
         shape = _load(physx.PhysxCollisionShapeConvexMesh, path, scale=[1, 1, 1], material=material)
         component.attach(shape)
-    # PhysX computed mass and inertia at its default density: scale both to the mass that the model gives.
+    # PhysX computed mass and inertia at its default density: scale both to the mass of the model.
     scale = mass / component.mass
     inertia, centre = component.inertia, component.cmass_local_pose
     component.set_mass(mass)
@@ -271,5 +271,5 @@ def _load(kind: Callable[..., Loaded], path: str, **options: object) -> Loaded:
     try:
         return kind(filename=path, **options)
     except RuntimeError as error:
-        hint = "delete the folder it lies in; it is made again on demand, an imported object by importing it again"
+        hint = "delete its folder; it is made again on demand, an imported object by importing it again"
         raise DamagedFile(f"{path} is not a mesh that SAPIEN can load: {error}", hint=hint) from error

@@ -26,12 +26,12 @@ NEAR, FAR = 0.01, 20.0
 
 @dataclass(frozen=True)
 class Shot:
-    """What a camera saw.
+    """The pictures of a camera.
 
     Args:
         picture: (H, W, 3) uint8 sRGB.
-        segmentation: (H, W) int32, values of :attr:`World.segmentation_ids`, 0 where no object is.
-        depth: (H, W) float32, metres along the optical axis; infinite where nothing is.
+        segmentation: (H, W) int32, values of :attr:`World.segmentation_ids`, 0 beside objects.
+        depth: (H, W) float32, metres along the optical axis; infinite where nothing was drawn.
     """
 
     picture: np.ndarray
@@ -50,7 +50,7 @@ def observe(world: World, camera: Camera | CameraRecord, near: float = NEAR) -> 
     """Colour, segmentation and depth of the same moment.
 
     Args:
-        near: nothing closer is drawn, metres; a far camera needs a far near plane to tell surfaces apart in depth.
+        near: nearest drawn distance, metres; a far camera needs a far near plane for an exact depth.
     """
     component = _take(world, camera, near)
     return Shot(
@@ -61,20 +61,20 @@ def observe(world: World, camera: Camera | CameraRecord, near: float = NEAR) -> 
 
 
 def depth_picture(component: sapien.render.RenderCameraComponent) -> np.ndarray:
-    """(H, W) float32, metres along the optical axis in the picture that was taken; infinite where nothing is."""
+    """(H, W) float32, metres along the optical axis in the last picture; infinite where nothing was drawn."""
     buffer, near, far = component.get_picture("GbufferDepth"), component.near, component.far
     depth = near * far / (far - buffer * (far - near))
     return np.where(buffer < 1, depth, np.inf).astype(np.float32)
 
 
 def robot_cameras(world: World) -> dict[str, Camera]:
-    """The cameras of the world's robot by name, where they are now, shifted as the world's appearance says."""
+    """The cameras of the world's robot by name at their present poses, shifted by the world's appearance."""
     cameras, shifts = world.robot.cameras if world.robot else {}, world.appearance.cameras
     return {name: placed(camera, shifts.get(name), _carrier(world, camera)) for name, camera in cameras.items()}
 
 
 def overview(robot: Robot) -> Camera | None:
-    """The first camera of a robot's file that no arm carries, where the file puts it; None without one."""
+    """The first fixed camera of a robot's file; None without one."""
     return next((placed(camera) for camera in robot.cameras.values() if camera.arm is None), None)
 
 
@@ -83,7 +83,7 @@ def placed(camera: RobotCamera, shift: CameraShift | None = None, carrier: Pose 
 
     Args:
         camera: of the robot's file.
-        shift: beside where the file puts it.
+        shift: from the pose in the file.
         carrier: pose of the link that carries it; None for a fixed one.
     """
     mounted, on = _mounted(camera), carrier or Pose()
@@ -98,7 +98,7 @@ def _carrier(world: World, camera: RobotCamera) -> Pose | None:
 
 
 def _turn(shift: CameraShift) -> Pose:
-    """About the camera's own axes at once: the three angles are a rotation vector."""
+    """The rotation about the camera's own axes: the three angles are a rotation vector."""
     rotation, _ = cv2.Rodrigues(np.radians(np.array(shift.turn_deg, dtype=np.float64)))
     matrix = np.eye(4)
     matrix[:3, :3] = rotation
@@ -107,7 +107,7 @@ def _turn(shift: CameraShift) -> Pose:
 
 @functools.cache
 def _mounted(camera: RobotCamera) -> Pose:
-    """Pose of a camera on what carries it."""
+    """Pose of a camera on its carrier."""
     position = np.asarray(camera.position)
     return look_at(position, position + np.asarray(camera.forward), camera.up)
 
@@ -126,10 +126,10 @@ def _take(world: World, camera: Camera | CameraRecord, near: float = NEAR) -> sa
 
 
 def _colour(world: World, component: sapien.render.RenderCameraComponent) -> np.ndarray:
-    """(H, W, 3) uint8: what was drawn, and the sky, as bright as the light from everywhere, where nothing was."""
+    """(H, W, 3) uint8 picture, with a sky as bright as the ambient light where nothing was drawn."""
     sky = np.round(255 * np.clip([*world.appearance.ambient, 1], 0, 1) ** (1 / 2.2)).astype(np.uint8)
     drawn = component.get_picture("Color")
-    # of four bytes at a time, and by OpenCV: with masks and strides, numpy takes thirty times as long
+    # Pixels of four bytes, and OpenCV: with masks and strides numpy takes thirty times as long.
     pixels = drawn.view(np.uint32)
     np.putmask(pixels, pixels == 0, sky.view(np.uint32))
     return cv2.cvtColor(drawn, cv2.COLOR_RGBA2RGB)

@@ -1,4 +1,4 @@
-"""What an arm would touch at given joints: its links and what it holds, against objects, table and other arms."""
+"""Collision of an arm at given joints: its links and its held object against objects, table and other arms."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from vcage.sim.world import World
 
 TOLERANCE = 0.002
-"""Overlap that still counts as touching, metres: objects rest on things, and fingers lie against what they hold."""
+"""Allowed overlap, metres: objects rest on each other, and fingers lie against the held object."""
 
 
 @dataclass(frozen=True)
@@ -36,12 +36,12 @@ class Held:
     """An object between the fingers.
 
     Args:
-        object_id: which.
+        object_id: its id.
         model: its geometry.
         in_gripper: object frame in the gripper frame.
         joints: positions of its moving parts; all at 0 when empty.
-        clearance: what must stay free below it, metres.
-        contents: ids and bodies of what lies in it and moves along; their poses are in the object's frame.
+        clearance: free height below it, metres.
+        contents: ids and bodies of objects that lie in it and move along; their poses are in its frame.
     """
 
     object_id: str
@@ -53,13 +53,12 @@ class Held:
 
     @property
     def parts(self) -> list[str]:
-        """The names of all parts of the object and of its contents, as obstacles are called."""
+        """The obstacle names of all parts of the object and of its contents."""
         models = [(self.object_id, self.model), *((name, body.model) for name, body in self.contents)]
         return [part for name, model in models for part in part_names(name, model)]
 
     def shapes(self, gripper: sapien.Pose) -> Iterator[tuple[str, ConvexShape, sapien.Pose]]:
-        """The shapes of the object and its contents: the id of their owner, the shape, and its frame where the gripper
-        is at a pose."""
+        """(owner's id, shape, frame) of each shape of the object and its contents, with the gripper at a pose."""
         pose = gripper * to_sapien(self.in_gripper)
         yield from ((self.object_id, shape, pose * local) for _, shape, local in model_shapes(self.model, self.joints))
         for name, body in self.contents:
@@ -76,7 +75,7 @@ class Contact:
 
 
 class _Solids:
-    """Shapes with poses, and spheres around them for a quick first look; FCL's objects are made of what needs them."""
+    """Shapes with poses, and their bounding spheres for a quick first test; FCL objects are made on demand."""
 
     def __init__(self, items: Iterable[tuple[str, ConvexShape, sapien.Pose]]):
         items = list(items)
@@ -89,7 +88,7 @@ class _Solids:
         self.radii = np.array([shape.radius for shape in self._shapes])
 
     def object(self, index: int) -> fcl.CollisionObject:
-        """One of the shapes where it is."""
+        """A shape at its pose."""
         if index not in self._objects:
             self._objects[index] = self._shapes[index].placed(self._frames[index])
         return self._objects[index]
@@ -114,7 +113,7 @@ class CollisionScene:
         arm: its name.
         table: a solid slab.
         bodies: objects by id; their parts are obstacles named ``<id>`` (the body) and ``<id>/<link>``.
-        joints: where the other arms are, (n,) by name; at home where not given.
+        joints: (n,) of the other arms by name; home for arms that are not given.
     """
 
     def __init__(
@@ -141,12 +140,12 @@ class CollisionScene:
 
     @classmethod
     def of_world(cls, world: World, arm: str, changed: Mapping[str, Body] | None = None) -> CollisionScene:
-        """The surroundings of an arm as they are in the world now.
+        """The present surroundings of an arm in a world.
 
         Args:
             world: with a robot.
             arm: its name.
-            changed: objects, by id, that are planned around as they shall be.
+            changed: planned bodies of objects by id, instead of the present ones.
 
         Raises:
             ValueError: the world has no robot.
@@ -165,12 +164,12 @@ class CollisionScene:
         ignore: Collection[str] = (),
         fingers_may_touch: Collection[str] = (),
     ) -> Contact | None:
-        """What would overlap by more than :data:`TOLERANCE` with the arm at ``q``, or None.
+        """The first overlap of more than :data:`TOLERANCE` with the arm at ``q``, or None.
 
         Args:
             q: (n,) arm joints, rad.
             opening: of the gripper, 0 closed to 1 open.
-            held: what the gripper holds.
+            held: the object in the gripper.
             ignore: names of obstacles that may be touched: ``<id>`` for an object's body, ``<id>/<link>`` for a
                 moving part, ``table``, or ``<arm>/<link>``.
             fingers_may_touch: names of obstacles that the fingers may touch, and no other link.
@@ -216,7 +215,7 @@ class CollisionScene:
 
 
 def overlapping(bodies: Mapping[str, Body]) -> list[tuple[str, str]]:
-    """Pairs of objects that overlap where they stand by more than :data:`TOLERANCE`, in the order given.
+    """Pairs of objects that overlap by more than :data:`TOLERANCE`, in the order given.
 
     Args:
         bodies: objects by id.
@@ -234,7 +233,7 @@ def overlapping(bodies: Mapping[str, Body]) -> list[tuple[str, str]]:
 
 
 def overlap(a: fcl.CollisionObject, b: fcl.CollisionObject) -> bool:
-    """Whether two solids overlap by more than :data:`TOLERANCE`."""
+    """True if two solids overlap by more than :data:`TOLERANCE`."""
     from mplib.pymp.collision_detection import fcl
 
     result = fcl.collide(a, b, _first_contact_only())
@@ -249,7 +248,7 @@ def _first_contact_only() -> fcl.CollisionRequest:
 
 
 def _spheres_meet(a: _Solids, b: _Solids) -> np.ndarray:
-    """(len(a), len(b)) whether the spheres around two shapes meet."""
+    """(len(a), len(b)) bool, True for shapes whose bounding spheres meet."""
     between = a.centres[:, None] - b.centres[None]
     return np.einsum("ijk,ijk->ij", between, between) < (a.radii[:, None] + b.radii[None]) ** 2
 

@@ -1,4 +1,4 @@
-"""What presses on what in a SAPIEN scene, in the names of a world."""
+"""Contacts of a SAPIEN scene in the names of a world."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class ContactNames:
                 self._owners[link.entity.per_scene_id] = f"{name}/{link.name}"
 
     def touching(self, name: str, contacts: Iterable[sapien.physx.PhysxContact]) -> set[str]:
-        """What presses on an object as a whole, or on one moving part (``<id>/<link>``); its own parts do not count.
+        """Names of things that press on an object, or on one moving part (``<id>/<link>``); its own parts are left out.
 
         Raises:
             UnknownName: there is no such object or part.
@@ -60,7 +60,7 @@ class ContactNames:
             if not any(np.linalg.norm(point.impulse) > 0 for point in contact.points):
                 continue
             first, second = (body.entity for body in contact.bodies)
-            # what PhysX reports is what the second body gives to the first
+            # PhysX reports the impulse of the second body on the first.
             for entity, other, sign in ((first, second, 1.0), (second, first, -1.0)):
                 giver = self._owners.get(other.per_scene_id, other.name)
                 if entity.per_scene_id in parts and giver != owner:
@@ -70,7 +70,7 @@ class ContactNames:
     def presses(
         self, names: Collection[str], contacts: Iterable[sapien.physx.PhysxContact]
     ) -> Iterator[tuple[str, str, float]]:
-        """Yield the contacts of objects or arms that press: own name, the other's, impulse of the last step in N s.
+        """Yield the pressing contacts of objects or arms: own name, the other's, impulse of the last step in N s.
 
         Arms are named ``<arm>/<link>``. Contacts within one object or arm are left out.
 

@@ -1,4 +1,4 @@
-"""Single objects alone: from straight above, or small, as a scene's camera would see them at many poses.
+"""Drawings of single objects: from straight above, or small, as a scene's camera sees them at many poses.
 
 The critic and the matcher compare pictures of the table with these.
 """
@@ -26,13 +26,13 @@ if TYPE_CHECKING:
     import sapien
 
 REFERENCE_DISTANCE_M = 15.0
-"""Metres from the camera to the object's base: far enough that the view is parallel to half a percent."""
+"""Distance of the camera of a reference picture from the object's base: the view is parallel to half a percent."""
 
-MARGIN = 4
-"""Empty pixels around the object."""
+MARGIN_PX = 4
+"""Empty border around the object."""
 
-SIDES = 32
-"""Drawings are made so many pixels wide, or a multiple of it, and cut: each size of camera keeps memory of its own."""
+SIDE_STEP_PX = 32
+"""Drawings are rendered in multiples of this size and cut, as each size of camera takes memory of its own."""
 
 
 @dataclass(frozen=True)
@@ -57,8 +57,8 @@ class Drawing:
 
     Args:
         picture: (side, side, 3) uint8 sRGB.
-        covered: (side, side) bool, where it is.
-        depth: (side, side) float32 metres along the camera's axis; far behind it where it is not.
+        covered: (side, side) bool, its silhouette.
+        depth: (side, side) float32 metres along the camera's axis; far away beside the object.
     """
 
     picture: np.ndarray
@@ -70,14 +70,14 @@ class Drawer(Protocol):
     """Draws the objects of a scene."""
 
     def model(self, object_id: str) -> PhysicalModel | None:
-        """What an object looks like; None for one that cannot be drawn."""
+        """The model of an object; None for one that cannot be drawn."""
 
     def draw(self, object_id: str, pose: Pose, camera: Camera, window: Window) -> Drawing:
         """The object alone at a pose, as the camera sees it through the window."""
 
 
 class ModelDrawer:
-    """Draws models in studio light without shadows, one at a time: so a drawing costs little more than its pixels.
+    """Draws models in studio light without shadows, one at a time, so that a drawing costs little more than its pixels.
 
     Args:
         models: by object id.
@@ -88,7 +88,7 @@ class ModelDrawer:
         self._shown: str | None = None
 
     def model(self, object_id: str) -> PhysicalModel | None:
-        """What an object looks like; None for one that has no model here."""
+        """The model of an object; None for one that has no model here."""
         return self._models.get(object_id)
 
     @undisturbed()
@@ -98,7 +98,7 @@ class ModelDrawer:
         """The object alone at a pose, as the camera sees it through the window.
 
         Args:
-            object_id: which.
+            object_id: its id.
             pose: object frame in the world.
             camera: that sees it.
             window: the part of its picture that is drawn.
@@ -111,7 +111,7 @@ class ModelDrawer:
         self._show(object_id)
         self._world.set_object_pose(object_id, pose)
         self._world.set_object_joints(object_id, joints)
-        side = -(-window.side // SIDES) * SIDES
+        side = -(-window.side // SIDE_STEP_PX) * SIDE_STEP_PX
         component = self._world.camera_component(side, side, 1.0, NEAR, FAR)
         focal, step = camera.focal / window.step, window.step
         middle = (camera.width / 2 - window.left) / step, (camera.height / 2 - window.top) / step
@@ -155,7 +155,7 @@ def reference_view(
 ) -> np.ndarray:
     """(h, w, 4) uint8 RGBA of the object from above, its origin in the middle; object x to the right, y up.
 
-    Alpha is 0 where the object is not. The scale holds at the object's base.
+    Alpha is 0 beside the object. The scale holds at the object's base.
 
     Args:
         model: of the object.
@@ -167,9 +167,9 @@ def reference_view(
         NoRenderer: nothing here can draw.
     """
     reach = np.maximum(np.abs(model.lower[:2]), np.abs(model.upper[:2])) + _outreach(model, joints)
-    width, height = (2 * (int(np.ceil(r / metres_per_pixel)) + MARGIN) for r in reach)
+    width, height = (2 * (int(np.ceil(r / metres_per_pixel)) + MARGIN_PX) for r in reach)
     fovy = 2 * np.arctan(height * metres_per_pixel / 2 / REFERENCE_DISTANCE_M)
-    # The table stands far below: no shadow and no colour of it reach the object.
+    # The table stands far below: its shadow and colour do not reach the object.
     world = World(Table(height=-2.0), {"object": Body(model, Pose(), joints)}, appearance=appearance, render=True)
     camera = Camera(width, height, fovy, look_at([0, 0, REFERENCE_DISTANCE_M], [0, 0, 0], up=(0, 1, 0)))
     shot = observe(world, camera, near=REFERENCE_DISTANCE_M - 1.0)
@@ -178,7 +178,7 @@ def reference_view(
 
 
 def _outreach(model: PhysicalModel, joints: tuple[float, ...]) -> float:
-    """How far moving parts may stick out beyond the object at rest, metres."""
+    """Largest distance of moving parts beyond the object at rest, metres."""
     extent = float(np.linalg.norm(np.subtract(model.upper, model.lower)))
     moved = [(link.joint, position) for link, position in zip(model.links, joints, strict=False) if position]
     return max((abs(position) if joint.kind == "slide" else extent / 2 for joint, position in moved), default=0.0)

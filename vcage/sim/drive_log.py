@@ -1,4 +1,4 @@
-"""What the drives were told in a recorded episode, so that physics can be run again without whoever told them."""
+"""Commands of the drives in a recorded episode, from which physics can be run again."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from vcage.sim.world import World
 
 @dataclass
 class DriveLog:
-    """What all arms were told at every physics step that counts: not what failed and was tried again.
+    """The commands of all arms at every physics step of the episode, without failed attempts.
 
     Args:
-        settled: physics steps of the world before the first row, the arms told to stay where they were built.
-        restarts: steps, increasing, before which the state was taken over into a world that was built afresh.
+        settled: physics steps of the world before the first row; the arms held their first pose.
+        restarts: increasing steps before which the state was restored into a new world.
         layouts: of the rows, by arm.
         rows: S rows of each arm, one for each step from ``settled`` on.
     """
@@ -30,22 +30,21 @@ class DriveLog:
         return max(map(len, self.rows.values()), default=0)
 
     def begin(self, world: World) -> None:
-        """Go on with a world, where nothing was told yet or in which a snapshot was restored; what was told later than
-        that is forgotten."""
+        """Continue with a world at its start or after a snapshot was restored; later rows are dropped."""
         if not self.layouts:
             self.settled = world.steps
             self.layouts = {name: arm.layout for name, arm in world.arms.items()}
             self.rows = {name: [] for name in world.arms}
             return
-        self._forget(world.steps)
+        self._drop_from(world.steps)
         self.restarts = [*(step for step in self.restarts if step < world.steps), world.steps]
 
     def add(self, world: World) -> None:
-        """What holds for the step that is about to be taken."""
-        self._forget(world.steps)
+        """Add the commands for the next step."""
+        self._drop_from(world.steps)
         for name, arm in world.arms.items():
             self.rows[name].append(arm.drives)
 
-    def _forget(self, step: int) -> None:
+    def _drop_from(self, step: int) -> None:
         for rows in self.rows.values():
             del rows[step - self.settled :]

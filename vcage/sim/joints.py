@@ -1,4 +1,4 @@
-"""Where the moving parts of an object are at given joint positions, without a simulator."""
+"""Poses of the moving parts of an object at given joint positions, without a simulator."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from vcage.schema.asset import Joint, PhysicalModel
 
 
 def joint_motion(joint: Joint, position: float) -> Pose:
-    """How a joint moves its part from rest to ``position`` (metres or radians), in the frame that the joint is in."""
+    """Motion of a joint's part from rest to ``position`` (metres or radians), in the frame of the joint."""
     axis, origin = np.asarray(joint.axis), np.asarray(joint.origin)
     if joint.kind == "slide":
         return Pose(position * axis)
@@ -38,7 +38,7 @@ def link_poses(model: PhysicalModel, joints: Sequence[float] | np.ndarray = ()) 
 
 
 def joint_positions(model: PhysicalModel, joints: Sequence[float] | np.ndarray = ()) -> np.ndarray:
-    """(n,) the positions given, or all 0 when none are.
+    """(n,) the given positions, or all 0 if there are none.
 
     Raises:
         ValueError: there is another number of joints.
@@ -49,7 +49,7 @@ def joint_positions(model: PhysicalModel, joints: Sequence[float] | np.ndarray =
 
 
 def joint_index(model: PhysicalModel, link: str) -> int:
-    """Which of the joint positions moves the part with this name.
+    """Index of the joint position that moves the part with this name.
 
     Raises:
         UnknownName: there is no such part.
@@ -67,7 +67,7 @@ def carried_by(model: PhysicalModel, link: str) -> list[str]:
 
 
 def part_name(object_id: str, link: str | None) -> str:
-    """What contacts and obstacles call a part: ``<id>`` for the body, ``<id>/<link>`` for a moving part."""
+    """Name of a part in contacts and obstacles: ``<id>`` for the body, ``<id>/<link>`` for a moving part."""
     return object_id if link is None else f"{object_id}/{link}"
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,27 +19,34 @@ from vcage.sim.shapes import physics_shape
 if TYPE_CHECKING:
     import sapien
 
-POSITION_TOLERANCE, ROTATION_TOLERANCE = 5e-4, 2e-3
-"""How far a solution may be off: metres, radians."""
 
-LIMIT_MARGIN = 0.01
-"""How far a solution stays from the joint limits, radians."""
+@dataclass(frozen=True)
+class InverseSettings:
+    """Tolerances and effort of inverse kinematics.
 
-DISTINCT = 0.1
-"""Solutions that differ by less in every joint are the same, radians."""
+    Args:
+        position_m, rotation_rad: largest error of a solution.
+        limit_margin_rad: distance of a solution from the joint limits.
+        distinct_rad: solutions that differ by less in every joint are the same.
+        iterations: steps of the solver from one seed; for a seed that needs more, the next seed is better.
+        variations: of home, tried after the given seed and home.
+        cached: answers that an arm stores: a search asks again for the same grasp with every place of the object.
+    """
 
-ITERATIONS = 100
-"""Steps of the solver from one seed; a seed that needs more is worth less than the next seed."""
+    position_m: float = 5e-4
+    rotation_rad: float = 2e-3
+    limit_margin_rad: float = 0.01
+    distinct_rad: float = 0.1
+    iterations: int = 100
+    variations: int = 10
+    cached: int = 2**16
+
+
+SETTINGS = InverseSettings()
 
 TILTS = tuple(np.radians(degrees) for degrees in (0.0, 20.0, -20.0, 40.0, -40.0, 60.0, -60.0, 80.0, -80.0))
-"""Turns about the closing axis that a hand may take, straight first: arms with short wrists need them far from their
-base, and high above the table."""
-
-REMEMBERED = 2**16
-"""Answers that an arm keeps: a search asks again for the same grasp with every place that the object may go to."""
-
-_SEEDS = 10
-"""How many variations of home are tried after the given seed and home itself."""
+"""Turns of a hand about its closing axis, none first: arms with short wrists need them far from their base, and high
+above the table."""
 
 
 class ArmKinematics:
@@ -61,7 +69,7 @@ class ArmKinematics:
         """Link name and collision shape, from the base out."""
         solid = list(dict.fromkeys(name for name, _ in self.link_shapes))
         self.link_ranks = np.array([solid.index(name) for name, _ in self.link_shapes])
-        """For each of :attr:`link_shapes`, how many solid links come before its link; 0 is the base."""
+        """Rank of each of :attr:`link_shapes`: the number of solid links before its link; 0 is the base."""
         joints = articulation.active_joints
         order = [joint.name for joint in joints]
         self._index = np.array(list(map(order.index, arm.joints)))
@@ -80,9 +88,9 @@ class ArmKinematics:
         self._seeds = self._variations_of_home()
         first, *_, last = self._base.apply(self._joint_origins(self.home))
         self._shoulder, self._to_wrist = first, self.fk(self.home).inverse().apply(last)
-        off = POSITION_TOLERANCE + ROTATION_TOLERANCE * float(np.linalg.norm(self._to_wrist))
+        off = SETTINGS.position_m + SETTINGS.rotation_rad * float(np.linalg.norm(self._to_wrist))
         self._stretch = self._longest_stretch() + off
-        self._first = remembered(REMEMBERED)(self._first_solution)
+        self._first = remembered(SETTINGS.cached)(self._first_solution)
 
     def fk(self, q: Sequence[float] | np.ndarray) -> Pose:
         """Pose of the gripper frame in the world at arm joints ``q`` (n,), rad."""
@@ -100,14 +108,16 @@ class ArmKinematics:
         self._model.compute_forward_kinematics(self._full(q, 1.0))
         return self._model.get_link_pose(self._links[self.arm.tool_link]) * to_sapien(self._offset)
 
-    def ik(self, pose: Pose, seed_q: np.ndarray | None = None, attempts: int = _SEEDS + 1) -> np.ndarray | None:
+    def ik(
+        self, pose: Pose, seed_q: np.ndarray | None = None, attempts: int = SETTINGS.variations + 1
+    ) -> np.ndarray | None:
         """Joints (n,) within limits that bring the gripper frame to ``pose``, or None.
 
         Args:
             pose: of the gripper frame in the world.
-            seed_q: (n,) where to start; the solution nearest to it is usually found. Home is next, then fixed
+            seed_q: (n,) first start; the solution nearest to it is usually found. Home is next, then fixed
                 variations of home.
-            attempts: how many starts to try besides ``seed_q``.
+            attempts: starts besides ``seed_q``.
         """
         q = self._first(pose, None if seed_q is None else tuple(np.asarray(seed_q).tolist()), attempts)
         return None if q is None else np.array(q)
@@ -116,26 +126,27 @@ class ArmKinematics:
         """The different solutions that all starts of :meth:`ik` lead to, in that order."""
         found: list[np.ndarray] = []
         for q in self._solutions(pose, seed_q, len(self._seeds)):
-            if all(np.abs(q - other).max() > DISTINCT for other in found):
+            if all(np.abs(q - other).max() > SETTINGS.distinct_rad for other in found):
                 found.append(q)
         return found
 
     def distance(self, q: np.ndarray, pose: Pose) -> float:
-        """How far ``pose`` is from joints ``q`` (n,): the time at full speed, seconds; infinite out of reach."""
+        """Distance of ``pose`` from joints ``q`` (n,): the time at full speed, seconds; infinite out of reach."""
         goal = self.ik(pose, q)
         return np.inf if goal is None else float((np.abs(goal - q) / self.arm.speeds).max())
 
-    def reachable(self, pose: Pose, attempts: int = _SEEDS + 1) -> bool:
-        """Whether :meth:`ik` has a solution."""
+    def reachable(self, pose: Pose, attempts: int = SETTINGS.variations + 1) -> bool:
+        """True if :meth:`ik` has a solution."""
         return self.ik(pose, attempts=attempts) is not None
 
     def too_far(self, pose: Pose) -> bool:
-        """Whether no joint angles lead to ``pose`` since the arm is too short: a first look, that costs little."""
+        """True if the arm is too short for ``pose``: a quick first test."""
         return bool(np.linalg.norm(pose.apply(self._to_wrist) - self._shoulder) > self._stretch)
 
     def within_limits(self, q: np.ndarray) -> bool:
-        """Whether all joints keep :data:`LIMIT_MARGIN` from their limits."""
-        return bool(np.all(q >= self.lower + LIMIT_MARGIN) and np.all(q <= self.upper - LIMIT_MARGIN))
+        """True if all joints have the margin to their limits."""
+        margin = SETTINGS.limit_margin_rad
+        return bool(np.all(q >= self.lower + margin) and np.all(q <= self.upper - margin))
 
     def _first_solution(self, pose: Pose, seed_q: tuple[float, ...] | None, attempts: int) -> tuple[float, ...] | None:
         q = next(self._solutions(pose, None if seed_q is None else np.array(seed_q), attempts), None)
@@ -158,7 +169,7 @@ class ArmKinematics:
             initial_qpos=self._full(seed, 1.0),
             active_qmask=self._mask,
             eps=1e-4,
-            max_iterations=ITERATIONS,
+            max_iterations=SETTINGS.iterations,
             dt=0.3,
             damp=1e-6,
         )
@@ -168,14 +179,13 @@ class ArmKinematics:
     def _arrives(self, q: np.ndarray, pose: Pose) -> bool:
         reached = self.fk(q)
         angle = 2 * np.arccos(min(1.0, abs(float(reached.q @ pose.q))))
-        return bool(np.linalg.norm(reached.p - pose.p) < POSITION_TOLERANCE and angle < ROTATION_TOLERANCE)
+        return bool(np.linalg.norm(reached.p - pose.p) < SETTINGS.position_m and angle < SETTINGS.rotation_rad)
 
     def _unwound(self, q: np.ndarray) -> np.ndarray:
         """Each angle moved by whole turns into its limits where that is possible."""
-        turns = np.ceil((self.lower - q) / (2 * np.pi)).clip(min=0) - np.ceil((q - self.upper) / (2 * np.pi)).clip(
-            min=0
-        )
-        return q + 2 * np.pi * turns
+        turn = 2 * np.pi
+        up, down = np.ceil((self.lower - q) / turn), np.ceil((q - self.upper) / turn)
+        return q + turn * (up.clip(min=0) - down.clip(min=0))
 
     def _full(self, q: Sequence[float] | np.ndarray, opening: float) -> np.ndarray:
         gripper = self.arm.gripper
@@ -185,10 +195,10 @@ class ArmKinematics:
         return full
 
     def _longest_stretch(self) -> float:
-        """How far the last joint can be from the first at most, metres.
+        """Largest possible distance of the last joint from the first, metres.
 
-        The sum of the links' lengths, two links at once where that is less: how far their ends are apart depends on
-        the joint between them alone, and its square is a sine of that joint's angle, which three angles tell.
+        The sum of the links' lengths, or of pairs of links where that is less. The distance of a pair's ends depends
+        on the joint between them alone, and its square is a sine of that joint's angle, given by three angles.
         """
         turns = np.array([0.0, 2.0, 4.0]) * np.pi / 3
 
@@ -203,14 +213,14 @@ class ArmKinematics:
         return least[-1]
 
     def _joint_origins(self, q: np.ndarray) -> np.ndarray:
-        """(n, 3) where the arm's joints are at joints ``q`` (n,), in the frame of its base."""
+        """(n, 3) origins of the arm's joints at joints ``q`` (n,), in the frame of its base."""
         poses = self.base_poses(q, 1.0)
         return np.array([poses[name].p for name in self._moved_links])
 
     def _variations_of_home(self) -> list[np.ndarray]:
         """Home, then fixed points around it: the same for every run, and independent of any other random choice."""
         rng = np.random.default_rng(0)
-        spread = rng.uniform(-1.0, 1.0, size=(_SEEDS, len(self.home)))
+        spread = rng.uniform(-1.0, 1.0, size=(SETTINGS.variations, len(self.home)))
         return [self.home] + [np.clip(self.home + s, self.lower + 0.05, self.upper - 0.05) for s in spread]
 
 

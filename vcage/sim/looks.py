@@ -1,4 +1,4 @@
-"""Looks: drawn from ranges, and made into what a rendered world shows. The same record gives the same pictures."""
+"""Looks of episodes: sampled from ranges, and turned into appearances. The same record gives the same pictures."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
+from vcage.objects.colour_words import COLOUR_WORDS
 from vcage.objects.room_surfaces import floor_texture, wall_texture
 from vcage.objects.table_tops import table_texture
 from vcage.schema.asset import PhysicalModel
@@ -27,7 +28,7 @@ from vcage.schema.robot import Robot, RobotCamera
 from vcage.schema.scene import Scene
 from vcage.sim.appearance import Appearance
 from vcage.sim.cameras import placed
-from vcage.sim.tints import COLOUR_WORDS, HALVINGS, colours_of, truthful, weaker
+from vcage.sim.tints import HALVINGS, colours_of, truthful, weaker
 from vcage.sim.world import World
 
 PAINTED: dict[Where, Callable[[str], np.ndarray]] = {
@@ -35,10 +36,10 @@ PAINTED: dict[Where, Callable[[str], np.ndarray]] = {
     "wall": wall_texture,
     "floor": floor_texture,
 }
-"""By name, what a surface can be painted with."""
+"""Texture painters by surface."""
 
-UNSAID_SHARE = 0.25
-"""Share of a tint that an object gets which is known by what it is, not by a colour: an apple stays an apple's."""
+UNNAMED_COLOUR_TINT = 0.25
+"""Share of a tint for an object whose name has no colour: an apple keeps an apple's colours."""
 
 
 def draw_look(
@@ -48,17 +49,17 @@ def draw_look(
     robot: Robot,
     rng: np.random.Generator,
 ) -> Look:
-    """What one episode looks like.
+    """Sample the look of one episode.
 
     Args:
-        ranges: to draw from.
-        scene: whose objects and table are drawn, clutter too.
+        ranges: of all values.
+        scene: with clutter.
         models: by object id.
-        robot: whose cameras look on.
+        robot: its cameras are shifted.
         rng: source of every choice.
 
     Raises:
-        UnknownName: the ranges name a texture that there is not.
+        UnknownName: a texture of the ranges does not exist.
     """
     lights, ambient = _lights(ranges.light, rng)
     surfaces = _surfaces(ranges.surfaces, scene.table.texture, rng)
@@ -118,8 +119,10 @@ def _cameras(ranges: CameraRanges, scene: Scene, robot: Robot, rng: np.random.Ge
 
 
 def _losing_none(drawn: CameraShift, camera: RobotCamera, objects: np.ndarray) -> CameraShift:
-    """The shift, or the largest half, quarter, … of it with which a camera sees the middle of every object (n, 3) that
-    it sees where the robot's file puts it; none at all where each of these loses one."""
+    """The shift, or the largest half, quarter, … of it under which a camera loses no visible object middle (n, 3).
+
+    No shift at all if each of these loses one.
+    """
     seen = objects[placed(camera).sees(objects)]
     for number in range(HALVINGS):
         share = 0.5**number
@@ -146,10 +149,10 @@ def _tints(
             lightness=float(rng.uniform(*ranges.lightness)),
         )
         if not COLOUR_WORDS & set(record.phrase.split()):
-            tint = weaker(tint, UNSAID_SHARE)
-        kept = truthful(colours_of(models[record.id]), tint)
-        if kept is not None:
-            tints[record.id] = kept
+            tint = weaker(tint, UNNAMED_COLOUR_TINT)
+        allowed = truthful(colours_of(models[record.id]), tint)
+        if allowed is not None:
+            tints[record.id] = allowed
     return tints
 
 
@@ -162,14 +165,14 @@ def _triple(values: np.ndarray) -> Vec3:
     return x, y, z
 
 
-# --- from the record to what is drawn -------------------------------------------------------------------------
+# --- from the record to the appearance ------------------------------------------------------------------------
 
 
 def appearance_of(look: Look) -> Appearance:
-    """What a rendered world shows.
+    """The appearance of a rendered world with this look.
 
     Raises:
-        UnknownName: a texture of the look is not there.
+        UnknownName: a texture of the look does not exist.
     """
     key, *others = look.lights
     pictures = {where: _picture(where, surface) for where, surface in look.surfaces.items()}
@@ -191,7 +194,7 @@ def appearance_of(look: Look) -> Appearance:
 
 
 def _picture(where: Where, surface: Surface) -> np.ndarray | None:
-    """(H, W, 3) uint8 sRGB: what is painted, its channels multiplied in linear light; None for a plain surface."""
+    """(H, W, 3) uint8 sRGB texture, its channels multiplied in linear light; None for a plain surface."""
     if surface.texture is None:
         return None
     levels = 255 * np.clip((np.arange(256)[:, None] / 255) ** 2.2 * np.array(surface.colour), 0, 1) ** (1 / 2.2)
@@ -200,12 +203,12 @@ def _picture(where: Where, surface: Surface) -> np.ndarray | None:
 
 
 def look_world(scene: Scene, models: Mapping[str, PhysicalModel], robot: Robot, look: Look) -> World:
-    """The rendered world of an episode, in which its recorded states are drawn.
+    """The rendered world in which the recorded states of an episode are drawn.
 
     Args:
-        scene: as it is at the episode's start.
+        scene: at the episode's start.
         models: by object id.
-        robot: that stands at the table.
+        robot: at the table.
         look: of the episode.
     """
     return World.of_scene(scene, models, robot, appearance_of(look), render=True)

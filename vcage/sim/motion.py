@@ -10,7 +10,7 @@ from __future__ import annotations
 import functools
 import itertools
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
@@ -23,24 +23,34 @@ from vcage.sim.rrt import connect
 from vcage.sim.trajectory import Trajectory, time_optimal
 from vcage.sim.world import PHYSICS_HZ
 
-LINE_STEP, LINE_TURN = 0.01, 0.06
-"""Spacing of the poses along a line: metres, radians."""
 
-MAX_JUMP = 0.25
-"""Largest change of a joint between neighbouring poses of a line, radians: more is another branch."""
+@dataclass(frozen=True)
+class MotionSettings:
+    """Resolution and alternatives of planning.
 
-JOINT_STEP = 0.05
-"""Spacing of collision checks in joint space, radians."""
+    Args:
+        line_step_m, line_step_rad: spacing of the poses along a line.
+        largest_jump_rad: change of a joint between neighbouring poses of a line; a larger one is another branch.
+        joint_step_rad: spacing of collision checks in joint space.
+        coarse_stride: every n-th point along a segment is checked first.
+        rises_m: heights above start and goal of the raised paths.
+        raised_goals: joint goals to which raised paths and random trees are tried.
+    """
 
-COARSE = 8
-"""Of the points along a segment every so many are looked at first."""
+    line_step_m: float = 0.01
+    line_step_rad: float = 0.06
+    largest_jump_rad: float = 0.25
+    joint_step_rad: float = 0.05
+    coarse_stride: int = 8
+    rises_m: tuple[float, ...] = (0.08, 0.16, 0.24)
+    raised_goals: int = 2
 
-RISES = (0.08, 0.16, 0.24)
-"""Heights above the start and goal that a raised way is tried at, metres."""
+
+SETTINGS = MotionSettings()
 
 
 class MotionFailed(VcageError):
-    """No way was found; the message says for which move, and what stands in the way."""
+    """No path was found; the message names the move and the obstacle."""
 
     code = "motion_failed"
 
@@ -49,7 +59,7 @@ class MotionPlanner:
     """Plans for one arm in surroundings that stand still.
 
     Args:
-        scene: what is around it; its kinematics say which arm.
+        scene: the surroundings and the kinematics of the arm.
     """
 
     def __init__(self, scene: CollisionScene):
@@ -57,11 +67,11 @@ class MotionPlanner:
         self.kinematics = scene.kinematics
 
     def fastest(self, path: JointPath) -> Trajectory:
-        """The path as fast as the arm can, with a stop only at a corner that cannot be bent."""
+        """The path at the arm's full speed, with a stop only at a corner that cannot be bent."""
         done: list[Trajectory] = []
         for stretch in stretches(path, lambda q, load: self._touches(q, load) is None):
             part = time_optimal(stretch.points, PHYSICS_HZ, self.kinematics.arm, stretch.speed)
-            # The step at which the arm passes the point: the nearest one.
+            # The step nearest to the point.
             steps = [(int(np.abs(part.q - stretch.points[i]).max(axis=1).argmin()), o) for i, o in stretch.opens]
             done.append(replace(part, openings=tuple(steps)))
         return functools.reduce(Trajectory.then, done)
@@ -97,16 +107,16 @@ class MotionPlanner:
     def move(
         self, q: np.ndarray, goal: Pose | np.ndarray, load: Load = OPEN_HAND, then: Sequence[Pose] = ()
     ) -> JointPath:
-        """Move to a gripper pose or to joints, by any free way.
+        """Move to a gripper pose or to joints, by any free path.
 
         Args:
             q: (n,) joints at the start, rad.
             goal: pose of the gripper frame, or (n,) joints.
-            then: poses that straight lines must reach from there one after the other (obstacles are not looked
-                at); of several ways to hold the arm, one from which they do is taken.
+            then: poses that straight lines must reach from there in turn, obstacles aside; joint goals from which
+                they do not are left out.
 
         Raises:
-            MotionFailed: no free way was found.
+            MotionFailed: no free path was found.
         """
         reasons: list[str] = []
         for way in self._ways(q, goal, load, then):
@@ -119,21 +129,21 @@ class MotionPlanner:
         raise MotionFailed(f"the {self.kinematics.arm.tool_link} cannot move {where}: {why}")
 
     def continues(self, q: np.ndarray, poses: Sequence[Pose]) -> bool:
-        """Whether straight lines lead from ``q`` through ``poses``, obstacles aside."""
+        """True if straight lines lead from ``q`` through ``poses``, obstacles aside."""
         for pose in poses:
             for step in _poses_between(self.kinematics.fk(q), pose):
                 solution = self.kinematics.ik(step, q, attempts=0)
-                if solution is None or np.abs(solution - q).max() > MAX_JUMP:
+                if solution is None or np.abs(solution - q).max() > SETTINGS.largest_jump_rad:
                     return False
                 q = solution
         return True
 
-    # --- ways ---
+    # --- alternatives ---
 
     def _ways(
         self, q: np.ndarray, goal: Pose | np.ndarray, load: Load, then: Sequence[Pose]
     ) -> Iterator[Callable[[], JointPath]]:
-        """Ways to try, the plainest first."""
+        """Planners of the alternatives, the simplest first."""
         if isinstance(goal, Pose):
             near = self.kinematics.ik(goal, q, attempts=0)
             if near is not None and self.continues(near, then):
@@ -146,10 +156,10 @@ class MotionPlanner:
             goals = [np.asarray(goal, dtype=np.float64)]
         for g in goals:
             yield lambda g=g: _path(self._straight(q, g, load), load)
-        for rise in RISES:
-            for g in goals[:2]:
+        for rise in SETTINGS.rises_m:
+            for g in goals[: SETTINGS.raised_goals]:
                 yield lambda g=g, rise=rise: self._raised(q, g, rise, load)
-        for g in goals[:2]:
+        for g in goals[: SETTINGS.raised_goals]:
             yield lambda g=g: self._around(q, g, load)
 
     def _raised(self, q: np.ndarray, goal: np.ndarray, rise: float, load: Load) -> JointPath:
@@ -162,7 +172,7 @@ class MotionPlanner:
         return JointPath(tuple(Leg(points, load) for points in (first, across, last)))
 
     def _around(self, q: np.ndarray, goal: np.ndarray, load: Load) -> JointPath:
-        """A way found by a random tree with a fixed seed."""
+        """A path found by a random tree with a fixed seed."""
         for end in (q, goal):
             self.check(end, load)
         path = connect(
@@ -191,7 +201,7 @@ class MotionPlanner:
         poses = _poses_between(start, pose)
         for i, step in enumerate(poses, start=1):
             solution = self.kinematics.ik(step, path[-1], attempts=0)
-            if solution is None or np.abs(solution - path[-1]).max() > MAX_JUMP:
+            if solution is None or np.abs(solution - path[-1]).max() > SETTINGS.largest_jump_rad:
                 share = f"{100 * i / len(poses):.0f} %"
                 raise MotionFailed(f"the arm cannot follow the straight line to its end (joint limit at {share})")
             self.check(solution, load)
@@ -206,10 +216,10 @@ class MotionPlanner:
         return self.scene.first_contact(q, load.opening, load.held, load.ignore, load.fingers_may_touch)
 
     def check(self, q: np.ndarray, load: Load) -> None:
-        """That the arm touches nothing at joints ``q`` (n,).
+        """Require that the arm touches nothing at joints ``q`` (n,).
 
         Raises:
-            MotionFailed: it does; says what.
+            MotionFailed: it touches something; names it.
         """
         contact = self._touches(q, load)
         if contact is not None:
@@ -224,7 +234,12 @@ def _poses_between(start: Pose, end: Pose) -> list[Pose]:
     """Poses on the straight line from ``start`` (left out) to ``end``."""
     turn = Rotation.from_quat(np.roll([start.q, end.q], -1, axis=1))
     angle = (turn[0].inv() * turn[1]).magnitude()
-    count = max(1, int(np.ceil(max(float(np.linalg.norm(end.p - start.p)) / LINE_STEP, angle / LINE_TURN))))
+    count = max(
+        1,
+        int(
+            np.ceil(max(float(np.linalg.norm(end.p - start.p)) / SETTINGS.line_step_m, angle / SETTINGS.line_step_rad))
+        ),
+    )
     shares = np.arange(1, count + 1) / count
     quaternions = np.roll(Slerp([0, 1], turn)(shares).as_quat(), 1, axis=1)
     points = start.p + shares[:, None] * (end.p - start.p)
@@ -232,11 +247,12 @@ def _poses_between(start: Pose, end: Pose) -> list[Pose]:
 
 
 def _coarse_first(points: np.ndarray) -> np.ndarray:
-    """(k, n) the same points, every eighth first: what is not free is seen sooner."""
-    return np.concatenate([points[start::COARSE] for start in range(COARSE)])
+    """(k, n) the same points, every n-th first: collisions are found sooner."""
+    stride = SETTINGS.coarse_stride
+    return np.concatenate([points[start::stride] for start in range(stride)])
 
 
 def _between(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """(k, n) points from ``a`` to ``b``, no joint further than :data:`JOINT_STEP` from one to the next."""
-    count = max(1, int(np.ceil(np.abs(b - a).max() / JOINT_STEP)))
+    """(k, n) points from ``a`` to ``b``, spaced for collision checks."""
+    count = max(1, int(np.ceil(np.abs(b - a).max() / SETTINGS.joint_step_rad)))
     return a + np.linspace(0, 1, count + 1)[:, None] * (b - a)

@@ -10,20 +10,19 @@ import numpy as np
 
 from vcage.sim.collision import Held
 
-BENDS = (0.5, 0.25, 0.12)
+BEND_SHARES = (0.5, 0.25, 0.12)
 """Shares of the shorter of two legs that their bend may take, the widest first."""
 
 BEND_POINTS = 7
-"""Points of a bend."""
 
 
 @dataclass(frozen=True)
 class Load:
-    """What the hand does while it moves.
+    """The state of the hand while it moves.
 
     Args:
         opening: of the gripper, 0 closed to 1 open.
-        held: what it holds.
+        held: the object in it.
         ignore: obstacles that may be touched (see :meth:`CollisionScene.first_contact`).
         fingers_may_touch: obstacles that the fingers may touch, and nothing else of the arm.
         speed: share of the speed limit.
@@ -36,12 +35,12 @@ class Load:
     fingers_may_touch: Collection[str] = ()
 
     def above(self, clearance: float) -> Load:
-        """The same, with so much free below what is held, metres."""
+        """The same load with a clearance below the held object, metres."""
         return self if self.held is None else replace(self, held=replace(self.held, clearance=clearance))
 
 
 OPEN_HAND = Load()
-"""Nothing is held, and nothing may be touched."""
+"""An empty hand that may touch nothing."""
 
 
 @dataclass(frozen=True)
@@ -49,9 +48,9 @@ class Leg:
     """A free piece of a path.
 
     Args:
-        points: (k, n) joints, rad, k ≥ 1, so near to each other that nothing is between them.
-        load: what the hand does on it.
-        opens: command for the gripper when the leg begins, 0 closed to 1 open; none when it is left as it is.
+        points: (k, n) joints, rad, k ≥ 1, so near to each other that no obstacle fits between them.
+        load: state of the hand.
+        opens: command for the gripper at the start of the leg, 0 closed to 1 open; None for no command.
     """
 
     points: np.ndarray
@@ -61,7 +60,7 @@ class Leg:
 
 @dataclass(frozen=True)
 class JointPath:
-    """Legs, each beginning where the one before ends."""
+    """Legs, each beginning at the end of the one before."""
 
     legs: tuple[Leg, ...]
 
@@ -71,7 +70,7 @@ class JointPath:
         return self.legs[-1].points[-1]
 
     def then(self, other: JointPath) -> JointPath:
-        """This one, and the other after it."""
+        """The concatenation of this path and another."""
         return JointPath((*self.legs, *other.legs))
 
     def points(self) -> np.ndarray:
@@ -81,7 +80,7 @@ class JointPath:
 
 @dataclass(frozen=True)
 class Stretch:
-    """What of a path is passed without a stop.
+    """A part of a path that is passed without a stop.
 
     Args:
         points: (k, n) joints, rad.
@@ -95,11 +94,11 @@ class Stretch:
 
 
 def stretches(path: JointPath, free: Callable[[np.ndarray, Load], bool]) -> Iterator[Stretch]:
-    """The path with its corners bent where what a bend cuts off is free; it stops at the others.
+    """The parts of a path between stops: corners are bent if the bend is free, and are stops otherwise.
 
     Args:
         path: its legs are free.
-        free: whether joints (n,) are, with the load of a leg.
+        free: True for joints (n,) that are free with the load of a leg.
     """
     legs = [leg for leg in path.legs if _length(leg.points) > 1e-6] or [path.legs[-1]]
     points, speed, opens = legs[0].points, _speeds(legs[0]), _commands(legs[0], 0)
@@ -120,12 +119,12 @@ def stretches(path: JointPath, free: Callable[[np.ndarray, Load], bool]) -> Iter
 def _bent(
     points: np.ndarray, before: Leg, after: Leg, free: Callable[[np.ndarray, Load], bool]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
-    """What is left of ``points`` and of the next leg's, and the bend between them: the widest that is free."""
+    """The remaining points of both legs and the widest free bend between them: (head, bend, tail)."""
     alike = replace(after.load, speed=before.load.speed) == before.load
     loads = [before.load] if alike else [before.load, after.load]
     # Of a leg between two bends, each may take half.
     shorter = min(_length(before.points), _length(after.points))
-    for share in BENDS:
+    for share in BEND_SHARES:
         head, start = _without_end(points, share * shorter)
         tail, end = _without_end(after.points[::-1], share * shorter)
         bend = _bend(start, after.points[0], end)
@@ -141,14 +140,14 @@ def _bend(start: np.ndarray, corner: np.ndarray, end: np.ndarray) -> np.ndarray:
 
 
 def _without_end(points: np.ndarray, length: float) -> tuple[np.ndarray, np.ndarray]:
-    """The points but the last ``length`` of the way, and the point where it was cut."""
+    """The points without the last ``length`` of the way, and the point of the cut."""
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)[::-1]
     passed = np.cumsum(steps)
     cut = min(int(np.searchsorted(passed, length)), len(steps) - 1)
     share = (passed[cut] - length) / steps[cut]
     last = len(points) - 2 - cut
-    kept = points[: last + 1] if share > 1e-6 else points[:last]
-    return kept, points[last] + max(share, 0.0) * (points[last + 1] - points[last])
+    head = points[: last + 1] if share > 1e-6 else points[:last]
+    return head, points[last] + max(share, 0.0) * (points[last + 1] - points[last])
 
 
 def _length(points: np.ndarray) -> float:

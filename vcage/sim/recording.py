@@ -1,4 +1,4 @@
-"""Recording a simulated episode as state, evenly in time, to be drawn later."""
+"""Recording of a simulated episode as states, evenly spaced in time, for later rendering."""
 
 from __future__ import annotations
 
@@ -35,10 +35,10 @@ class ArmFrame:
 
 @dataclass(frozen=True)
 class Frame:
-    """Everything at one moment.
+    """The state of a world at one moment.
 
     Args:
-        step: physics step at which it was taken.
+        step: physics step.
         arms: by name.
         objects: pose by object id.
         object_joints: (n,) positions of the moving parts by object id; objects without moving parts are left out.
@@ -55,7 +55,7 @@ class Frame:
         return self.step / PHYSICS_HZ
 
     def world_state(self) -> WorldState:
-        """What :meth:`World.set_state` needs to show it."""
+        """The argument of :meth:`World.set_state` that shows it."""
         return WorldState(self.objects, {name: arm.joints for name, arm in self.arms.items()}, self.object_joints)
 
 
@@ -65,8 +65,8 @@ class StateLog:
 
     Args:
         fps: frames per second of simulated time.
-        frames: that were taken.
-        drives: what the arms were told at every physics step, to simulate it again.
+        frames: in order.
+        drives: commands of the arms at every physics step, to simulate it again.
     """
 
     fps: int
@@ -77,13 +77,13 @@ class StateLog:
         return len(self.frames)
 
     def record(self, world: World) -> None:
-        """Add a frame whenever one is due, for as long as the world steps; frames not reached yet are forgotten.
+        """Add a frame whenever one is due as the world steps; frames after its present step are dropped.
 
-        A frame is taken just before a physics step: the state is what a camera sees, and the command is what the arm
-        was just told to do next.
+        A frame is taken just before a physics step: its state is visible to a camera, and its command is for that
+        step.
 
         Args:
-            world: to record; a snapshot restored into it goes on with the step count of the snapshot.
+            world: to record; with a restored snapshot the step count of the snapshot continues.
 
         Raises:
             UsageError: the physics rate is no multiple of the frame rate.
@@ -101,7 +101,7 @@ class StateLog:
             self.frames.append(take_frame(world))
 
     def states(self) -> Iterator[WorldState]:
-        """Of every frame, to be drawn."""
+        """The states of all frames."""
         return (frame.world_state() for frame in self.frames)
 
     def frame_at(self, step: int) -> int:
@@ -128,7 +128,7 @@ class StateLog:
 
 
 def take_frame(world: World) -> Frame:
-    """Everything at this moment."""
+    """The present state of a world."""
     arms = {
         name: ArmFrame(
             state=arm.qpos,

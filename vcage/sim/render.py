@@ -1,7 +1,7 @@
 """The process-wide render system with its shaders (``assets/shaders``), and materials made from colours and pictures.
 
-The shaders are compiled anew whenever the last render system of a process has died, so one is kept alive for the life
-of the process and every world draws with the same device.
+The shaders are compiled again whenever the last render system of a process is gone, so one is kept for the life of the
+process, and every world draws with the same device.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ if TYPE_CHECKING:
     import sapien
 
 MIPMAPS = 6
-"""Levels of smaller copies of every texture, so that fine patterns do not shimmer from afar."""
+"""Smaller copies of every texture, so that fine patterns do not shimmer from afar."""
 
 
 @functools.cache
 def _first_system() -> sapien.render.RenderSystem:
-    """The render system that keeps the shaders compiled; made on first use, never dropped."""
+    """The render system that holds the compiled shaders; made on first use and never released."""
     from vcage.setup.vulkan import ensure_driver
 
     ensure_driver()
@@ -57,7 +57,7 @@ def new_render_system() -> sapien.render.RenderSystem:
 
 
 def device_name() -> str:
-    """The device that draws, as its driver calls it; ``none`` where nothing does."""
+    """The driver's name of the rendering device; ``none`` where nothing can draw."""
     try:
         return _first_system().device.name
     except NoRenderer:

@@ -1,4 +1,4 @@
-"""Rendering a recorded episode: states are set, never stepped, so it can be drawn again in any appearance."""
+"""Rendering of a recorded episode in any appearance: states are set, never stepped."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from vcage.sim.world import World
 
 @dataclass(frozen=True)
 class RenderedFrame:
-    """What the cameras saw at one moment.
+    """The pictures of one moment.
 
     Args:
         pictures: (H, W, 3) uint8 by camera name.
-        cameras: the cameras as they stood.
+        cameras: with their poses at that moment.
     """
 
     pictures: dict[str, np.ndarray]
@@ -52,7 +52,7 @@ def render_log(world: World, log: StateLog, names: Sequence[str] | None = None) 
 
 
 def camera_paths(world: World, states: Iterable[WorldState]) -> dict[str, list[Camera]]:
-    """Where each camera of the robot was in each state, without drawing; any world with the same robot will do."""
+    """The robot's cameras with their poses in each state, without drawing; any world with the same robot serves."""
     paths: dict[str, list[Camera]] = {}
     for state in states:
         world.set_state(state)

@@ -1,4 +1,4 @@
-"""Simulating a recorded episode again, from what its drives were told: bit for bit, on the same versions."""
+"""Simulation of a recorded episode from the commands of its drives: bit for bit, on the same versions."""
 
 from __future__ import annotations
 
@@ -9,16 +9,14 @@ from vcage.sim.recording import StateLog
 from vcage.sim.world import World
 
 
-def simulate_again(
-    build: Callable[[], World], drives: DriveLog, fps: int, arms: Mapping[str, Sequence[float]]
-) -> StateLog:
+def resimulate(build: Callable[[], World], drives: DriveLog, fps: int, arms: Mapping[str, Sequence[float]]) -> StateLog:
     """The recording of the same episode.
 
     Args:
         build: makes the world of the episode's start.
-        drives: what was told.
-        fps: frames per second, as they were recorded.
-        arms: offset of each joint from home at which an arm begins once all is at rest, radians; home if not given.
+        drives: the recorded commands.
+        fps: frames per second of the recording.
+        arms: start of an arm once all objects rest: offset of each joint from home, radians; home if not given.
     """
     world, log = build(), StateLog(fps)
     world.step(drives.settled)

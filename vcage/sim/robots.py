@@ -26,7 +26,7 @@ def load_robot(name: str) -> Robot:
 
     Raises:
         UnknownName: there is none; lists those there are.
-        DamagedFile, SchemaMismatch: its file is not what it should be.
+        DamagedFile, SchemaMismatch: its file is damaged or has wrong fields.
     """
     return _load(Robot, "robot", "robots", name)
 
@@ -35,19 +35,22 @@ def load_template(name: str, robot: str | None = None) -> SceneTemplate:
     """The scene template called ``name``; raises as :func:`load_robot`.
 
     Args:
-        robot: that stands there instead of the template's own.
+        robot: replaces the template's own.
     """
     template = _load(SceneTemplate, "scene", "scenes", name)
     return template if robot is None else template.model_copy(update={"robot": load_robot(robot).name})
 
 
 def load_randomisation(name: str) -> Randomisation:
-    """The ranges called ``name`` (``assets/randomisation/<name>.yml``), or of a YAML file; raises as
-    :func:`load_robot`, :class:`MissingStage` where there is no such file, and :class:`UnknownName` where nothing paints
-    one of its textures.
+    """The ranges called ``name`` (``assets/randomisation/<name>.yml``), or those of a YAML file.
 
     Args:
-        name: or the path of a file, which ends in .yml or .yaml.
+        name: of ranges, or the path of a file that ends in .yml or .yaml.
+
+    Raises:
+        MissingStage: the file does not exist.
+        UnknownName: there are no such ranges, or one of their textures has no painter.
+        DamagedFile, SchemaMismatch: as for :func:`load_robot`.
     """
     if not name.endswith((".yml", ".yaml")):
         return _painted(_load(Randomisation, "randomisation", "randomisation", name))
@@ -57,7 +60,7 @@ def load_randomisation(name: str) -> Randomisation:
             f"{path} does not exist", hint=f"check the path, or take one of {available('randomisation')}"
         )
     ranges = _read(Randomisation, path)
-    return _painted(ranges).model_copy(update={"name": path.name})  # not to be taken for our own of that name
+    return _painted(ranges).model_copy(update={"name": path.name})  # so that it differs from our own of that name
 
 
 def _painted(ranges: Randomisation) -> Randomisation:
@@ -78,12 +81,12 @@ def _painted(ranges: Randomisation) -> Randomisation:
 
 
 def available(folder: str) -> list[str]:
-    """Names of the files of ``assets/<folder>``, ours and the user's, sorted."""
+    """Sorted names of the files of ``assets/<folder>``, ours and the user's."""
     return sorted(_paths(folder))
 
 
 def _paths(folder: str) -> dict[str, Path]:
-    """Path by name; ours come before the user's of the same name."""
+    """Path by name; ours take precedence over the user's."""
     places = (data_path(folder), resource("assets", folder))
     return {path.stem: path for place in places for path in place.glob("*.yml")}
 
@@ -100,8 +103,7 @@ def _read(kind: type[AnyDocument], path: Path) -> AnyDocument:
 
 
 def package_file(name: str) -> Path:
-    """The file that ``package:path`` names, inside an installed Python package, ``assets:path``, among our own, or
-    ``file:/path``, anywhere.
+    """The file called ``package:path`` in an installed Python package, ``assets:path`` in ours, or ``file:/path``.
 
     Raises:
         MissingDependency: the package is not installed.

@@ -1,4 +1,4 @@
-"""What is drawn apart from what throws the shadow, which needs a fraction of the triangles."""
+"""Shapes that are visible without throwing a shadow, and invisible shapes of few triangles that throw it."""
 
 from __future__ import annotations
 
@@ -9,28 +9,28 @@ if TYPE_CHECKING:
     import sapien
 
 SEEN = "seen"
-"""Name of the shapes that are only drawn, because others throw their shadow."""
+"""Name of visible shapes whose shadow is thrown by others."""
 
 UNSEEN = (0.0, 0.0, 0.0, 0.0)
-"""Colour, RGBA, of what throws a shadow and is not drawn: what can be seen through entirely is left out."""
+"""Colour, RGBA, of shapes that only throw a shadow: the renderer leaves out fully transparent shapes."""
 
 
 @functools.cache
 def unseen_material() -> sapien.render.RenderMaterial:
-    """The material of what throws a shadow and is not drawn."""
+    """The material of shapes that only throw a shadow."""
     import sapien
 
     return sapien.render.RenderMaterial(base_color=list(UNSEEN))
 
 
 def keep_one_shadow(scene: sapien.Scene) -> None:
-    """Take away the shadows of the shapes called :data:`SEEN`, which others throw.
+    """Disable the shadows of the shapes called :data:`SEEN`.
 
     Args:
-        scene: with all that is drawn in it. What is taken out of it and put back throws its own shadow again.
+        scene: with all its shapes. A shape that is removed and added again throws its own shadow again.
     """
     for body in scene.render_system.render_bodies:
-        # SAPIEN offers what the engine can do for a shape with the engine's own node only, which a scene makes
+        # SAPIEN has this switch only on the engine's own node, which a scene makes.
         for shape, node in zip(body.render_shapes, body._internal_node.children, strict=True):
             if shape.name == SEEN:
                 node.cast_shadow = False  # pyrefly: ignore[missing-attribute]  these nodes are objects

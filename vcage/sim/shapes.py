@@ -1,4 +1,4 @@
-"""Convex collision shapes for planning: the very shapes that physics uses, as FCL geometry."""
+"""Convex collision shapes for planning: the shapes of physics as FCL geometry."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class ConvexShape:
     radius: float
 
     def placed(self, frame: sapien.Pose) -> fcl.CollisionObject:
-        """The solid for FCL with the shape's frame there."""
+        """The solid for FCL with the shape's frame at ``frame``."""
         return _collision_object()(self.geometry, frame.p.astype(float), frame.q.astype(float))
 
 
@@ -88,8 +88,7 @@ def physics_shape(shape: sapien.physx.PhysxCollisionShape) -> ConvexShape:
 def model_shapes(
     model: PhysicalModel, joints: Sequence[float] = ()
 ) -> list[tuple[str | None, ConvexShape, sapien.Pose]]:
-    """The hulls of an object: the part they belong to (None for the body), the shape, and the part's pose in the
-    object frame.
+    """(part, shape, pose) of each hull of an object: the part's name (None for the body) and pose in the object frame.
 
     Args:
         joints: position of each of ``model.links``; all 0 when empty.

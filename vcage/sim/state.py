@@ -13,7 +13,7 @@ from vcage.base.geometry import Pose
 
 @dataclass(frozen=True)
 class WorldState:
-    """All that is needed to draw a world: positions, no velocities.
+    """The positions that are needed to draw a world, without velocities.
 
     Args:
         objects: pose by object id.
@@ -28,13 +28,13 @@ class WorldState:
 
 @dataclass(frozen=True)
 class SettleReport:
-    """What happened while a world came to rest.
+    """Changes while a world came to rest.
 
     Args:
         steps: physics steps taken.
-        settled: whether everything came to rest on the table within the cap.
-        drift_m: how far each object's origin moved.
-        tilt_rad: how far each object's up axis turned.
+        settled: True if all objects came to rest on the table within the limit.
+        drift_m: shift of each object's origin.
+        tilt_rad: turn of each object's up axis.
         fallen: objects that left the table.
     """
 

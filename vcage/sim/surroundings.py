@@ -1,7 +1,8 @@
-"""The table, and around it the floor, a back wall, the pedestals of the arms, and the light."""
+"""The table and its surroundings: floor, back wall, pedestals of the arms, and light."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,30 +19,42 @@ if TYPE_CHECKING:
 THICKNESS = 0.04
 """Thickness of the table top, metres."""
 
-SHADOW_REACH, SHADOW_TEXELS = 1.25, 512
-"""Half the side of the square around the table that the shadow map covers, metres, and its texels along a side: 4.9 mm
-each. The shaders take the mean of three by three."""
 
-FRICTION = 0.8
-"""Coulomb coefficient of the table top."""
+@dataclass(frozen=True)
+class RoomSettings:
+    """Sizes of the surroundings.
 
-LEG = 0.025
-"""Half width of a table leg, metres."""
+    Args:
+        table_friction: Coulomb coefficient of the table top.
+        leg_half_m: half the width of a table leg.
+        pedestal_half_m: half the width of the pedestal of an arm.
+        floor_m: side of the floor and width of the wall.
+        wall_behind_m: distance of the back wall from the table's centre; its shadow does not reach the table.
+        wall_height_m: height of the wall.
+        shadow_half_m: half the side of the square around the table that the shadow map covers.
+        shadow_texels: of the shadow map along a side, 4.9 mm each. The shaders average three by three.
+    """
 
-PEDESTAL = 0.11
-"""Half width of what an arm stands on, metres."""
+    table_friction: float = 0.8
+    leg_half_m: float = 0.025
+    pedestal_half_m: float = 0.11
+    floor_m: float = 10.0
+    wall_behind_m: float = 2.5
+    wall_height_m: float = 3.0
+    shadow_half_m: float = 1.25
+    shadow_texels: int = 512
 
-WALL_BEHIND, WALL_HEIGHT = 2.5, 3.0
-"""Distance of the back wall from the table's centre, so that its shadow does not reach the table, metres."""
+
+ROOM = RoomSettings()
 
 
 def add_table(scene: sapien.Scene, table: Table) -> None:
-    """The solid table top (no picture)."""
+    """Add the solid, invisible table top."""
     import sapien
 
     component = sapien.physx.PhysxRigidStaticComponent()
     half = [table.size[0] / 2, table.size[1] / 2, THICKNESS / 2]
-    material = sapien.physx.PhysxMaterial(FRICTION, FRICTION, 0.0)
+    material = sapien.physx.PhysxMaterial(ROOM.table_friction, ROOM.table_friction, 0.0)
     component.attach(sapien.physx.PhysxCollisionShapeBox(half, material))
     entity = sapien.Entity()
     entity.name = "table"
@@ -51,11 +64,11 @@ def add_table(scene: sapien.Scene, table: Table) -> None:
 
 
 def add_surroundings(scene: sapien.Scene, table: Table, robot: Robot | None, appearance: Appearance) -> None:
-    """Everything that is only seen: table, floor, wall, pedestals, light.
+    """Add all visible surroundings: table, floor, wall, pedestals, light.
 
     Args:
         scene: SAPIEN's, with a render system.
-        table: that stands there.
+        table: its size and place.
         robot: whose arms need pedestals.
         appearance: colours, textures and light.
     """
@@ -69,10 +82,10 @@ def add_surroundings(scene: sapien.Scene, table: Table, robot: Robot | None, app
         list(appearance.light_colour),
         shadow=appearance.shadows,
         position=[0.0, 0.0, table.height],
-        shadow_scale=SHADOW_REACH,
+        shadow_scale=ROOM.shadow_half_m,
         shadow_near=-1.6,
         shadow_far=3.0,
-        shadow_map_size=SHADOW_TEXELS,
+        shadow_map_size=ROOM.shadow_texels,
     )
     for direction, colour in appearance.further_lights:
         scene.add_directional_light(list(direction), list(colour))
@@ -98,10 +111,10 @@ def _table_shapes(table: Table, appearance: Appearance) -> list[sapien.render.Re
         _rectangle([cx - w / 2, cy - d / 2, top], [w, 0, 0], [0, d, 0], surface),
         _box([cx, cy, top - THICKNESS / 2 - 0.001], [w / 2, d / 2, THICKNESS / 2 - 0.001], edge),
     ]
-    legs = top - THICKNESS
-    for x in (cx - w / 2 + 2 * LEG, cx + w / 2 - 2 * LEG):
-        for y in (cy - d / 2 + 2 * LEG, cy + d / 2 - 2 * LEG):
-            shapes.append(_box([x, y, legs / 2], [LEG, LEG, legs / 2], edge))
+    legs, half = top - THICKNESS, ROOM.leg_half_m
+    for x in (cx - w / 2 + 2 * half, cx + w / 2 - 2 * half):
+        for y in (cy - d / 2 + 2 * half, cy + d / 2 - 2 * half):
+            shapes.append(_box([x, y, legs / 2], [half, half, legs / 2], edge))
     return shapes
 
 
@@ -114,15 +127,13 @@ def _edge_colour(appearance: Appearance) -> list[float]:
 
 
 def _room_shapes(table: Table, appearance: Appearance) -> list[sapien.render.RenderShape]:
-    (cx, cy), size = table.centre, 10.0
+    (cx, cy), size, height = table.centre, ROOM.floor_m, ROOM.wall_height_m
     floor = _material(appearance.floor_texture, appearance.floor_colour)
     wall = _material(appearance.wall_texture, appearance.wall_colour)
-    behind = cy + WALL_BEHIND
+    behind = cy + ROOM.wall_behind_m
     return [
         _rectangle([cx - size / 2, behind - size, 0], [size, 0, 0], [0, size, 0], floor, (size / SIDE, size / SIDE)),
-        _rectangle(
-            [cx - size / 2, behind, 0], [size, 0, 0], [0, 0, WALL_HEIGHT], wall, (size / SIDE, WALL_HEIGHT / SIDE)
-        ),
+        _rectangle([cx - size / 2, behind, 0], [size, 0, 0], [0, 0, height], wall, (size / SIDE, height / SIDE)),
     ]
 
 
@@ -136,7 +147,7 @@ def _pedestal_shapes(robot: Robot) -> list[sapien.render.RenderShape]:
     for arm in robot.arms.values():
         x, y, z = arm.base.position
         if z > 0.05:
-            shapes.append(_box([x, y, z / 2], [PEDESTAL, PEDESTAL, z / 2], dark))
+            shapes.append(_box([x, y, z / 2], [ROOM.pedestal_half_m, ROOM.pedestal_half_m, z / 2], dark))
     return shapes
 
 

@@ -1,4 +1,4 @@
-"""Changes of the colours of objects that leave true what they are called."""
+"""Changes of the colours of objects under which their names stay true."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import cv2
 import numpy as np
 
-from vcage.objects.importers.looks import HUES, word_of
+from vcage.objects.colour_words import word_of
 from vcage.schema.asset import PhysicalModel
 from vcage.schema.randomisation import Tint
 from vcage.sim.render import painted_texture
@@ -18,20 +18,16 @@ from vcage.sim.render import painted_texture
 if TYPE_CHECKING:
     import sapien
 
-COLOUR_WORDS = frozenset({*(word for _, word in HUES), "pink", "brown", "black", "white", "grey", "gray", "violet"})
-"""Words of a phrase that say a colour."""
-
-BESIDE = 6.0
-"""Degrees of hue by which a colour must be away from one of another name: warm and cold lights turn what is seen by
-about as much."""
+HUE_MARGIN_DEG = 6.0
+"""Distance of a colour's hue from one of another name: warm and cold lights turn visible hues by about as much."""
 
 HALVINGS = 6
-"""What changes too much is halved so often at most, before nothing is changed."""
+"""A change that is too large is halved at most so often before it is dropped."""
 
 
 @dataclass(frozen=True)
 class Colours:
-    """What an object shows.
+    """The visible colours of an object.
 
     Args:
         colours: (n, 3) uint8 sRGB of its triangles.
@@ -54,10 +50,12 @@ class Colours:
 
 
 def truthful(colours: Colours, tint: Tint) -> Tint | None:
-    """The tint, or the largest half, quarter, … of it under which the words for an object stay; None for none."""
+    """The tint, or the largest half, quarter, … of it under which the colour words of an object stay; None for none."""
     words = colours.words()
     for _ in range(HALVINGS):
-        beside = (tint.model_copy(update={"hue_deg": tint.hue_deg + off}) for off in (-BESIDE, 0, BESIDE))
+        beside = (
+            tint.model_copy(update={"hue_deg": tint.hue_deg + off}) for off in (-HUE_MARGIN_DEG, 0, HUE_MARGIN_DEG)
+        )
         if all(colours.words(one) == words for one in beside):
             return tint
         tint = weaker(tint, 0.5)
@@ -79,7 +77,7 @@ def tinted(picture: np.ndarray, tint: Tint) -> np.ndarray:
 
 
 def colours_of(model: PhysicalModel) -> Colours:
-    """What a model shows with all its parts."""
+    """The visible colours of a model with all its parts."""
     parts = [_mesh_colours(part.visual) for part in (model, *model.links)]
     return Colours(np.concatenate([c for c, _ in parts]), np.concatenate([a for _, a in parts]))
 
@@ -101,7 +99,7 @@ def _mesh_colours(path: str) -> tuple[np.ndarray, np.ndarray]:
 
 
 def tint_entities(entities: Iterable[sapien.Entity], tint: Tint) -> None:
-    """Change the colours of what is drawn of an object; its textures are replaced, as other worlds show them too."""
+    """Change the visible colours of an object; its textures are replaced, as other worlds share them."""
     import sapien
 
     for entity in entities:
@@ -115,7 +113,7 @@ def _tint_material(material: sapien.render.RenderMaterial, tint: Tint) -> None:
     texture = material.base_color_texture
     if texture is None:
         *colour, alpha = material.base_color
-        if alpha == 0:  # throws a shadow and is not drawn
+        if alpha == 0:  # only throws a shadow
             return
         screen = np.round(255 * np.clip(colour, 0, 1) ** (1 / 2.2)).astype(np.uint8)
         material.set_base_color([*(tinted(screen[None, None], tint)[0, 0] / 255.0) ** 2.2, alpha])

@@ -1,4 +1,4 @@
-"""From the points of a joint path to a command for every physics step: as fast as the joints allow."""
+"""Time-optimal trajectories: a command for every physics step, as fast as the joints allow."""
 
 from __future__ import annotations
 
@@ -16,18 +16,28 @@ with left_out("matplotlib", "pyplot"):  # toppra can draw with it; a third of al
     from toppra.algorithm import TOPPRA
     from toppra.constraint import DiscretizationType, LinearConstraint
 
-GRID = 0.006
-"""Spacing of the grid on which the fastest profile is found, seconds at full speed."""
 
-GRID_SIZE = (30, 300)
-"""Fewest and most points of that grid."""
+@dataclass(frozen=True)
+class ProfileSettings:
+    """Grid of the speed profile.
 
-BETWEEN = 4
-"""Places between two grid points at which the limits are looked at too."""
+    Args:
+        spacing_s: of the grid points, seconds at full speed.
+        least_points, most_points: of the grid.
+        checks: places between two grid points at which the limits are checked too.
+        rounds: the profile is slowed at checked places beyond the limits and optimised again so often. Measured on
+            the 12 paths of an episode: 17.1 s so, 20.4 s when each path is slowed as a whole by its worst place, and
+            16.6 s without the check.
+    """
 
-ROUNDS = 2
-"""How often what passed them there is slowed, where it did, and the fastest profile found again. Measured on the 12
-paths of an episode: 17.1 s so, 20.4 s when each is slowed as a whole by its worst place; 16.6 s if nobody looked."""
+    spacing_s: float = 0.006
+    least_points: int = 30
+    most_points: int = 300
+    checks: int = 4
+    rounds: int = 2
+
+
+SETTINGS = ProfileSettings()
 
 
 @dataclass(frozen=True)
@@ -55,7 +65,7 @@ class Trajectory:
         return self.q[-1]
 
     def then(self, other: Trajectory) -> Trajectory:
-        """This one, and the other after it."""
+        """The concatenation of this trajectory and another."""
         return Trajectory(
             np.concatenate([self.q, other.q]),
             np.concatenate([self.velocity, other.velocity]),
@@ -105,7 +115,7 @@ class _Limits(LinearConstraint):
         self.dof = len(speed)
         self._along, self._share, self._speed, self._acceleration = along, share, speed, acceleration
         self.used: np.ndarray | float = 1.0
-        """At each grid point, the share of that share which the profile may use."""
+        """Share of ``share`` that the profile may use at each grid point."""
 
     def share(self, s: np.ndarray) -> np.ndarray:
         """(N,) of the speed limit."""
@@ -114,7 +124,7 @@ class _Limits(LinearConstraint):
     def scaled(
         self, path: SplineInterpolator, s: np.ndarray, share: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """(N, n) q′ over ``share`` of the speed limits, and q′ and q″ over its square of those of acceleration."""
+        """(N, n) q′ over ``share`` of the speed limits; q′ and q″ over share² of the acceleration limits."""
         first, second = path(s, 1), path(s, 2)
         strongest = self._acceleration * share[:, None] ** 2
         return first / (self._speed * share[:, None]), first / strongest, second / strongest
@@ -123,7 +133,7 @@ class _Limits(LinearConstraint):
         self, path: SplineInterpolator, gridpoints: np.ndarray
     ) -> tuple[np.ndarray | None, ...]:
         """The coefficients of toppra's ``LinearConstraint``: F (a s̈ + b ṡ² + c) ≤ g, and the bounds of ṡ²."""
-        # What holds at the next grid point holds on the way there.
+        # The limits of a grid point hold on the way there, too.
         share = minimum_filter1d(self.share(gridpoints) * self.used, 3, mode="nearest")
         speed, first, second = self.scaled(path, gridpoints, share)
         identity = np.eye(self.dof)
@@ -134,7 +144,7 @@ class _Limits(LinearConstraint):
 
 @dataclass(frozen=True)
 class _Profile:
-    """How fast a path is passed: constant acceleration along it between the points of a grid.
+    """Speed along a path: constant acceleration between the points of a grid.
 
     Args:
         path: over s.
@@ -147,15 +157,16 @@ class _Profile:
 
     @classmethod
     def fastest(cls, path: SplineInterpolator, limits: _Limits) -> _Profile:
-        """Within limits, from rest to rest.
+        """The fastest profile within limits, from rest to rest.
 
         Raises:
             VcageError: there is none.
         """
         length = float(path.path_interval[1])
-        s = np.linspace(0.0, length, int(np.clip(np.ceil(length / GRID), *GRID_SIZE)) + 1)
+        count = np.clip(np.ceil(length / SETTINGS.spacing_s), SETTINGS.least_points, SETTINGS.most_points)
+        s = np.linspace(0.0, length, int(count) + 1)
         profile = cls._on(path, s, limits)
-        for _ in range(ROUNDS):
+        for _ in range(SETTINGS.rounds):
             excess = np.maximum(profile.excess(limits), 1.0)
             if excess.max() == 1.0:
                 break
@@ -171,7 +182,7 @@ class _Profile:
         return cls(path, s, speed)
 
     def samples(self, hz: float, limits: _Limits) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """(T, n) positions, velocities and accelerations; slowed by what little it is too fast somewhere."""
+        """(T, n) positions, velocities and accelerations, slowed by the largest remaining excess."""
         times = self._times()
         slower = max(1.0, float(self.excess(limits).max()))
         count = max(2, int(np.ceil(slower * times[-1] * hz)))
@@ -183,16 +194,16 @@ class _Profile:
         return self.path(s), velocity, acceleration
 
     def excess(self, limits: _Limits) -> np.ndarray:
-        """(N − 1,) by which factor it is too fast between two grid points; at most 1 where all limits are kept."""
+        """(N − 1,) factor by which it is too fast between two grid points; at most 1 where all limits hold."""
         times = self._times()
-        t = times[:-1, None] + np.diff(times)[:, None] * np.linspace(0.0, 0.999, BETWEEN + 2)
+        t = times[:-1, None] + np.diff(times)[:, None] * np.linspace(0.0, 0.999, SETTINGS.checks + 2)
         s, ds, dds = self._at(t.ravel(), times)
         speed, first, second = limits.scaled(self.path, s, limits.share(s))
         strength = np.abs(second * ds[:, None] ** 2 + first * dds[:, None]).max(axis=1)
         return np.maximum(np.abs(speed * ds[:, None]).max(axis=1), np.sqrt(strength)).reshape(t.shape).max(axis=1)
 
     def _times(self) -> np.ndarray:
-        """(N,) when it passes the grid points."""
+        """(N,) times at the grid points."""
         return np.concatenate([[0.0], np.cumsum(2 * np.diff(self.s) / (self.speed[1:] + self.speed[:-1]))])
 
     def _at(self, t: np.ndarray, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -204,7 +215,7 @@ class _Profile:
 
 
 def _smoothed(start: np.ndarray, samples: tuple[np.ndarray, np.ndarray, np.ndarray], window: int) -> Trajectory:
-    """The mean over the last ``window`` samples at each moment, until all is at rest."""
+    """The moving average over the last ``window`` samples, until all is at rest."""
     means = []
     for values, before, after in zip(samples, (start, 0.0, 0.0), (samples[0][-1], 0.0, 0.0), strict=True):
         rows = [np.broadcast_to(x, (window - 1, len(start))) for x in (before, after)]

@@ -1,8 +1,8 @@
 """URDF copies in the cache: one without visuals for physics, one with decimated visuals for rendering.
 
-Physics needs a file without visuals, because SAPIEN makes render materials while parsing, which aborts where
-there is no rendering device. Rendering time is ruled by the triangle count (see the render benchmark), of what is seen
-and of what throws shadows alike: a shadow needs far fewer, so that every mesh has a twin that throws it.
+Physics needs a file without visuals: SAPIEN makes render materials while parsing and aborts without a rendering
+device. Rendering time depends on the number of triangles (see the render benchmark), visible or throwing shadows. A
+shadow needs far fewer, so every mesh has an invisible twin that throws it.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from __future__ import annotations
 import copy
 import hashlib
 import xml.etree.ElementTree as ElementTree
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -23,18 +24,27 @@ if TYPE_CHECKING:
     import trimesh
 
 RECIPE = 2
-"""Raised when these functions change what they write, so that older cached copies are not used."""
+"""Raised when the output of these functions changes, so that older cached copies are not used."""
 
-LEAST_FACES = 200
-"""Triangles of a mesh of one material that are always kept: a finger's tip fills much of a wrist camera's picture."""
 
-SHADOW_FACES = 120
-"""Triangles of what throws the shadow of a mesh, where so few will do: its edge is three texels of 5 mm wide."""
+@dataclass(frozen=True)
+class DecimationSettings:
+    """Numbers of triangles.
 
-AGGRESSION = 3
-"""How much fast-simplification may collapse at a time, 0 (little) to 10. At its own, 7, pictures of the Panda with a
-tenth of its triangles differ three times as much from those of the whole as with 3 and a thirtieth, and shadows get
-holes; at 1 it stops where there are four times as many."""
+    Args:
+        least_faces: of a mesh of one material: a finger tip fills much of a wrist camera's picture.
+        shadow_faces: of the twin that throws the shadow of a mesh; the shadow's edge is three texels of 5 mm wide.
+        aggression: of fast-simplification, 0 (careful) to 10. At its default of 7, pictures of the Panda with a tenth
+            of its triangles differ three times as much from those of the whole as with 3 and a thirtieth, and shadows
+            get holes; at 1 it stops at four times as many triangles.
+    """
+
+    least_faces: int = 200
+    shadow_faces: int = 120
+    aggression: int = 3
+
+
+DECIMATION = DecimationSettings()
 
 
 def physics_urdf(source: Path) -> Path:
@@ -83,7 +93,7 @@ def _rewritten(source: Path, part: Path, folder: Path, faces: float | None) -> b
 
 
 def _shadow_of(visual: ElementTree.Element, part: Path, folder: Path) -> ElementTree.Element:
-    """The visual's twin, whose mesh of few triangles is written to ``part``; from now on the visual itself has none."""
+    """The visual's twin that throws its shadow; its mesh of few triangles is written to ``part``."""
     twin = copy.deepcopy(visual)
     visual.set("name", SEEN)
     for material in twin.findall("material"):
@@ -100,7 +110,7 @@ def _shadow_of(visual: ElementTree.Element, part: Path, folder: Path) -> Element
 
 
 def _lighten(visual: ElementTree.Element, part: Path, folder: Path, faces: float) -> None:
-    """Let a visual have the share ``faces`` of its triangles."""
+    """Reduce a visual to the share ``faces`` of its triangles."""
     mesh = _mesh_of(visual)
     path = Path(mesh.attrib["filename"])
     small = part / f"{path.stem}.glb"
@@ -116,11 +126,13 @@ def _mesh_of(visual: ElementTree.Element) -> ElementTree.Element:
 
 
 def _write_shadow(source: Path, target: Path) -> None:
-    """Write a GLB with about :data:`SHADOW_FACES` triangles for the whole of ``source``."""
+    """Write a GLB with about ``shadow_faces`` triangles for the whole of ``source``."""
     import trimesh
 
     whole = trimesh.load_scene(source).to_mesh()
-    target.write_bytes(trimesh.Scene(_reduced(whole, SHADOW_FACES)).export(file_type="glb", include_normals=True))
+    target.write_bytes(
+        trimesh.Scene(_reduced(whole, DECIMATION.shadow_faces)).export(file_type="glb", include_normals=True)
+    )
 
 
 def decimate(source: Path, target: Path, share: float) -> None:
@@ -131,7 +143,7 @@ def decimate(source: Path, target: Path, share: float) -> None:
     Args:
         source: a mesh file.
         target: the GLB.
-        share: of the triangles, in (0, 1]; a mesh keeps :data:`LEAST_FACES` anyway.
+        share: of the triangles, in (0, 1]; a mesh keeps ``least_faces`` anyway.
     """
     import trimesh
 
@@ -140,7 +152,7 @@ def decimate(source: Path, target: Path, share: float) -> None:
     for name in scene.graph.nodes_geometry:
         transform, geometry = scene.graph[name]
         mesh = scene.geometry[str(geometry)]
-        reduced = _reduced(mesh, max(LEAST_FACES, int(np.ceil(len(mesh.faces) * share))))
+        reduced = _reduced(mesh, max(DECIMATION.least_faces, int(np.ceil(len(mesh.faces) * share))))
         shaded = trimesh.graph.smooth_shade(reduced, angle=np.radians(30))
         shaded.visual = trimesh.visual.TextureVisuals(material=mesh.visual.material)
         small.add_geometry(shaded, node_name=name, geom_name=str(geometry), transform=transform)
@@ -148,11 +160,13 @@ def decimate(source: Path, target: Path, share: float) -> None:
 
 
 def _reduced(mesh: trimesh.Trimesh, faces: int) -> trimesh.Trimesh:
-    """A mesh with about so many triangles at most: vertices are welded, then edges collapse (Garland and Heckbert,
-    "Surface simplification using quadric error metrics", SIGGRAPH 1997)."""
+    """A mesh with about ``faces`` triangles at most: vertices are welded, then edges collapse.
+
+    M. Garland and P. Heckbert, Surface Simplification Using Quadric Error Metrics, SIGGRAPH 1997.
+    """
     import trimesh
 
     welded = trimesh.Trimesh(mesh.vertices, mesh.faces, process=True)
     if len(welded.faces) <= faces:
         return welded
-    return welded.simplify_quadric_decimation(face_count=faces, aggression=AGGRESSION)
+    return welded.simplify_quadric_decimation(face_count=faces, aggression=DECIMATION.aggression)

@@ -1,4 +1,4 @@
-"""A SAPIEN scene made from records: the table, objects, and a robot's arms."""
+"""A SAPIEN scene made from records: the table, objects, and the arms of a robot."""
 
 from __future__ import annotations
 
@@ -29,7 +29,10 @@ PHYSICS_HZ = 250
 """Physics steps per second."""
 
 REST_STEPS = 10
-"""Everything must be at rest for so many steps in a row, so that the top of a bounce does not count."""
+"""Steps in a row that all objects must rest, so that the top of a bounce does not count."""
+
+FALLEN_M = 0.05
+"""An object whose origin is further below the table top has fallen."""
 
 
 class World:
@@ -42,14 +45,14 @@ class World:
         >>> world.settle().drift_m
 
     Args:
-        table: where everything stands.
+        table: carries everything.
         bodies: objects by id; their order fixes :attr:`segmentation_ids`.
         robot: its arms stand at home, grippers open.
         appearance: of a rendered world.
-        render: whether pictures can be taken; without, no rendering device is needed.
+        render: allow pictures; without, no rendering device is needed.
 
     Raises:
-        NoRenderer: ``render`` and nothing here can draw.
+        NoRenderer: ``render`` is set and nothing here can draw.
         DamagedFile: a mesh cannot be loaded.
     """
 
@@ -138,13 +141,13 @@ class World:
         return {name: thing.pose for name, thing in self._objects.items()}
 
     def set_object_pose(self, object_id: str, pose: Pose) -> None:
-        """Put an object somewhere with all its parts, at rest; its joints stay as they are."""
+        """Move an object to a pose with all its parts, at rest; its joints stay."""
         thing = self._object(object_id)
         thing.set_pose(pose)
         thing.stop()
 
     def set_object_joints(self, object_id: str, joints: Sequence[float]) -> None:
-        """Put the moving parts of an object at (n,) positions, at rest; all at 0 when empty."""
+        """Set the (n,) joint positions of an object, at rest; all to 0 when empty."""
         self._object(object_id).set_joints(joints)
 
     def object_joints(self, object_id: str) -> np.ndarray:
@@ -152,13 +155,13 @@ class World:
         return self._object(object_id).joints
 
     def body(self, object_id: str) -> Body:
-        """An object as it stands now."""
+        """The present pose and joints of an object."""
         thing = self._object(object_id)
         return Body(self.bodies[object_id].model, thing.pose, tuple(thing.joints.tolist()))
 
     def fallen(self) -> list[str]:
-        """Ids of the objects whose origin is more than 5 cm below the table top."""
-        lowest = self.table.height - 0.05
+        """Ids of the objects whose origin is more than :data:`FALLEN_M` below the table top."""
+        lowest = self.table.height - FALLEN_M
         return [name for name, thing in self._objects.items() if thing.entities[None].pose.p[2] < lowest]
 
     def _object(self, object_id: str) -> RigidObject | ArticulatedObject:
@@ -184,7 +187,7 @@ class World:
     # --- time ---
 
     def step(self, count: int = 1) -> None:
-        """Advance physics; every step of a world goes through here, so recorders (``before_step``) miss none."""
+        """Advance physics. Every step of a world goes through here, so recorders (``before_step``) miss none."""
         for _ in range(count):
             for notify in self.before_step:
                 notify(self)
@@ -194,7 +197,7 @@ class World:
             self.steps += 1
 
     def settle(self, max_steps: int = 500) -> SettleReport:
-        """Step until all objects are at rest, one falls, or ``max_steps`` are over."""
+        """Step until all objects are at rest, one falls, or ``max_steps`` have passed."""
         before = self.object_poses()
         resting, steps = 0, 0
         while steps < max_steps and resting < REST_STEPS and not self.fallen():
@@ -213,7 +216,7 @@ class World:
     # --- contacts ---
 
     def touching(self, name: str) -> set[str]:
-        """What presses on an object, or on one part of it: ids of other objects, ``table``, or ``<arm>/<link>``.
+        """Names of things that press on an object or on one part of it: other ids, ``table``, or ``<arm>/<link>``.
 
         Args:
             name: an object's id, or ``<id>/<link>`` for a moving part alone.
@@ -224,14 +227,14 @@ class World:
         return self._contact_names.touching(name, self.scene.get_contacts())
 
     def presses(self, names: Collection[str]) -> Iterator[tuple[str, str, float]]:
-        """Yield the contacts of objects (ids) or arms (names) that press: (own name, other's, last impulse in N s).
+        """Yield the pressing contacts of objects (ids) or arms (names): (own name, other's, last impulse in N s).
 
         An arm's own name is ``<arm>/<link>``.
         """
         return self._contact_names.presses(names, self.scene.get_contacts())
 
     def borne_by(self, object_id: str) -> dict[str, float]:
-        """The share of an object's weight that each other thing bears, by the upward impulses of the last step.
+        """Share of an object's weight that each other thing bears, by the upward impulses of the last step.
 
         Raises:
             UnknownName: there is no such object.
@@ -242,14 +245,14 @@ class World:
         return {name: share / total for name, share in upward.items()} if total else {}
 
     def holds(self, arm: str, name: str) -> bool:
-        """Whether all fingers of an arm press on an object, or on one moving part of it (``<id>/<link>``)."""
+        """True if all fingers of an arm press on an object, or on one moving part of it (``<id>/<link>``)."""
         fingers = {f"{arm}/{finger.name}" for finger in self.arms[arm].fingers}
         return fingers <= self.touching(name)
 
     # --- state ---
 
     def state(self) -> WorldState:
-        """Positions of everything that moves."""
+        """Positions of all moving things."""
         joints = {name: arm.articulation.get_qpos().copy() for name, arm in self.arms.items()}
         return WorldState(self.object_poses(), joints, self.joints_of_objects())
 
@@ -258,11 +261,11 @@ class World:
         return {name: thing.joints for name, thing in self._objects.items() if len(thing.joints)}
 
     def set_state(self, state: WorldState) -> None:
-        """Put everything where ``state`` says, without stepping (for drawing).
+        """Set all positions without stepping, for drawing.
 
         Raises:
             DamagedFile: the state has other joints than the world.
-            UnknownName: it has an object that the world has not.
+            UnknownName: it has an object that the world does not have.
         """
         self._require_joints(state.object_joints, self.joints_of_objects())
         self._require_joints(state.joints, {name: arm.articulation.get_qpos() for name, arm in self.arms.items()})
@@ -274,17 +277,16 @@ class World:
             self.arms[name].articulation.set_qpos(joints)
 
     @staticmethod
-    def _require_joints(told: Mapping[str, np.ndarray], own: Mapping[str, np.ndarray]) -> None:
-        for name, joints in told.items():
+    def _require_joints(given: Mapping[str, np.ndarray], own: Mapping[str, np.ndarray]) -> None:
+        for name, joints in given.items():
             if name not in own or len(joints) != len(own[name]):
                 has = f"{len(own[name])} joints" if name in own else "none"
                 raise DamagedFile(f"a state has {len(joints)} joints of {name}, the world has {has}")
 
     def snapshot(self) -> bytes:
-        """Everything that physics needs to go on: positions, velocities, drive targets and the step count.
+        """All that physics needs to continue: positions, velocities, drive targets and the step count.
 
-        Going on in the same world after :meth:`restore` is not reproducible, because contact caches survive;
-        restore into a fresh world, which is.
+        Restore it into a new world: in the same world contact caches survive, and the result is not reproducible.
         """
         drives = {f"drives.{name}": arm.drives for name, arm in self.arms.items()}
         physics = np.frombuffer(self._physics.pack(), dtype=np.uint8)
@@ -292,7 +294,7 @@ class World:
         return pack_arrays({"physics": physics, "steps": np.array(self.steps), "objects": names, **drives})
 
     def restore(self, snapshot: bytes) -> None:
-        """Continue from a snapshot of a world with the same objects and robot; call it on a fresh world."""
+        """Continue from a snapshot of a world with the same objects and robot; call it on a new world."""
         arrays = unpack_arrays(snapshot)
         if arrays["objects"].tolist() != self.object_ids:
             raise ValueError(f"the snapshot holds {arrays['objects'].tolist()}, the world {self.object_ids}")

@@ -7,6 +7,7 @@ in the embodiment's folder, which must stay where it is.
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree.ElementTree import Element
@@ -214,7 +215,7 @@ def _fixed_cameras(embodiment: Embodiment) -> tuple[dict[str, RobotCamera], list
     return cameras, warnings
 
 
-def _vector(values: np.ndarray) -> Vec3:
+def _vector(values: Sequence[float] | np.ndarray) -> Vec3:
     x, y, z = (_rounded(value) for value in values)
     return x, y, z
 
