@@ -11,7 +11,7 @@ import numpy as np
 from benchmarks._match.truth import Truth
 from vcage.schema.matches import Match
 from vcage.schema.scene import Scene
-from vcage.vision.symmetry import yaw_error
+from vcage.vision.symmetry import smallest_turn
 
 NEAR = 0.04
 """Metres: a match farther than this from every true thing is on none."""
@@ -97,7 +97,7 @@ def score(
             continue
         taken.add(index)
         thing = things[index]
-        turned = yaw_error(match.yaw, thing.yaw, thing.symmetry)
+        turned = abs(smallest_turn(match.yaw - thing.yaw, thing.symmetry))
         result.right.append(RightMatch(float(distances[index]), turned, match.confidence))
     return result
 

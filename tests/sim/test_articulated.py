@@ -172,7 +172,7 @@ def test_moving_parts_are_obstacles_of_their_own(over_drawer):
     assert scene.first_contact(q, ignore=["cabinet/drawer_upper"]) is None
 
 
-def test_fingers_may_touch_what_the_hand_may_not(over_drawer):
+def test_fingers_may_touch_obstacles_that_the_hand_may_not(over_drawer):
     scene, q = over_drawer(0.0, 0.138)
     assert scene.first_contact(q, fingers_may_touch=["cabinet/drawer_upper"]) is None
     scene, q = over_drawer(0.03, 0.12)

@@ -26,7 +26,7 @@ def window_of(camera, step: int) -> Window:
     return Window(round(u) - 48, round(v) - 48, 96 // step, step)
 
 
-def test_a_window_shows_what_the_whole_picture_shows_there(drawer, models, template):
+def test_a_window_shows_the_same_as_the_whole_picture(drawer, models, template):
     camera = template.top_camera.camera()
     alone = World(Table(height=NOWHERE), {"bar": Body(models["bar"], PLACE)}, render=True)
     whole, window = observe(alone, camera), window_of(camera, 1)
@@ -45,7 +45,7 @@ def test_a_smaller_drawing_covers_the_same_place(drawer, template):
     assert np.abs(full.reshape(48, 2, 48, 2).mean(axis=(1, 3)) - half).mean() < 0.05
 
 
-def test_only_the_object_that_is_asked_for_is_drawn(drawer, template):
+def test_only_the_requested_object_is_drawn(drawer, template):
     camera = template.top_camera.camera()
     first = drawer.draw("cube", PLACE, camera, window_of(camera, 1))
     drawer.draw("tray", PLACE, camera, window_of(camera, 1))

@@ -1,4 +1,4 @@
-"""Where moving parts are, by geometry alone."""
+"""Poses of moving parts, by geometry alone."""
 
 from __future__ import annotations
 

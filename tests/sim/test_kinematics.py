@@ -49,13 +49,13 @@ def test_no_pose_that_the_arm_comes_to_is_too_far(share):
     assert not arm.too_far(arm.fk(arm.lower + np.array(share) * (arm.upper - arm.lower)))
 
 
-def test_what_is_farther_than_the_stretched_arm_is_too_far(right):
+def test_a_pose_beyond_the_stretched_arm_is_too_far(right):
     stretched = right.fk(right.home * [1, 0, 1, 0, 1, 0, 1])  # straight up
     assert not right.too_far(stretched)
     assert right.too_far(Pose(stretched.p + [0, 0, 0.15], stretched.q))
 
 
-def test_solutions_do_not_depend_on_what_was_asked_before(right):
+def test_solutions_do_not_depend_on_earlier_requests(right):
     pose = grasp_from_above(0.2, 0.0, 0.8, 0.3)
     first = right.ik(pose)
     right.ik(grasp_from_above(0.4, -0.1, 0.8, 1.0))

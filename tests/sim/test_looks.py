@@ -27,7 +27,7 @@ CHANNEL = st.integers(0, 255)
     saturation=st.floats(0.5, 2),
     lightness=st.floats(0.5, 2),
 )
-def test_the_word_for_a_colour_stays_whatever_is_drawn(rgb, hue, saturation, lightness):
+def test_the_word_for_a_colour_stays_under_every_tint(rgb, hue, saturation, lightness):
     colours = Colours(np.array([rgb], np.uint8), np.ones(1))
     kept = truthful(colours, Tint(hue_deg=hue, saturation=saturation, lightness=lightness))
     assert kept is None or colours.words(kept) == colours.words()
@@ -56,7 +56,7 @@ def test_lights_shine_down_and_only_the_key_light_throws_shadows(seed):
 
 
 @pytest.mark.parametrize(("where", "name"), [("table", "oak"), ("wall", "brick"), ("floor", "screed")])
-def test_the_colour_of_a_painted_surface_multiplies_what_is_painted(where, name):
+def test_the_colour_of_a_surface_multiplies_its_texture(where, name):
     def shown(colour):
         plain, painted = Surface(texture=None, colour=(0.5, 0.5, 0.5)), Surface(texture=name, colour=colour)
         light = Light(direction=(0, 0, -1), colour=(1, 1, 1), shadows=False)
@@ -116,14 +116,14 @@ def test_a_file_of_ones_own_is_not_taken_for_ours_of_that_name(tmp_path):
     assert load_randomisation(str(file)).name == "mine.yml"
 
 
-def test_a_texture_that_nobody_paints_is_named_with_those_there_are(tmp_path):
+def test_an_unknown_texture_is_named_with_the_known_ones(tmp_path):
     file = tmp_path / "mine.yml"
     file.write_text(HEAD + "look: {surfaces: {floor: [lava]}}\n")
     with pytest.raises(UnknownName, match=r"unknown floor 'lava'.*screed"):
         load_randomisation(str(file))
 
 
-def test_a_file_that_cannot_be_read_is_told(tmp_path, monkeypatch):
+def test_an_unreadable_file_is_named(tmp_path, monkeypatch):
     file = tmp_path / "mine.yml"
     file.write_text(HEAD)
 
@@ -135,7 +135,7 @@ def test_a_file_that_cannot_be_read_is_told(tmp_path, monkeypatch):
         load_randomisation(str(file))
 
 
-def test_a_file_that_is_no_text_is_told(tmp_path):
+def test_a_file_without_text_is_named(tmp_path):
     file = tmp_path / "mine.yml"
     file.write_bytes(b"\xff\xfe\x00bad")
     with pytest.raises(DamagedFile, match=r"mine\.yml"):

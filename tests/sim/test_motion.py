@@ -120,7 +120,7 @@ def test_arms_at_home_touch_nothing(world):
         assert CollisionScene.of_world(world, name).first_contact(arm.joints) is None
 
 
-def test_what_is_held_counts_as_part_of_the_hand(world):
+def test_a_held_object_counts_as_part_of_the_hand(world):
     planner = planner_of(world)
     q = planner.kinematics.ik(grasp_of(world, "tray", 0.16))
     long = Held("bar", world.bodies["bar"].model, Pose([0, 0, 0.1], [0.7071, 0, 0.7071, 0]))
@@ -164,7 +164,7 @@ def test_following_into_the_table_says_at_which_pose(world):
         planner.follow(q, poses)
 
 
-def test_an_arm_is_where_it_is_told_to_be_all_the_way(world):
+def test_an_arm_stays_on_its_targets_all_the_way(world):
     """The drives alone lag where the arm speeds up, and would have to be waited for."""
     arm, planner = world.arms["right"], planner_of(world)
     lag = []

@@ -47,7 +47,7 @@ def test_a_bend_is_made_narrower_until_it_is_free():
     assert np.linalg.norm(stretch.points - [1, 0], axis=1).min() < 0.15
 
 
-def test_a_bend_must_be_free_for_what_the_hand_does_on_both_legs():
+def test_a_bend_must_be_free_with_the_loads_of_both_legs():
     first, second = leg((0, 0), (1, 0)), leg((1, 0), (1, 1))
     path = JointPath((first, replace(second, load=Load(opening=0.2))))
     for refused in (0.2, 1.0):

@@ -56,7 +56,7 @@ def test_a_surface_in_the_light_is_as_bright_as_the_model_of_light_says(metallic
     assert picture[16, 16] == pytest.approx(expected, abs=1.0)
 
 
-def test_what_is_in_shadow_has_the_light_from_everywhere_alone():
+def test_a_shadow_has_the_ambient_light_alone():
     look = Appearance(light_direction=(0.0, 0.0, -1.0))
     camera = Camera(33, 33, 0.3, look_at([1.2, -1.2, 0.3], [0, 0, 0], up=(0, 0, 1)))  # the floor below the table
     picture = shoot(World(TABLE, {}, appearance=look, render=True), camera)

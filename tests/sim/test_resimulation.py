@@ -64,7 +64,7 @@ def test_so_is_one_that_went_on_from_a_snapshot_in_a_fresh_world():
     assert same(resimulate(build, log.drives, 25, {}), log)
 
 
-def test_what_was_told_after_a_snapshot_is_forgotten_when_it_is_gone_back_to_again():
+def test_commands_after_a_snapshot_are_dropped_when_it_is_restored():
     world, log = begun()
     snapshot = world.snapshot()
     for joint in range(2):
@@ -75,7 +75,7 @@ def test_what_was_told_after_a_snapshot_is_forgotten_when_it_is_gone_back_to_aga
     assert (len(log.drives), log.drives.restarts) == (0, [log.drives.settled])
 
 
-def test_the_drives_are_told_in_steps_that_are_exact_in_binary():
+def test_drive_commands_have_steps_that_are_exact_in_binary():
     for part, step in GRID.items():
         told = on_grid(part, np.array([0.1234567, -0.0, 1e-9]))
         assert np.array_equal(told, np.float32(told))

@@ -23,7 +23,7 @@ def test_every_scene_names_a_robot_that_exists():
     assert all(load_template(name).robot in available("robots") for name in available("scenes"))
 
 
-def test_a_package_that_is_missing_is_named_with_the_command_that_installs_it():
+def test_a_missing_package_is_named_with_the_command_that_installs_it():
     with pytest.raises(MissingDependency, match="no_such_package") as caught:
         package_file("no_such_package:arm.urdf")
     assert caught.value.command.endswith("-m pip install no_such_package")

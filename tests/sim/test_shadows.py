@@ -21,7 +21,7 @@ def shapes(world):
     return world.scene.render_system.render_bodies[0].render_shapes
 
 
-def test_what_throws_the_shadow_of_an_arm_is_not_seen_itself():
+def test_the_shape_that_throws_the_shadow_of_an_arm_is_invisible():
     empty = shoot(World(TABLE, {}, appearance=LOOK, render=True), ABOVE).astype(int)
     world = World(TABLE, {}, load_robot("dual_panda"), LOOK, render=True)
     for body in world.scene.render_system.render_bodies:
@@ -32,7 +32,7 @@ def test_what_throws_the_shadow_of_an_arm_is_not_seen_itself():
     assert darker.min() == 0 and darker[0, 0].max() == 0 and (darker.max(axis=2) > 20).mean() > 0.02
 
 
-def test_what_is_seen_of_an_arm_throws_no_shadow_of_its_own():
+def test_the_visible_shapes_of_an_arm_throw_no_shadow():
     world = World(TABLE, {}, load_robot("dual_panda"), LOOK, render=True)
     for body in world.scene.render_system.render_bodies:
         names = [shape.name for shape in body.render_shapes]

@@ -24,7 +24,7 @@ def test_objects_placed_just_above_the_table_settle_where_they_are(template, bod
     assert max(report.tilt_rad.values()) < 0.01
 
 
-def test_settling_reports_what_falls_off_the_table(template, bodies):
+def test_settling_reports_objects_that_fall_off_the_table(template, bodies):
     out = {"cube": Body(bodies["cube"].model, Pose([0.7, 0, 0.8]))}
     report = World(template.table, out).settle(max_steps=500)
     assert not report.settled
@@ -44,7 +44,7 @@ def test_mass_is_the_models(world, models):
     assert body.mass == pytest.approx(models["tray"].mass)
 
 
-def test_an_object_that_is_put_somewhere_is_there_at_rest(world):
+def test_an_object_that_was_moved_is_at_rest(world):
     pose = Pose.from_yaw([0.1, -0.1, 0.74], 0.7)
     world.set_object_pose("cube", pose)
     world.step(5)
@@ -57,7 +57,7 @@ def test_an_unknown_object_is_named_with_those_there_are(world):
         world.object_pose("cup")
 
 
-def test_a_hull_that_is_no_mesh_is_named(template, models, tmp_path):
+def test_a_hull_file_without_a_mesh_is_named(template, models, tmp_path):
     broken = tmp_path / "broken.obj"
     broken.write_text("nothing")
     model = models["cube"].model_copy(update={"hulls": [str(broken)]})
@@ -98,7 +98,7 @@ def test_a_snapshot_of_other_objects_is_refused(template, bodies):
         World(template.table, bodies).restore(snapshot)
 
 
-def test_contacts_name_what_presses_on_an_object(world):
+def test_contacts_name_the_things_that_press_on_an_object(world):
     world.settle()
     assert world.touching("cube") == {"table"}
     assert not world.holds("right", "cube")

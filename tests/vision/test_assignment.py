@@ -19,7 +19,7 @@ def test_all_pairs_together_beat_the_greedy_ones() -> None:
     assert {i: c.index for i, c in chosen.items()} == {0: 1, 1: 0}
 
 
-def test_an_object_that_is_less_likely_there_than_not_is_nowhere() -> None:
+def test_an_object_without_a_likely_place_stays_unassigned() -> None:
     assert assign([[LEFT]], [np.array([-0.1])]) == {}
 
 

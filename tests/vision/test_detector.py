@@ -43,7 +43,7 @@ def test_a_picture_of_another_brightness_and_size_shows_the_same_objects() -> No
     assert len(DETECTOR.detect(brighter, ["x"] * 4, table_picture())) == 4
 
 
-def test_without_a_background_what_differs_from_the_border_is_found() -> None:
+def test_without_a_background_objects_differ_from_the_border() -> None:
     picture, _ = draw([PLATE, *BLOCKS])
     assert len(DETECTOR.detect(picture, ["x"] * 4)) == 4
 

@@ -49,17 +49,17 @@ def test_two_that_look_the_same_are_exchanged_where_the_plan_holds_then():
     assert (found["block"], found["block_2"]) == (-0.3, 0.3)
 
 
-def test_what_the_plan_is_content_with_stays():
+def test_objects_that_fulfil_the_plan_stay():
     found = matched(twins(), match("plate", 0.0), match("block", -0.3), match("block_2", 0.3))
     assert (found["block"], found["block_2"]) == (-0.3, 0.3)
 
 
-def test_what_looks_different_is_never_exchanged():
+def test_objects_that_look_different_are_never_exchanged():
     found = matched(twins(same=False), match("plate", 0.0), match("block", 0.3), match("block_2", -0.3))
     assert (found["block"], found["block_2"]) == (0.3, -0.3)
 
 
-def test_what_was_not_found_is_left_alone():
+def test_objects_that_were_not_found_are_left_alone():
     found = matched(twins(), match("plate", 0.0), match("block", 0.3, "kept"), match("block_2", -0.3))
     assert (found["block"], found["block_2"]) == (0.3, -0.3)
 

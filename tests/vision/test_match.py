@@ -89,7 +89,7 @@ def test_an_alpha_channel_changes_nothing(table, target, moved):
     assert_found(table(np.dstack([target, np.full(target.shape[:2], 255, np.uint8)])), moved)
 
 
-def test_touching_objects_are_told_apart(table, moved, paint):
+def test_touching_objects_are_distinguished(table, moved, paint):
     touching = [*moved[:3], replace(moved[3], xy=(0.05 - 0.03, 0.08 - 0.125), yaw=0.35)]
     assert_found(table(paint(touching)[0]), touching)
 
@@ -120,7 +120,7 @@ def test_detections_that_are_none_of_this_picture_are_left_out_and_noted(table, 
     assert any(note.startswith("4 detections") for note in result.notes)
 
 
-def test_a_missing_object_is_kept_where_it_was_and_says_so(table, moved, paint, things):
+def test_a_missing_object_stays_where_it_was_with_a_note(table, moved, paint, things):
     kept = table(paint([moved[0], moved[1], moved[3]])[0]).matches[2]
     assert (kept.method, kept.box, kept.confidence, kept.ncc) == ("kept", None, 0.0, None)
     assert kept.position == pytest.approx(things[2].xy)
@@ -145,11 +145,11 @@ def test_an_object_hidden_in_the_source_is_never_matched(table, target, paint, t
     assert len(result.unclaimed) == 1
 
 
-def test_an_empty_table_leaves_everything_kept(table, background):
+def test_on_an_empty_table_no_object_is_found(table, background):
     assert {m.method for m in table(background).matches} == {"kept"}
 
 
-def test_a_stranger_is_claimed_by_nobody(table, moved, paint):
+def test_no_object_claims_a_stranger(table, moved, paint):
     stranger = replace(moved[3], id="stranger", size=(0.09, 0.09, 0.02), colour=(60, 200, 90), xy=(-0.05, -0.2))
     result = table(paint([*moved, stranger])[0])
     assert_found(result, moved)

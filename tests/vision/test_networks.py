@@ -70,7 +70,7 @@ def test_a_quarter_turn_of_the_picture_changes_no_feature(embedder: Embedder) ->
     assert float(upright[0] @ turned[0]) > 0.99
 
 
-def test_what_lies_beside_the_region_changes_no_feature(embedder: Embedder) -> None:
+def test_the_surroundings_of_a_region_change_no_feature(embedder: Embedder) -> None:
     picture, ids = draw([BLOCKS[0]])
     mask = ids == 1
     elsewhere = np.where(mask[..., None], picture, 255 - picture)
@@ -185,7 +185,7 @@ def test_more_names_than_the_text_encoder_reads_at_once_are_asked_in_turn(detect
     assert {d.label for d in detector.detect(picture, names)} <= {*names, None}
 
 
-def test_a_name_too_long_to_read_is_left_out_and_said_so(detector: Detector, caplog: pytest.LogCaptureFixture) -> None:
+def test_a_name_too_long_to_read_causes_a_warning(detector: Detector, caplog: pytest.LogCaptureFixture) -> None:
     assert list(detector._prompts(["red block " * 20, "plate"])) == [["plate"]]
     assert "it is left out" in caplog.text
 

@@ -32,7 +32,7 @@ def match_of(thing: Thing, target: Thing, **fields: object) -> Match:
     return Match(**(found | place | fields))
 
 
-def test_the_overlay_is_enlarged_and_marks_what_nobody_claimed(things, moved, background, make_scene):
+def test_the_overlay_is_enlarged_and_marks_unclaimed_boxes(things, moved, background, make_scene):
     scene = make_scene(things)
     matches = [match_of(*pair) for pair in zip(things, moved, strict=True)]
     plain = draw_overlay(background, scene, matches)
@@ -42,7 +42,7 @@ def test_the_overlay_is_enlarged_and_marks_what_nobody_claimed(things, moved, ba
     assert has_colour(marked, WARNING)
 
 
-def test_a_kept_object_is_marked(things, moved, paint, make_scene):
+def test_an_object_that_was_not_found_is_marked(things, moved, paint, make_scene):
     matches = [match_of(*pair) for pair in zip(things, moved, strict=True)]
     lost = {"method": "kept", "similarity": None, "confidence": 0.0, "box": None, "ncc": None}
     matches[1] = match_of(things[1], things[1], **lost, note="not found in the target picture; kept where it was")

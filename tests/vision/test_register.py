@@ -108,7 +108,7 @@ def test_a_crop_to_another_aspect_is_undone(source, target, table, window, size)
     assert error(register(cropped, source, table), warp) <= 2
 
 
-def test_beside_a_table_painted_anew_a_crop_is_found_by_the_edges_and_said_to_be_centred(source, target, table) -> None:
+def test_a_crop_of_a_table_painted_anew_is_found_by_the_edges_and_centred(source, target, table) -> None:
     painted = repainted(target, table)
     cropped, warp = seen_through(painted, (16, 12, 624, 468), (640, 480))
     found = register(cropped, source, table)
@@ -151,14 +151,14 @@ def test_where_a_smaller_view_shows_nothing_the_empty_table_is(source, target, t
     assert "laid over the table" in found.notes[0]
 
 
-def test_what_shows_no_table_is_resized_and_said_so(source, table) -> None:
+def test_a_picture_without_a_table_is_resized_with_a_note(source, table) -> None:
     noise = np.random.default_rng(0).integers(0, 255, (300, 300, 3), dtype=np.uint8)
     found = register(noise, source, table)
     assert found.picture.shape == source.shape and "not seen well enough" in found.notes[0]
 
 
 @pytest.mark.parametrize("value", [0, 128, 255])
-def test_a_picture_of_one_colour_or_one_pixel_is_resized_and_said_so(source, table, value) -> None:
+def test_a_picture_of_one_colour_or_one_pixel_is_resized_with_a_note(source, table, value) -> None:
     for shape in ((480, 640, 3), (1, 1, 3), (1, 900, 3)):
         found = register(np.full(shape, value, np.uint8), source, table)
         assert found.picture.shape == source.shape and np.isfinite(found.warp).all() and found.notes
@@ -204,7 +204,7 @@ def test_source_and_background_have_one_size(source, table) -> None:
         register(source, source, table[:-1])
 
 
-def test_padding_is_what_has_one_colour_along_a_whole_border() -> None:
+def test_padding_has_one_colour_along_a_whole_border() -> None:
     picture = np.random.default_rng(0).integers(0, 255, (60, 80, 3), dtype=np.uint8)
     picture[:7], picture[55:] = 9, 200
     assert unpadded(*read_picture(picture)) == (0, 7, 80, 55)

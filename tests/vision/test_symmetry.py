@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vcage.vision.symmetry import rotational_symmetry, yaw_error
+from vcage.vision.symmetry import rotational_symmetry, smallest_turn
 
 ANGLES = st.floats(-10, 10)
 
@@ -65,21 +65,21 @@ def test_a_picture_without_an_object_has_no_symmetry(shape: tuple[int, ...]) -> 
 
 
 @given(ANGLES, ANGLES, st.integers(1, 12))
-def test_the_yaw_error_is_symmetric_and_at_most_half_a_period(a: float, b: float, order: int) -> None:
-    error = yaw_error(a, b, order)
+def test_the_smallest_turn_is_symmetric_and_at_most_half_a_period(a: float, b: float, order: int) -> None:
+    error = abs(smallest_turn(a - b, order))
     assert 0 <= error <= np.pi / order + 1e-9
-    assert error == pytest.approx(yaw_error(b, a, order), abs=1e-9)
+    assert error == pytest.approx(abs(smallest_turn(b - a, order)), abs=1e-9)
 
 
-@given(ANGLES, st.integers(1, 12), st.integers(-5, 5))
-def test_turning_by_a_period_is_no_error(a: float, order: int, times: int) -> None:
-    assert yaw_error(a, a + times * 2 * np.pi / order, order) == pytest.approx(0, abs=1e-9)
+@given(st.integers(1, 12), st.integers(-5, 5))
+def test_whole_periods_are_no_turn(order: int, times: int) -> None:
+    assert smallest_turn(times * 2 * np.pi / order, order) == pytest.approx(0, abs=1e-9)
 
 
-def test_a_round_object_has_no_yaw_error() -> None:
-    assert yaw_error(0.3, 2.0, 0) == 0
+def test_a_round_object_needs_no_turn() -> None:
+    assert smallest_turn(1.7, 0) == 0
 
 
 def test_an_impossible_order_is_refused() -> None:
     with pytest.raises(ValueError, match="order -1"):
-        yaw_error(0, 0, -1)
+        smallest_turn(0, -1)

@@ -36,7 +36,7 @@ def test_an_object_stands_out_of_the_known_table(grain):
     assert inside > 0.95 and outside < 0.15
 
 
-def test_an_object_stands_out_of_a_table_that_nobody_knows(grain):
+def test_an_object_stands_out_of_an_unknown_table(grain):
     inside, outside = shares(fit_table(with_object(grain)).salience)
     assert inside > 0.8 and outside < 0.2
 

@@ -314,3 +314,8 @@ class Camera:
             distance = (height - self.pose.p[2]) / rays[..., 2]
         distance = np.where(distance > 0, distance, np.nan)
         return self.pose.p + distance[..., None] * rays
+
+
+def tilt_between(a: Pose, b: Pose) -> float:
+    """Angle between the up axes of two poses, radians."""
+    return float(np.arccos(np.clip(a.rotation()[:, 2] @ b.rotation()[:, 2], -1.0, 1.0)))

@@ -37,16 +37,14 @@ class ContactNames:
             for link in arm.articulation.links:
                 self._owners[link.entity.per_scene_id] = f"{name}/{link.name}"
 
-    def touching(self, name: str, contacts: Iterable[sapien.physx.PhysxContact]) -> set[str]:
-        """Names of things that press on an object, or on one moving part (``<id>/<link>``); its own parts are left out.
-
-        Raises:
-            UnknownName: there is no such object or part.
-        """
-        return set(self.impulses(name, contacts))
-
     def impulses(self, name: str, contacts: Iterable[sapien.physx.PhysxContact]) -> dict[str, np.ndarray]:
-        """(3,) the impulse of the last step that each thing gave to an object, or to one part of it, N s.
+        """(3,) impulse of the last step, N s, from each thing that presses on an object or on one part of it.
+
+        Contacts with its own parts are left out.
+
+        Args:
+            name: ``<id>``, or ``<id>/<link>`` for a moving part.
+            contacts: of the scene.
 
         Raises:
             UnknownName: there is no such object or part.

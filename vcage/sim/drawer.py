@@ -28,11 +28,9 @@ if TYPE_CHECKING:
 REFERENCE_DISTANCE_M = 15.0
 """Distance of the camera of a reference picture from the object's base: the view is parallel to half a percent."""
 
-MARGIN_PX = 4
-"""Empty border around the object."""
-
-SIDE_STEP_PX = 32
-"""Drawings are rendered in multiples of this size and cut, as each size of camera takes memory of its own."""
+MARGIN_PX, SIDE_STEP_PX = 4, 32
+"""Empty border around an object from above; and the step of the sizes that drawings are rendered in before they are
+cut, as each size of camera takes memory of its own."""
 
 
 @dataclass(frozen=True)

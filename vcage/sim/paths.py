@@ -10,10 +10,21 @@ import numpy as np
 
 from vcage.sim.collision import Held
 
-BEND_SHARES = (0.5, 0.25, 0.12)
-"""Shares of the shorter of two legs that their bend may take, the widest first."""
 
-BEND_POINTS = 7
+@dataclass(frozen=True)
+class BendSettings:
+    """Bends between legs.
+
+    Args:
+        shares: of the shorter of two legs that their bend may take, the widest first.
+        points: of a bend.
+    """
+
+    shares: tuple[float, ...] = (0.5, 0.25, 0.12)
+    points: int = 7
+
+
+BENDS = BendSettings()
 
 
 @dataclass(frozen=True)
@@ -124,7 +135,7 @@ def _bent(
     loads = [before.load] if alike else [before.load, after.load]
     # Of a leg between two bends, each may take half.
     shorter = min(_length(before.points), _length(after.points))
-    for share in BEND_SHARES:
+    for share in BENDS.shares:
         head, start = _without_end(points, share * shorter)
         tail, end = _without_end(after.points[::-1], share * shorter)
         bend = _bend(start, after.points[0], end)
@@ -134,8 +145,8 @@ def _bent(
 
 
 def _bend(start: np.ndarray, corner: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """(:data:`BEND_POINTS`, n) points of the parabola that touches both legs."""
-    t = np.linspace(0, 1, BEND_POINTS)[:, None]
+    """(k, n) points of the parabola that touches both legs."""
+    t = np.linspace(0, 1, BENDS.points)[:, None]
     return (1 - t) ** 2 * start + 2 * t * (1 - t) * corner + t**2 * end
 
 

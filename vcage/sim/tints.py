@@ -18,11 +18,9 @@ from vcage.sim.render import painted_texture
 if TYPE_CHECKING:
     import sapien
 
-HUE_MARGIN_DEG = 6.0
-"""Distance of a colour's hue from one of another name: warm and cold lights turn visible hues by about as much."""
-
-HALVINGS = 6
-"""A change that is too large is halved at most so often before it is dropped."""
+HUE_MARGIN_DEG, HALVINGS = 6.0, 6
+"""Distance of a hue from one of another name, as warm and cold lights turn visible hues by about as much; and how
+often a change that is too large is halved before it is dropped."""
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vcage.base.errors import DamagedFile, UnknownName
-from vcage.base.geometry import Pose
+from vcage.base.geometry import Pose, tilt_between
 from vcage.schema.asset import PhysicalModel
 from vcage.schema.robot import Robot
 from vcage.schema.scene import Scene, Table
@@ -102,13 +102,7 @@ class World:
         appearance: Appearance | None = None,
         render: bool = False,
     ) -> World:
-        """The world that a scene record describes.
-
-        Args:
-            scene: the record.
-            models: by object id.
-            robot, appearance, render: as of the world.
-        """
+        """The world of a scene record; ``models`` are by object id, the rest is as for the world."""
         bodies = {o.id: Body(models[o.id], o.pose.pose(), o.joints) for o in scene.objects}
         return cls(scene.table, bodies, robot, appearance, render)
 
@@ -172,7 +166,7 @@ class World:
     def camera_component(
         self, width: int, height: int, fovy: float, near: float, far: float
     ) -> sapien.render.RenderCameraComponent:
-        """SAPIEN's camera of that size (pixels) and vertical opening (radians), made once; its pose is the caller's.
+        """SAPIEN's camera of a size in pixels, made once; the caller sets its pose.
 
         Args:
             width, height: pixels.
@@ -209,7 +203,7 @@ class World:
             steps=steps,
             settled=resting >= REST_STEPS and not fallen,
             drift_m={name: float(np.linalg.norm(after[name].p - before[name].p)) for name in after},
-            tilt_rad={name: _angle_between(before[name], after[name]) for name in after},
+            tilt_rad={name: tilt_between(before[name], after[name]) for name in after},
             fallen=fallen,
         )
 
@@ -224,7 +218,7 @@ class World:
         Raises:
             UnknownName: there is no such object or part.
         """
-        return self._contact_names.touching(name, self.scene.get_contacts())
+        return set(self._contact_names.impulses(name, self.scene.get_contacts()))
 
     def presses(self, names: Collection[str]) -> Iterator[tuple[str, str, float]]:
         """Yield the pressing contacts of objects (ids) or arms (names): (own name, other's, last impulse in N s).
@@ -302,9 +296,3 @@ class World:
         self.steps = int(arrays["steps"])
         for name, arm in self.arms.items():
             arm.drives = arrays[f"drives.{name}"]
-
-
-def _angle_between(a: Pose, b: Pose) -> float:
-    """Angle between the up axes of two poses, radians."""
-    cosine = float(np.clip(a.rotation()[:, 2] @ b.rotation()[:, 2], -1.0, 1.0))
-    return float(np.arccos(cosine))

@@ -28,7 +28,7 @@ class Candidates:
 
     Args:
         record: the object.
-        template: by which it was looked for.
+        template: its template.
         fit: k poses.
         masks: k times (H, W) bool, its outline at each pose.
         similarity: (k,) cosines of the features.

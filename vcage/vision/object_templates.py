@@ -214,8 +214,8 @@ def _top_face(mask: np.ndarray, camera: Camera, low: float, high: float) -> np.n
     below = camera.unproject(np.stack([u, v], axis=1) + 0.5, high)
     below[:, 2] = low
     top = np.zeros_like(mask)
-    kept = _inside(mask, camera, below)
-    top[v[kept], u[kept]] = True
+    shown = _inside(mask, camera, below)
+    top[v[shown], u[shown]] = True
     return top
 
 

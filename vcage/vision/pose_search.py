@@ -104,14 +104,14 @@ def _steps(template: ObjectTemplate, steps: np.ndarray) -> np.ndarray:
 
 def _distinct(found: Fit, template: ObjectTemplate) -> list[int]:
     """Indices of poses that do not count as the same as a better one."""
-    kept: list[int] = []
+    chosen: list[int] = []
     near = SETTINGS.same_place_share * np.sqrt(template.area) * template.pixel
     for k, pose in enumerate(found.poses):
-        away = found.poses[kept] - pose
+        away = found.poses[chosen] - pose
         turned = np.abs(wrap_angle(away[:, 2]))
         if not np.any((np.hypot(away[:, 0], away[:, 1]) < near) & (turned < SETTINGS.same_heading_rad)):
-            kept.append(k)
-    return kept
+            chosen.append(k)
+    return chosen
 
 
 def _proposed(image: LabImage, template: ObjectTemplate, also: np.ndarray) -> np.ndarray:

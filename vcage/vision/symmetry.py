@@ -1,4 +1,4 @@
-"""Rotational symmetry of objects seen from above, and the difference of two headings under it.
+"""Rotational symmetry of objects seen from above, and the smallest of the turns that look the same under it.
 
 A plate has no heading, and a plain box has two that look alike. Without symmetry, noise would count as an error and
 objects would be turned for nothing.
@@ -64,8 +64,8 @@ def rotational_symmetry(reference: np.ndarray) -> int:
     return next((n for n in ORDERS if all(_same(look, 2 * np.pi * k / n) for k in range(1, n // 2 + 1))), 1)
 
 
-def yaw_error(a: float, b: float, order: int) -> float:
-    """Difference of two headings, radians in [0, π / order]; 0 for a round object (order 0).
+def smallest_turn(angle: float, order: int) -> float:
+    """The smallest of the turns that look the same on an object of n-fold symmetry (0: round), radians.
 
     Raises:
         ValueError: the order is negative.
@@ -75,14 +75,6 @@ def yaw_error(a: float, b: float, order: int) -> float:
     if order == 0:
         return 0.0
     period = 2 * np.pi / order
-    return float(abs((a - b + period / 2) % period - period / 2))
-
-
-def smallest_turn(angle: float, order: int) -> float:
-    """The smallest of the turns that look the same on an object of n-fold symmetry (0: round), radians."""
-    if order == 0:
-        return 0.0
-    period = 2 * np.pi / max(order, 1)
     return float((angle + period / 2) % period - period / 2)
 
 

@@ -111,7 +111,7 @@ def test_both_fingers_open_and_close_together(folder, mirrored):
     assert np.linalg.norm(left - right) == pytest.approx(0.01, abs=2e-3)  # they touch
 
 
-def test_two_arms_on_one_body_are_told_apart(folder):
+def test_two_arms_on_one_body_are_separated(folder):
     arms = [arm("l_", at="-.3 0 .1"), arm("r_", at=".3 0 .1")]
     robot, warnings = loaded(write(folder, dual_config(), *arms))
     assert {name for name in links(robot, "left") if name.startswith("r_")} == set()
@@ -180,7 +180,7 @@ def test_round_collision_shapes_become_meshes_that_planning_knows(folder):
         ("delta_matrix", "is assumed"),
     ],
 )
-def test_every_default_that_is_assumed_is_a_warning(folder, field, assumed):
+def test_every_assumed_default_is_a_warning(folder, field, assumed):
     _, warnings = loaded(write(folder, config(**{field: None})))
     assert any(f"config.yml: field {field}: missing" in w and assumed in w for w in warnings)
 

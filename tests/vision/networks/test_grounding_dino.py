@@ -21,7 +21,7 @@ def test_of_two_boxes_of_one_thing_the_better_stays() -> None:
 
 
 @pytest.mark.parametrize("box", [(5, 5, 5, 9), (700, 0, 900, 9), (np.nan, 0, 9, 9), (9, 9, 2, 2), (0, 0, 640, 480)])
-def test_a_box_without_room_or_as_large_as_the_table_is_none(box: tuple) -> None:
+def test_an_empty_box_or_one_as_large_as_the_table_is_refused(box: tuple) -> None:
     assert clipped(box, SHAPE, largest=0.5) is None
 
 

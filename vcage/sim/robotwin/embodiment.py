@@ -22,8 +22,9 @@ from pydantic import (
     field_validator,
 )
 
-from vcage.base.errors import DamagedFile, InputFileError, SchemaMismatch
+from vcage.base.errors import DamagedFile, InputFileError
 from vcage.base.reading import read_yaml
+from vcage.sim.robotwin.problems import Problem, require_none
 
 SIDES = ("left", "right")
 
@@ -276,26 +277,6 @@ def read_embodiment(folder: Path) -> Embodiment:
         raise
 
 
-@dataclass(frozen=True)
-class Problem:
-    """A field with which the robot cannot be made.
-
-    Args:
-        path: of the file.
-        field: its name.
-        text: the defect and the expectation.
-        hint: the remedy.
-    """
-
-    path: Path
-    field: str
-    text: str
-    hint: str = "mend the field"
-
-    def __str__(self) -> str:
-        return f"{self.path}: field {self.field}: {self.text}"
-
-
 def _problems(path: Path, error: ValidationError) -> list[Problem]:
     found = []
     for one in error.errors():
@@ -303,21 +284,3 @@ def _problems(path: Path, error: ValidationError) -> list[Problem]:
         text = "missing; expected a value" if one["type"] == "missing" else f"got {one['input']!r}; {text}"
         found.append(Problem(path, ".".join(map(str, one["loc"])), text))
     return found
-
-
-def require_none(problems: Sequence[Problem]) -> None:
-    """Refuse a robot with problems.
-
-    Raises:
-        SchemaMismatch: there are problems; one error names all of them.
-    """
-    problems = list({str(problem): problem for problem in problems}.values())
-    if len(problems) == 1:
-        details = {"path": str(problems[0].path), "field": problems[0].field}
-        raise SchemaMismatch(str(problems[0]), hint=problems[0].hint, details=details)
-    if problems:
-        raise SchemaMismatch(
-            f"{len(problems)} fields are wrong: {'; '.join(map(str, problems))}",
-            hint="mend them",
-            details={"path": str(problems[0].path), "fields": [problem.field for problem in problems]},
-        )

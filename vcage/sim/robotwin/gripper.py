@@ -21,11 +21,8 @@ from vcage.sim.robotwin.embodiment import ArmConfig
 if TYPE_CHECKING:
     import sapien
 
-TIP_LENGTH_M = 0.015
-"""The opening is measured on this last part of the fingers."""
-
-LEAST_SIZE_M = 0.001
-"""A smaller opening, reach or palm counts as not measurable."""
+TIP_LENGTH_M, LEAST_SIZE_M = 0.015, 0.001
+"""Length of the fingers' ends, on which the opening is measured; and the least opening, reach or palm that counts."""
 
 ASSUMED = {"max_width": 0.08, "tip_depth": 0.01, "finger_length": 0.04, "palm_size": (0.06, 0.15), "force": 100.0}
 """Sizes that cannot be measured: those of a gripper like the Panda's, metres and newtons."""

@@ -27,11 +27,8 @@ from vcage.sim.robotwin.gripper import Measured, measure_gripper
 LONGEST_NAME = 80
 """Characters of a robot's name."""
 
-ARM_DISTANCE_M = 0.6
-"""Assumed distance between the bases of two single arms."""
-
-FOVY_RAD = 0.65
-"""Assumed vertical field of view of a camera: a RealSense D435's."""
+ARM_DISTANCE_M, FOVY_RAD = 0.6, 0.65
+"""Assumed distance between the bases of two single arms, and vertical field of view of a camera (RealSense D435)."""
 
 HEAD_CAMERA = RobotCamera(fovy=0.95, position=(0.0, -0.5, 1.62), forward=(0.0, 0.5, -0.866025), up=(0.0, 0.866025, 0.5))
 """Between and above the shoulders, looking down at the middle of the table."""

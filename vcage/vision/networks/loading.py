@@ -63,7 +63,7 @@ class Weights:
             made = getattr(transformers, kind).from_pretrained(source, **options, **safe)
         except VcageError:
             raise
-        except Exception as error:  # transformers, safetensors and the hub raise a dozen kinds for what is not there.
+        except Exception as error:  # transformers, safetensors and the hub raise errors of many types.
             raise self._failure(error) from error
         return made.to(device()).eval() if hasattr(made, "eval") else made
 
