@@ -34,7 +34,7 @@ class Case:
         scene: M, the objects and where they stood.
         source, background: (H, W, 3) uint8 top views of the scene and of the empty table.
         segmentation: (H, W) int, values of ``scene.segmentation_ids``.
-        target: (H', W') or (H', W', 3 or 4) uint8, as the editor answered: any size, grey, or with alpha.
+        target: (H', W', 3) uint8, the editor's answer, of any size.
         truth: where everything is in the target picture.
         plan: L, where there is one.
         references: (h, w, 4) uint8 RGBA by object id, from straight above; may be empty.
@@ -117,7 +117,7 @@ def read_case(folder: Path, root: Path | None = None) -> Case:
             source=read_picture(folder / "source.png"),
             segmentation=read_labels(folder / "segmentation.png"),
             background=read_picture(folder / "background.png"),
-            target=read_raw(folder / "target.png"),
+            target=read_picture(folder / "target.png"),
             truth=Truth.read(folder / "truth.json"),
             plan=Plan.read(folder / "plan.json") if (folder / "plan.json").is_file() else None,
             references=_read_references(root, scene),

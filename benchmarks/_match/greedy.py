@@ -34,7 +34,7 @@ CROP = 64
 
 def match_greedily(case: Case, detector: Detector, embedder: Embedder) -> list[Match]:
     """A match for each object of the case's scene, in its order."""
-    target = _in_size_of(_as_rgb(case.target), case.source)
+    target = _in_size_of(case.target, case.source)
     detections = detector.detect(target, [o.phrase for o in case.scene.objects], case.background)
     known = [_region(case.segmentation == case.scene.segmentation_ids[o.id], o.phrase) for o in case.scene.objects]
     likeness = np.zeros((len(known), len(detections)))
@@ -55,12 +55,6 @@ def match_greedily(case: Case, detector: Detector, embedder: Embedder) -> list[M
         score = float(likeness[index, chosen])
         matches.append(_match(case, record, known[index], target, detections[chosen], method, score))
     return matches
-
-
-def _as_rgb(picture: np.ndarray) -> np.ndarray:
-    if picture.ndim == 2:
-        return cv2.cvtColor(picture, cv2.COLOR_GRAY2RGB)
-    return np.ascontiguousarray(picture[..., :3])
 
 
 def _in_size_of(picture: np.ndarray, other: np.ndarray) -> np.ndarray:

@@ -52,11 +52,11 @@ def test_a_case_is_read_as_it_was_written(case: Case, tmp_path: Path):
 
 
 @pytest.mark.parametrize("channels", [1, 4])
-def test_a_target_keeps_its_channels(case: Case, tmp_path: Path, channels: int):
+def test_a_grey_or_transparent_target_is_read_in_colour(case: Case, tmp_path: Path, channels: int):
     folder = write_case(tmp_path, case)
     picture = np.full((60, 80, channels), 90, np.uint8).squeeze()
     cv2.imwrite(str(folder / "target.png"), picture)
-    assert read_case(folder).target.shape == picture.shape
+    assert read_case(folder).target.shape == (60, 80, 3)
 
 
 @pytest.mark.parametrize("name", ["target.png", "truth.json", "scene.json"])

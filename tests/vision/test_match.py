@@ -6,7 +6,6 @@ import cv2
 import numpy as np
 import pytest
 
-from vcage.base.errors import InputFileError
 from vcage.base.geometry import wrap_angle
 from vcage.schema.plan import LayoutPlan, Relation
 from vcage.vision.detector import BackgroundDetector
@@ -83,10 +82,6 @@ def test_blur_and_another_size_change_nothing(table, target, moved):
     result = table(cv2.resize(soft, (800, 600), interpolation=cv2.INTER_CUBIC))
     assert result.picture.shape == target.shape
     assert_found(result, moved)
-
-
-def test_an_alpha_channel_changes_nothing(table, target, moved):
-    assert_found(table(np.dstack([target, np.full(target.shape[:2], 255, np.uint8)])), moved)
 
 
 def test_touching_objects_are_distinguished(table, moved, paint):
@@ -182,11 +177,6 @@ def test_a_label_of_the_detector_names_the_method_below_the_threshold(table, tar
 
 def test_the_same_picture_gives_the_same_matches(table, target):
     assert table(target).matches == table(target).matches
-
-
-def test_an_empty_picture_is_refused(table):
-    with pytest.raises(InputFileError):
-        table(np.zeros((0, 0, 3), np.uint8))
 
 
 def test_pictures_of_a_scene_that_differ_in_size_are_refused(things, paint, background):

@@ -6,8 +6,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from vcage.base.errors import InputFileError
-from vcage.vision.register import Registered, read_picture, register, unpadded
+from vcage.vision.register import Registered, register, unpadded
 from vcage.vision.register_edges import Axis, warp_of
 
 WIDTH, HEIGHT = 640, 480
@@ -164,38 +163,12 @@ def test_a_picture_of_one_colour_or_one_pixel_is_resized_with_a_note(source, tab
         assert found.picture.shape == source.shape and np.isfinite(found.warp).all() and found.notes
 
 
-def test_grey_alpha_deep_and_fractional_pictures_are_read(source, target, table) -> None:
-    grey = cv2.cvtColor(target, cv2.COLOR_RGB2GRAY)
-    alpha = np.dstack([target, np.full(target.shape[:2], 255, np.uint8)])
-    for made in (grey, grey[..., None], alpha, target.astype(np.uint16) * 257, target / 255):
-        found = register(made, source, table)
-        assert found.picture.dtype == np.uint8 and error(found, np.eye(3)[:2]) == 0
-    assert np.array_equal(found.picture, target)
-
-
-def test_transparent_parts_show_the_empty_table(source, target, table) -> None:
-    alpha = np.dstack([target, np.full(target.shape[:2], 255, np.uint8)])
-    alpha[200:300, 200:300, 3] = 0
-    found = register(alpha, source, table)
-    assert np.array_equal(found.picture[210:290, 210:290], table[210:290, 210:290])
-    assert not found.valid[250, 250] and "transparent" in found.notes[0]
-
-
 @pytest.mark.parametrize(
-    ("made", "complaint"),
-    [
-        (np.zeros((0, 0, 3), np.uint8), "not a picture"),
-        (np.zeros((4,), np.uint8), "not a picture"),
-        ("a picture", "not a picture"),
-        (np.zeros((4, 4, 2), np.uint8), "2 channels"),
-        (np.full((4, 4, 3), np.nan), "not finite"),
-        (np.full((4, 4, 3), 200.0), "from 200 to 200"),
-        (np.zeros((4, 4, 3), np.int64), "int64"),
-        (np.zeros((4, 4, 4), np.uint8), "wholly transparent"),
-    ],
+    "made",
+    [np.zeros((0, 0, 3), np.uint8), np.zeros((4, 4), np.uint8), np.zeros((4, 4, 4), np.uint8), np.zeros((4, 4, 3))],
 )
-def test_anything_but_a_picture_is_refused(made, complaint, source, table) -> None:
-    with pytest.raises(InputFileError, match=complaint):
+def test_anything_but_a_colour_picture_is_refused(made, source, table) -> None:
+    with pytest.raises(ValueError, match=r"expected an \(h, w, 3\) uint8 picture"):
         register(made, source, table)
 
 
@@ -207,5 +180,5 @@ def test_source_and_background_have_one_size(source, table) -> None:
 def test_padding_has_one_colour_along_a_whole_border() -> None:
     picture = np.random.default_rng(0).integers(0, 255, (60, 80, 3), dtype=np.uint8)
     picture[:7], picture[55:] = 9, 200
-    assert unpadded(*read_picture(picture)) == (0, 7, 80, 55)
-    assert unpadded(*read_picture(picture.transpose(1, 0, 2))) == (7, 0, 55, 80)
+    assert unpadded(picture) == (0, 7, 80, 55)
+    assert unpadded(picture.transpose(1, 0, 2)) == (7, 0, 55, 80)

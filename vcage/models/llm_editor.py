@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vcage.base.errors import InputFileError, ModelRefused
+from vcage.base.errors import ModelRefused
 from vcage.models import prompts
 from vcage.models.exchange import Answerer, Message, Question
 from vcage.models.protocols import EditRequest
@@ -76,10 +76,7 @@ def edit_complaint(picture: np.ndarray, source: np.ndarray, background: np.ndarr
         source: (H, W, 3), the picture that was to be edited.
         background: (H, W, 3), the same view of the empty table.
     """
-    try:
-        laid = register(picture, source, background)
-    except InputFileError as error:
-        return error.message
+    laid = register(picture, source, background)
     empty = to_lab(background)
     seen = distance(to_lab(laid.picture), empty)[laid.valid] < SETTINGS.table_distance
     table_share = float(seen.mean()) if seen.size else 0.0

@@ -102,12 +102,11 @@ def match_picture(
         scene: the known objects.
         plan: places objects that the picture does not show; None keeps them where they were.
         pictures: of the scene.
-        target: answer of an image model: any size, grey, RGBA, cropped (:func:`vcage.vision.register.register`).
+        target: (h, w, 3) uint8 answer of an image model, of any size and crop.
         recogniser: detector, embedder and the threshold of their features.
         looks: symmetries and drawings of the objects.
 
     Raises:
-        InputFileError: ``target`` is not a picture.
         NoRenderer: there is a drawer, and nothing here can draw.
     """
     observation = observe(scene, pictures, target, recogniser.detector)

@@ -95,11 +95,8 @@ def observe(scene: Scene, pictures: ScenePictures, edited: np.ndarray, detector:
     Args:
         scene: the known objects.
         pictures: of the scene.
-        edited: answer of an image model: any size, grey, RGBA, cropped.
+        edited: (h, w, 3) uint8 answer of an image model, of any size and crop.
         detector: looks for the objects by their phrases.
-
-    Raises:
-        InputFileError: ``edited`` is not a picture.
     """
     registered = register(edited, pictures.source, pictures.background)
     picture = registered.picture

@@ -14,7 +14,6 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from vcage.base.errors import InputFileError
 from vcage.vision.register_edges import Axis, EdgesAlong, confirmed_by, laid, warp_of
 from vcage.vision.register_texture import grain_fit
 
@@ -73,66 +72,30 @@ def register(target: np.ndarray, source: np.ndarray, background: np.ndarray) -> 
     """Undo an image model's changes of size and frame.
 
     Args:
-        target: (h, w), (h, w, 1), (h, w, 3) or (h, w, 4) of any size; uint8, uint16, or floats in [0, 1].
+        target: (h, w, 3) uint8 RGB of any size.
         source: (H, W, 3) uint8 top view that the model was given.
         background: (H, W, 3) uint8, the same view of the empty table.
 
     Raises:
-        InputFileError: ``target`` is no such picture, is empty, not finite, or wholly transparent.
-        ValueError: source and background differ in size.
+        ValueError: ``target`` is not such a picture, or source and background differ in size.
     """
     if source.shape != background.shape:
         raise ValueError(f"source and background differ in size: {source.shape} and {background.shape}")
-    picture, there = read_picture(target)
-    size = (source.shape[1], source.shape[0])
-    notes = [] if there.all() else ["transparent parts of the picture are taken for the empty table"]
-    u0, v0, u1, v1 = _content(picture, there, size)
-    content, shown = picture[v0:v1, u0:u1], there[v0:v1, u0:u1]
-    if content.shape != picture.shape:
+    if target.ndim != 3 or target.shape[2] != 3 or target.dtype != np.uint8 or not target.size:
+        raise ValueError(f"expected an (h, w, 3) uint8 picture, got {target.dtype} of the shape {target.shape}")
+    size, notes = (source.shape[1], source.shape[0]), []
+    u0, v0, u1, v1 = _content(target, size)
+    content = target[v0:v1, u0:u1]
+    if content.shape != target.shape:
         notes.append(f"padding was cut off; columns {u0} to {u1} and rows {v0} to {v1} are left")
     whole = _resized(content, size)
     x, y, note = _fit(whole, background, content.shape[1] / content.shape[0] * size[1] / size[0])
     if max(axis.largest_shift(length) for axis, length in zip((x, y), size)) < SETTINGS.least_shift_px:
         x, y = Axis(), Axis()
-    laid_over, valid = _applied(whole, shown, (x, y), background)
+    laid_over, valid = _applied(whole, (x, y), background)
     resized = Axis.between((u0, u1), (0, size[0])), Axis.between((v0, v1), (0, size[1]))
     warp = warp_of((x.after(resized[0]), y.after(resized[1])))
     return Registered(laid_over, valid, warp, [*notes, *([note] if note else [])])
-
-
-def read_picture(target: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """((h, w, 3) uint8 RGB, (h, w) bool of the opaque pixels) of a picture in any form.
-
-    Raises:
-        InputFileError: see :func:`register`.
-    """
-    hint = "it must be RGB, RGBA or grey, in whole numbers up to 255 or 65535 or fractions up to 1"
-    if not isinstance(target, np.ndarray) or target.ndim not in (2, 3) or 0 in target.shape:
-        shape = getattr(target, "shape", type(target).__name__)
-        raise InputFileError(f"the edited picture is not a picture: {shape}", hint=hint)
-    layers = np.atleast_3d(target)
-    if layers.shape[2] not in (1, 3, 4):
-        raise InputFileError(f"the edited picture has {layers.shape[2]} channels", hint=hint)
-    layers = _as_bytes(layers, hint)
-    there = layers[..., 3] > 127 if layers.shape[2] == 4 else np.ones(layers.shape[:2], bool)
-    if not there.any():
-        raise InputFileError("the edited picture is wholly transparent", hint=hint)
-    colours = layers[..., :3] if layers.shape[2] >= 3 else np.repeat(layers, 3, axis=2)
-    return np.ascontiguousarray(colours), there
-
-
-def _as_bytes(layers: np.ndarray, hint: str) -> np.ndarray:
-    if layers.dtype == np.uint8:
-        return layers
-    if layers.dtype == np.uint16:
-        return (layers // 257).astype(np.uint8)
-    if layers.dtype.kind == "f" and np.isfinite(layers).all() and layers.min() >= 0 and layers.max() <= 1:
-        return np.round(layers * 255).astype(np.uint8)
-    what = f"values of the type {layers.dtype}"
-    if layers.dtype.kind == "f":
-        finite = np.isfinite(layers).all()
-        what = f"values from {layers.min():g} to {layers.max():g}" if finite else "values that are not finite"
-    raise InputFileError(f"the edited picture has {what}", hint=hint)
 
 
 # --- fit of the answer over the source ----------------------------------------------------------------------
@@ -235,38 +198,35 @@ def _spelled(scale: Sequence[float]) -> str:
 # --- padding ---------------------------------------------------------------------------------------------------
 
 
-def _content(picture: np.ndarray, there: np.ndarray, size: tuple[int, int]) -> tuple[int, int, int, int]:
+def _content(picture: np.ndarray, size: tuple[int, int]) -> tuple[int, int, int, int]:
     """The box (u0, v0, u1, v1) without the padding that an editor added to reach its own aspect.
 
     Even ground beside a table looks like a padding, so a border is one only if the rest has the aspect of the source.
     """
     whole = 0, 0, picture.shape[1], picture.shape[0]
-    for box in (whole, unpadded(picture, there)):
+    for box in (whole, unpadded(picture)):
         if abs(np.log((box[2] - box[0]) / (box[3] - box[1]) * size[1] / size[0])) < SETTINGS.padded_aspect:
             return box
     return whole
 
 
-def unpadded(picture: np.ndarray, there: np.ndarray) -> tuple[int, int, int, int]:
-    """The box (u0, v0, u1, v1) without transparent borders and borders of one colour; at least half of each side."""
+def unpadded(picture: np.ndarray) -> tuple[int, int, int, int]:
+    """The box (u0, v0, u1, v1) without borders of one colour; at least half of each side."""
     box = [0, 0, picture.shape[1], picture.shape[0]]
-    for axis, (lines, clear) in enumerate(((picture.transpose(1, 0, 2), ~there.T), (picture, ~there))):
-        first = _border(lines, clear)
-        last = len(lines) - _border(lines[::-1], clear[::-1])
+    for axis, lines in enumerate((picture.transpose(1, 0, 2), picture)):
+        first, last = _border(lines), len(lines) - _border(lines[::-1])
         if last - first >= len(lines) / 2:
             box[axis], box[axis + 2] = first, last
     return box[0], box[1], box[2], box[3]
 
 
-def _border(lines: np.ndarray, clear: np.ndarray) -> int:
-    """Number of lines from the first on that are ``clear`` or have the colour of the first all along."""
+def _border(lines: np.ndarray) -> int:
+    """Number of lines from the first on that have the colour of the first all along, but for one pixel in fifty."""
     colour = np.median(lines[0], axis=0)
     for k, line in enumerate(lines):
         off = np.abs(line - colour).max(axis=1)
-        if (
-            not clear[k].all()
-            and np.partition(off, -(len(off) // 50) - 1)[-(len(off) // 50) - 1] >= SETTINGS.uniform_levels
-        ):
+        rank = -(len(off) // 50) - 1
+        if np.partition(off, rank)[rank] >= SETTINGS.uniform_levels:
             return k
     return len(lines)
 
@@ -282,15 +242,11 @@ def _resized(picture: np.ndarray, size: tuple[int, int]) -> np.ndarray:
     return cv2.resize(picture, size, interpolation=cv2.INTER_AREA if smaller else cv2.INTER_CUBIC)
 
 
-def _applied(
-    whole: np.ndarray, shown: np.ndarray, fit: tuple[Axis, Axis], background: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+def _applied(whole: np.ndarray, fit: tuple[Axis, Axis], background: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(the picture resampled, with the empty table beyond it; (H, W) bool, the pixels that it shows)."""
-    height, width = background.shape[:2]
-    valid = cv2.resize(shown.astype(np.uint8), (width, height), interpolation=cv2.INTER_NEAREST)
-    if fit != (Axis(), Axis()):
-        warp = warp_of(fit)
-        valid = cv2.warpAffine(valid, warp, (width, height), flags=cv2.INTER_NEAREST)
-        whole = cv2.warpAffine(whole, warp, (width, height), flags=cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
-    valid = valid > 0
-    return whole if valid.all() else np.where(valid[..., None], whole, background), valid
+    size, warp = whole.shape[1::-1], warp_of(fit)
+    if fit == (Axis(), Axis()):
+        return whole, np.ones(whole.shape[:2], bool)
+    valid = cv2.warpAffine(np.ones(whole.shape[:2], np.uint8), warp, size, flags=cv2.INTER_NEAREST) > 0
+    whole = cv2.warpAffine(whole, warp, size, flags=cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
+    return np.where(valid[..., None], whole, background), valid
