@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+import cv2
 import numpy as np
 
 from vcage.vision.networks.loading import Weights, device
@@ -160,18 +161,6 @@ def distinct(detections: Sequence[Detection], overlap: float) -> list[Detection]
         detections: the best first.
         overlap: intersection over union above which two boxes are the same thing.
     """
-    boxes = np.array([d.box for d in detections], dtype=np.float64).reshape(-1, 4)
-    chosen: list[int] = []
-    for index in range(len(detections)):
-        if not chosen or overlaps(boxes[index], boxes[chosen]).max() <= overlap:
-            chosen.append(index)
-    return [detections[index] for index in chosen]
-
-
-def overlaps(box: np.ndarray, others: np.ndarray) -> np.ndarray:
-    """(n,) intersection over union of a box (4,) with others (n, 4)."""
-    lower, upper = np.maximum(box[:2], others[:, :2]), np.minimum(box[2:], others[:, 2:])
-    shared = np.prod(np.maximum(upper - lower, 0), axis=1)
-    areas = np.prod(np.maximum(others[:, 2:] - others[:, :2], 0), axis=1)
-    area = float(np.prod(np.maximum(box[2:] - box[:2], 0)))
-    return shared / np.maximum(area + areas - shared, 1e-12)
+    boxes = [(u0, v0, u1 - u0, v1 - v0) for u0, v0, u1, v1 in (d.box for d in detections)]
+    chosen = cv2.dnn.NMSBoxes(boxes, [d.score for d in detections], 0.0, overlap)
+    return [detections[index] for index in sorted(np.ravel(chosen).astype(int))]
