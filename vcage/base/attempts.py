@@ -1,0 +1,152 @@
+"""Propose, verify, give up with reasons: the one loop of every search that draws until a proposal holds.
+
+A proposal is a function that draws, verifies and returns a value, or raises its refusal. All refusals are collected,
+so that a search which gives up can say why.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class AttemptLimits:
+    """Most attempts at each question before it is given up.
+
+    Args:
+        placements: of a scene's objects, until one stays put in the simulator.
+        placements_for_hands: of a scene's objects, until a hand has room around what is to be taken out of something.
+        stowings: ways to lay things into a drawer, until a hand has room around each.
+        layouts: near the matched targets, until the instruction can be carried out in one.
+        episode_layouts: drawn for an episode with all its clutter and variants.
+        eased_layouts: drawn for an episode at each share of the clutter.
+        compared_starts: random placements for each layout of an episode, of which the one that breaks the fewest
+            relations is optimised: the optimisation moves objects past each other only if it must.
+        shifts: small shifts of the run's layout, until all descriptions are true.
+        slot_sets: sets of slots for a chain, where another layout would do as well.
+        final_slot_sets: sets of slots for a chain, where there is no other layout.
+        compared_slots: arrangements of a receptacle's contents of which the lowest drop is taken.
+        table_slot_sets: sets of places on the table for a chain.
+        spare_slots: further slots for an object that cannot be brought to its own.
+        table_places: places on the table, until an arm can bring the object to one.
+        zone_draws: poses in each zone of the table.
+        home_halvings: times that a start beside home which touches something is halved.
+    """
+
+    placements: int = 5
+    placements_for_hands: int = 40
+    stowings: int = 60
+    layouts: int = 6
+    episode_layouts: int = 30
+    eased_layouts: int = 10
+    compared_starts: int = 30
+    shifts: int = 8
+    slot_sets: int = 4
+    final_slot_sets: int = 20
+    compared_slots: int = 8
+    table_slot_sets: int = 8
+    spare_slots: int = 6
+    table_places: int = 12
+    zone_draws: int = 6
+    home_halvings: int = 4
+
+
+LIMITS = AttemptLimits()
+
+
+class Refused(Exception):
+    """A proposal that is not accepted.
+
+    Args:
+        reason: in words; the same words for the same reason, as refusals are counted by them.
+        about: what the proposal was, for a search that falls back on it.
+    """
+
+    def __init__(self, reason: str, about: Any = None):
+        super().__init__(reason)
+        self.about = about
+
+
+class GaveUp(Exception):
+    """All proposals were refused.
+
+    Args:
+        refusals: in the order of the proposals.
+    """
+
+    def __init__(self, refusals: Sequence[Exception]):
+        super().__init__(f"{len(refusals)} proposals were refused")
+        self.refusals = list(refusals)
+
+    @property
+    def reasons(self) -> Counter[str]:
+        """How many proposals were refused for each reason."""
+        return Counter(map(str, self.refusals))
+
+
+@dataclass(frozen=True)
+class Accepted(Generic[T]):
+    """The first proposal that held.
+
+    Args:
+        value: of the proposal.
+        refusals: of those before it, in order.
+    """
+
+    value: T
+    refusals: list[Exception]
+
+    @property
+    def attempts(self) -> int:
+        """How many proposals were made."""
+        return len(self.refusals) + 1
+
+    @property
+    def reasons(self) -> dict[str, int]:
+        """How many proposals were refused for each reason."""
+        return dict(Counter(map(str, self.refusals)))
+
+
+def first_accepted(
+    proposals: Iterable[Callable[[], T]], refused_by: type[Exception] | tuple[type[Exception], ...] = Refused
+) -> Accepted[T]:
+    """Return the first proposal that is not refused.
+
+    Args:
+        proposals: in order; the same one again (:func:`itertools.repeat`) where it draws at random.
+        refused_by: exceptions that refuse a proposal; any other ends the search.
+
+    Raises:
+        GaveUp: all were refused, or there were none.
+    """
+    refusals: list[Exception] = []
+    for propose in proposals:
+        try:
+            return Accepted(propose(), refusals)
+        except refused_by as refusal:
+            refusals.append(refusal)
+    raise GaveUp(refusals)
+
+
+def least_costly(proposals: Iterable[T], cost: Callable[[T], Any], enough: Any = None) -> T:
+    """Return the proposal of the lowest cost, the first of equals.
+
+    Args:
+        proposals: at least one; drawn one after the other.
+        cost: of a proposal.
+        enough: the first proposal that costs no more ends the search; None compares all.
+    """
+    best: tuple[Any, T] | None = None
+    for proposal in proposals:
+        found = cost(proposal)
+        if best is None or found < best[0]:
+            best = found, proposal
+        if enough is not None and best[0] <= enough:
+            break
+    assert best is not None, "nothing was proposed"
+    return best[1]
