@@ -33,14 +33,14 @@ from vcage.sim.robots import load_robot
 from vcage.sim.world import World
 from vcage.stages import chain, collect, inpaint_plan, match, optimize, search_subtasks, select_place
 from vcage.tasks.assemble import episode_data
-from vcage.tasks.ground import Ground
+from vcage.tasks.chain_slots import slots_for_chain
 from vcage.tasks.loop import EpisodeRun, run_episode
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.setting import Seen, Setting
-from vcage.tasks.slots import slots_for_chain
 from vcage.tasks.synthesis import Script, script_of
 from vcage.tasks.task import Asked
 from vcage.tasks.variation import shifted_poses
+from vcage.tasks.workplace import Workplace
 
 logger = logging.getLogger(__name__)
 
@@ -155,9 +155,7 @@ class _Making:
         setting = Setting(
             build=lambda: self._world(objects),
             objects={o.id: o for o in objects},
-            slots=slots_for_chain(
-                [subtask for subtask, _ in self._chain], objects, self._robot, Ground.of(self._scene), rng
-            ),
+            slots=slots_for_chain([subtask for subtask, _ in self._chain], Workplace.of(self._scene, objects, rng)),
             photograph=lambda *_: {},
             judge=_accept,
             accept="critic",

@@ -15,7 +15,7 @@ from vcage.layout.items import Placement, TableItem, table_item
 from vcage.layout.placement.reach import GRASP_HEIGHTS, reach_for, robot_reach
 from vcage.objects.asset import Asset
 from vcage.objects.library import Library
-from vcage.scenes.starting_poses import MARGIN
+from vcage.scenes.starting_poses import MARGIN_M
 from vcage.schema.scene import Role, Table
 from vcage.sim.kinematics import ArmKinematics, kinematics_of
 from vcage.sim.robots import load_robot
@@ -151,10 +151,10 @@ def draw_roles(assets: list[Asset]) -> list[Role]:
 def draw_workspace(rooms: list[TableItem], rng: np.random.Generator) -> np.ndarray:
     """(2, 2) a rectangle around the origin with a fill ratio drawn from :data:`FILL`, or less where one object alone
     needs more room (with the margin on all sides)."""
-    area = sum(float(np.prod(np.add(room.size[:2], MARGIN))) for room in rooms)
+    area = sum(float(np.prod(np.add(room.size[:2], MARGIN_M))) for room in rooms)
     width = np.sqrt(ASPECT * area / rng.uniform(*FILL))
     for room in rooms:
-        boxes = 2 * (footprint_half_size(room.size[:2], np.asarray(room.yaws)) + MARGIN)
+        boxes = 2 * (footprint_half_size(room.size[:2], np.asarray(room.yaws)) + MARGIN_M)
         width = max(width, np.maximum(boxes[:, 0], ASPECT * boxes[:, 1]).min())
     half = np.array([width / 2, width / 2 / ASPECT])
     return np.stack([-half, half])

@@ -25,20 +25,19 @@ from vcage.schema.scene import ObjectRecord, Role, Scene
 from vcage.schema.subtasks import PairAnswer, PairQuestion, Subtask
 from vcage.setup.vulkan import ensure_driver
 from vcage.sim.bodies import Body
-from vcage.sim.kinematics import kinematics_of
 from vcage.sim.recording import StateLog
 from vcage.sim.replay import render_log
 from vcage.sim.robots import load_robot, load_template
 from vcage.sim.world import World
-from vcage.tasks.ground import Ground
+from vcage.tasks.chain_slots import slots_for_chain
 from vcage.tasks.loop import EpisodeRun, run_episode
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import find_subtasks
 from vcage.tasks.setting import Seen, Setting
-from vcage.tasks.slots import slots_for_chain
 from vcage.tasks.synthesis import Script, load_script, write_script
 from vcage.tasks.task import Asked
 from vcage.tasks.variation import shifted_poses
+from vcage.tasks.workplace import Workplace
 
 logger = logging.getLogger(__name__)
 
@@ -120,7 +119,7 @@ class _Episodes:
         setting = Setting(
             build=lambda: self._world(objects),
             objects={o.id: o for o in objects},
-            slots=slots_for_chain([self._step[0]], objects, self._robot, Ground.of(self._scene), rng),
+            slots=slots_for_chain([self._step[0]], Workplace.of(self._scene, objects, rng)),
             photograph=lambda *_: {},
             judge=_always_accept,
             accept="critic",
@@ -146,9 +145,8 @@ class _Episodes:
 
     def _made(self) -> tuple[Subtask, Script]:
         """The sub-task that the search keeps, and its generated script."""
-        kinematics = {name: kinematics_of(arm) for name, arm in self._robot.arms.items()}
-        ground, rng = Ground.of(self._scene), np.random.default_rng(0)
-        (subtask,) = find_subtasks(self._objects, kinematics, _sensible, ground, rng).kept
+        workplace = Workplace.of(self._scene, self._objects, np.random.default_rng(0))
+        (subtask,) = find_subtasks(workplace, _sensible).kept
         with tempfile.TemporaryDirectory() as folder:
             return subtask, load_script(write_script(subtask, self._scene, Path(folder) / "subtask.py"))
 

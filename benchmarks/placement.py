@@ -57,7 +57,7 @@ from benchmarks._placement_scenes import BenchmarkScene, Stock
 from vcage.base.errors import InfeasibleScene
 from vcage.layout.items import Placement
 from vcage.layout.placement.place import place
-from vcage.scenes.starting_poses import MARGIN
+from vcage.scenes.starting_poses import MARGIN_M
 
 logger = logging.getLogger(__name__)
 
@@ -151,9 +151,9 @@ def place_all(stock: Stock, numbers: Sequence[int], seeds: Iterable[int]) -> Ite
 def answer_all(scene: BenchmarkScene, stock: Stock, seed: int) -> dict[str, Answer]:
     """Answers by method."""
     items, plain = scene.items(stock.reach), scene.plain_items()
-    ours = _timed(lambda: place(items, scene.workspace, np.random.default_rng(seed), margin=MARGIN))
+    ours = _timed(lambda: place(items, scene.workspace, np.random.default_rng(seed), margin=MARGIN_M))
     others = {
-        name: _timed(lambda method=method: method(plain, scene.workspace, seed, MARGIN))
+        name: _timed(lambda method=method: method(plain, scene.workspace, seed, MARGIN_M))
         for name, method in RIVALS.items()
     }
     return {"vcage": ours, **others}

@@ -19,12 +19,13 @@ from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose
 from vcage.layout.placement.place import place
 from vcage.models.rules.reasoner import OfflineReasoner
-from vcage.scenes.starting_poses import MARGIN
+from vcage.scenes.starting_poses import MARGIN_M
 from vcage.schema.base import PoseRecord, box_record
 from vcage.schema.scene import ObjectRecord
 from vcage.tasks.ground import Ground
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import FoundSubtasks, find_subtasks
+from vcage.tasks.workplace import Workplace
 
 logger = logging.getLogger(__name__)
 
@@ -75,7 +76,7 @@ def run(quick: bool) -> dict[str, Any]:
 def search(objects: Sequence[SceneObject], ground: Ground, stock: Stock, seed: int) -> FoundSubtasks:
     """All sub-tasks of a scene, and why the others are none."""
     judge = OfflineReasoner().judge_pairs
-    return find_subtasks(objects, stock.kinematics, judge, ground, np.random.default_rng(seed))
+    return find_subtasks(Workplace(objects, stock.kinematics, ground, np.random.default_rng(seed)), judge)
 
 
 def placed(stock: Stock, seed: int) -> tuple[list[SceneObject], Ground]:
@@ -84,7 +85,7 @@ def placed(stock: Stock, seed: int) -> tuple[list[SceneObject], Ground]:
         scene = stock.scene(OBJECTS, seed)
         rng = np.random.default_rng(seed)
         try:
-            places = place(scene.items(stock.reach), scene.workspace, rng, margin=MARGIN)
+            places = place(scene.items(stock.reach), scene.workspace, rng, margin=MARGIN_M)
         except InfeasibleScene:
             seed += 1000
             continue

@@ -28,6 +28,7 @@ from vcage.tasks.setting import Seen, Setting
 from vcage.tasks.slots import Slot
 from vcage.tasks.synthesis import Script
 from vcage.tasks.task import Asked, Task
+from vcage.tasks.workplace import Workplace
 
 TABLE_TOP = 0.74
 GROUND = Ground(np.array([-0.45, -0.25]), np.array([0.45, 0.3]), TABLE_TOP)
@@ -55,6 +56,11 @@ def robot() -> Robot:
 @functools.cache
 def kinematics() -> Mapping[str, ArmKinematics]:
     return {name: kinematics_of(arm) for name, arm in robot().arms.items()}
+
+
+def workplace(objects: Sequence[SceneObject], rng: np.random.Generator | None = None) -> Workplace:
+    """Objects on the ground of the examples, with both arms."""
+    return Workplace(objects, kinematics(), GROUND, rng or np.random.default_rng(0))
 
 
 def thing(

@@ -30,15 +30,16 @@ from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask
 from vcage.sim.robots import load_robot
 from vcage.sim.world import World
+from vcage.tasks.chain_slots import slots_for_chain
 from vcage.tasks.ground import Ground
 from vcage.tasks.readiness import ready_for
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import find_subtasks
 from vcage.tasks.setting import Seen
-from vcage.tasks.slots import slots_for_chain
 from vcage.tasks.synthesis import load_script, write_script
 from vcage.tasks.templates import TEMPLATES
 from vcage.tasks.variation import shifted_poses
+from vcage.tasks.workplace import Workplace
 
 logger = logging.getLogger(__name__)
 
@@ -77,9 +78,8 @@ def _made(draw: Draw, scene: Scene, folder: Path, context: StageContext, rng: np
     objects = context.objects(scene)
     own = {asked.goal for asked in scene.goals}
     asked = own | _asked(objects, sorted(load_robot(scene.robot).arms), rng)
-    arms = context.kinematics(scene.robot)
     judge = partial(context.models.reasoner.judge_pairs, instruction=scene.instruction)
-    kept = find_subtasks(objects, arms, judge, Ground.of(scene), rng, asked).kept
+    kept = find_subtasks(Workplace.of(scene, objects, rng), judge, asked).kept
     used: Counter[str] = Counter()
     assets = {o.id: o.record.asset for o in objects}
     wanted = [s for s in kept if draw.part in ("all", part_of(draw.scene, assets[s.object]))]
@@ -155,7 +155,7 @@ class _Maker:
         self._photographer = Photographer(self._scene, models, robot, look, objects)
         self._empty = self._photographer.empty_table()
         ground = Ground.of(scene)
-        slots = slots_for_chain([subtask], objects, robot, ground, rng)
+        slots = slots_for_chain([subtask], Workplace.of(scene, objects, rng))
         script = write_script(subtask, self._scene, folder / "subtasks" / f"{subtask.id}.py")
         away, start = {}, None
         if subtask.goals[0].relation == "back":

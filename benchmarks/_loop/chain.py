@@ -27,14 +27,15 @@ from vcage.schema.subtasks import Subtask, Subtasks
 from vcage.sim.robots import load_robot
 from vcage.sim.world import World
 from vcage.stages import search_subtasks, select_place
+from vcage.tasks.chain_slots import slots_for_chain
 from vcage.tasks.ground import Ground
 from vcage.tasks.loop import EpisodeRun, run_episode
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.setting import PicturesByCamera, Seen, Setting
-from vcage.tasks.slots import slots_for_chain
 from vcage.tasks.synthesis import Script, script_of
 from vcage.tasks.task import Asked, Task
 from vcage.tasks.truth import subtask_done, watch_of
+from vcage.tasks.workplace import Workplace
 
 Mode = Literal["resample", "blind", "abort", "open"]
 """Trying again as the critic's reason says, trying again knowing no more than that it is a no, beginning anew, and not
@@ -86,7 +87,7 @@ class Chain:
         """
         rng = np.random.default_rng([7, seed])
         subtasks, ground = [subtask for subtask, _ in self._chain], Ground.of(self._scene)
-        slots = slots_for_chain(subtasks, list(self._objects.values()), self._robot, ground, rng)
+        slots = slots_for_chain(subtasks, Workplace.of(self._scene, list(self._objects.values()), rng))
         looks = critic == "pictures" and mode != "open"
         judge = self._judge if looks else None
         looking = _Looking(self._objects, ground, planted, rng, mode, judge)

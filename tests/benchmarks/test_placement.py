@@ -13,7 +13,7 @@ from tests.layout.items import unplaced
 from vcage.base.geometry import Pose, boxes_overlap, footprint_half_size
 from vcage.layout.items import Placement
 from vcage.layout.placement.place import place
-from vcage.scenes.starting_poses import MARGIN
+from vcage.scenes.starting_poses import MARGIN_M
 
 # The import of ManiSkill's environments takes seconds.
 RIVALS = pytest.mark.parametrize(
@@ -48,7 +48,7 @@ def test_scenes_are_as_full_as_the_range_says(stock: Stock) -> None:
     fills = []
     for seed in range(10):
         scene = stock.scene(10, seed)
-        needed = sum(np.prod(np.add(thing.room.size[:2], MARGIN)) for thing in scene.things)
+        needed = sum(np.prod(np.add(thing.room.size[:2], MARGIN_M)) for thing in scene.things)
         fills.append(needed / np.prod(scene.workspace[1] - scene.workspace[0]))
     assert FILL[0] <= min(fills) < 0.35 < max(fills) <= FILL[1] + 1e-9
 
@@ -57,7 +57,7 @@ def test_every_object_fits_alone(stock: Stock) -> None:
     for seed in range(20):
         scene = stock.scene(4, seed)
         for item in scene.plain_items():
-            assert len(place([item], scene.workspace, np.random.default_rng(0), margin=MARGIN)) == 1
+            assert len(place([item], scene.workspace, np.random.default_rng(0), margin=MARGIN_M)) == 1
 
 
 def test_contents_and_receptacles_must_be_within_reach_and_context_need_not(stock: Stock) -> None:
@@ -79,29 +79,29 @@ def test_reach_is_cut_to_the_workspace() -> None:
 
 @RIVALS
 def test_a_rival_places_a_few_objects_with_margin_and_within_the_workspace(method) -> None:
-    placed = method(BLOCKS, TABLE, 0, MARGIN)
+    placed = method(BLOCKS, TABLE, 0, MARGIN_M)
     assert sorted(placed) == [item.id for item in BLOCKS]
     places = [(placed[item.id], footprint_half_size(item.size[:2], placed[item.id].yaw)) for item in BLOCKS]
     boxes = [np.array([at.x, at.y]) + np.array([-half, half]) for at, half in places]
     for i, box in enumerate(boxes):
         assert np.all(box[0] >= TABLE[0] - 1e-6) and np.all(box[1] <= TABLE[1] + 1e-6)
-        assert not any(boxes_overlap(box, other, MARGIN - 1e-6) for other in boxes[:i])
+        assert not any(boxes_overlap(box, other, MARGIN_M - 1e-6) for other in boxes[:i])
 
 
 @RIVALS
 def test_a_rival_answers_a_seed_the_same_again(method) -> None:
-    assert method(BLOCKS, TABLE, 5, MARGIN) == method(BLOCKS, TABLE, 5, MARGIN)
+    assert method(BLOCKS, TABLE, 5, MARGIN_M) == method(BLOCKS, TABLE, 5, MARGIN_M)
 
 
 def test_random_retries_leave_out_what_finds_no_place() -> None:
     large = unplaced("large", (0.7, 0.35))
-    placed = random_retries([large, unplaced("too much", (0.3, 0.3)), BLOCKS[0]], TABLE, 0, MARGIN)
+    placed = random_retries([large, unplaced("too much", (0.3, 0.3)), BLOCKS[0]], TABLE, 0, MARGIN_M)
     assert "large" in placed and "too much" not in placed
 
 
 @pytest.mark.slow
 def test_maniskill_leaves_what_finds_no_place_at_the_origin() -> None:
-    placed = maniskill([unplaced("large", (0.7, 0.35)), unplaced("too much", (0.3, 0.3))], TABLE + 1, 0, MARGIN)
+    placed = maniskill([unplaced("large", (0.7, 0.35)), unplaced("too much", (0.3, 0.3))], TABLE + 1, 0, MARGIN_M)
     assert (placed["too much"].x, placed["too much"].y) == pytest.approx((1, 1))
 
 
@@ -112,7 +112,7 @@ def test_depth_first_keeps_the_fullest_partial_solution() -> None:
 
 def test_depth_first_keeps_to_the_headings_that_are_allowed() -> None:
     front = unplaced("front", (0.3, 0.1), tuple(np.radians((-15, 0, 15))))
-    assert {depth_first([front], TABLE, seed, MARGIN)["front"].yaw for seed in range(5)} == {0.0}
+    assert {depth_first([front], TABLE, seed, MARGIN_M)["front"].yaw for seed in range(5)} == {0.0}
 
 
 # --- measures ---
@@ -144,7 +144,7 @@ def test_what_moves_far_or_turns_much_is_not_stable() -> None:
 
 def test_a_placed_scene_is_measured_through_physics_and_kinematics(stock: Stock) -> None:
     scene = stock.scene(4, 0)
-    placed = place(scene.items(EVERYWHERE), scene.workspace, np.random.default_rng(0), margin=MARGIN)
+    placed = place(scene.items(EVERYWHERE), scene.workspace, np.random.default_rng(0), margin=MARGIN_M)
     result = measure(scene, stock, 0, "vcage", Answer(placed, 2.0))
     assert result.solved and not result.collision_mesh
     assert len(result.drifts) == 4 and all(drift.stable for drift in result.drifts)

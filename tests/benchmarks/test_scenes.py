@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
 import pytest
 
 from benchmarks.scenes import _name, _refusal
-from tests.example_scenes import GROUND, kinematics, sensible, thing
+from tests.example_scenes import sensible, thing, workplace
 from vcage.schema.base import Provenance
 from vcage.schema.subtasks import Subtasks
 from vcage.tasks.scene_objects import SceneObject
@@ -17,7 +16,7 @@ from vcage.tasks.search import sensible as proposed
 
 
 def searched(objects: Sequence[SceneObject]) -> Subtasks:
-    found = find_subtasks(objects, kinematics(), sensible, GROUND, np.random.default_rng(0))
+    found = find_subtasks(workplace(objects), sensible)
     return Subtasks.model_construct(  # without a chain, where nothing is kept
         provenance=Provenance(producer="test", seed=0),
         instruction=None,

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from tests.run_folders import OPTIONS, Finished, copied
+from vcage.base.attempts import LIMITS
 from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import boxes_overlap, world_aabb
 from vcage.episodes import layouts
@@ -130,7 +131,7 @@ def test_where_no_layout_is_found_the_runs_own_is_taken_and_that_is_recorded(fin
     run = copied(finished.run, tmp_path / "run", before="collect")
     collect.execute(run, OPTIONS, finished.context)
     (episode,) = Episodes.read(run.episodes).episodes
-    assert (episode.layout, episode.layouts_refused) == ("fixed", {"there is no room": layouts.DRAWS})
+    assert (episode.layout, episode.layouts_refused) == ("fixed", {"there is no room": LIMITS.episode_layouts})
     assert episode.accepted
 
 

@@ -8,6 +8,7 @@ import pytest
 from tests.run_folders import Finished
 from vcage.base.words import look_words, tokens
 from vcage.episodes import starts as starts_module
+from vcage.episodes.layouts import EpisodeLayoutSettings
 from vcage.episodes.starts import Start, Starts
 from vcage.episodes.worlds import Worlds, drawn_models, other_phrases, reworded
 from vcage.runs.inputs import read_plan
@@ -131,7 +132,7 @@ def test_plain_ranges_change_nothing(finished, scene):
 
 
 def test_where_there_is_no_room_for_clutter_there_is_none_and_that_is_told(finished, scene, monkeypatch):
-    monkeypatch.setattr("vcage.episodes.layouts.CLUTTER_GAP", 0.6)
+    monkeypatch.setattr("vcage.episodes.layouts.SETTINGS", EpisodeLayoutSettings(clutter_gap_m=0.6))
     start = made(finished, scene, WorldRanges(clutter=(4, 4))).draw(np.random.default_rng(0))
     assert start.drawn
     assert (start.world.clutter, start.world.clutter_drawn) == ({}, 4)

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.example_scenes import GROUND, kinematics, scene_of, sensible, thing
+from tests.example_scenes import scene_of, sensible, thing, workplace
 from tests.run_folders import OPTIONS, Finished, copied
 from vcage.base.errors import InputFileError
 from vcage.base.files import RunFolder, read_json, write_json
@@ -161,7 +161,7 @@ def done_with(fill: Fill, objects: Sequence[SceneObject] = TRAY) -> list[Subtask
     goals = [AskedGoal(goal=goal_of([name, "inside", "toolbox_tray"]), step=1, words="put") for name in names]
     scene = scene_of(objects, "Put it all into the toolbox tray").model_copy(update={"goals": goals})
     rng = np.random.default_rng(0)
-    kept = {s.id: s for s in find_subtasks(objects, kinematics(), sensible, GROUND, rng).kept}
+    kept = {s.id: s for s in find_subtasks(workplace(objects, rng), sensible).kept}
     chain = [kept[f"{name}-into-toolbox_tray-{number}"] for number, name in enumerate(names)]
     (done,) = with_chosen_slots([chain], kept, scene, objects, Filling(fill), rng)
     return done

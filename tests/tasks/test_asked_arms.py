@@ -5,7 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.example_scenes import GROUND, block_and_plate, kinematics, robot, scene_of, sensible, subtask, thing
+from tests.example_scenes import (
+    block_and_plate,
+    robot,
+    scene_of,
+    sensible,
+    subtask,
+    thing,
+    workplace,
+)
 from vcage.base.errors import NoFeasibleTask
 from vcage.schema.goals import AskedGoal, Goal, goal_of
 from vcage.schema.subtasks import Grasp, Subtask
@@ -25,7 +33,7 @@ def asked(goal: Goal, arm: str | None, step: int = 1) -> AskedGoal:
 def found_for(arm: str | None, objects: list | None = None, goal: Goal = ON_PLATE) -> FoundSubtasks:
     arms = {} if arm is None else {goal: arm}
     objects = objects or block_and_plate()
-    return find_subtasks(objects, kinematics(), sensible, GROUND, np.random.default_rng(0), [goal], arms)
+    return find_subtasks(workplace(objects), sensible, [goal], arms)
 
 
 def step_of(found: FoundSubtasks, goal: Goal = ON_PLATE) -> Subtask:
@@ -58,7 +66,7 @@ def test_sub_tasks_that_are_not_asked_of_an_arm_may_use_any():
 def test_among_objects_that_stand_elsewhere_the_arm_and_its_words_stay():
     step = step_of(found_for("right"))
     objects = [thing("block", (-0.15, 0.0), 0.1, "content"), thing("plate", (0.1, 0.0), 0.0, "receptacle")]
-    then = examined(step, objects, kinematics(), GROUND, np.random.default_rng(0))
+    then = examined(step, workplace(objects))
     assert then is not None
     assert (then.arm, then.text) == ("right", step.text)
     assert {grasp.arm for grasp in then.grasps} == {"right"}
@@ -85,7 +93,7 @@ def test_what_no_single_arm_brings_there_is_not_handed_over_where_an_arm_is_aske
 def test_a_chain_for_one_arm_is_proven_with_that_arm():
     objects = block_and_plate()
     scene = scene_of(objects).model_copy(update={"goals": [asked(ON_PLATE, "right")]})
-    require_chain(scene, objects, kinematics(), np.random.default_rng(0))
+    require_chain(scene, objects, np.random.default_rng(0))
 
 
 def test_of_a_hand_over_the_arm_is_the_one_that_gives():

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
-from tests.example_scenes import GROUND, block_and_plate, kinematics, sensible, subtask, thing
+from tests.example_scenes import block_and_plate, sensible, subtask, thing, workplace
 from vcage.schema.goals import goal_of
 from vcage.schema.subtasks import Grasp, Preference, SlotAnswer, SlotQuestion, Statement, Subtask
 from vcage.tasks.choosing import as_chosen, filled, preferred_first, slot_questions, with_open_parts
@@ -16,7 +14,7 @@ from vcage.tasks.search import action_of, find_subtasks, initial_state
 
 
 def searched(objects: Sequence[SceneObject]) -> dict[str, Subtask]:
-    found = find_subtasks(objects, kinematics(), sensible, GROUND, np.random.default_rng(0))
+    found = find_subtasks(workplace(objects), sensible)
     return {subtask.id: subtask for subtask in found.kept}
 
 
@@ -76,7 +74,7 @@ def test_a_choice_stays_where_things_stand_elsewhere():
     last = step.grasps[-1]
     update = {"prefers": Preference(contact=last.contact, arm=last.arm), "statements": [STILL]}
     objects = [thing("block", (-0.15, 0.0), 0.1, "content"), thing("plate", (0.1, 0.0), 0.0, "receptacle")]
-    then = examined(step.model_copy(update=update), objects, kinematics(), GROUND, np.random.default_rng(0))
+    then = examined(step.model_copy(update=update), workplace(objects))
     assert then is not None
     assert (then.grasps[0].contact, then.grasps[0].arm) == (last.contact, last.arm)
     assert then.statements == [STILL]

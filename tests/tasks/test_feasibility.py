@@ -18,7 +18,7 @@ from tests.articulated import (
     lidded_chest,
     standing,
 )
-from tests.example_scenes import GROUND, TABLE_TOP, block_and_plate, kinematics, sensible, thing
+from tests.example_scenes import TABLE_TOP, block_and_plate, kinematics, sensible, thing, workplace
 from vcage.base.geometry import Pose
 from vcage.schema.asset import FunctionalPoint
 from vcage.schema.goals import Goal
@@ -193,7 +193,7 @@ def test_what_opens_to_the_front_is_reached_from_the_side(cabinet):
 
 def test_a_thing_goes_into_a_drawer_that_is_opened_first(cabinet):
     objects = [thing("block", (-0.2, -0.1)), standing(cabinet, PLACE)]
-    found = find_subtasks(objects, kinematics(), sensible, GROUND, np.random.default_rng(0))
+    found = find_subtasks(workplace(objects), sensible)
     into = next(s for s in found.kept if s.functional_point == 0)
     assert into.requires == [Goal(subject="cabinet", relation="open", part="drawer_upper")]
     assert "brown cabinet has no contact point to carry it by" in [r.reason for r in found.refused]

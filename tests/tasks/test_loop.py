@@ -6,17 +6,16 @@ import numpy as np
 import pytest
 
 from tests.example_scenes import (
-    GROUND,
     ON_PLATE,
     TABLE_TOP,
     Critic,
     block_and_plate,
     play_once,
-    robot,
     script_of,
     setting,
     subtask,
     thing,
+    workplace,
 )
 from vcage.base.geometry import Pose
 from vcage.episodes.store import confusion
@@ -24,8 +23,8 @@ from vcage.schema.episodes import Failure
 from vcage.schema.goals import Goal
 from vcage.schema.subtasks import Grasp
 from vcage.sim.recording import StateLog
+from vcage.tasks.chain_slots import slots_for_chain
 from vcage.tasks.loop import EpisodeRun, run_episode
-from vcage.tasks.slots import slots_for_chain
 from vcage.tasks.task import Task, TaskFailed
 
 FAR = Pose([0.3, 0.1, TABLE_TOP])
@@ -216,7 +215,7 @@ def test_a_failure_after_an_accepted_sub_task_keeps_what_was_accepted():
         subtask("marker", "packaging_box", "inside"),
         subtask("block", "packaging_box", "inside", grasps=[Grasp(contact=0, arm="right", score=0.0)]),
     ]
-    slots = slots_for_chain(steps, objects, robot(), GROUND, np.random.default_rng(0))
+    slots = slots_for_chain(steps, workplace(objects))
     there = setting(objects, slots, Critic([True, False, True]), retries=1)
     run = run_episode(there, [(step, script_of(step)) for step in steps], 0)
     assert run.accepted

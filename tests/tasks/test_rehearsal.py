@@ -7,15 +7,14 @@ import pytest
 
 from tests.articulated import TRAVEL, asset_of, drawer_cabinet, drawer_handle, standing
 from tests.example_scenes import (
-    GROUND,
     TABLE_TOP,
     block_and_plate,
-    kinematics,
     robot,
     scene_of,
     sensible,
     template,
     thing,
+    workplace,
 )
 from vcage.base.errors import NoFeasibleTask
 from vcage.base.geometry import Pose
@@ -40,7 +39,7 @@ def rng() -> np.random.Generator:
 @pytest.fixture(scope="module")
 def chain() -> list[Subtask]:
     """Block onto the plate, then into the bowl."""
-    found = find_subtasks(OBJECTS, kinematics(), sensible, GROUND, rng())
+    found = find_subtasks(workplace(OBJECTS), sensible)
     by_place = {s.receptacle: s for s in found.kept if s.object == BLOCK.id}
     return [by_place[PLATE.id], by_place[BOWL.id]]
 
@@ -81,7 +80,7 @@ def test_what_was_moved_is_examined_where_it_was_put(chain):
     (_, then) = rehearsed(chain, slots, OBJECTS, scene_of(OBJECTS), rng())
     assert then.id == chain[1].id
     on_plate = thing("block", tuple(there.p[:2]), height=float(there.p[2]), container=PLATE.id)
-    alone = examined(chain[1], [on_plate, PLATE, BOWL], kinematics(), GROUND, rng())
+    alone = examined(chain[1], workplace([on_plate, PLATE, BOWL]))
     assert alone is not None
     assert {(g.contact, g.arm) for g in then.grasps} == {(g.contact, g.arm) for g in alone.grasps}
 
@@ -101,14 +100,14 @@ def asked(objects: list[SceneObject]):
 
 def test_a_layout_in_which_the_instruction_can_be_carried_out_is_as_required():
     objects = block_and_plate()
-    require_chain(asked(objects), objects, kinematics(), rng())
+    require_chain(asked(objects), objects, rng())
 
 
 def test_a_layout_in_which_no_arm_reaches_what_is_asked_for_is_not():
     block, plate = block_and_plate()
     objects = [block, plate.moved(Pose([0.0, 3.0, 0.74]))]
     with pytest.raises(NoFeasibleTask, match="block"):
-        require_chain(asked(objects), objects, kinematics(), rng())
+        require_chain(asked(objects), objects, rng())
 
 
 def test_what_lies_in_a_thing_goes_along_with_it():

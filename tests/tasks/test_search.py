@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from tests.example_scenes import GROUND, block_and_plate, kinematics, scene_of, sensible, subtask, thing
+from tests.example_scenes import block_and_plate, scene_of, sensible, subtask, thing, workplace
 from vcage.base.errors import NoFeasibleTask
 from vcage.schema.goals import AskedGoal, Goal
 from vcage.schema.subtasks import Check, PairAnswer, PairQuestion, Refusal
@@ -17,7 +17,7 @@ from vcage.tasks.templates import TEMPLATES
 
 
 def found_in(objects: Sequence[SceneObject], judge=sensible, seed: int = 0) -> FoundSubtasks:
-    return find_subtasks(objects, kinematics(), judge, GROUND, np.random.default_rng(seed))
+    return find_subtasks(workplace(objects, np.random.default_rng(seed)), judge)
 
 
 def stationery() -> list[SceneObject]:
@@ -75,7 +75,7 @@ def test_every_template_keeps_its_reasons():
         Goal(subject="cabinet_one_drawer", relation="beside", reference="block"),
         Goal(subject="block", relation="handed", reference="right"),
     ]
-    result = find_subtasks(objects, kinematics(), sensible, GROUND, np.random.default_rng(0), asked)
+    result = find_subtasks(workplace(objects), sensible, asked)
     assert result.kept == []
     assert {refusal.template for refusal in result.refused} == set(TEMPLATES)
 
@@ -91,7 +91,7 @@ def test_every_template_keeps_its_reasons():
 def test_only_what_is_put_in_or_on_something_is_refused_a_receptacle(goal: Goal):
     out_of_reach = ["block", "plate", "cookie_box", "barcode_scanner"]
     objects = [thing(name, (0.4 * k, 3.0)) for k, name in enumerate(out_of_reach)]
-    refused = find_subtasks(objects, kinematics(), sensible, GROUND, np.random.default_rng(0), [goal]).refused
+    refused = find_subtasks(workplace(objects), sensible, [goal]).refused
     assert {refusal.receptacle for refusal in refused if refusal.goal == goal} == {None}
 
 
@@ -208,7 +208,7 @@ def test_what_shall_be_left_alone_is_not_moved():
 def test_goals_that_cannot_all_be_brought_about_in_any_order_are_told_as_that():
     objects = block_and_plate()
     goals = [Goal(subject="block", relation="on", reference=name) for name in ("plate", "table")]
-    found = find_subtasks(objects, kinematics(), sensible, GROUND, np.random.default_rng(0), goals)
+    found = find_subtasks(workplace(objects), sensible, goals)
     asked = [AskedGoal(goal=goal, step=0, words=str(goal)) for goal in goals]
     with pytest.raises(NoFeasibleTask, match="each can be brought about, but in no order all of them") as caught:
         compose(scene_of(objects).model_copy(update={"goals": asked}), objects, found.kept, found.refused)

@@ -9,12 +9,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.example_scenes import GROUND, robot, subtask, thing
+from tests.example_scenes import subtask, thing, workplace
+from vcage.base.attempts import LIMITS
 from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose, boxes_overlap, world_aabb
 from vcage.schema.subtasks import Subtask
+from vcage.tasks.chain_slots import slots_for_chain
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.slots import GAP, OTHERS, Slot, allocate, other_slots, slots_for_chain
+from vcage.tasks.slots import CONTENT_GAP_M, Slot, allocate, other_slots
 
 CONTENTS = ["marker", "marker", "marker", "whiteboard_eraser", "block", "rubber_eraser"]
 rng = np.random.default_rng
@@ -40,7 +42,7 @@ def test_slots_never_overlap(seed: int, count: int, yaw: float):
     objects = contents(count)
     slots = allocate(thing("packaging_box", yaw=yaw), 0, objects, rng(seed))
     for a, b in combinations(boxes(slots, objects), 2):
-        assert not boxes_overlap(a, b, GAP - 1e-9)
+        assert not boxes_overlap(a, b, CONTENT_GAP_M - 1e-9)
 
 
 @settings(deadline=None, max_examples=40)
@@ -48,7 +50,7 @@ def test_slots_never_overlap(seed: int, count: int, yaw: float):
 def test_slots_keep_a_gap_to_the_walls(seed: int, count: int):
     objects, box = contents(count), thing("packaging_box")
     opening = box.asset.opening(box.asset.annotation.functional_point(0))
-    centre, half = np.array(opening.centre), np.array(opening.size) / 2 - GAP
+    centre, half = np.array(opening.centre), np.array(opening.size) / 2 - CONTENT_GAP_M
     for lower, upper in boxes(allocate(box, 0, objects, rng(seed)), objects):
         assert np.all(lower[:2] >= centre - half - 1e-9)
         assert np.all(upper[:2] <= centre + half + 1e-9)
@@ -63,7 +65,7 @@ def test_a_slot_leaves_room_for_what_lies_there_already(seed: int, yaw: float):
     marker = thing("marker")
     (box_of_slot,) = boxes(allocate(box, 0, [marker], rng(seed), [there]), [marker])
     taken = world_aabb(eraser.asset.bounds, Pose([0.03, 0.02, 0.004]))
-    assert not boxes_overlap(box_of_slot[:, :2], taken[:, :2], GAP - 1e-9)
+    assert not boxes_overlap(box_of_slot[:, :2], taken[:, :2], CONTENT_GAP_M - 1e-9)
 
 
 def test_the_same_seed_gives_the_same_slots():
@@ -83,7 +85,7 @@ def test_what_does_not_fit_together_is_refused_by_name():
 def test_the_slots_of_a_chain_do_not_overlap(seed: int):
     objects = [thing("marker", (-0.2, 0.0)), thing("whiteboard_eraser", (0.22, 0.0)), thing("packaging_box", (0, 0.05))]
     chain = [subtask(o.id, "packaging_box", "inside") for o in objects[:2]]
-    slots = slots_for_chain(chain, objects, robot(), GROUND, rng(seed))
+    slots = slots_for_chain(chain, workplace(objects, rng(seed)))
     a, b = (world_aabb(o.asset.bounds, slots[s.id].pose) for o, s in zip(objects, chain, strict=False))
     assert not boxes_overlap(a, b)
 
@@ -92,14 +94,14 @@ def test_a_chain_whose_contents_do_not_fit_together_is_refused():
     box = thing("packaging_box", (0.0, 0.05))
     pens = [thing("marker", (-0.3 + 0.02 * i, 0.0), id=f"marker-{i}") for i in range(30)]
     with pytest.raises(InfeasibleScene):
-        slots_for_chain([subtask(p.id, box.id, "inside") for p in pens], [*pens, box], robot(), GROUND, rng(0))
+        slots_for_chain([subtask(p.id, box.id, "inside") for p in pens], workplace([*pens, box], rng(0)))
 
 
 def test_a_marker_is_not_put_where_the_fingers_would_open_over_a_wall():
     """Right beside the short wall of a box the fingers must let go from above its rim."""
     objects = [thing("marker", (-0.2, 0.0)), thing("packaging_box", (0, 0.05))]
     for seed in range(10):
-        slots = slots_for_chain([subtask("marker", "packaging_box", "inside")], objects, robot(), GROUND, rng(seed))
+        slots = slots_for_chain([subtask("marker", "packaging_box", "inside")], workplace(objects, rng(seed)))
         (pose,) = (slot.pose for slot in slots.values())
         across, half = (abs(pose.p[0]), 0.11) if abs(pose.yaw) > 0.8 else (abs(pose.p[1]), 0.09)
         assert half - across > 0.04
@@ -108,10 +110,10 @@ def test_a_marker_is_not_put_where_the_fingers_would_open_over_a_wall():
 def test_another_slot_keeps_away_from_those_of_the_other_objects():
     objects = [thing("marker", (-0.2, 0.0)), thing("whiteboard_eraser", (0.22, 0.0)), thing("packaging_box", (0, 0.05))]
     chain = [subtask(o.id, "packaging_box", "inside") for o in objects[:2]]
-    slots = by_object(chain, slots_for_chain(chain, objects, robot(), GROUND, rng(0)))
+    slots = by_object(chain, slots_for_chain(chain, workplace(objects, rng(0))))
     there = world_aabb(objects[1].asset.bounds, slots["whiteboard_eraser"].pose)
     others = other_slots(slots, "marker", {o.id: o for o in objects})
-    assert len(others) == OTHERS
+    assert len(others) == LIMITS.spare_slots
     for slot in others:
         assert not boxes_overlap(world_aabb(objects[0].asset.bounds, slot.pose), there)
 
@@ -119,7 +121,7 @@ def test_another_slot_keeps_away_from_those_of_the_other_objects():
 def test_the_other_slots_keep_clear_of_what_was_brought_to_another_slot_than_was_planned():
     objects = [thing("marker", (-0.2, 0.0)), thing("block", (0.2, 0.0)), thing("packaging_box", (0, 0.05))]
     chain = [subtask(o.id, "packaging_box", "inside") for o in objects[:2]]
-    slots = by_object(chain, slots_for_chain(chain, objects, robot(), GROUND, rng(0)))
+    slots = by_object(chain, slots_for_chain(chain, workplace(objects, rng(0))))
     blocks = other_slots(slots, "block", {o.id: o for o in objects})
     assert blocks
     for block in blocks:
@@ -135,6 +137,6 @@ def test_the_other_slots_keep_clear_of_what_was_brought_to_another_slot_than_was
 def test_the_other_slots_are_always_the_same():
     objects = [thing("marker", (-0.2, 0.0)), thing("packaging_box", (0, 0.05))]
     chain = [subtask("marker", "packaging_box", "inside")]
-    slots = by_object(chain, slots_for_chain(chain, objects, robot(), GROUND, rng(0)))
+    slots = by_object(chain, slots_for_chain(chain, workplace(objects, rng(0))))
     first, second = (other_slots(slots, "marker", {o.id: o for o in objects}) for _ in range(2))
     assert first == second

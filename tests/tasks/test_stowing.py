@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.example_scenes import GROUND, kinematics, robot, scene_of, thing, world_of
+from tests.example_scenes import robot, scene_of, thing, workplace, world_of
 from vcage.base.errors import InfeasibleScene
 from vcage.schema.goals import Description, Goal
 from vcage.tasks.described import complaints, untrue
@@ -73,7 +73,7 @@ def test_a_drawer_takes_along_what_lies_in_it_and_nothing_else():
 def test_taking_it_out_needs_the_drawer_open_and_is_examined_so():
     pack = stowed()
     proposal = next(p for p in SET_DOWN.proposals([CABINET, pack], [ON_TABLE])[0] if p.goal == ON_TABLE)
-    found, refused = proposal.examine([CABINET, pack], kinematics(), GROUND, np.random.default_rng(0))
+    found, refused = proposal.examine(workplace([CABINET, pack]))
     assert found is not None, [refusal.reason for refusal in refused]
     assert found.requires == [OPEN] and found.grasps
     ready = ready_for(found, scene_of([CABINET, pack]), [CABINET, pack])
@@ -86,7 +86,7 @@ def test_it_is_put_onto_a_plate_from_the_open_drawer():
     pack, plate = stowed(), thing("plate", (0.3, -0.1), role="receptacle")
     pairs, _ = TEMPLATES["place"].proposals([CABINET, pack, plate], [])
     pair = next(p for p in pairs if (p.thing.id, p.receptacle.id) == (pack.id, plate.id))
-    found, refused = pair.examine([CABINET, pack, plate], kinematics(), GROUND, np.random.default_rng(0))
+    found, refused = pair.examine(workplace([CABINET, pack, plate]))
     assert found is not None, [refusal.reason for refusal in refused]
     assert found.requires == [OPEN]
 

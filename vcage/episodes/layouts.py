@@ -1,4 +1,4 @@
-"""A layout of its own for every episode: relations are kept, places and headings drawn anew, and the chain is proven.
+"""Layouts of episodes: relations are kept, places and headings drawn anew, and the chain is proven in each.
 
 Objects are placed at random where the robot reaches (:mod:`vcage.layout.placement`); from there the optimisation
 (:mod:`vcage.layout.optimize`) takes them to the nearest layout that keeps the plan and its margins.
@@ -7,57 +7,61 @@ Objects are placed at random where the robot reaches (:mod:`vcage.layout.placeme
 from __future__ import annotations
 
 import logging
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
+from itertools import repeat
 from typing import get_args
 
 import numpy as np
 
+from vcage.base.attempts import LIMITS, GaveUp, Refused, first_accepted, least_costly
 from vcage.base.errors import InfeasibleScene, NoFeasibleTask
 from vcage.base.geometry import Pose, world_aabb
 from vcage.layout.hands import hand_clearance
-from vcage.layout.items import ANY_YAW, FRONT_YAWS, table_item
+from vcage.layout.items import ANY_YAW, FRONT_YAWS, TableItem, table_item
 from vcage.layout.optimize import LayoutOptions
 from vcage.layout.placement.place import place
 from vcage.plans.descriptions import described_relations
 from vcage.plans.kept import relations_kept, relations_kept_in
 from vcage.plans.relations import ground_box, holds
 from vcage.runs.context import StageContext
-from vcage.scenes.layout_items import layout_items, nearest_layout
+from vcage.scenes.layout_items import Targets, layout_items, nearest_layout
 from vcage.schema.goals import Goal
 from vcage.schema.plan import TABLE, Relation, RelationWord
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Grasp, Subtask
 from vcage.sim.robots import load_robot
 from vcage.tasks.described import complaints
-from vcage.tasks.ground import Ground
 from vcage.tasks.rehearsal import examined, proven
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import Slot
+from vcage.tasks.workplace import Workplace
 
 logger = logging.getLogger(__name__)
 
-TURNS = tuple(float(turn) for turn in np.radians((-20, -10, 0, 10, 20)))
-"""How what receives things is turned from its heading in the run's layout: its front stays towards the robot."""
 
-DRAWS = 30
-"""Layouts that are drawn for an episode before it is given up to find one."""
+@dataclass(frozen=True)
+class EpisodeLayoutSettings:
+    """Settings of the layouts that are drawn for episodes.
 
-STARTS = 30
-"""Random places of all objects for each draw; that which breaks the fewest relations is optimised, as the optimisation
-moves things past each other only if it must."""
+    Args:
+        turns_rad: turns of a receptacle from its heading in the run's layout: its front stays towards the robot.
+        restarts: of the optimisation of a layout; another draw is a better start.
+        clutter_gap_m: gap of clutter to everything.
+    """
 
-RESTARTS = 2
-"""Of the optimisation of a layout: another draw is a better start."""
+    turns_rad: tuple[float, ...] = tuple(float(turn) for turn in np.radians((-20, -10, 0, 10, 20)))
+    restarts: int = 2
+    clutter_gap_m: float = 0.04
 
-CLUTTER_GAP = 0.04
-"""What no task touches keeps so far from everything, metres."""
+
+SETTINGS = EpisodeLayoutSettings()
 
 
 @dataclass(frozen=True)
 class Layout:
-    """Where an episode starts.
+    """A layout in which an episode starts.
 
     Args:
         poses: of every object in the world, by id.
@@ -76,10 +80,6 @@ class NoLayout(InfeasibleScene):
     """None of the layouts that were drawn was taken; ``details["refused"]`` counts the reasons."""
 
     code = "no_layout"
-
-
-class _Refused(Exception):
-    """One layout is not taken; says why."""
 
 
 class Layouts:
@@ -102,70 +102,78 @@ class Layouts:
         self._workspace = np.array([scene.workspace.lower, scene.workspace.upper])
         self._on = ground_box(scene.workspace, scene.table.height)
         self._margin = float(scene.provenance.options.get("margin", LayoutOptions.margin))
-        self._ground, self._robot = Ground.of(scene), load_robot(scene.robot)
-        self._kinematics = context.kinematics(scene.robot)
+        self._robot = load_robot(scene.robot)
         now = {name: o.pose for name, o in self._objects.items()}
         # A chain may bring a thing back to where it is at the start.
         self._fulfilled_before = self._fulfilled({o.id: np.array(o.aabb) for o in scene.objects})
         self._standing = [
             replace(item, yaws=self._headings(self._objects[item.id]))
-            for item in layout_items(scene, now, self._inside, context)
+            for item in layout_items(scene, Targets(now, self._inside), context)
             if item.id not in self._inside
         ]
         standing = {item.id for item in self._standing} | {TABLE}
         self._between = [r for r in self._described if {r.subject, r.reference} <= standing]
 
-    def draw(self, rng: np.random.Generator, clutter: Sequence[SceneObject] = (), draws: int = DRAWS) -> Layout:
-        """A layout that is drawn at random.
+    def draw(
+        self, rng: np.random.Generator, clutter: Sequence[SceneObject] = (), draws: int = LIMITS.episode_layouts
+    ) -> Layout:
+        """Return a layout that is drawn at random.
 
         Args:
             rng: of all that is drawn.
-            clutter: objects that the scene has not, which come to stand where there is room left for them; those for
-                which there is none are not in the layout.
+            clutter: objects that the scene has not; as many of them as have room are put where it is left.
             draws: layouts that are drawn before it is given up.
 
         Raises:
             NoLayout: none of them was taken.
         """
-        refused: Counter[str] = Counter()
-        for _ in range(draws):
-            try:
-                return replace(self._one(rng, clutter), refused=dict(refused))
-            except _Refused as why:
-                refused[str(why)] += 1
-        reason, count = refused.most_common(1)[0]
-        raise NoLayout(
-            f"none of {draws} layouts that were drawn was taken, {count} as {reason}",
-            hint="take the one that there is: --layout fixed",
-            details={"refused": dict(refused)},
-        )
+        try:
+            found = first_accepted(repeat(partial(self._one, rng, clutter), draws))
+        except GaveUp as error:
+            reason, count = error.reasons.most_common(1)[0]
+            raise NoLayout(
+                f"none of {draws} layouts that were drawn was taken, {count} as {reason}",
+                hint="take the one that there is: --layout fixed",
+                details={"refused": dict(error.reasons)},
+            ) from None
+        return replace(found.value, refused=found.reasons)
 
     def _one(self, rng: np.random.Generator, clutter: Sequence[SceneObject]) -> Layout:
+        """Draw a layout and verify it.
+
+        Raises:
+            Refused: it is not taken.
+        """
         try:
             poses = self._solved(rng)
         except InfeasibleScene:
-            raise _Refused("there is no room") from None
+            raise Refused("there is no room") from None
         boxes = self._boxes(poses)
-        if false := complaints(self._scene, [o.moved(poses[o.id]) for o in self._objects.values()]):
-            raise _Refused(false[0])
-        if broken := self._broken(boxes):
-            raise _Refused(f"not {broken[0]}")
-        if fulfilled := self._fulfilled(boxes) - self._fulfilled_before:
-            raise _Refused(f"{min(map(str, fulfilled))} already")
+        self._require_as_asked(poses, boxes)
         poses |= self._in_what_is_left(clutter, boxes, rng)
         objects = [o.moved(poses[o.id]) for o in (*self._objects.values(), *clutter) if o.id in poses]
-        chain = [self._examined(subtask, objects, rng) for subtask in self._chain]
+        workplace = Workplace.of(self._scene, objects, rng)
+        chain = [self._examined(subtask, workplace) for subtask in self._chain]
         try:
             chain, slots = proven(chain, objects, self._scene, rng)
         except InfeasibleScene:
-            raise _Refused("there is no room where things are put") from None
+            raise Refused("there is no room where things are put") from None
         except NoFeasibleTask as error:
             logger.debug("a layout is refused: %s", error.message)
-            raise _Refused(error.details["refused"]) from None
+            raise Refused(error.details["refused"]) from None
         for subtask, found in zip(self._chain, chain, strict=True):
             if found.grasped != subtask.grasped:  # its script takes the one it was written for
-                raise _Refused(f"{subtask.id} is not feasible with {subtask.grasped} in the hand")
+                raise Refused(f"{subtask.id} is not feasible with {subtask.grasped} in the hand")
         return Layout(poses, {subtask.id: subtask.grasps for subtask in chain}, slots)
+
+    def _require_as_asked(self, poses: Mapping[str, Pose], boxes: Mapping[str, np.ndarray]) -> None:
+        """Refuse poses and boxes (2, 3) that break a description or relation, or with which a goal is true already."""
+        if false := complaints(self._scene, [o.moved(poses[o.id]) for o in self._objects.values()]):
+            raise Refused(false[0])
+        if broken := self._broken(boxes):
+            raise Refused(f"not {broken[0]}")
+        if fulfilled := self._fulfilled(boxes) - self._fulfilled_before:
+            raise Refused(f"{min(map(str, fulfilled))} already")
 
     def _boxes(self, poses: Mapping[str, Pose]) -> dict[str, np.ndarray]:
         """(2, 3) axis-aligned box of every object, by id, metres."""
@@ -186,10 +194,13 @@ class Layouts:
 
     def _solved(self, rng: np.random.Generator) -> dict[str, Pose]:
         """The layout that keeps the plan and is nearest to one that is drawn at random."""
-        starts = [self._drawn(rng) for _ in range(STARTS)]
-        upright = min(starts, key=lambda poses: len(self._broken(self._boxes(self._with_contents(poses)))))
-        poses, options = self._with_contents(upright), LayoutOptions(margin=self._margin, restarts=RESTARTS)
-        found = nearest_layout(self._scene, poses, self._inside, self._relations, lambda: rng, options, self._context)
+        upright = least_costly(
+            (self._drawn(rng) for _ in range(LIMITS.compared_starts)),
+            cost=lambda poses: len(self._broken(self._boxes(self._with_contents(poses)))),
+        )
+        targets = Targets(self._with_contents(upright), self._inside, self._relations)
+        options = LayoutOptions(margin=self._margin, restarts=SETTINGS.restarts)
+        found = nearest_layout(self._scene, targets, lambda: rng, options, self._context)
         solved = {name: Pose([*found.positions[name][:2], pose.p[2]], pose.q) for name, pose in upright.items()}
         return self._with_contents(solved)
 
@@ -204,13 +215,13 @@ class Layouts:
         """Poses of as many of the clutter as have room beside objects with these boxes (2, 3), the first ones."""
         taken = [self._kept_free(self._objects[name], box[:, :2]) for name, box in boxes.items()]
         items = [table_item(o.id, o.asset) for o in clutter]
-        while items:
-            try:
-                spots = place(items, self._workspace, rng, CLUTTER_GAP, taken)
-                return {item.id: item.pose(spots[item.id], self._scene.table.height) for item in items}
-            except InfeasibleScene:
-                items.pop()
-        return {}
+
+        def placed(some: Sequence[TableItem]) -> dict[str, Pose]:
+            spots = place(some, self._workspace, rng, SETTINGS.clutter_gap_m, taken) if some else {}
+            return {item.id: item.pose(spots[item.id], self._scene.table.height) for item in some}
+
+        fewer = (partial(placed, items[:count]) for count in range(len(items), -1, -1))
+        return first_accepted(fewer, InfeasibleScene).value
 
     def _kept_free(self, o: SceneObject, rectangle: np.ndarray) -> np.ndarray:
         """(2, 2) of the table around what has this rectangle there: a hand comes down on what is moved."""
@@ -230,13 +241,14 @@ class Layouts:
         return self._root(self._inside[name]) if name in self._inside else name
 
     def _headings(self, o: SceneObject) -> tuple[float, ...]:
-        """Those that may be drawn: any, but for what has a front, or receives things."""
+        """Headings that may be drawn: any, but for an object that has a front or receives things."""
         if o.asset.articulated:
             return FRONT_YAWS
-        return tuple(o.pose.yaw + turn for turn in TURNS) if o.record.role == "receptacle" else ANY_YAW
+        turned = tuple(o.pose.yaw + turn for turn in SETTINGS.turns_rad)
+        return turned if o.record.role == "receptacle" else ANY_YAW
 
-    def _examined(self, subtask: Subtask, objects: Sequence[SceneObject], rng: np.random.Generator) -> Subtask:
-        found = examined(subtask, objects, self._kinematics, self._ground, rng)
+    def _examined(self, subtask: Subtask, workplace: Workplace) -> Subtask:
+        found = examined(subtask, workplace)
         if found is None:
-            raise _Refused(f"{subtask.id} is not feasible")
+            raise Refused(f"{subtask.id} is not feasible")
         return found

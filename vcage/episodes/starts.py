@@ -1,4 +1,4 @@
-"""Where an episode begins: what its world has otherwise, where things stand in it, and how the chain is done there."""
+"""Starts of episodes: the changes to the world, the poses of its objects, and the grasps and slots of the chain."""
 
 from __future__ import annotations
 
@@ -6,12 +6,15 @@ import logging
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
+from itertools import repeat
 
 import numpy as np
 
+from vcage.base.attempts import LIMITS, GaveUp, Refused, first_accepted
 from vcage.base.errors import NoFeasibleTask
 from vcage.base.geometry import Pose
-from vcage.episodes.layouts import DRAWS, Layout, Layouts, NoLayout
+from vcage.episodes.layouts import Layout, Layouts, NoLayout
 from vcage.episodes.worlds import Worlds, drawn_models, free_start, left_with, other_phrases, steady, weighed
 from vcage.runs.context import StageContext
 from vcage.scenes.possible import settled_record
@@ -20,39 +23,34 @@ from vcage.schema.plan import Relation
 from vcage.schema.randomisation import WorldDraw, WorldRanges
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Grasp, Subtask
-from vcage.sim.robots import load_robot
+from vcage.tasks.chain_slots import slots_for_chain
 from vcage.tasks.described import complaints
-from vcage.tasks.ground import Ground
 from vcage.tasks.rehearsal import proven
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.slots import Slot, slots_for_chain
+from vcage.tasks.slots import Slot
 from vcage.tasks.variation import shifted_poses
+from vcage.tasks.workplace import Workplace
 
 logger = logging.getLogger(__name__)
 
-EASED = ((1.0, 10), (0.5, 10), (0.0, 10))
-"""Shares of the clutter with which layouts are drawn, and how many with each, before there are fewer; the last also
-have the run's own variants."""
-
-
-SHIFTS = 8
-"""Small shifts of the run's layout that are drawn for one at which what is described stays true."""
+CLUTTER_SHARES = (1.0, 0.5, 0.0)
+"""Shares of the clutter with which layouts are drawn, in turn; without clutter, objects have the run's own variants."""
 
 
 @dataclass(frozen=True)
 class Start:
-    """Where an episode begins.
+    """The start of an episode.
 
     Args:
         scene: as it is then.
         objects: of the scene.
         grasps: of each sub-task, by its id, best first.
         slots: where each sub-task puts its object, by its id.
-        drawn: whether the layout was drawn; otherwise it is the run's with small shifts.
+        drawn: True if the layout was drawn; otherwise it is the run's with small shifts.
         refused: why layouts that were drawn were not taken: reason → how many.
-        world: what is simulated otherwise than the run's scene says.
+        world: its differences from the run's scene.
         models: of the objects, by id, as heavy as was drawn.
-        phrases: what is called otherwise than in the run's scene (:func:`~vcage.episodes.worlds.other_phrases`).
+        phrases: new phrases by those of the run's scene (:func:`~vcage.episodes.worlds.other_phrases`).
     """
 
     scene: Scene
@@ -112,34 +110,45 @@ class Starts:
         )
 
     def _laid_out(self, rng: np.random.Generator) -> tuple[WorldDraw, Layout | None, dict[str, int]]:
-        """What was drawn, a layout of it, and why others were not taken; without a layout where none was found."""
-        drawn, refused = self._worlds.draw(self._ranges, rng), Counter[str]()
+        """The world that was drawn, a layout of it or None, and how many layouts were refused for each reason."""
+        drawn = self._worlds.draw(self._ranges, rng)
         if self._relations is None:
             return drawn, None, {}
-        world = drawn
-        for world, draws in _eased(drawn):
-            scene, clutter = self._worlds.changed(world), self._worlds.clutter(world)
-            try:
-                layout = Layouts(scene, self._relations, self._chain, self._context).draw(rng, clutter, draws)
-            except NoLayout as error:
-                refused.update(error.details["refused"])
-                continue
-            placed = [o.moved(layout.poses[o.id]) for o in clutter if o.id in layout.poses]
-            objects = [o.moved(layout.poses[o.id]) for o in self._context.objects(scene)]
-            stood = self._with(scene, [*objects, *placed])
-            world = steady(stood, self._context.physical_models(stood), left_with(world, layout.poses))
-            refused.update(layout.refused)
-            return world, layout, dict(refused)
-        logger.warning("no layout that was drawn was taken: objects stand as optimised, with small shifts")
-        return world, None, dict(refused)
+        worlds = list(_eased(drawn))
+        try:
+            found = first_accepted((partial(self._layout_of, *world, rng) for world in worlds), NoLayout)
+        except GaveUp as error:
+            logger.warning("no layout that was drawn was taken: objects stand as optimised, with small shifts")
+            return worlds[-1][0], None, _refused(error.refusals)
+        world, layout = found.value
+        return world, layout, dict(Counter(_refused(found.refusals)) + Counter(layout.refused))
+
+    def _layout_of(self, world: WorldDraw, draws: int, rng: np.random.Generator) -> tuple[WorldDraw, Layout]:
+        """A layout of a world, and the world with the clutter that stays put in it.
+
+        Raises:
+            NoLayout: none was taken.
+        """
+        assert self._relations is not None, "layouts are drawn by the relations of a plan"
+        scene, clutter = self._worlds.changed(world), self._worlds.clutter(world)
+        layout = Layouts(scene, self._relations, self._chain, self._context).draw(rng, clutter, draws)
+        objects = [*self._context.objects(scene), *(o for o in clutter if o.id in layout.poses)]
+        stood = self._with(scene, [o.moved(layout.poses[o.id]) for o in objects])
+        return steady(stood, self._context.physical_models(stood), left_with(world, layout.poses)), layout
 
     def _shifted(self, scene: Scene, objects: Sequence[SceneObject], rng: np.random.Generator) -> dict[str, Pose]:
-        """Poses a little off the run's, at which what is described is still true; the run's where none are found."""
-        for _ in range(SHIFTS):
+        """Poses a little off the run's, at which all descriptions stay true; the run's where none are found."""
+
+        def shift() -> dict[str, Pose]:
             poses = shifted_poses(objects, rng)
-            if not complaints(scene, [o.moved(poses[o.id]) for o in objects]):
-                return poses
-        return {o.id: o.pose for o in objects}
+            if false := complaints(scene, [o.moved(poses[o.id]) for o in objects]):
+                raise Refused(false[0])
+            return poses
+
+        try:
+            return first_accepted(repeat(shift, LIMITS.shifts)).value
+        except GaveUp:
+            return {o.id: o.pose for o in objects}
 
     def _with(self, scene: Scene, objects: Iterable[SceneObject]) -> Scene:
         """The scene with objects where they are."""
@@ -155,16 +164,21 @@ class Starts:
             chain, slots = proven(chain, things, scene, rng)
         except NoFeasibleTask as error:
             logger.info("%s", error.message)
-            slots = slots_for_chain(chain, things, load_robot(scene.robot), Ground.of(scene), rng)
+            slots = slots_for_chain(chain, Workplace.of(scene, things, rng))
         return {subtask.id: subtask.grasps for subtask in chain}, slots
 
 
+def _refused(refusals: Iterable[Exception]) -> dict[str, int]:
+    """How many layouts were refused for each reason, over several searches."""
+    return dict(sum((Counter(e.details["refused"]) for e in refusals if isinstance(e, NoLayout)), Counter()))
+
+
 def _eased(world: WorldDraw) -> Iterator[tuple[WorldDraw, int]]:
-    """What was drawn, then less and less of what takes room; and how many layouts are drawn with each."""
+    """The world that was drawn, then the same with fewer and fewer objects; and the draws of layouts for each."""
     if not world.clutter and not world.variants:
-        yield world, DRAWS
+        yield world, LIMITS.episode_layouts
         return
-    for share, draws in EASED:
+    for share in CLUTTER_SHARES:
         kept = list(world.clutter)[: int(share * len(world.clutter))]
         variants = world.variants if share else {}
-        yield left_with(world.model_copy(update={"variants": variants}), kept), draws
+        yield left_with(world.model_copy(update={"variants": variants}), kept), LIMITS.eased_layouts

@@ -7,8 +7,8 @@ is moved as a rigid body with what it holds. Support heights follow: table top, 
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
@@ -29,7 +29,7 @@ logger = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class LayoutOptions:
-    """What is asked of a layout, and how long it is searched.
+    """Demands on a layout, and the effort of the search.
 
     Args:
         weights: the λ of the equation; ``relation=0`` leaves the plan out, but for what lies in or on something.
@@ -77,6 +77,22 @@ class LayoutResult:
     out_of_reach: list[str]
     hand_room: float = 1.0
 
+    def without(self, names: Collection[str]) -> LayoutResult:
+        """Return the result without some objects.
+
+        Args:
+            names: their ids.
+        """
+        listed = {
+            name: [one for one in getattr(self, name) if one not in names]
+            for name in ("repaired", "released", "out_of_reach")
+        }
+        by_id = {
+            name: {one: value for one, value in getattr(self, name).items() if one not in names}
+            for name in ("positions", "containers", "displaced")
+        }
+        return replace(self, **listed, **by_id)
+
 
 def optimize_layout(
     items: Sequence[TableItem],
@@ -120,30 +136,17 @@ def optimize_layout(
     origins = solution.centres - problem.target + np.array([item.target for item in groups.roots])
     positions = groups.positions(groups.roots, origins, table.height)
     require_exact(groups, positions, bounds, options.margin, out_of_reach)
-    return _result(groups, positions, problem, solution, options.weights, repaired | moved, released, out_of_reach)
-
-
-def _result(
-    groups: Groups,
-    positions: dict[str, tuple[float, float, float]],
-    problem: LayoutProblem,
-    solution: Solution,
-    weights: CostWeights,
-    repaired: set[str],
-    released: list[str],
-    out_of_reach: list[str],
-) -> LayoutResult:
+    displaced = {
+        name: float(np.hypot(*np.subtract(positions[name][:2], item.target))) for name, item in groups.items.items()
+    }
     return LayoutResult(
         positions=positions,
         containers=groups.container,
-        displaced={
-            item.id: float(np.hypot(*np.subtract(positions[item.id][:2], item.target)))
-            for item in groups.items.values()
-        },
-        cost_before=evaluate(problem, weights, problem.target)[0],
-        cost_after=evaluate(problem, weights, solution.centres)[0],
+        displaced=displaced,
+        cost_before=evaluate(problem, options.weights, problem.target)[0],
+        cost_after=evaluate(problem, options.weights, solution.centres)[0],
         starts=solution.starts,
-        repaired=sorted(repaired),
+        repaired=sorted(repaired | moved),
         released=released,
         out_of_reach=out_of_reach,
         hand_room=solution.extra,

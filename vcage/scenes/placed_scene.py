@@ -1,13 +1,16 @@
-"""Placing chosen objects on the table: placements are drawn until one stays put, and its pictures are taken."""
+"""Placement of chosen objects on the table: draw until one stays put, and take its pictures."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import cv2
 import numpy as np
 
+from vcage.base.attempts import LIMITS, GaveUp, first_accepted
 from vcage.base.errors import InfeasibleScene
 from vcage.base.pictures import write_labels, write_picture
 from vcage.models.selection_check import NamedObject
@@ -18,9 +21,6 @@ from vcage.schema.scene import Scene, SceneTemplate
 from vcage.sim.cameras import observe, shoot
 from vcage.sim.world import World
 from vcage.tasks.described import complaints
-
-TRIES = 5
-"""Placements that are drawn before a scene whose objects do not stay put is given up."""
 
 
 def place_until_stable(
@@ -34,40 +34,59 @@ def place_until_stable(
 
     Args:
         fields: of the scene, but for objects and checks.
-        objects: what is placed.
+        objects: that are placed.
         template: of the scene.
         context: the library.
         rng: of the placements.
 
     Raises:
-        InfeasibleScene: the objects have no place, do not stay where they are put, or what is described is not true.
+        InfeasibleScene: the objects have no place, do not stay where they are put, or a description is not true.
     """
     starting = StartingPoses(objects, template, fields.get("descriptions", ()), fields.get("goals", ()), context)
-    worst: list[str] = []
-    false: list[str] = []
-    for attempt in range(1, TRIES + 1):
-        poses = starting.draw(rng)
-        scene = Scene(**fields, objects=starting.records(poses))
+
+    def place(number: int) -> Scene:
+        scene = Scene(**fields, objects=starting.records(starting.draw(rng)))
         world = World.of_scene(scene, context.physical_models(scene))
         report = world.settle()
-        worst = moved_objects(report)
-        if report.settled and not worst:
-            poses = world.object_poses()
-            checks = {**settle_checks(report), "placements": attempt}
-            scene = Scene(**fields, objects=starting.records(poses), checks=checks)
-            false = complaints(scene, context.objects(scene))
-            if not false:
-                return scene
-    if false and not worst:
-        raise InfeasibleScene(
-            f"in none of {TRIES} placements all of the instruction was true of the start: {'; '.join(false)}",
-            hint="say it otherwise, or with fewer objects",
-            details={"descriptions": false},
+        moved = moved_objects(report)
+        if moved or not report.settled:
+            raise _Unstable(moved)
+        checks = {**settle_checks(report), "placements": number}
+        scene = Scene(**fields, objects=starting.records(world.object_poses()), checks=checks)
+        if false := complaints(scene, context.objects(scene)):
+            raise _NotAsDescribed(false)
+        return scene
+
+    numbers = range(1, LIMITS.placements + 1)
+    try:
+        return first_accepted((partial(place, number) for number in numbers), (_Unstable, _NotAsDescribed)).value
+    except GaveUp as error:
+        raise _given_up(error.refusals) from None
+
+
+class _Unstable(Exception):
+    """Objects that do not stay where they are put."""
+
+
+class _NotAsDescribed(Exception):
+    """Descriptions that are not true of a placement."""
+
+
+def _given_up(refusals: Sequence[Exception]) -> InfeasibleScene:
+    """The error for a scene of which no placement was accepted."""
+    false = [refusal.args[0] for refusal in refusals if isinstance(refusal, _NotAsDescribed)]
+    unstable = refusals[-1]
+    if isinstance(unstable, _Unstable) and (unstable.args[0] or not false):
+        moved = unstable.args[0]
+        return InfeasibleScene(
+            f"{', '.join(moved) or 'the objects'} did not stay where they were put in {len(refusals)} placements",
+            hint="check their collision hulls, or leave them out",
+            details={"objects": moved},
         )
-    raise InfeasibleScene(
-        f"{', '.join(worst) or 'the objects'} did not stay where they were put in {TRIES} placements",
-        hint="check their collision hulls, or leave them out",
-        details={"objects": worst},
+    return InfeasibleScene(
+        f"in none of {len(refusals)} placements all of the instruction was true of the start: {'; '.join(false[-1])}",
+        hint="say it otherwise, or with fewer objects",
+        details={"descriptions": false[-1]},
     )
 
 

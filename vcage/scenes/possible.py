@@ -15,7 +15,7 @@ from vcage.plans.plain_words import in_words
 from vcage.runs.context import StageContext
 from vcage.runs.edits import refuse, require_same, written_record
 from vcage.scenes.known_names import all_names, near_names, unknown_name
-from vcage.scenes.stability import MAX_DRIFT, MAX_TILT, moved_objects, settle_checks
+from vcage.scenes.stability import STABILITY, moved_objects, settle_checks
 from vcage.schema.asset import FunctionalPoint
 from vcage.schema.base import PoseRecord, box_record
 from vcage.schema.goals import Goal, Reading
@@ -107,7 +107,8 @@ def possible_scene(path: Path, scene: Scene, context: StageContext) -> Scene:
             path,
             f"objects.{numbers[name]}.pose",
             f"{name} does not stay there: it moves by {drift:.0f} mm and {tilt:.0f}° when it is let go",
-            f"a pose in which it moves by less than {1000 * MAX_DRIFT:.0f} mm and {np.degrees(MAX_TILT):.0f}°",
+            f"a pose in which it moves by less than {1000 * STABILITY.drift_m:.0f} mm and "
+            f"{np.degrees(STABILITY.tilt_rad):.0f}°",
         )
     if not report.settled:
         refuse(path, "objects", "they do not come to rest", "poses in which they do")

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from vcage.base.attempts import LIMITS
 from vcage.base.errors import InfeasibleScene, NoFeasibleTask
 from vcage.models.protocols import Reasoner
 from vcage.schema.scene import Scene
@@ -18,9 +19,6 @@ from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import action_of, initial_state
 
 logger = logging.getLogger(__name__)
-
-DRAWS = 20
-"""Sets of slots that are tried for a chain: there is no other layout to go to."""
 
 
 def with_chosen_slots(
@@ -91,8 +89,8 @@ def _proven(
     chosen = filled(chain, kept, answers)
     if [subtask.id for subtask in chosen] != [subtask.id for subtask in chain]:
         try:
-            return proven(chosen, objects, scene, rng, DRAWS)[0]
+            return proven(chosen, objects, scene, rng, LIMITS.final_slot_sets)[0]
         except (NoFeasibleTask, InfeasibleScene) as error:
             logger.warning("the chain is done as it is ranked, not at the places that were chosen: %s", error.message)
             chosen = checked(chain, answers)
-    return proven(chosen, objects, scene, rng, DRAWS)[0]
+    return proven(chosen, objects, scene, rng, LIMITS.final_slot_sets)[0]

@@ -1,24 +1,25 @@
-"""Where the objects of a scene are before they settle: on the table, in and on each other, and in closed drawers.
+"""Poses of the objects of a scene before they settle: on the table, in and on each other, and in closed drawers.
 
-All that the instruction says of the start is true there, and a hand has room around what it wants taken out of a thing.
+All descriptions of the start are true, and a hand has room around each object that is to be taken out of another.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
+from itertools import repeat
 
 import numpy as np
 
+from vcage.base.attempts import LIMITS, GaveUp, Refused, first_accepted
 from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose
 from vcage.layout.capacities import opening_for
-from vcage.layout.items import Placement, TableItem, table_item
+from vcage.layout.items import TableItem, table_item
 from vcage.layout.placement.place import place
 from vcage.layout.placement.view import view_rectangles
 from vcage.models.selection_check import NamedObject
 from vcage.objects.asset import Asset
-from vcage.objects.openings import Opening
 from vcage.plans.actions import open_at_start
 from vcage.plans.descriptions import HOLDING, described_relations
 from vcage.plans.plain_words import in_words
@@ -32,14 +33,11 @@ from vcage.tasks.feasibility import hand_has_room
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.stowing import stow
 
-MARGIN = 0.015
-"""Smallest gap between two objects, metres: wide enough for the picture to show the table between them."""
+MARGIN_M = 0.015
+"""Smallest gap between two objects: wide enough for the picture to show the table between them."""
 
-BORDER = 2.0
-"""Pixels that stay free between an object and the edge of the top view."""
-
-HAND_DRAWS = 40
-"""Placements among which one is looked for in which a hand has room around what is to be taken out of a thing."""
+BORDER_PX = 2.0
+"""Width that stays free between an object and the edge of the top view."""
 
 
 class StartingPoses:
@@ -75,36 +73,44 @@ class StartingPoses:
         """Poses in the world, by id.
 
         Raises:
-            InfeasibleScene: there is no room; or none in which what is described is true, or a hand gets to what it is
-                to take out of a thing: names what.
+            InfeasibleScene: there is no room; or none in which all descriptions are true, or a hand gets to what it is
+                to take out of something: names what.
         """
-        stuck: list[str] = []
-        for _ in range(HAND_DRAWS if self._taken else 1):
-            spots, height = self._spots(rng), self._template.table.height
-            poses = {item.id: item.pose(spots[item.id], height + spots[item.id].z) for item in self._items}
-            stuck = self._stuck(poses)
-            if not stuck:
-                return poses | self._stowed(poses, rng)
+
+        def place_for_hands() -> dict[str, Pose]:
+            poses = self._placed(rng)
+            if stuck := self._stuck(poses):
+                raise Refused("no hand has room", stuck)
+            return poses | self._stowed(poses, rng)
+
+        try:
+            return first_accepted(repeat(place_for_hands, LIMITS.placements_for_hands)).value
+        except GaveUp as error:
+            last = error.refusals[-1]
+            assert isinstance(last, Refused)
+            raise self._out_of_reach(last.about) from None
+
+    def _out_of_reach(self, stuck: Collection[str]) -> InfeasibleScene:
         phrases = {o.id: o.phrase for o in self._objects}
         where = [f"{phrases[o.id]} out of {phrases[str(o.starts_in)]}" for o in self._objects if o.id in stuck]
-        raise InfeasibleScene(
+        return InfeasibleScene(
             f"no hand has room to take {' and '.join(where)}",
             hint="ask for something smaller, or for another place that it is taken from",
             details={"objects": stuck},
         )
 
-    def _spots(self, rng: np.random.Generator) -> dict[str, Placement]:
-        """A place for every item, such that what is described of it is true."""
+    def _placed(self, rng: np.random.Generator) -> dict[str, Pose]:
+        """Poses of all items, such that their descriptions are true."""
         template, items = self._template, self._items
         workspace = np.array([template.workspace.lower, template.workspace.upper])
         known = {TABLE, *(item.id for item in items)}
         relations = [r for r in described_relations(self._described) if {r.subject, r.reference} <= known]
         try:
-            return place(items, workspace, rng, margin=MARGIN, relations=relations)
+            spots = place(items, workspace, rng, margin=MARGIN_M, relations=relations)
         except InfeasibleScene as error:
             if not relations:
                 raise
-            place(items, workspace, rng, margin=MARGIN)  # where there is no room at all it says so
+            place(items, workspace, rng, margin=MARGIN_M)  # where there is no room at all it says so
             phrases = {o.id: o.phrase for o in self._objects}
             raise InfeasibleScene(
                 f"no placement was found in which "
@@ -112,9 +118,10 @@ class StartingPoses:
                 hint="say it otherwise, or with fewer or smaller objects",
                 details=error.details | {"objects": sorted({n for r in relations for n in (r.subject, r.reference)})},
             ) from error
+        return {item.id: item.pose(spots[item.id], template.table.height + spots[item.id].z) for item in items}
 
     def _stuck(self, poses: Mapping[str, Pose]) -> list[str]:
-        """Ids of objects that are to be taken out of things and that no hand gets to."""
+        """Ids of objects that are to be taken out of others and that no hand gets to."""
         if not self._taken:
             return []
         things = {o.id: self._thing(o, poses[o.id]) for o in self._objects if o.id in poses}
@@ -125,7 +132,7 @@ class StartingPoses:
         ]
 
     def _stowed(self, poses: Mapping[str, Pose], rng: np.random.Generator) -> dict[str, Pose]:
-        """Poses of what starts in moving parts, by id, where these are of all else."""
+        """Poses of the objects that start in moving parts, by id, where these are of all others."""
         objects, found = {o.id: o for o in self._objects}, dict[str, Pose]()
         for name, part in dict.fromkeys((o.starts_in, o.starts_in_part) for o in objects.values() if o.starts_in_part):
             holder = self._thing(objects[str(name)], poses[str(name)])
@@ -157,46 +164,34 @@ def _joints(
 
 def _place_items(objects: Sequence[NamedObject], template: SceneTemplate, context: StageContext) -> list[TableItem]:
     """Items of the placement; what a task carries or fills must be where an arm reaches."""
-    openings = _openings(objects, context)
-    return [_place_item(o, objects, openings, template, context) for o in objects]
-
-
-def _openings(objects: Sequence[NamedObject], context: StageContext) -> dict[str, Opening]:
-    """The room of each object that others start in, in its own frame, by its id."""
-    contents: dict[str, list[Asset]] = {}
-    for o in objects:
-        if o.starts_in is not None and o.starts_in_part is None:
-            contents.setdefault(o.starts_in, []).append(asset_of(o, context))
-    holders = [o for o in objects if o.id in contents]
-    return {
-        o.id: opening for o in holders if (opening := opening_for(asset_of(o, context), contents[o.id])) is not None
+    assets = {o.id: asset_of(o, context) for o in objects}
+    inside = {o.id: o.starts_in for o in objects}
+    openings = {
+        name: opening_for(asset, contents)
+        for name, asset in assets.items()
+        if (contents := [assets[other] for other, holder in inside.items() if holder == name])
     }
 
+    def lift_m(name: str) -> float:
+        """Height of an object's support above the table: the floors of all that it lies in."""
+        holder = inside[name]
+        opening = openings.get(str(holder))
+        return 0.0 if holder is None or opening is None else opening.floor + lift_m(holder)
 
-def _lift(o: NamedObject, objects: Sequence[NamedObject], openings: Mapping[str, Opening]) -> float:
-    """How far above the table an object stands: the floors of all that it lies in, metres."""
-    holder = next((other for other in objects if other.id == o.starts_in), None)
-    return openings[holder.id].floor + _lift(holder, objects, openings) if holder else 0.0
-
-
-def _place_item(
-    o: NamedObject,
-    objects: Sequence[NamedObject],
-    openings: Mapping[str, Opening],
-    template: SceneTemplate,
-    context: StageContext,
-) -> TableItem:
-    asset = asset_of(o, context)
     bounds = np.array([template.workspace.lower, template.workspace.upper])
-    support = template.table.height + _lift(o, objects, openings)
-    seen = view_rectangles(template.top_camera.camera(), support, float(asset.size[2]), bounds, BORDER)
-    return replace(
-        table_item(o.id, asset),
-        allowed=context.within_reach(asset, o.role, template),
-        within=seen,
-        inside=o.starts_in,
-        opening=openings.get(o.id),
-    )
+    items = []
+    for o in objects:
+        support, height = template.table.height + lift_m(o.id), float(assets[o.id].size[2])
+        items.append(
+            replace(
+                table_item(o.id, assets[o.id]),
+                allowed=context.within_reach(assets[o.id], o.role, template),
+                within=view_rectangles(template.top_camera.camera(), support, height, bounds, BORDER_PX),
+                inside=o.starts_in,
+                opening=openings.get(o.id),
+            )
+        )
+    return items
 
 
 def asset_of(o: NamedObject, context: StageContext) -> Asset:

@@ -11,13 +11,15 @@ examples:
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection
 from dataclasses import asdict, dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
 
+from vcage.base.attempts import LIMITS, GaveUp, Refused, first_accepted
 from vcage.base.errors import InfeasibleScene, NoFeasibleTask
 from vcage.base.files import RunFolder
 from vcage.base.geometry import Pose, wrap_angle
@@ -34,7 +36,7 @@ from vcage.plans.kept import Kept, relations_kept_in
 from vcage.runs.context import StageContext
 from vcage.runs.inputs import read_matches, read_plan
 from vcage.runs.stage import Job, StageOptions, StageResult, stage_seed
-from vcage.scenes.layout_items import nearest_layout
+from vcage.scenes.layout_items import Targets, nearest_layout
 from vcage.scenes.possible import edited_scene, settled_record
 from vcage.scenes.stability import moved_objects, settle_checks
 from vcage.schema.base import Provenance
@@ -50,20 +52,18 @@ from vcage.tasks.scene_objects import SceneObject
 logger = logging.getLogger(__name__)
 
 
-MOST_WEIGHT = 1e6
+LARGEST_WEIGHT = 1e6
 """Beyond it the optimiser's own precision would be the result."""
 
-
-TRIES, SHIFT = 6, 0.03
-"""Layouts that are tried for one in which the instruction can be carried out, and the standard deviation by which the
-targets of each are shifted more than those of the one before it, metres."""
+SHIFT_STEP_M = 0.03
+"""Standard deviation by which the targets of each layout are shifted more than those of the one before it."""
 
 
 def layout_weights(text: str) -> CostWeights:
     """``collision=1000,relation=0`` as weights; a term that is not named keeps its default.
 
     Raises:
-        ValueError: there is no such term, or its weight is no number from 0 to :data:`MOST_WEIGHT`.
+        ValueError: there is no such term, or its weight is no number from 0 to :data:`LARGEST_WEIGHT`.
     """
     known = asdict(CostWeights())
     chosen: dict[str, float] = {}
@@ -71,7 +71,7 @@ def layout_weights(text: str) -> CostWeights:
         name, _, weight = part.strip().partition("=")
         if name not in known:
             raise ValueError(f"no term is called {name!r}; there are: {', '.join(known)}")
-        chosen[name] = number_between(0, MOST_WEIGHT)(weight)
+        chosen[name] = number_between(0, LARGEST_WEIGHT)(weight)
     return replace(CostWeights(), **chosen)
 
 
@@ -82,7 +82,7 @@ def spelled(weights: CostWeights) -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class Options(StageOptions):
-    """How the layout is optimised."""
+    """Options of the optimisation."""
 
     margin: Annotated[float, between(0, 0.5, "δ")] = 0.045
     """gap between two objects, metres: room for an open finger between any two, and a little for what settles"""
@@ -95,7 +95,7 @@ class Options(StageOptions):
 
 
 def job(run: RunFolder, options: Options, _context: StageContext) -> Job:
-    """What the stage has to do."""
+    """Return the work of the stage."""
     return Job(
         run=run,
         output=run.layout,
@@ -127,13 +127,11 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
         targets = _targets(scene, matches)
         own = with_places(scene)
         inside = {r.subject: r.reference for r in plan.relations if r.relation in HOLDING and r.reference != TABLE}
-        how = LayoutOptions(options.weights, options.margin, options.restarts)
         turned = {key: Pose.from_yaw(target.p, yaws[key]) for key, target in targets.items() if key in own}
-
-        def nearest(to: Mapping[str, Pose]) -> LayoutResult:
-            return nearest_layout(scene, to, inside, plan.relations, stage.rng, how, context)
-
-        result, laid_out, shift = _nearest_feasible(scene, turned, nearest, stage.rng, context)
+        how = LayoutOptions(options.weights, options.margin, options.restarts)
+        wanted = Targets(turned, inside, plan.relations)
+        found = _NearestFeasible(scene, wanted, stage.rng, how, context).layout()
+        laid_out, result = found.scene, found.result
         poses = {o.id: o.pose.pose() for o in laid_out.objects}
         write_picture(folder / "layout.png", _drawing(scene, context, with_stowed(scene, targets), poses))
         settled, picture = _rebuild(laid_out, context)
@@ -141,7 +139,7 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
         kept = relations_kept_in(settled, plan.relations)
         if kept.broken:
             logger.warning("the layout keeps %.0f %% of the plan: not %s", 100 * kept.share, ", ".join(kept.sentences))
-        checks = {**settled.checks, **_checks(kept, result), "targets_shifted_m": shift}
+        checks = {**settled.checks, **_checks(kept, result), "targets_shifted_m": found.shift_m}
         return settled.model_copy(
             update={"provenance": provenance, "edited": [], "checks": checks}
             | {"pictures": {"top": stage.inside("top.png")}}
@@ -151,8 +149,7 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
 
 
 def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: StageContext) -> Scene:
-    """S* as it was edited by hand: as it settles, with pictures and figures of that. What the optimisation found is not
-    said of it any more.
+    """S* as it was edited by hand: as it settles, with pictures and figures of that, without those of the optimisation.
 
     Raises:
         InputFileError: it is not possible.
@@ -174,59 +171,93 @@ def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: St
 
 
 def _targets(scene: Scene, matches: Matches) -> dict[str, Pose]:
-    """Where the objects were matched, by id."""
+    """Poses at which the objects were matched, by id."""
     return {m.object: Pose.from_yaw([*m.position, scene.table.height], m.yaw) for m in matches.matches}
 
 
-def _nearest_feasible(
-    scene: Scene,
-    targets: Mapping[str, Pose],
-    nearest: Callable[[Mapping[str, Pose]], LayoutResult],
-    rng: Callable[[], np.random.Generator],
-    context: StageContext,
-) -> tuple[LayoutResult, Scene, float]:
-    """The layout nearest to the targets in which what is asked for can be done, the scene laid out like that, and the
-    standard deviation by which its targets were shifted, metres: its costs are of these.
+@dataclass(frozen=True)
+class _LaidOut:
+    """A layout, the scene laid out like that, and the standard deviation by which its targets were shifted."""
 
-    Where it cannot, or what is described is not true, layouts near targets that are shifted further and further are
-    tried, :data:`TRIES` in all. Where it can be done in none of them, it is the nearest in which all that is described
-    is true, and the search for sub-tasks says what is wrong with it.
+    result: LayoutResult
+    scene: Scene
+    shift_m: float
 
-    Raises:
-        InfeasibleScene: there is no layout, or none in which all that is described is true; names it.
+
+@dataclass(frozen=True)
+class _NearestFeasible:
+    """Search for the nearest layout in which the instruction can be carried out.
+
+    Args:
+        scene: as it was placed.
+        targets: the layout that is wanted.
+        rng: makes the same random numbers again.
+        options: of the optimisation.
+        context: the library, and the reach of the robots.
     """
-    first: tuple[LayoutResult, Scene, float] | None = None
-    failed: InfeasibleScene | None = None
-    shifting = rng()
-    for number in range(TRIES):
-        shifts = shifting.normal(0.0, number * SHIFT, (len(targets), 2))
-        asked = {key: Pose([*(t.p[:2] + s), t.p[2]], t.q) for (key, t), s in zip(targets.items(), shifts, strict=True)}
+
+    scene: Scene
+    targets: Targets
+    rng: Callable[[], np.random.Generator]
+    options: LayoutOptions
+    context: StageContext
+
+    def layout(self) -> _LaidOut:
+        """The layout nearest to the targets in which the instruction can be carried out.
+
+        Layouts near targets that are shifted further and further are tried. If none does, the nearest is taken in
+        which all descriptions are true, and the search for sub-tasks says what is wrong with it.
+
+        Raises:
+            InfeasibleScene: there is no layout, or none in which all descriptions are true; names what is wrong.
+        """
+        shifting = self.rng()
         try:
-            result = nearest(asked)
-            poses = {key: Pose.from_yaw(at, targets[key].yaw) for key, at in result.positions.items()}
-            laid_out = _with_poses(scene, context, with_stowed(scene, poses), result)
-            models, objects = context.physical_models(laid_out), context.objects(laid_out)
-            require_settled(laid_out, models, objects, "the nearest layout without collisions", None)
+            return first_accepted(partial(self._proven, number, shifting) for number in range(LIMITS.layouts)).value
+        except GaveUp as error:
+            laid_out = [refusal.about for refusal in error.refusals if isinstance(refusal, Refused)]
+            nearest = next((one for one in laid_out if isinstance(one, _LaidOut)), None)
+            if nearest is None:
+                raise laid_out[0] from None
+            return nearest
+
+    def _proven(self, number: int, shifting: np.random.Generator) -> _LaidOut:
+        """A layout near shifted targets in which the instruction can be carried out.
+
+        Raises:
+            Refused: it cannot, or there is no layout in which all descriptions are true; about the layout or the error.
+            InfeasibleScene: there is no layout at the targets themselves, and no description asks for another.
+        """
+        try:
+            found = self._near(number * SHIFT_STEP_M, shifting)
         except InfeasibleScene as error:
-            failed = failed or error
-            if first is None and not scene.descriptions:
+            if number == 0 and not self.scene.descriptions:
                 raise
-            continue
+            raise Refused(error.message, error) from None
+        if self.scene.instruction is not None:
+            try:
+                require_chain(found.scene, self.context.objects(found.scene), self.rng())
+            except (NoFeasibleTask, InfeasibleScene) as error:
+                logger.info("another layout is tried: %s", error.message)
+                raise Refused(error.message, found) from None
+        return found
+
+    def _near(self, shift_m: float, shifting: np.random.Generator) -> _LaidOut:
+        """The layout nearest to targets that are shifted at random.
+
+        Raises:
+            InfeasibleScene: there is none, or not all descriptions are true in it.
+        """
+        targets, scene = self.targets.poses, self.scene
+        shifts = shifting.normal(0.0, shift_m, (len(targets), 2))
+        asked = {key: Pose([*(t.p[:2] + s), t.p[2]], t.q) for (key, t), s in zip(targets.items(), shifts, strict=True)}
+        result = nearest_layout(scene, replace(self.targets, poses=asked), self.rng, self.options, self.context)
+        poses = {key: Pose.from_yaw(at, targets[key].yaw) for key, at in result.positions.items()}
+        laid_out = _with_poses(scene, self.context, with_stowed(scene, poses), result)
+        models, objects = self.context.physical_models(laid_out), self.context.objects(laid_out)
+        require_settled(laid_out, models, objects, "the nearest layout without collisions", None)
         displaced = {key: float(np.hypot(*(poses[key].p - target.p)[:2])) for key, target in targets.items()}
-        found = replace(result, displaced=displaced), laid_out, round(number * SHIFT, 3)
-        first = first or found
-        if scene.instruction is None:
-            break
-        try:
-            require_chain(laid_out, context.objects(laid_out), context.kinematics(scene.robot), rng())
-        except (NoFeasibleTask, InfeasibleScene) as error:
-            logger.info("another layout is tried: %s", error.message)
-        else:
-            return found
-    if first is None:
-        assert failed is not None
-        raise failed
-    return first
+        return _LaidOut(replace(result, displaced=displaced), laid_out, round(shift_m, 3))
 
 
 def _kept(kept: Kept) -> dict[str, Any]:
@@ -234,7 +265,7 @@ def _kept(kept: Kept) -> dict[str, Any]:
 
 
 def _checks(kept: Kept, result: LayoutResult) -> dict[str, Any]:
-    """What the optimisation found, for whoever reads the scene."""
+    """Figures of the optimisation for the scene's record."""
     return {
         **_kept(kept),
         "displacement": displacement_summary(result.displaced),

@@ -29,11 +29,11 @@ from vcage.schema.goals import in_steps
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Chain, Subtasks
 from vcage.tasks.asked_arms import asked_arms
-from vcage.tasks.ground import Ground
 from vcage.tasks.readiness import ready_for
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import action_of, compose, find_subtasks, initial_state
 from vcage.tasks.synthesis import note_python, write_script
+from vcage.tasks.workplace import Workplace
 
 Options = ModelOptions
 """The stage has no options of its own."""
@@ -76,10 +76,8 @@ def execute(
         scene, rng = Scene.read(run.layout), stage.rng()
         objects, reasoner = context.objects(scene), context.models.reasoner
         asked = {asked.goal for asked in scene.goals}
-        arms = context.kinematics(scene.robot)
-        ground = Ground.of(scene)
         by_goal, judge = asked_arms(scene.goals), partial(reasoner.judge_pairs, instruction=scene.instruction)
-        found = find_subtasks(objects, arms, judge, ground, rng, asked, by_goal)
+        found = find_subtasks(Workplace.of(scene, objects, rng), judge, asked, by_goal)
         chains = compose(scene, objects, found.kept, found.refused)
         by_id = {subtask.id: subtask for subtask in found.kept}
         steps = [[by_id[name] for name in chain.subtasks] for chain in chains]

@@ -1,15 +1,17 @@
-"""Where on the table a thing is put down: anywhere, beside another, back where it stood, or before the customer."""
+"""Places to put things down on the table: anywhere, beside another, back where it stood, before the customer."""
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from vcage.base.attempts import LIMITS
 from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose, world_aabb
-from vcage.layout.items import table_item
+from vcage.layout.items import TableItem, table_item
 from vcage.layout.placement.place import place
 from vcage.plans.relations import BESIDE_GAP, DIRECTIONS, NEAR_GAP, holds
 from vcage.plans.thresholds import THRESHOLDS
@@ -20,36 +22,40 @@ from vcage.sim.robots import load_robot
 from vcage.tasks.grasps import grasp_poses
 from vcage.tasks.scene_objects import SceneObject
 
-GAP = 0.02
-"""Room that is kept around what is put down, metres."""
-
-WITHIN = 0.015
-"""So much nearer than a relation allows, metres: what is let go may roll a little."""
-
-REACH = 0.3
-"""How far from another a thing is put to its left or right, metres: at most, between their edges."""
-
-SIDEWAYS = 0.06
-"""How much farther to the side than the other's edges a thing may stand that is put before it or beside it, metres."""
-
-CUSTOMER_SIDE = 0.14
-"""Depth of the strip at the table's far side that is the customer's, metres."""
-
 TOWARDS_CUSTOMER = np.array([0.0, 1.0, 0.0])
-"""From the robot to the customer, who stands on the other side of the table."""
+"""Direction from the robot to the customer, who stands on the other side of the table."""
 
 DIRECTIONS_OF_ARMS = {"left": -1, "right": 1}
-"""On which side of the middle, along x, an arm puts down what it was handed."""
+"""Side of the table's middle, along x, on which an arm puts down what it was handed."""
 
-SPOTS = 12
-"""Places on the table among which one is looked for that an arm brings a thing to."""
 
-ATTEMPTS = 3
-"""Starts of inverse kinematics from which a place is looked at: they find 98 % of what all starts find on aloha_agilex
-and 91 % on dual_panda, and a hand has many ways to take a thing there."""
+@dataclass(frozen=True)
+class GroundSettings:
+    """Room and distances of things that are put down on the table.
 
-DRAWS = 6
-"""Ways to put a thing down that are tried in each zone."""
+    Args:
+        gap_m: around what is put down.
+        within_m: a relation is met with this much to spare, as what is let go may roll a little.
+        reach_m: largest distance, between their edges, at which a thing is put to the left or right of another.
+        sideways_m: how much farther to the side than the other's edges a thing may stand before it or beside it.
+        customer_side_m: depth of the strip at the table's far side that is the customer's.
+        ik_starts: starts of inverse kinematics for each place: they find 98 % of what all starts find on aloha_agilex
+            and 91 % on dual_panda, and a hand has many ways to take a thing there.
+    """
+
+    gap_m: float = 0.02
+    within_m: float = 0.015
+    reach_m: float = 0.3
+    sideways_m: float = 0.06
+    customer_side_m: float = 0.14
+    ik_starts: int = 3
+
+
+SETTINGS = GroundSettings()
+
+
+Zone = tuple[np.ndarray, np.ndarray]
+"""Lower and upper corner (2,) of a rectangle of the table, metres."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +75,7 @@ class Ground:
 
     @classmethod
     def of(cls, scene: Scene) -> Ground:
-        """That of a scene, and what its robot reaches of it."""
+        """Return the ground of a scene, with the arms of its robot."""
         arms = tuple(kinematics_of(arm) for arm in load_robot(scene.robot).arms.values())
         return cls(np.array(scene.workspace.lower), np.array(scene.workspace.upper), scene.table.height, arms)
 
@@ -81,7 +87,7 @@ class Ground:
         rng: np.random.Generator,
         taken: Iterable[np.ndarray] = (),
     ) -> Iterator[Pose]:
-        """Where a thing may stand so that a goal becomes true and it touches nothing, in the world.
+        """Poses in the world at which a goal of a thing becomes true and it touches nothing.
 
         Args:
             thing: where it stood at the start.
@@ -98,23 +104,27 @@ class Ground:
         near = next((o for o in others if o.id == goal.reference), None)
         for yaws in _yaws(thing, goal):
             item = replace(table_item(thing.id, thing.asset), yaws=yaws)
-            for lower, upper in self._zones(goal, near, max(item.size[:2]), rng):
-                for _ in range(DRAWS):
-                    try:
-                        found = place([item], np.stack([lower, upper]), rng, margin=GAP, obstacles=rectangles)
-                    except InfeasibleScene:
-                        break
-                    pose = item.pose(found[thing.id], self.height)
+            for zone in self._zones(goal, near, max(item.size[:2]), rng):
+                for pose in self._poses_in(zone, item, rectangles, rng):
                     box = world_aabb(thing.asset.bounds, pose)
                     wanted = near is None or holds(goal.relation, box, near.aabb)  # pyrefly: ignore
                     if wanted and self._reached(thing, pose):
                         yield pose
 
+    def _poses_in(
+        self, zone: Zone, item: TableItem, taken: Sequence[np.ndarray], rng: np.random.Generator
+    ) -> Iterator[Pose]:
+        """Poses of an item at random free places of a zone."""
+        with contextlib.suppress(InfeasibleScene):  # another draw finds no room either
+            for _ in range(LIMITS.zone_draws):
+                found = place([item], np.stack(zone), rng, margin=SETTINGS.gap_m, obstacles=taken)
+                yield item.pose(found[item.id], self.height)
+
     def _reached(self, thing: SceneObject, pose: Pose) -> bool:
-        """Whether an arm gets to what stands at a pose, and up again."""
+        """True if an arm gets to what stands at a pose, and up again."""
         return not self.arms or any(
             all(
-                arm.reachable(Pose(grasp.pose.p + [0, 0, up], grasp.pose.q), ATTEMPTS)
+                arm.reachable(Pose(grasp.pose.p + [0, 0, up], grasp.pose.q), SETTINGS.ik_starts)
                 for up in (0, arm.arm.gripper.approach)
             )
             for arm in self.arms
@@ -122,12 +132,10 @@ class Ground:
             for grasp in grasp_poses(pose, contact, arm.arm.gripper, self.height)
         )
 
-    def _zones(
-        self, goal: Goal, near: SceneObject | None, size: float, rng: np.random.Generator
-    ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    def _zones(self, goal: Goal, near: SceneObject | None, size: float, rng: np.random.Generator) -> Iterator[Zone]:
         """Lower and upper corners of the rectangles in which the thing shall stand, in the order to try them."""
         if goal.relation == "presented":
-            for depth in (CUSTOMER_SIDE, self.upper[1]):  # where it is full, anywhere on the customer's half
+            for depth in (SETTINGS.customer_side_m, self.upper[1]):  # where it is full, anywhere on the customer's half
                 yield np.array([self.lower[0], self.upper[1] - depth]), self.upper
             # and where arms are short, the near part of that
             yield np.array([self.lower[0], 0.0]), np.array([self.upper[0], self.upper[1] / 2])
@@ -141,27 +149,27 @@ class Ground:
             yield self.lower, self.upper
         else:
             words = [goal.relation] if goal.relation in DIRECTIONS else list(rng.permutation(list(DIRECTIONS)))
-            reach = {"beside": BESIDE_GAP, "near": NEAR_GAP}.get(goal.relation, REACH)
+            reach = {"beside": BESIDE_GAP, "near": NEAR_GAP}.get(goal.relation, SETTINGS.reach_m)
             for word in words:
-                zone = _side(near.aabb[:, :2], np.array(DIRECTIONS[word]), reach - WITHIN + size)
+                zone = _side(near.aabb[:, :2], np.array(DIRECTIONS[word]), reach - SETTINGS.within_m + size)
                 lower, upper = np.maximum(zone[0], self.lower), np.minimum(zone[1], self.upper)
                 if np.all(lower < upper):
                     yield lower, upper
 
 
 def on_customers_half(pose: Pose) -> bool:
-    """Whether a thing at ``pose`` is nearer to the customer than to the robot; the table's middle is the origin."""
+    """True if a thing at ``pose`` is nearer to the customer than to the robot; the table's middle is the origin."""
     return float(pose.p @ TOWARDS_CUSTOMER) > 0
 
 
 def faces_customer(pose: Pose, most: float = THRESHOLDS.shown_rad) -> bool:
-    """Whether the front (−y) of a thing that stands at ``pose`` faces the customer, and the thing stands upright."""
+    """True if a thing at ``pose`` stands upright with its front (−y) towards the customer."""
     shown = float(-pose.rotation()[:, 1] @ TOWARDS_CUSTOMER)
     return bool(shown >= np.cos(most) and pose.rotation()[2, 2] >= np.cos(most))
 
 
 def _yaws(thing: SceneObject, goal: Goal) -> list[tuple[float, ...]]:
-    """Headings that do, and others for where no arm reaches it with those."""
+    """Headings to try in turn: the later ones where no arm reaches the thing with those before."""
     if goal.relation == "presented":
         return [tuple(np.pi + np.radians(off)) for off in ([0, -10, 10], [-20, 20])]
     quarters = np.radians([0, 90, 180, 270])
@@ -170,7 +178,7 @@ def _yaws(thing: SceneObject, goal: Goal) -> list[tuple[float, ...]]:
 
 def _side(box: np.ndarray, direction: np.ndarray, depth: float) -> np.ndarray:
     """(2, 2) the rectangle beside a box (2, 2) on one side, as wide as the box and a little more."""
-    across = np.abs(direction[::-1]) * SIDEWAYS
+    across = np.abs(direction[::-1]) * SETTINGS.sideways_m
     zone = box + np.stack([-across, across])
     along = int(np.argmax(np.abs(direction)))
     zone[:, along] = (

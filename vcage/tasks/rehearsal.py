@@ -1,64 +1,53 @@
-"""A chain of sub-tasks gone through before anything moves: each must be feasible where those before it leave things."""
+"""Rehearse a chain before anything moves: each sub-task must be feasible where those before it leave things."""
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import repeat
 
 import numpy as np
 
+from vcage.base.attempts import LIMITS, GaveUp, first_accepted
 from vcage.base.errors import NoFeasibleTask
 from vcage.schema.plan import TABLE
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import PairAnswer, PairQuestion, Subtask
 from vcage.sim.bodies import Body
-from vcage.sim.kinematics import ArmKinematics, kinematics_of
 from vcage.sim.robots import load_robot
 from vcage.sim.world import World
-from vcage.tasks.asked_arms import asked_arms, bound_to, those_of
+from vcage.tasks.asked_arms import asked_arms, bound_to
+from vcage.tasks.chain_slots import slots_for_chain
 from vcage.tasks.choosing import as_chosen
-from vcage.tasks.ground import Ground
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import compose, find_subtasks
-from vcage.tasks.slots import Slot, slots_for_chain
+from vcage.tasks.slots import Slot
 from vcage.tasks.synthesis import script_of
 from vcage.tasks.task import Task
 from vcage.tasks.templates import TEMPLATES
 from vcage.tasks.workcell import TaskFailed
-
-DRAWS = 4
-"""Sets of slots that are tried for a chain in a layout, where another layout would do as well."""
+from vcage.tasks.workplace import Workplace
 
 ANOTHER = "another --seed gives another layout"
 
 
 class _NotWithTheseSlots(NoFeasibleTask):
-    """What cannot be done depends on where the chain puts things: elsewhere it may be possible."""
+    """The chain cannot be done where it puts things; with other slots it may be."""
 
 
-def examined(
-    subtask: Subtask,
-    objects: Sequence[SceneObject],
-    kinematics: Mapping[str, ArmKinematics],
-    ground: Ground,
-    rng: np.random.Generator,
-) -> Subtask | None:
-    """The sub-task as it is feasible among these objects, changing hands on its way only where it did before.
+def examined(subtask: Subtask, workplace: Workplace) -> Subtask | None:
+    """The sub-task as it is feasible in a workplace, changing hands on its way only where it did before.
 
     Args:
         subtask: as it was found among objects that stood elsewhere.
-        objects: of the scene.
-        kinematics: by arm.
-        ground: of the table.
-        rng: of all choices.
+        workplace: with all arms of the robot.
     """
-    kinematics = those_of(kinematics, subtask.arm, subtask.hand_to)
+    workplace = workplace.with_arms(subtask.arm, subtask.hand_to)
     into = subtask.template == "hand_over" and subtask.functional_point is not None
     kind, asked = ("place" if into else subtask.template), [] if subtask.template == "place" else subtask.goals
-    for proposal in TEMPLATES[kind].proposals(objects, asked)[0]:
+    for proposal in TEMPLATES[kind].proposals(workplace.objects, asked)[0]:
         if proposal.thing.id == subtask.object and proposal.goal in subtask.goals:
-            found, _ = proposal.examine(objects, kinematics, ground, rng)
+            found, _ = proposal.examine(workplace)
             if found is not None and found.id == subtask.id:
                 return as_chosen(bound_to(found, subtask.arm), subtask)
     return None
@@ -121,48 +110,68 @@ def rehearsed(
 
     Args:
         chain: sub-tasks that are feasible at the start, in order.
-        slots: where each puts its object, by its id.
+        slots: the slot of each sub-task that has one, by the sub-task's id.
         objects: where they stand at the start.
-        scene: whose table and robot these are.
+        scene: its table and robot count.
         rng: of all choices.
 
     Raises:
         NoFeasibleTask: one of them is not feasible where those before it leave things, or cannot be planned there;
             ``details["refused"]`` says which, without what was measured.
     """
-    robot, ground = load_robot(scene.robot), Ground.of(scene)
-    kinematics = {name: kinematics_of(arm) for name, arm in robot.arms.items()}
-    world = World(scene.table, {o.id: Body(o.asset.model, o.pose, o.joints) for o in objects}, robot)
-    by_id, found = {o.id: o for o in objects}, list[Subtask]()
-    lies = {o.id: (o.record.container, o.record.container_part) for o in objects}
-    goes = {subtask.object: slots[subtask.id] for subtask in chain if subtask.id in slots}
-    moved = set[str]()
-    for subtask in chain:
-        contents = {name for name in moved if lies[name][0] == subtask.object}
-        again = bool(contents or moved & {subtask.object, subtask.tool, subtask.receptacle})
-        if again:
-            now = [_as_it_is(o, world, *lies[o.id]) for o in objects]
-            then = examined(subtask, now, kinematics, ground, rng)
-            if then is None:
-                why = f"{subtask.id} is not feasible after what comes before it"
-                raise _NotWithTheseSlots(why, hint=ANOTHER, details={"refused": why})
-            subtask = then
-        if subtask.id in slots:
-            slot = goes[subtask.object] = slots[subtask.id]
-            lies[subtask.object] = _place_of(slot, by_id)
-            moved.add(subtask.object)
-        task = Rehearsal(world, by_id, goes)
+    stage = _Stage(chain, slots, Workplace.of(scene, objects, rng), scene)
+    return [stage.play(subtask) for subtask in chain]
+
+
+class _Stage:
+    """The world of a rehearsal: objects are where the sub-tasks so far have left them.
+
+    Args: as of :func:`rehearsed`.
+    """
+
+    def __init__(self, chain: Sequence[Subtask], slots: Mapping[str, Slot], workplace: Workplace, scene: Scene):
+        self._slots, self._workplace, self._objects = slots, workplace, workplace.by_id
+        bodies = {o.id: Body(o.asset.model, o.pose, o.joints) for o in workplace.objects}
+        self._world = World(scene.table, bodies, load_robot(scene.robot))
+        self._holders = {o.id: (o.record.container, o.record.container_part) for o in workplace.objects}
+        self._goes_to = {subtask.object: slots[subtask.id] for subtask in chain if subtask.id in slots}
+        self._moved: set[str] = set()
+
+    def play(self, subtask: Subtask) -> Subtask:
+        """Rehearse a sub-task: it is examined again where others changed what it touches, then planned.
+
+        Raises:
+            NoFeasibleTask: as :func:`rehearsed`.
+        """
+        touched = self._is_touched(subtask)
+        if touched:
+            subtask = self._examined(subtask)
+        if subtask.id in self._slots:
+            slot = self._goes_to[subtask.object] = self._slots[subtask.id]
+            self._holders[subtask.object] = _holder_of(slot, self._objects)
+            self._moved.add(subtask.object)
+        task = Rehearsal(self._world, self._objects, self._goes_to)
         try:
             script_of(subtask).play(task)
         except TaskFailed as error:
-            kind, why = _NotWithTheseSlots, f"{subtask.id} cannot be planned"
-            if not again and subtask.id not in slots:
-                kind = NoFeasibleTask
+            kind = _NotWithTheseSlots if touched or subtask.id in self._slots else NoFeasibleTask
+            why = f"{subtask.id} cannot be planned"
             raise kind(f"{why}: {error.message}", hint=ANOTHER, details={"refused": why}) from error
-        taken = [grasp for grasp in subtask.grasps if (grasp.contact, grasp.arm) == (task.contact, task.arm)]
-        others = [grasp for grasp in subtask.grasps if grasp not in taken]
-        found.append(subtask.model_copy(update={"grasps": [*taken, *others]}))
-    return found
+        grasps = sorted(subtask.grasps, key=lambda grasp: (grasp.contact, grasp.arm) != (task.contact, task.arm))
+        return subtask.model_copy(update={"grasps": grasps})
+
+    def _is_touched(self, subtask: Subtask) -> bool:
+        """True if a sub-task before has moved what this one handles, or put something into it."""
+        handled = {subtask.object, subtask.tool, subtask.receptacle}
+        return bool(self._moved & handled) or any(self._holders[name][0] == subtask.object for name in self._moved)
+
+    def _examined(self, subtask: Subtask) -> Subtask:
+        now = [_as_it_is(o, self._world, *self._holders[o.id]) for o in self._workplace.objects]
+        found = examined(subtask, self._workplace.with_objects(now))
+        if found is None:
+            why = f"{subtask.id} is not feasible after what comes before it"
+            raise _NotWithTheseSlots(why, hint=ANOTHER, details={"refused": why})
+        return found
 
 
 def proven(
@@ -170,7 +179,7 @@ def proven(
     objects: Sequence[SceneObject],
     scene: Scene,
     rng: np.random.Generator,
-    draws: int = DRAWS,
+    draws: int = LIMITS.slot_sets,
 ) -> tuple[list[Subtask], dict[str, Slot]]:
     """A chain with the grasps that are feasible when their turn comes, and the slots with which they are.
 
@@ -182,50 +191,43 @@ def proven(
         NoFeasibleTask: with none of them each sub-task is feasible in its turn.
         InfeasibleScene: what the chain puts into one receptacle does not fit together, or has no place on the table.
     """
-    for _ in range(draws - 1):
-        with contextlib.suppress(_NotWithTheseSlots):
-            return _proven(chain, objects, scene, rng)
-    return _proven(chain, objects, scene, rng)
+
+    def propose() -> tuple[list[Subtask], dict[str, Slot]]:
+        slots = slots_for_chain(chain, Workplace.of(scene, objects, rng))
+        return rehearsed(chain, slots, objects, scene, rng), slots
+
+    try:
+        return first_accepted(repeat(propose, draws), _NotWithTheseSlots).value
+    except GaveUp as error:
+        raise error.refusals[-1] from None
 
 
-def _proven(
-    chain: Sequence[Subtask], objects: Sequence[SceneObject], scene: Scene, rng: np.random.Generator
-) -> tuple[list[Subtask], dict[str, Slot]]:
-    """:func:`proven` with the slots that are drawn first."""
-    slots = slots_for_chain(chain, objects, load_robot(scene.robot), Ground.of(scene), rng)
-    return rehearsed(chain, slots, objects, scene, rng), slots
-
-
-def require_chain(
-    scene: Scene, objects: Sequence[SceneObject], kinematics: Mapping[str, ArmKinematics], rng: np.random.Generator
-) -> None:
-    """Nothing, if there is a chain for the scene's instruction that is feasible from its first step to its last.
+def require_chain(scene: Scene, objects: Sequence[SceneObject], rng: np.random.Generator) -> None:
+    """Require a chain for the scene's instruction that is feasible from its first step to its last.
 
     Args:
-        scene: with its goals.
+        scene: with its goals and robot.
         objects: of the scene, where they stand.
-        kinematics: by arm.
         rng: of all choices.
 
     Raises:
         NoFeasibleTask: there is none.
         InfeasibleScene: what the chain puts into one receptacle does not fit together, or has no place on the table.
     """
-    ground = Ground.of(scene)
     goals, arms = {asked.goal for asked in scene.goals}, asked_arms(scene.goals)
-    found = find_subtasks(objects, kinematics, _nothing_else, ground, rng, goals, arms)
+    found = find_subtasks(Workplace.of(scene, objects, rng), _nothing_else, goals, arms)
     kept = {subtask.id: subtask for subtask in found.kept}
     for names in compose(scene, objects, found.kept, found.refused):
         proven([kept[name] for name in names.subtasks], objects, scene, rng)
 
 
 def _nothing_else(questions: Sequence[PairQuestion]) -> list[PairAnswer]:
-    """A judge for whom only what is asked for makes sense."""
+    """A judge that finds only what is asked for sensible."""
     return [PairAnswer(object=q.object, receptacle=q.receptacle, sensible=False, reason="not asked") for q in questions]
 
 
-def _place_of(slot: Slot, objects: Mapping[str, SceneObject]) -> tuple[str | None, str | None]:
-    """The holder of a thing that was brought to a slot, and the moving part of that."""
+def _holder_of(slot: Slot, objects: Mapping[str, SceneObject]) -> tuple[str | None, str | None]:
+    """The holder of an object that was brought to a slot, and the moving part of that."""
     if slot.point is None:
         return None, None
     return slot.receptacle, objects[slot.receptacle].asset.annotation.functional_point(slot.point).link

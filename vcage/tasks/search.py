@@ -1,4 +1,4 @@
-"""Template-based sub-task search (paper, section III-B): everything in a scene that a template can be tried on.
+"""Template-based sub-task search (paper, section III-B): every template is tried on every object of a scene.
 
 A sub-task is kept when a reasoner finds it sensible and at least one of its candidates passes every feasibility
 check; everything else is a refusal with a reason.
@@ -11,8 +11,6 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
-import numpy as np
-
 from vcage.base.errors import InputFileError, NoFeasibleTask
 from vcage.plans.actions import Action
 from vcage.plans.planner import Task, complaints, find_chain
@@ -21,22 +19,21 @@ from vcage.schema.plan import TABLE
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Chain, PairAnswer, PairQuestion, Refusal, Subtask, TemplateName
 from vcage.sim.joints import joint_positions
-from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.asked_arms import ANY_ARM
-from vcage.tasks.ground import Ground
 from vcage.tasks.primitives.grip import stays_level
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.stowing import point_in
 from vcage.tasks.templates import TEMPLATES
 from vcage.tasks.templates.proposal import Proposal
 from vcage.tasks.truth import resting_point
+from vcage.tasks.workplace import Workplace
 
 Judge = Callable[[Sequence[PairQuestion]], list[PairAnswer]]
 
 
 @dataclass(frozen=True)
 class FoundSubtasks:
-    """What was kept and what was refused, out of how many candidates."""
+    """The sub-tasks that were kept, the refusals, and the number of candidates."""
 
     kept: list[Subtask]
     refused: list[Refusal]
@@ -44,29 +41,23 @@ class FoundSubtasks:
 
 
 def find_subtasks(
-    objects: Sequence[SceneObject],
-    kinematics: Mapping[str, ArmKinematics],
+    workplace: Workplace,
     judge: Judge,
-    ground: Ground,
-    rng: np.random.Generator,
     asked: Collection[Goal] = (),
     arms: Mapping[Goal, str] = MappingProxyType({}),
 ) -> FoundSubtasks:
     """Find the sub-tasks that are sensible and feasible in a scene.
 
     Args:
-        objects: of the scene, where they stand.
-        kinematics: by arm.
+        workplace: the objects where they stand, and the arms.
         judge: the reasoner's filter, asked once about all pairs that are possible.
-        ground: of the table.
-        rng: of all choices.
-        asked: goals that are asked for: whether these are sensible is not the judge's to say.
+        asked: goals that are asked for: the judge has no say in whether these are sensible.
         arms: the arm that must bring about a goal, where one is asked for.
     """
     kept: list[Subtask] = []
-    proposals, refused, candidates = sensible(objects, judge, asked)
+    proposals, refused, candidates = sensible(workplace.objects, judge, asked)
     for proposal in proposals:
-        subtask, refusals = proposal.examine_for(arms, objects, kinematics, ground, rng)
+        subtask, refusals = proposal.examine_for(arms, workplace)
         refused += refusals
         kept += [subtask] if subtask is not None else []
     return FoundSubtasks(kept, refused, candidates)
@@ -75,11 +66,13 @@ def find_subtasks(
 def sensible(
     objects: Sequence[SceneObject], judge: Judge, asked: Collection[Goal] = ()
 ) -> tuple[list[Proposal], list[Refusal], int]:
-    """What makes sense and fits by size, wherever the objects stand; the refusals of the rest; how many candidates
-    there were.
+    """Return the proposals that make sense and fit by size, the refusals of the rest, and the number of candidates.
+
+    Where the objects stand does not matter.
 
     Args:
-        objects, judge, asked: see :func:`find_subtasks`.
+        objects: of the scene.
+        judge, asked: see :func:`find_subtasks`.
     """
     proposals: list[Proposal] = []
     refused: list[Refusal] = []
@@ -87,26 +80,18 @@ def sensible(
         found, excluded = template.proposals(objects, asked)
         proposals += found
         refused += excluded
-    possible = []
-    for proposal in proposals:
-        refusal = proposal.impossible()
-        if refusal is None:
-            possible.append(proposal)
-        else:
-            refused.append(refusal)
+    refusals = [proposal.impossible() for proposal in proposals]
+    refused += [refusal for refusal in refusals if refusal is not None]
+    possible = [proposal for proposal, refusal in zip(proposals, refusals, strict=True) if refusal is None]
     questions = {
         number: question
         for number, proposal in enumerate(possible)
         if proposal.goal not in asked and (question := proposal.question()) is not None
     }
-    answers = dict(zip(questions, judge(list(questions.values())) if questions else [], strict=True))
-    accepted = []
-    for number, proposal in enumerate(possible):
-        answer = answers.get(number)
-        if answer is None or answer.sensible:
-            accepted.append(proposal)
-        else:
-            refused.append(proposal.refusal(f"not sensible: {answer.reason}"))
+    answers = zip(questions, judge(list(questions.values())) if questions else [], strict=True)
+    absurd = {number: answer for number, answer in answers if not answer.sensible}
+    refused += [possible[number].refusal(f"not sensible: {answer.reason}") for number, answer in absurd.items()]
+    accepted = [proposal for number, proposal in enumerate(possible) if number not in absurd]
     return accepted, refused, sum(proposal.candidates for proposal in proposals)
 
 
@@ -184,7 +169,7 @@ def action_of(subtask: Subtask, thing: SceneObject | None = None) -> Action:
 
 
 def initial_state(objects: Sequence[SceneObject]) -> frozenset[Goal]:
-    """Where everything is at the start, and which parts are open."""
+    """The places of all objects at the start, and the parts that are open."""
     by_id = {o.id: o for o in objects}
     found = []
     for o in objects:
@@ -204,7 +189,7 @@ def initial_state(objects: Sequence[SceneObject]) -> frozenset[Goal]:
 
 
 def is_about(refusal: Refusal, goal: Goal) -> bool:
-    """Whether a refusal is of what would have brought about a goal."""
+    """True if a refusal concerns the way to bring about a goal."""
     if refusal.goal is None:
         return (refusal.object, refusal.receptacle) == (goal.subject, goal.reference)
     return refusal.goal == goal
@@ -217,8 +202,12 @@ SMALLER = "ask for a smaller thing, or for a place with more room"
 
 
 def _way_out(*refusals: Sequence[Refusal], bound: bool = False) -> str:
-    """The hint about what is refused, in groups of which each must be done, maybe by one arm (``bound``): a draw helps
-    only where places matter."""
+    """Return the hint for what is refused; another seed helps only where places matter.
+
+    Args:
+        refusals: in groups, each of which must be done.
+        bound: True if an arm is asked for.
+    """
     if any(group and all(_by_size(refusal) for refusal in group) for group in refusals):
         return f"{SMALLER}; another --seed does not help"
     if bound:
@@ -236,21 +225,21 @@ def _named(asked: AskedGoal) -> str:
 
 
 def _unfulfilled(scene: Scene, kept: Sequence[Subtask], refused: Sequence[Refusal]) -> NoFeasibleTask:
-    """Why no chain does what the instruction asks for: the goals that nothing brings about, and the reasons."""
-    able = [subtask for subtask in kept if subtask.object not in scene.untouched]
-    missing = [asked for asked in scene.goals if not any(asked.goal in subtask.goals for subtask in able)]
+    """The error for an instruction without a chain: the goals that nothing brings about, and the reasons."""
+    able = {goal for subtask in kept if subtask.object not in scene.untouched for goal in subtask.goals}
+    missing = [asked for asked in scene.goals if asked.goal not in able]
     about = [[refusal for refusal in refused if is_about(refusal, asked.goal)] for asked in missing]
-    reasons = [refusal.reason for refusals in about for refusal in refusals]
-    left = {asked.goal.subject for asked in missing}.intersection(scene.untouched)
-    reasons += [f"{name} is to be left alone" for name in sorted(left)]
-    named = "; ".join(dict.fromkeys(map(_named, missing or scene.goals)))
-    unsaid = (
-        "no sub-task of this scene does that" if missing else "each can be brought about, but in no order all of them"
-    )
-    why = "; ".join(list(dict.fromkeys(reasons))[:3]) or unsaid
-    bound = any(asked.arm is not None for asked in missing or scene.goals)
+    left = sorted({asked.goal.subject for asked in missing}.intersection(scene.untouched))
+    reasons = [refusal.reason for group in about for refusal in group]
+    reasons += [f"{name} is to be left alone" for name in left]
+    unsaid = "no sub-task of this scene does that"
+    if not missing:
+        unsaid = "each can be brought about, but in no order all of them"
+    concerned = missing or scene.goals
+    named = "; ".join(dict.fromkeys(map(_named, concerned)))
+    hint = _way_out(*about, bound=any(asked.arm is not None for asked in concerned))
     return NoFeasibleTask(
-        f"no chain of feasible sub-tasks brings about {named}: {why}",
-        hint="name what may be moved, or leave less alone" if left else _way_out(*about, bound=bound),
+        f"no chain of feasible sub-tasks brings about {named}: {'; '.join([*dict.fromkeys(reasons)][:3]) or unsaid}",
+        hint="name what may be moved, or leave less alone" if left else hint,
         details={"missing": [str(asked.goal) for asked in missing], "reasons": reasons},
     )

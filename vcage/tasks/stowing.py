@@ -1,12 +1,14 @@
-"""Things that lie in a closed drawer at the start: where they lie there, and where they are once it is open."""
+"""Objects that lie in a closed drawer at the start: their poses there, and once it is open."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import repeat
 
 import numpy as np
 
+from vcage.base.attempts import LIMITS, GaveUp, Refused, first_accepted
 from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose
 from vcage.objects.asset import Asset
@@ -19,9 +21,6 @@ from vcage.tasks.feasibility import hand_has_room
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import allocate, opened_for
 
-DRAWS = 60
-"""Ways to lay things into a drawer among which one is looked for in which a hand has room around each."""
-
 
 def point_in(asset: Asset, part: str) -> FunctionalPoint | None:
     """The functional point at which things lie in a moving part; None where nothing does."""
@@ -32,7 +31,7 @@ def point_in(asset: Asset, part: str) -> FunctionalPoint | None:
 def stow(
     holder: SceneObject, part: str, contents: Sequence[SceneObject], robot: Robot, rng: np.random.Generator
 ) -> dict[str, Pose]:
-    """Poses in the world of things in a drawer, by id; once it is open, a hand has room around each of them.
+    """Poses in the world of objects in a drawer, by id; once it is open, a hand has room around each of them.
 
     Args:
         holder: with the drawer, mostly closed.
@@ -46,20 +45,24 @@ def stow(
     """
     point = point_in(holder.asset, part)
     assert point is not None, f"nothing lies in {part} of {holder.id}"
-    opened, missed = opened_for(holder, point.id), ""
-    for _ in range(DRAWS):
+    opened = opened_for(holder, point.id)
+
+    def lay() -> dict[str, Pose]:
         local = allocate(holder, point.id, contents, rng)
         lying = [o.moved(opened.frame(point.id) * local[o.id]) for o in contents]
         stuck = [o for o in lying if not hand_has_room(o, [opened, *(x for x in lying if x is not o)], robot)]
-        if not stuck:
-            return {name: holder.frame(point.id) * pose for name, pose in local.items()}
-        missed = missed or ", ".join(o.record.phrase for o in stuck)
-    where = f"the {part_words(part)} of {holder.record.phrase}"
-    raise InfeasibleScene(
-        f"no hand has room to take {missed} out of {where}",
-        hint="take something smaller, or less, out of it",
-        details={"objects": [o.id for o in contents], "container": holder.id},
-    )
+        if stuck:
+            raise Refused(", ".join(o.record.phrase for o in stuck))
+        return {name: holder.frame(point.id) * pose for name, pose in local.items()}
+
+    try:
+        return first_accepted(repeat(lay, LIMITS.stowings)).value
+    except GaveUp as error:
+        raise InfeasibleScene(
+            f"no hand has room to take {error.refusals[0]} out of the {part_words(part)} of {holder.record.phrase}",
+            hint="take something smaller, or less, out of it",
+            details={"objects": [o.id for o in contents], "container": holder.id},
+        ) from None
 
 
 @dataclass(frozen=True)

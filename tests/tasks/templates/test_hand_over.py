@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from tests.example_scenes import GROUND, kinematics, scene_of, sensible, thing
+from tests.example_scenes import scene_of, sensible, thing, workplace
 from vcage.schema.goals import Goal
 from vcage.schema.subtasks import Subtask
 from vcage.tasks.scene_objects import SceneObject
@@ -15,7 +13,7 @@ HANDED = Goal(subject="hammer", relation="handed", reference="right")
 
 
 def search(objects: list[SceneObject], *asked: Goal) -> FoundSubtasks:
-    return find_subtasks(objects, kinematics(), sensible, GROUND, np.random.default_rng(0), asked)
+    return find_subtasks(workplace(objects), sensible, asked)
 
 
 def handed(found: FoundSubtasks) -> list[Subtask]:

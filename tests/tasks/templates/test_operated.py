@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 
-from tests.example_scenes import GROUND, kinematics, thing, world_of
+from tests.example_scenes import thing, workplace, world_of
 from vcage.schema.goals import Goal
 from vcage.schema.subtasks import Refusal, Subtask
 from vcage.tasks.scene_objects import SceneObject
@@ -19,7 +18,7 @@ def found(name: str, *objects: SceneObject) -> tuple[list[Subtask], list[Refusal
     proposals, refused = TEMPLATES[name].proposals(objects, ())  # pyrefly: ignore
     kept = []
     for proposal in proposals:
-        subtask, complaints = proposal.examine(objects, kinematics(), GROUND, np.random.default_rng(0))
+        subtask, complaints = proposal.examine(workplace(objects))
         kept += [subtask] if subtask is not None else []
         refused += complaints
     return kept, refused

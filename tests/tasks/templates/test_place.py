@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-
-from tests.example_scenes import GROUND, kinematics, thing
+from tests.example_scenes import thing, workplace
 from vcage.schema.goals import Goal
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.templates import TEMPLATES
@@ -51,7 +49,7 @@ def test_what_fits_but_leaves_no_room_for_the_robot_is_refused_with_both_sizes()
 def test_what_is_weighed_lies_on_the_scale_and_waits_there() -> None:
     bar = thing("chocolate_bar", (-0.2, 0.0))
     (pair,), _ = TEMPLATES["weigh"].proposals([bar, SCALE], ())
-    subtask, _ = pair.examine([bar, SCALE], kinematics(), GROUND, np.random.default_rng(0))
+    subtask, _ = pair.examine(workplace([bar, SCALE]))
     assert subtask is not None
     assert subtask.goals == [
         Goal(subject=bar.id, relation="weighed"),

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.example_scenes import GROUND, kinematics, robot, scene_of, thing
+from tests.example_scenes import scene_of, thing, workplace
 from vcage.schema.goals import Goal, goal_of
 from vcage.schema.subtasks import Refusal, Subtask
+from vcage.tasks.chain_slots import slots_for_chain
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import action_of
-from vcage.tasks.slots import slots_for_chain
 from vcage.tasks.synthesis import render_script
 from vcage.tasks.templates.push import PUSH
 
@@ -21,7 +21,7 @@ LEFT = goal_of(["plate", "left_of", "mug"])
 def examined(goal: Goal, *objects: SceneObject) -> tuple[Subtask | None, list[Refusal]]:
     (proposal,), _ = PUSH.proposals(objects, [goal])
     assert proposal.impossible() is None
-    return proposal.examine(objects, kinematics(), GROUND, np.random.default_rng(0))
+    return proposal.examine(workplace(objects))
 
 
 def test_only_relations_that_are_asked_for_are_proposed():
@@ -73,7 +73,7 @@ def test_its_slot_is_where_a_push_from_where_it_stands_in_the_episode_ends():
     assert subtask is not None
     for shift in (-0.008, 0.008):
         plate = PLATE.moved(type(PLATE.pose).from_yaw(PLATE.pose.p + [shift, shift, 0.0], 0.1))
-        slot = slots_for_chain([subtask], [plate, MUG], robot(), GROUND, np.random.default_rng(0))[subtask.id]
+        slot = slots_for_chain([subtask], workplace([plate, MUG]))[subtask.id]
         assert slot.pose.yaw == pytest.approx(0.1)
         way = (slot.pose.p - plate.pose.p)[:2]
         turn = (np.arctan2(way[1], way[0]) - 0.1) / np.radians(30)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tests.example_scenes import GROUND, TABLE_TOP, kinematics, thing, world_of
+from tests.example_scenes import TABLE_TOP, thing, workplace, world_of
 from vcage.schema.goals import Goal
 from vcage.tasks.events import Watch
 from vcage.tasks.scene_objects import SceneObject
@@ -19,7 +19,7 @@ SCAN = TEMPLATES["scan"]
 
 def examined(box: SceneObject, scanner: SceneObject):
     (proposal,), _ = SCAN.proposals([box, scanner], ())
-    return proposal.examine([box, scanner], kinematics(), GROUND, np.random.default_rng(0))
+    return proposal.examine(workplace([box, scanner]))
 
 
 def test_a_code_in_reach_of_a_scanner_in_reach_is_scanned() -> None:
@@ -61,6 +61,6 @@ def test_what_stands_where_the_scanner_is_to_be_held_is_named() -> None:
     vases = [thing("vase", (0.1 + dx, 0.05 + dy), id=f"vase-{number}") for number, (dx, dy) in enumerate(around)]
     objects = [BOX, SCANNER, *vases]
     (proposal,), _ = SCAN.proposals(objects, ())
-    subtask, refused = proposal.examine(objects, kinematics(), GROUND, np.random.default_rng(0))
+    subtask, refused = proposal.examine(workplace(objects))
     assert subtask is None
     assert any("would touch" in r.reason and "vase" in r.reason for r in refused)

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
-import numpy as np
 import pytest
 
-from tests.example_scenes import GROUND, TABLE_TOP, kinematics, thing
+from tests.example_scenes import TABLE_TOP, thing, workplace
 from vcage.base.geometry import Pose
 from vcage.schema.goals import Goal
 from vcage.schema.plan import TABLE
@@ -25,7 +24,7 @@ def found(
     proposals, refused = TEMPLATES[template].proposals(objects, asked)  # pyrefly: ignore
     kept = []
     for proposal in proposals:
-        subtask, complaints = proposal.examine(objects, kinematics(), GROUND, np.random.default_rng(0))
+        subtask, complaints = proposal.examine(workplace(objects))
         kept += [subtask] if subtask else []
         refused += complaints
     return kept, refused

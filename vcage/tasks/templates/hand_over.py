@@ -6,19 +6,16 @@ see :mod:`~vcage.tasks.templates.place`.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
-
-import numpy as np
 
 from vcage.schema.goals import Goal
 from vcage.schema.subtasks import Refusal, Subtask, TemplateName
-from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.feasibility import Feasibility, Transfer
-from vcage.tasks.ground import Ground
 from vcage.tasks.passing import examine_passing
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.templates.set_down import Move
+from vcage.tasks.workplace import Workplace
 
 NAME: TemplateName = "hand_over"
 
@@ -55,18 +52,12 @@ class Handing(Move):
         """What cannot be carried."""
         return None if self.candidates else self.not_carried()
 
-    def examine(
-        self,
-        objects: Sequence[SceneObject],
-        kinematics: Mapping[str, ArmKinematics],
-        ground: Ground,
-        rng: np.random.Generator,
-    ) -> tuple[Subtask | None, list[Refusal]]:
+    def examine(self, workplace: Workplace) -> tuple[Subtask | None, list[Refusal]]:
         """The sub-task if another arm can give it and the arm put it down, else a refusal for each contact point."""
-        if self.hand_to not in kinematics or len(kinematics) == 1:
-            reason = f"the arms are {', '.join(kinematics)}: none hands anything to {self.hand_to!r}"
+        if self.hand_to not in workplace.kinematics or len(workplace.kinematics) == 1:
+            reason = f"the arms are {', '.join(workplace.kinematics)}: none hands anything to {self.hand_to!r}"
             return None, [self.refusal(reason)]
-        return super().examine(objects, kinematics, ground, rng)
+        return super().examine(workplace)
 
     @property
     def hand_to(self) -> str:
@@ -77,8 +68,8 @@ class Handing(Move):
     def _wanted(self) -> str:
         return f"on the side of the {self.hand_to} arm"
 
-    def _finding(self, transfer: Transfer, kinematics: Mapping[str, ArmKinematics], ground: Ground) -> Feasibility:
-        return examine_passing(transfer, self.hand_to, kinematics, ground.height)
+    def _finding(self, transfer: Transfer, workplace: Workplace) -> Feasibility:
+        return examine_passing(transfer, self.hand_to, workplace.kinematics, workplace.ground.height)
 
     def _identifier(self) -> str:
         return f"{self.thing.id}-handed-{self.hand_to}"

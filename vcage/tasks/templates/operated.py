@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
-
-import numpy as np
 
 from vcage.schema.asset import ContactPoint, Joint
 from vcage.schema.goals import Goal, GoalWord, part_that
 from vcage.schema.subtasks import Refusal, Subtask, TemplateName
 from vcage.sim.joints import joint_index, joint_positions
-from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.access import shut_above
 from vcage.tasks.feasibility import examine_operation
-from vcage.tasks.ground import Ground
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.templates.proposal import Proposal
+from vcage.tasks.workplace import Workplace
 
 
 @dataclass(frozen=True)
@@ -76,13 +73,7 @@ class Operable(Proposal):
         target = round(self.template.target(self.thing.asset.model.link(self.part).joint), 4)
         return super().offers(subtask) and subtask.target == target
 
-    def examine(
-        self,
-        objects: Sequence[SceneObject],
-        kinematics: Mapping[str, ArmKinematics],
-        ground: Ground,
-        rng: np.random.Generator,
-    ) -> tuple[Subtask | None, list[Refusal]]:
+    def examine(self, workplace: Workplace) -> tuple[Subtask | None, list[Refusal]]:
         """The sub-task if an arm can follow the part's motion, else the refusal."""
         joint = self.thing.asset.model.link(self.part).joint
         target = self.template.target(joint)
@@ -90,15 +81,15 @@ class Operable(Proposal):
             self._at(self.template.start(joint)),
             self.contact,
             target,
-            [o for o in objects if o.id != self.thing.id],
-            kinematics,
+            workplace.others(self.thing.id),
+            workplace.kinematics,
         )
         if not finding.feasible:
             return None, [self.refusal(finding.reason, self.contact.id, finding.checks)]
         return (
             self.subtask(
                 f"{self.name}-{self.thing.id}-{self.part}",
-                objects,
+                workplace.objects,
                 target=round(target, 4),
                 grasps=finding.grasps,
                 requires=self._requires(),

@@ -6,7 +6,7 @@ Stacking and weighing are placing with a further demand: see :mod:`~vcage.tasks.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import permutations
@@ -17,15 +17,14 @@ from vcage.base.errors import InfeasibleScene
 from vcage.schema.asset import FunctionalPoint
 from vcage.schema.goals import EventWord, Goal, StateWord, part_words
 from vcage.schema.subtasks import Check, PairQuestion, Refusal, Subtask, TemplateName
-from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.access import access, open_to_a_hand
 from vcage.tasks.feasibility import Feasibility, Transfer, best_first, examine, fits
-from vcage.tasks.ground import Ground
 from vcage.tasks.passing import examine_detour
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.slots import GAP, Slot, allocate, kept_in_by, lying_in, opened_for, room_for
+from vcage.tasks.slots import CONTENT_GAP_M, Slot, allocate, kept_in_by, lying_in, opened_for, room_for
 from vcage.tasks.stowing import reached
 from vcage.tasks.templates.proposal import Proposal
+from vcage.tasks.workplace import Workplace
 
 SLOTS, OUT_OF_REACH = 12, 5
 """Places in the receptacle that are tried before a contact point is refused for what is wrong with its place, and where
@@ -92,7 +91,7 @@ def lying(target: SceneObject, receptacle: SceneObject, point: FunctionalPoint) 
 def stands_flush(target: SceneObject, receptacle: SceneObject, point: FunctionalPoint) -> bool:
     """Whether an object fills the top that it is put on, as a block on a block does."""
     spare = np.array(receptacle.asset.opening(point).size) - target.asset.footprint
-    return point.holds == "on" and float(np.max(spare)) < 2 * GAP
+    return point.holds == "on" and float(np.max(spare)) < 2 * CONTENT_GAP_M
 
 
 def _elsewhere(refusal: Refusal) -> bool:
@@ -156,7 +155,7 @@ class Pair(Proposal):
             return self.refusal(check.message, checks=[check])
         room = room_for(self.receptacle, self.point.id, [self.thing])
         if np.any(np.sort(room) < np.sort(self.thing.asset.footprint)):
-            need = f"less than the {GAP * 1000:.0f} mm on each side that the robot needs"
+            need = f"less than the {CONTENT_GAP_M * 1000:.0f} mm on each side that the robot needs"
             tight = check.model_copy(update={"passed": False, "message": f"{check.message}, but with {need}"})
             return self.refusal(tight.message, checks=[tight])
         return None
@@ -175,22 +174,13 @@ class Pair(Proposal):
             opening_size=(float(opening.size[0]), float(opening.size[1]), float(opening.depth)),
         )
 
-    def examine(
-        self,
-        objects: Sequence[SceneObject],
-        kinematics: Mapping[str, ArmKinematics],
-        ground: Ground,
-        rng: np.random.Generator,
-    ) -> tuple[Subtask | None, list[Refusal]]:
+    def examine(self, workplace: Workplace) -> tuple[Subtask | None, list[Refusal]]:
         """The sub-task of a sensible pair, and a refusal for each contact point that no arm can use.
 
         Args:
-            objects: all of the scene.
-            kinematics: by arm.
-            ground: of the table.
-            rng: of the slot.
+            workplace: with all objects of the scene.
         """
-        there = reached(self.thing, [o for o in objects if o.id != self.thing.id])
+        there = reached(self.thing, workplace.others(self.thing.id))
         thing, others = there.thing, [self._opened if o.id == self.receptacle.id else o for o in there.others]
         present = lying_in(self.receptacle, self.point, others)
         transfers: dict[int, Transfer] = {}
@@ -198,7 +188,7 @@ class Pair(Proposal):
         refused: list[Refusal] = []
         for tried in range(SLOTS):
             try:
-                slot = allocate(self._opened, self.point.id, [self.thing], rng, present)[self.thing.id]
+                slot = allocate(self._opened, self.point.id, [self.thing], workplace.rng, present)[self.thing.id]
             except InfeasibleScene as error:
                 return None, [self.refusal(error.message)]
             poses = Slot(self.receptacle.id, self.point.id, slot).poses({self.receptacle.id: self._opened})
@@ -206,18 +196,20 @@ class Pair(Proposal):
                 c.id: Transfer.into(thing, c, self._opened, self.point, poses, others)
                 for c in thing.asset.annotation.carrying_points
             }
-            findings, refused = self.judged({c: examine(t, kinematics, ground.height) for c, t in transfers.items()})
+            findings, refused = self.judged(
+                {c: examine(t, workplace.kinematics, workplace.ground.height) for c, t in transfers.items()}
+            )
             far = tried + 1 >= OUT_OF_REACH and all(map(_out_of_reach, refused))
             if findings or far or not any(map(_elsewhere, refused)):
                 break
         if findings:
-            return self._subtask(objects, findings, there.requires), refused
+            return self._subtask(workplace.objects, findings, there.requires), refused
         if self.goal not in self.asked or self.name != "place" or not any(map(_out_of_reach, refused)):
             return None, refused
         passing = replace(self, name="hand_over")
-        to, findings = examine_detour(list(transfers.values()), kinematics, ground.height)
+        to, findings = examine_detour(list(transfers.values()), workplace.kinematics, workplace.ground.height)
         if to is not None:
-            return passing._subtask(objects, findings, there.requires, to), refused
+            return passing._subtask(workplace.objects, findings, there.requires, to), refused
         return None, refused + passing.judged(dict(zip(transfers, findings, strict=False)))[1]
 
     def _place_words(self) -> str:

@@ -7,17 +7,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from vcage.schema.goals import Goal
 from vcage.schema.plan import TABLE
 from vcage.schema.subtasks import Check, PairQuestion, Refusal, Subtask, TemplateName
-from vcage.sim.kinematics import ArmKinematics
-from vcage.tasks.asked_arms import arm_for, bound_to, those_of
+from vcage.tasks.asked_arms import arm_for, bound_to
 from vcage.tasks.feasibility import Feasibility
-from vcage.tasks.ground import Ground
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.wording import wordings
+from vcage.tasks.workplace import Workplace
 
 
 @dataclass(frozen=True)
@@ -67,41 +64,25 @@ class Proposal(ABC):
         told = {self.goal} <= {*subtask.goals} <= {*self.goals}
         return told and subtask.object == self.thing.id and subtask.receptacle in (None, TABLE)
 
-    def examine_for(
-        self,
-        arms: Mapping[Goal, str],
-        objects: Sequence[SceneObject],
-        kinematics: Mapping[str, ArmKinematics],
-        ground: Ground,
-        rng: np.random.Generator,
-    ) -> tuple[Subtask | None, list[Refusal]]:
+    def examine_for(self, arms: Mapping[Goal, str], workplace: Workplace) -> tuple[Subtask | None, list[Refusal]]:
         """As :meth:`examine`, with the arm alone that one of its goals is asked of, if one is.
 
         Args:
             arms: that are asked for, by goal.
-            objects, kinematics, ground, rng: see :meth:`examine`.
+            workplace: see :meth:`examine`.
         """
         arm, why = arm_for(self.goals, arms, self.hand_to)
         if why is not None:
             return None, [self.refusal(why)]
-        found, refused = self.examine(objects, those_of(kinematics, arm, self.hand_to), ground, rng)
+        found, refused = self.examine(workplace.with_arms(arm, self.hand_to))
         return (None if found is None else bound_to(found, arm)), refused
 
     @abstractmethod
-    def examine(
-        self,
-        objects: Sequence[SceneObject],
-        kinematics: Mapping[str, ArmKinematics],
-        ground: Ground,
-        rng: np.random.Generator,
-    ) -> tuple[Subtask | None, list[Refusal]]:
+    def examine(self, workplace: Workplace) -> tuple[Subtask | None, list[Refusal]]:
         """The sub-task if a candidate is feasible, and a refusal for each that is not.
 
         Args:
-            objects: all of the scene.
-            kinematics: by arm.
-            ground: of the table.
-            rng: of all choices.
+            workplace: with all objects of the scene.
         """
 
     def refusal(self, reason: str, contact: int | None = None, checks: Sequence[Check] = ()) -> Refusal:

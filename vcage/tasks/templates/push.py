@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
-
-import numpy as np
 
 from vcage.schema.goals import Goal
 from vcage.schema.plan import TABLE
 from vcage.schema.subtasks import Refusal, Subtask, TemplateName
-from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.feasibility import opens_wide_enough
-from vcage.tasks.ground import Ground
 from vcage.tasks.pushing import Push, examine_pushes, headings
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.templates.proposal import Proposal
 from vcage.tasks.wording import push_wordings
+from vcage.tasks.workplace import Workplace
 
 NAME: TemplateName = "push"
 
@@ -71,21 +68,15 @@ class Shove(Proposal):
             return self.refusal(f"{phrase} resists a push with {force:.0f} N, more than {STRONGEST:.0f} N")
         return None
 
-    def examine(
-        self,
-        objects: Sequence[SceneObject],
-        kinematics: Mapping[str, ArmKinematics],
-        ground: Ground,
-        rng: np.random.Generator,
-    ) -> tuple[Subtask | None, list[Refusal]]:
+    def examine(self, workplace: Workplace) -> tuple[Subtask | None, list[Refusal]]:
         """The sub-task if an arm can push the object so; a refusal for each direction; nothing for what is carried."""
         points = self.thing.asset.annotation.carrying_points
-        if any(opens_wide_enough(self.thing, point, kinematics).passed for point in points):
+        if any(opens_wide_enough(self.thing, point, workplace.kinematics).passed for point in points):
             return None, []
-        others = [o for o in objects if o.id != self.thing.id]
-        found, refused = examine_pushes(self.thing, self.goal, others, kinematics, ground)
+        others = workplace.others(self.thing.id)
+        found, refused = examine_pushes(self.thing, self.goal, others, workplace.kinematics, workplace.ground)
         refusals = [self.refusal(reason, heading) for heading, reason in refused.items()]
-        return (self._subtask(objects, found) if found else None), refusals
+        return (self._subtask(workplace.objects, found) if found else None), refusals
 
     def _subtask(self, objects: Sequence[SceneObject], found: Sequence[Push]) -> Subtask:
         text, *others = push_wordings(self.goal, {o.id: o.record.phrase for o in objects})

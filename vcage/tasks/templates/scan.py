@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-import numpy as np
-
 from vcage.schema.goals import Goal
 from vcage.schema.subtasks import Refusal, Subtask, TemplateName
-from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.feasibility import Feasibility, Transfer, best_first, examine
-from vcage.tasks.ground import Ground
 from vcage.tasks.reading import reading_poses
 from vcage.tasks.scene_objects import SceneObject, first_met
 from vcage.tasks.templates.proposal import Proposal
+from vcage.tasks.workplace import Workplace
 
 NAME: TemplateName = "scan"
 
@@ -76,37 +73,26 @@ class Reading(Proposal):
             return None
         return self.refusal(f"neither {self.thing.record.phrase} nor {self.scanner.record.phrase} can be carried")
 
-    def examine(
-        self,
-        objects: Sequence[SceneObject],
-        kinematics: Mapping[str, ArmKinematics],
-        ground: Ground,
-        rng: np.random.Generator,
-    ) -> tuple[Subtask | None, list[Refusal]]:
+    def examine(self, workplace: Workplace) -> tuple[Subtask | None, list[Refusal]]:
         """The sub-task if an arm can hold the one before the other, else a refusal for each contact point."""
         refused: list[Refusal] = []
         for mover, still in self._ways:
-            findings, complaints = self._findings(mover, still, objects, kinematics, ground)
+            findings, complaints = self._findings(mover, still, workplace)
             refused += complaints
             if findings:
                 grasps, checks = best_first(findings)
                 name = f"{self.thing.id}-scanned-by-{self.scanner.id}"
                 slots = {"tool": self.scanner.id, "grasped": mover.id}
-                return self.subtask(name, objects, grasps=grasps, checks=checks, **slots), refused
+                return self.subtask(name, workplace.objects, grasps=grasps, checks=checks, **slots), refused
         return None, refused
 
     def _findings(
-        self,
-        mover: SceneObject,
-        still: SceneObject,
-        objects: Sequence[SceneObject],
-        kinematics: Mapping[str, ArmKinematics],
-        ground: Ground,
+        self, mover: SceneObject, still: SceneObject, workplace: Workplace
     ) -> tuple[list[Feasibility], list[Refusal]]:
-        poses = list(reading_poses(mover, still, ground.height))
+        poses = list(reading_poses(mover, still, workplace.ground.height))
         if not poses:
             return [], [self.refusal(f"{mover.record.phrase} cannot be held before {still.record.phrase}")]
-        others = tuple(o for o in objects if o.id != mover.id)
+        others = tuple(workplace.others(mover.id))
         beside = [o for o in others if o.id != still.id]
         met = [first_met(mover.moved(pose).boxes, beside) for pose in poses]
         poses = [pose for pose, thing in zip(poses, met, strict=True) if thing is None]
@@ -117,4 +103,4 @@ class Reading(Proposal):
         where = f"its place before {still.record.phrase}"
         contacts = mover.asset.annotation.carrying_points
         transfers = {c.id: Transfer(mover, c, where, poses, [], (), others) for c in contacts}
-        return self.judged({c: examine(t, kinematics, ground.height) for c, t in transfers.items()})
+        return self.judged({c: examine(t, workplace.kinematics, workplace.ground.height) for c, t in transfers.items()})

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import islice
 
-import numpy as np
-
+from vcage.base.attempts import LIMITS
 from vcage.schema.goals import Goal
 from vcage.schema.plan import TABLE
 from vcage.schema.subtasks import Refusal, Subtask, TemplateName
-from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.feasibility import Feasibility, Transfer, best_first, examine
-from vcage.tasks.ground import SPOTS, Ground
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.stowing import reached
 from vcage.tasks.templates.proposal import Proposal
+from vcage.tasks.workplace import Workplace
 
 _RELATIONS = ("left_of", "right_of", "in_front_of", "behind", "beside", "near", "back")
 
@@ -78,35 +76,29 @@ class Move(Proposal):
             return self.refusal(f"{self.thing.record.phrase} did not stand on the table at the start")
         return None
 
-    def examine(
-        self,
-        objects: Sequence[SceneObject],
-        kinematics: Mapping[str, ArmKinematics],
-        ground: Ground,
-        rng: np.random.Generator,
-    ) -> tuple[Subtask | None, list[Refusal]]:
+    def examine(self, workplace: Workplace) -> tuple[Subtask | None, list[Refusal]]:
         """The sub-task if an arm can bring the object to one of a few places, else the refusals."""
-        there = reached(self.thing, [o for o in objects if o.id != self.thing.id])
+        there = reached(self.thing, workplace.others(self.thing.id))
         thing, others = there.thing, there.others
-        poses = list(islice(ground.poses(thing, self.goal, others, rng), SPOTS))
+        poses = list(islice(workplace.ground.poses(thing, self.goal, others, workplace.rng), LIMITS.table_places))
         if not poses:
             return None, [self.refusal(f"there is no room on the table {self._wanted}")]
         contacts = thing.asset.annotation.carrying_points
         transfers = {c.id: Transfer.onto_table(thing, c, poses, others) for c in contacts}
-        findings, refused = self.judged({c: self._finding(t, kinematics, ground) for c, t in transfers.items()})
+        findings, refused = self.judged({c: self._finding(t, workplace) for c, t in transfers.items()})
         if not findings:
             return None, refused
         grasps, checks = best_first(findings)
         slots = {"receptacle": TABLE, "grasps": grasps, "hand_to": self.hand_to, "goals": self.goals, "checks": checks}
-        return self.subtask(self._identifier(), objects, requires=there.requires, **slots), refused
+        return self.subtask(self._identifier(), workplace.objects, requires=there.requires, **slots), refused
 
     @property
     def _wanted(self) -> str:
         """What its place must be like."""
         return f"so that {self.goal}"
 
-    def _finding(self, transfer: Transfer, kinematics: Mapping[str, ArmKinematics], ground: Ground) -> Feasibility:
-        return examine(transfer, kinematics, ground.height)
+    def _finding(self, transfer: Transfer, workplace: Workplace) -> Feasibility:
+        return examine(transfer, workplace.kinematics, workplace.ground.height)
 
     def _identifier(self) -> str:
         word = {"on": "onto", "presented": "shown", "back": "back"}.get(self.goal.relation, self.goal.relation)
