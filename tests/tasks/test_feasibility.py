@@ -23,7 +23,8 @@ from vcage.base.geometry import Pose
 from vcage.schema.asset import FunctionalPoint
 from vcage.schema.goals import Goal
 from vcage.tasks.access import access
-from vcage.tasks.feasibility import Feasibility, Transfer, examine, fits, opens_wide_enough
+from vcage.tasks.feasibility import Transfer, examine, fits, opens_wide_enough
+from vcage.tasks.findings import Feasibility
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import find_subtasks
 from vcage.tasks.slots import Slot

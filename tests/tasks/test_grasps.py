@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from tests.example_scenes import TABLE_TOP, library, robot, thing
 from vcage.base.geometry import Pose, frame_from_axes, oriented_boxes_overlap
 from vcage.schema.asset import ContactPoint
-from vcage.tasks.grasps import GRASP_ROOM, TILTS, approach_opening, grasp_poses, hand_boxes
+from vcage.tasks.grasps import GRASPING, TILTS, approach_opening, grasp_poses, hand_boxes
 from vcage.tasks.scene_objects import SolidBox
 
 GRIPPER = robot().arms["left"].gripper
@@ -82,7 +82,7 @@ def test_the_fingers_never_open_wider_than_the_gripper_can(width: float):
     assert approach_opening(width, GRIPPER) <= GRIPPER.max_width
 
 
-@given(st.floats(0.0, GRIPPER.max_width - GRASP_ROOM))
+@given(st.floats(0.0, GRIPPER.max_width - GRASPING.grasp_room_m))
 def test_the_open_fingers_leave_the_material_between_them_free(width: float):
     material = np.array([[-0.01, -width / 2, -0.05], [0.01, width / 2, 0.0]])
     fingers = hand_boxes(GRIPPER, approach_opening(width, GRIPPER))[:2]

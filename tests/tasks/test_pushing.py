@@ -10,7 +10,7 @@ import pytest
 from tests.example_scenes import GROUND, kinematics, thing
 from vcage.plans.relations import holds
 from vcage.schema.goals import goal_of
-from vcage.tasks.pushing import FACES, HEADINGS, MARGIN, examine_pushes, headings
+from vcage.tasks.pushing import FACES, HEADINGS, SETTINGS, examine_pushes, headings
 from vcage.tasks.scene_objects import SceneObject
 
 
@@ -30,7 +30,7 @@ def test_each_push_ends_where_the_goal_holds_with_a_margin_and_on_the_ground():
     assert found
     for push in found:
         box = thing("book", (0.0, -0.1)).moved(push.end).aabb
-        assert holds("left_of", box + [MARGIN, 0, 0], cup.aabb)
+        assert holds("left_of", box + [SETTINGS.margin_m, 0, 0], cup.aabb)
         assert np.all(box[0, :2] >= GROUND.lower) and np.all(box[1, :2] <= GROUND.upper)
         assert {grasp.contact for grasp in push.finding.grasps} == {push.heading}
 

@@ -1,7 +1,7 @@
-"""What the sizes and openings of objects allow: which goes into which, what fits beside what, how long a row is.
+"""Capacities: what fits into what, beside what, and in a row, by the sizes and openings of objects.
 
-Of sizes only what is certain is complained about: they are compared as if every object could be turned as it likes,
-contents by the boxes around them that layouts keep apart. So a plan without complaints may still be hard to lay out.
+Complaints are certain: sizes are compared as if every object could be turned at will, contents by the boxes around
+them that layouts keep apart. So a plan without complaints may still be hard to lay out.
 """
 
 from __future__ import annotations
@@ -14,16 +14,14 @@ from dataclasses import replace
 import numpy as np
 
 from vcage.base.graphs import circles, longest_path
-from vcage.layout.items import FILL_LIMIT, TableItem, table_item
+from vcage.layout.items import ITEMS, TableItem, table_item
+from vcage.layout.placement.free_region import TOLERANCE
 from vcage.objects.asset import Asset
 from vcage.objects.openings import Opening
 from vcage.plans.check import AXES, containments, order_along, sound_relations
 from vcage.schema.asset import FunctionalPoint
 from vcage.schema.plan import Relation
 from vcage.schema.scene import Workspace
-
-ROUNDING = 1e-9
-"""Metres by which lengths may differ and count as the same."""
 
 
 def capacity_of(name: str, asset: Asset) -> TableItem:
@@ -69,8 +67,8 @@ def size_complaints(
     *,
     overhang: bool = True,
 ) -> list[str]:
-    """What the sizes of objects rule out, one sentence each: what does not fit into or onto its reference, alone or
-    together, and rows that are longer than the workspace.
+    """Complaints about objects that do not fit into or onto their reference, alone or together, and about rows that are
+    longer than the workspace.
 
     Args:
         relations: of a plan; those of objects that are not among the items are passed over.
@@ -89,7 +87,7 @@ def size_complaints(
 
 
 def crowding_complaints(held: Mapping[tuple[str, str | None], Sequence[str]], assets: Mapping[str, Asset]) -> list[str]:
-    """Things that do not fit into one place together, a sentence each; places with several parts are not looked at.
+    """Complaints about objects that do not fit into one place together; places with several parts are passed over.
 
     Args:
         held: object id and moving part (None for the body) of a place → ids of what lies there at the same time.
@@ -146,7 +144,7 @@ def _does_not_take(r: Relation, item: TableItem, holder: TableItem, overhang: bo
     if opening is None or (r.relation == "inside" and holder.holds != "in"):
         return f"{r.subject} cannot be {r.relation} {r.reference}, which has no {_place(r)}"
     size = item.body_size
-    if not (overhang and holder.bare) and _narrowest(size[:2], opening.size[1]) > opening.size[0] + ROUNDING:
+    if not (overhang and holder.bare) and _narrowest(size[:2], opening.size[1]) > opening.size[0] + TOLERANCE:
         room = _cm(opening.size)
         return f"{r.subject} ({_cm(size[:2])}) is too large for {r.reference}, which has room for {room}"
     if holder.ceiling is not None and size[2] > holder.ceiling:
@@ -162,9 +160,9 @@ def _crowded(name: str, inside: Sequence[str], items: Mapping[str, TableItem]) -
     """Contents that do not fit together: by area, else the first two that do not fit beside each other."""
     width, depth = items[name].room.size
     area = sum(float(np.prod(items[item].body_size[:2])) for item in inside)
-    if len(inside) > 1 and area > FILL_LIMIT * width * depth:
+    if len(inside) > 1 and area > ITEMS.fill_share * width * depth:
         return [f"{', '.join(inside)} do not fit into {name} together: they cover {1e4 * area:.0f} cm², "
-                f"it has {1e4 * FILL_LIMIT * width * depth:.0f} cm²"]  # fmt: skip
+                f"it has {1e4 * ITEMS.fill_share * width * depth:.0f} cm²"]  # fmt: skip
     for a, b in itertools.combinations(inside, 2):
         if not _side_by_side(items[a].body_size[:2], items[b].body_size[:2], (width, depth)):
             return [f"{a} and {b} do not fit into {name} beside each other, which has room for {_cm((width, depth))}"]
@@ -172,8 +170,8 @@ def _crowded(name: str, inside: Sequence[str], items: Mapping[str, TableItem]) -
 
 
 def _side_by_side(a: np.ndarray, b: np.ndarray, room: tuple[float, float]) -> bool:
-    """Whether the boxes around two rectangles, each turned as it likes, fit beside each other into a third."""
-    return any(_narrowest(a, depth) + _narrowest(b, depth) <= width + ROUNDING for width, depth in (room, room[::-1]))
+    """True if the boxes around two rectangles, each turned at will, fit beside each other into a third."""
+    return any(_narrowest(a, depth) + _narrowest(b, depth) <= width + TOLERANCE for width, depth in (room, room[::-1]))
 
 
 def _narrowest(size: np.ndarray, depth: float) -> float:
@@ -188,7 +186,7 @@ def _narrowest(size: np.ndarray, depth: float) -> float:
         steep, own = math.asin(depth / diagonal), math.atan2(y, x)
         angles += [angle for angle in (steep - own, math.pi - steep - own) if 0 < angle < math.pi / 2]
     boxes = [(x * math.cos(t) + y * math.sin(t), x * math.sin(t) + y * math.cos(t)) for t in angles]
-    return min((wide for wide, deep in boxes if deep <= depth + ROUNDING), default=math.inf)
+    return min((wide for wide, deep in boxes if deep <= depth + TOLERANCE), default=math.inf)
 
 
 def _cm(size: Iterable[float]) -> str:

@@ -1,4 +1,4 @@
-"""Which objects lie in which container, and what a container has room for (paper, section III-A4).
+"""Assignment of objects to containers that have room for them (paper, section III-A4).
 
 An object is assigned to a container only where the plan permits it, its rectangle meets the container's or the plan
 demands it, and the opening has room for it beside what is in there already. Overlap without permission is a collision.
@@ -11,11 +11,8 @@ from collections.abc import Collection, Sequence
 import numpy as np
 
 from vcage.base.geometry import boxes_overlap
-from vcage.layout.items import FILL_LIMIT, TableItem
+from vcage.layout.items import ITEMS, TableItem
 from vcage.objects.openings import Opening
-
-OVERHANG = 0.5
-"""Share of a bare surface that the middle of what is wider must be over: the rest is its safety against tipping."""
 
 
 def assign_containers(items: Sequence[TableItem], demanded: Collection[str] = ()) -> dict[str, str | None]:
@@ -54,13 +51,13 @@ def _takes(item: TableItem, container: TableItem, room: np.ndarray, bare: bool) 
 
 
 def fits_opening(item: TableItem, container: TableItem) -> bool:
-    """Whether its rectangle, alone, is not larger than the opening."""
+    """True if its rectangle, alone, is not larger than the opening."""
     return bool(np.all(2 * item.half_size(container.yaw) <= np.array(container.room.size)))
 
 
 def _room(opening: Opening) -> np.ndarray:
     """Floor area and volume that contents may take, m² and m³."""
-    area = FILL_LIMIT * opening.size[0] * opening.size[1]
+    area = ITEMS.fill_share * opening.size[0] * opening.size[1]
     return np.array([area, area * opening.depth])
 
 

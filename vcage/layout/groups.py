@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from vcage.base.geometry import rotation_2d
-from vcage.layout.containers import OVERHANG, assign_containers, fits_opening
+from vcage.layout.containers import assign_containers, fits_opening
 from vcage.layout.cost import LayoutProblem
-from vcage.layout.items import TableItem
+from vcage.layout.items import ITEMS, TableItem
 from vcage.layout.placement.contents import CONTENT_MARGIN
 from vcage.layout.relation_cost import RelatedBox, relation_terms
 from vcage.layout.validation import as_rectangles
@@ -17,7 +17,7 @@ from vcage.schema.plan import TABLE, Relation
 
 
 class Groups:
-    """Who lies in what, and where in it.
+    """Groups of containers with their contents.
 
     Attributes:
         container: id of the container that an object lies in or on, None on the table, by id.
@@ -38,16 +38,16 @@ class Groups:
 
     @property
     def roots(self) -> list[TableItem]:
-        """What stands on the table."""
+        """The items that stand on the table."""
         return [item for item in self.items.values() if self.container[item.id] is None]
 
     def root(self, item: TableItem) -> TableItem:
-        """What carries it on the table; itself where nothing does."""
+        """The item that carries it on the table; itself where nothing does."""
         outer = self.container[item.id]
         return item if outer is None else self.root(self.items[outer])
 
     def contents(self, container: TableItem) -> list[TableItem]:
-        """What lies in or on it, not what lies in those."""
+        """The items that lie directly in or on it."""
         return self._carried[container.id]
 
     def innermost_first(self) -> list[TableItem]:
@@ -137,11 +137,11 @@ class Groups:
         contents = self.contents(container)
         centre, room = np.array(container.room.centre), np.array(container.room.size) / 2
         if len(contents) == 1 and container.bare and not fits_opening(contents[0], container):
-            room = np.where(half[0] > room, half[0] + OVERHANG * room, room)
+            room = np.where(half[0] > room, half[0] + ITEMS.overhang_share * room, room)
         return np.stack([centre - room, centre + room])
 
     def _spots(self, members: Sequence[TableItem], middles: np.ndarray) -> dict[str, RelatedBox]:
-        """Where relations find the boxes of what the members carry; (n, 2) middles in the world's axes."""
+        """Boxes of all items that the members carry, for relations; (n, 2) middles in the world's axes."""
         spots = {}
         for k, (member, middle) in enumerate(zip(members, middles, strict=True)):
             for item, way in self.carried(member):

@@ -6,16 +6,26 @@ from dataclasses import dataclass
 
 from vcage.schema.robot import Robot
 
-LOWEST_GRASP = 0.013
-"""Height above the table at which the origin of a gripper is at its lowest when it closes, metres."""
 
-NARROWEST_GRASPED = 0.014
-"""Extent along the palm of the narrowest things that are grasped, metres: the palm covers no table beside that much."""
+@dataclass(frozen=True)
+class HandSettings:
+    """Sizes of grasps from above.
+
+    Args:
+        lowest_grasp_m: height above the table of a gripper's origin when it closes at its lowest.
+        narrowest_m: extent along the palm of the narrowest objects: the palm covers no table beside that much.
+    """
+
+    lowest_grasp_m: float = 0.013
+    narrowest_m: float = 0.014
+
+
+SETTINGS = HandSettings()
 
 
 @dataclass(frozen=True)
 class HandClearance:
-    """What a hand that comes straight down keeps clear of.
+    """Clearance of a hand that comes straight down.
 
     Args:
         height: things lower than this pass under its palm, metres.
@@ -27,8 +37,8 @@ class HandClearance:
 
 
 def hand_clearance(robot: Robot) -> HandClearance:
-    """What the largest of a robot's hands keeps clear of, to the micrometre."""
+    """Clearance of the largest of a robot's hands, to the micrometre."""
     grippers = [arm.gripper for arm in robot.arms.values()]
     below = min(gripper.finger_length for gripper in grippers)
     aside = max(max(gripper.palm_size) / 2 for gripper in grippers)
-    return HandClearance(round(LOWEST_GRASP + below, 6), round(aside - NARROWEST_GRASPED / 2, 6))
+    return HandClearance(round(SETTINGS.lowest_grasp_m + below, 6), round(aside - SETTINGS.narrowest_m / 2, 6))

@@ -1,4 +1,4 @@
-"""Where a plan wants the objects: the layout that a target picture shows, and where what it does not show is put.
+"""The intended layout of a plan: a target picture shows it, and what the picture does not show is put by it.
 
 Starting places (:mod:`vcage.layout.starts`) are the targets of the layout's optimisation, which mends what is still
 broken there. Where the plan cannot be kept so, room for hands, wide gaps and headings are given up in turn.
@@ -13,13 +13,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from vcage.base.attempts import least_costly
 from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose, rotation_2d, wrap_angle
 from vcage.layout.containers import fits_opening
 from vcage.layout.hands import hand_clearance
 from vcage.layout.items import ANY_YAW, TableItem
 from vcage.layout.optimize import LayoutOptions, optimize_layout
-from vcage.layout.starts import GAP, starting_places
+from vcage.layout.starts import SETTINGS as STARTS
+from vcage.layout.starts import starting_places
 from vcage.layout.stowed import with_places, with_stowed
 from vcage.objects.openings import Opening
 from vcage.plans.kept import Kept, relations_kept
@@ -30,24 +32,33 @@ from vcage.sim.robots import load_robot
 
 logger = logging.getLogger(__name__)
 
-ELONGATED = 1.5
-"""How many times longer than wide is long: such an object is laid pointing away from the robot."""
 
-RESTARTS = 2
-"""Random starts of the optimisation besides the targets: these are good already, and there are other efforts."""
+@dataclass(frozen=True)
+class IntendedSettings:
+    """Settings of the layout that a picture is to show.
 
-TOUCH = 1e-6
-"""Metres that rectangles may share and count as touching."""
+    Args:
+        elongated: ratio of length to width of long objects: they are laid pointing away from the robot.
+        restarts: of the optimisation besides the targets: these are good already, and there are other efforts.
+        touch_m: that rectangles may share and count as touching.
+    """
+
+    elongated: float = 1.5
+    restarts: int = 2
+    touch_m: float = 1e-6
+
+
+SETTINGS = IntendedSettings()
 
 
 @dataclass(frozen=True)
 class Effort:
-    """What an attempt asks for beyond the plan.
+    """Demands of an attempt beyond the plan.
 
     Args:
         gap: between any two objects, metres.
-        turned: whether receptacles face the robot and long objects point away from it.
-        hands: whether hands have room between what is grasped and what is high.
+        turned: True if receptacles face the robot and long objects point away from it.
+        hands: True if hands have room between what is grasped and what is high.
     """
 
     gap: float
@@ -56,17 +67,17 @@ class Effort:
 
 
 EFFORTS = (
-    Effort(GAP, True, True),
-    Effort(GAP / 2, True, False),
+    Effort(STARTS.gap_m, True, True),
+    Effort(STARTS.gap_m / 2, True, False),
     Effort(0.005, True, False),
     Effort(0.005, False, False),
 )
-"""What is tried in turn until the plan is kept."""
+"""Efforts that are tried in turn until the plan is kept."""
 
 
 @dataclass(frozen=True)
 class IntendedLayout:
-    """Where a plan wants the objects.
+    """The poses that a plan wants.
 
     Args:
         poses: in the world, by object id.
@@ -103,11 +114,9 @@ def intended_layout(
     items = {name: item for name, item in items.items() if name in with_places(scene)}
     known = [r for r in relations if r.subject in items and r.reference in (*items, TABLE)]
     search = _Search(scene, known, items, fixed or {})
-    best = search.attempt(EFFORTS[0])
-    for effort in EFFORTS[1:]:
-        if not (best.overlapping or best.kept.broken):
-            break
-        best = min(best, search.attempt(effort), key=lambda found: (len(found.overlapping), len(found.kept.broken)))
+    best = least_costly(
+        map(search.attempt, EFFORTS), cost=lambda found: (len(found.overlapping), len(found.kept.broken)), enough=(0, 0)
+    )
     if best.overlapping:
         logger.warning("there is no room to keep these apart: %s", ", ".join(best.overlapping))
     return best
@@ -153,7 +162,7 @@ class _Search:
                 self._scene.table,
                 np.random.default_rng(0),
                 self._relations,
-                LayoutOptions(margin=effort.gap, restarts=RESTARTS),
+                LayoutOptions(margin=effort.gap, restarts=SETTINGS.restarts),
             ).positions
         except InfeasibleScene as error:
             logger.debug("no layout with %s: %s", effort, error.message)
@@ -164,7 +173,7 @@ class _Search:
         clashes = [
             (a, b)
             for a, b in itertools.combinations(standing, 2)
-            if plane_gap(boxes[a], boxes[b]) < -TOUCH and not (a in self._fixed and b in self._fixed)
+            if plane_gap(boxes[a], boxes[b]) < -SETTINGS.touch_m and not (a in self._fixed and b in self._fixed)
         ]
         overlapping = [name for name in standing if any(name in pair for pair in clashes)]
         ground = ground_box(self._scene.workspace, self._scene.table.height)
@@ -187,7 +196,7 @@ class _Search:
         return [found[name] for name in self._items]
 
     def _headed(self, name: str, effort: Effort) -> TableItem:
-        """What stands on the table, at its heading and where it stands now."""
+        """The item of an object on the table, at its heading and where it stands now."""
         item, record = self._items[name], self._scene.object(name)
         pose = self._fixed.get(name, record.pose.pose())
         yaw = pose.yaw
@@ -204,7 +213,7 @@ class _Search:
         )
 
     def _carried(self, item: TableItem, holder: TableItem) -> TableItem:
-        """What lies in or on another object: as it lies there already, or in the middle of its opening."""
+        """The item of an object in or on another: as it lies there already, or in the middle of the opening."""
         record, below = self._scene.object(item.id), self._scene.object(holder.id)
         pose, carrier = record.pose.pose(), below.pose.pose()
         turn = holder.yaw - carrier.yaw
@@ -224,14 +233,14 @@ def _heading(item: TableItem, role: str, yaw: float) -> float:
     if role == "receptacle":
         return 0.0
     width, depth = item.body_size[:2]
-    if item.yaws != ANY_YAW or max(width, depth) <= ELONGATED * min(width, depth):
+    if item.yaws != ANY_YAW or max(width, depth) <= SETTINGS.elongated * min(width, depth):
         return yaw
     axis = yaw if width >= depth else yaw + np.pi / 2
     return float(wrap_angle(yaw + (np.pi - axis) % np.pi - np.pi / 2))
 
 
 def supports_of(relations: Iterable[Relation]) -> dict[str, str]:
-    """What each object lies in or on by the plan, without circles: the first that the plan names counts."""
+    """Holder of each object by the plan, without circles: the first that the plan names counts."""
     found: dict[str, str] = {}
     for r in relations:
         if r.relation in ("inside", "on") and r.reference != TABLE and r.subject not in found:

@@ -1,4 +1,4 @@
-"""One object of a table: what placing, optimising and checks of sizes need of it."""
+"""Items: objects of a table as placing, optimising and checks of sizes see them."""
 
 from __future__ import annotations
 
@@ -23,17 +23,27 @@ ANY_YAW = tuple(float(yaw) for yaw in np.radians(range(-180, 180, 15)))
 FRONT_YAWS = tuple(float(yaw) for yaw in np.radians((-15, 0, 15)))
 """Headings of an object with moving parts: its front faces the robot."""
 
-SWEEP_STEPS = 5
-"""Positions of each joint that the swept room is measured at."""
 
-FILL_LIMIT = 0.9
-"""Largest share of an opening's floor that contents may take."""
+@dataclass(frozen=True)
+class ItemSettings:
+    """Settings of items and of what containers take.
 
-BARE = 0.002
-"""A surface so little below its object's top is bare: what stands on it may stick out on all sides, metres."""
+    Args:
+        sweep_steps: positions of each joint at which the swept room is measured.
+        fill_share: largest share of an opening's floor that contents may take.
+        bare_m: a surface so little below its object's top is bare: objects on it may stick out on all sides.
+        overhang_share: share of a bare surface that the middle of a wider object must be over, so that it cannot tip.
+        distinct_cos: least |cos 2·yaw| at which an axis-aligned box tells the sides of the rectangle in it.
+    """
 
-ILL_CONDITIONED = 0.25
-"""|cos 2·yaw| below which an axis-aligned box does not tell the sides of the rectangle in it."""
+    sweep_steps: int = 5
+    fill_share: float = 0.9
+    bare_m: float = 0.002
+    overhang_share: float = 0.5
+    distinct_cos: float = 0.25
+
+
+ITEMS = ItemSettings()
 
 
 @dataclass(frozen=True)
@@ -98,16 +108,16 @@ class TableItem:
 
     @property
     def holds(self) -> str | None:
-        """Whether things are put ``in`` it or ``on`` it; None where nothing can be."""
+        """``in`` or ``on``, as things are put there; None where nothing can be."""
         if self.opening is None:
             return None
         return "on" if math.isinf(self.opening.rim) else "in"
 
     @property
     def bare(self) -> bool:
-        """Whether things stand on top of it, and nothing stands around them."""
+        """True if things stand on top of it, and nothing stands around them."""
         opening = self.opening
-        return opening is not None and math.isinf(opening.rim) and opening.floor >= self.size[2] - BARE
+        return opening is not None and math.isinf(opening.rim) and opening.floor >= self.size[2] - ITEMS.bare_m
 
     def half_size(self, frame_yaw: float = 0.0) -> np.ndarray:
         """(2,) half size of its axis-aligned rectangle in a frame turned by ``frame_yaw``."""
@@ -132,7 +142,7 @@ class TableItem:
 
 @dataclass(frozen=True)
 class Placement:
-    """Where an object stands in the world.
+    """A place of an object in the world.
 
     Args:
         x, y: its centre in the plane, metres.
@@ -168,7 +178,7 @@ def table_item(name: str, asset: Asset) -> TableItem:
 
 
 def item_of(record: ObjectRecord) -> TableItem:
-    """What the record alone tells of an object's geometry: the sides of its rectangle, from the box around it.
+    """Return the item that a record alone describes, with the sides of its rectangle from the box around it.
 
     At 45 degrees boxes do not tell the sides apart, which are then taken to be equal.
     """
@@ -177,9 +187,9 @@ def item_of(record: ObjectRecord) -> TableItem:
     c, s = abs(np.cos(yaw)), abs(np.sin(yaw))
     x, y, z = upper - lower
     sides = np.full(2, (x + y) / 2 / (c + s))
-    if abs(c * c - s * s) > ILL_CONDITIONED:
-        told = np.array([c * x - s * y, c * y - s * x]) / (c * c - s * s)
-        sides = told if told.min() > 0 else sides
+    if abs(c * c - s * s) > ITEMS.distinct_cos:
+        exact = np.array([c * x - s * y, c * y - s * x]) / (c * c - s * s)
+        sides = exact if exact.min() > 0 else sides
     centre = rotation_2d(-yaw) @ ((lower + upper)[:2] / 2 - record.pose.position[:2])
     width, depth = (float(side) for side in sides)
     return TableItem(record.id, (width, depth, float(z)), ANY_YAW, centre=(float(centre[0]), float(centre[1])))
@@ -188,7 +198,7 @@ def item_of(record: ObjectRecord) -> TableItem:
 def _swept(asset: Asset) -> list[np.ndarray]:
     """(n, 2) corners of the moving parts, seen from above, while each joint goes through its range."""
     links = asset.model.links
-    shares = np.linspace(0, 1, SWEEP_STEPS)
+    shares = np.linspace(0, 1, ITEMS.sweep_steps)
     corners = []
     for share in shares:
         joints = [(1 - share) * link.joint.lower + share * link.joint.upper for link in links]

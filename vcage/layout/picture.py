@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,13 +12,28 @@ from vcage.base.geometry import rotation_2d
 from vcage.layout.items import TableItem
 from vcage.schema.scene import Table, Workspace
 
-PANEL = 900
-"""Width of one of the two plans, pixels."""
-EDGE, HEADER, FOOTER = 24, 64, 44
-WOOD: Colour = (236, 222, 200)
-GREY: Colour = (150, 145, 138)
-SHORTEST_MOVE = 3
-"""Moves shorter than this are not marked, millimetres."""
+
+@dataclass(frozen=True)
+class PictureSettings:
+    """Sizes and colours of the drawing.
+
+    Args:
+        panel_px: width of one of the two plans.
+        edge_px, header_px, footer_px: margins around them.
+        wood, grey: colours of the table and of the workspace's dots.
+        shortest_move_mm: moves that are shorter are not marked.
+    """
+
+    panel_px: int = 900
+    edge_px: int = 24
+    header_px: int = 64
+    footer_px: int = 44
+    wood: Colour = (236, 222, 200)
+    grey: Colour = (150, 145, 138)
+    shortest_move_mm: float = 3
+
+
+SETTINGS = PictureSettings()
 
 
 def draw_layout(
@@ -39,14 +55,18 @@ def draw_layout(
         (H, W, 3) uint8.
     """
     plan = _Plan(table)
-    sheet = np.full((plan.height + HEADER + FOOTER, 2 * PANEL + 3 * EDGE, 3), PAPER, dtype=np.uint8)
+    sheet = np.full(
+        (plan.height + SETTINGS.header_px + SETTINGS.footer_px, 2 * SETTINGS.panel_px + 3 * SETTINGS.edge_px, 3),
+        PAPER,
+        dtype=np.uint8,
+    )
     canvas = Canvas(sheet, text_size=17)
     colours = dict(zip([f.id for f in before], distinct_colours(len(before)), strict=True))
     clashes = collisions(before)
     moved = {f.id: 1000 * float(np.hypot(*np.subtract(f.target, b.target))) for b, f in zip(before, after, strict=True)}
-    foot = plan.height + HEADER + 10
+    foot = plan.height + SETTINGS.header_px + 10
 
-    plan.left = EDGE
+    plan.left = SETTINGS.edge_px
     canvas.text((plan.left, 20), "Target layout (matched)", size=26)
     _draw_plan(canvas, plan, workspace, before, colours)
     for rectangle in clashes:
@@ -54,7 +74,7 @@ def draw_layout(
     _draw_labels(canvas, plan, before, labels, colours, {})
     canvas.text((plan.left, foot), _count(clashes), fill=WARNING if clashes else INK, size=20)
 
-    plan.left = 2 * EDGE + PANEL
+    plan.left = 2 * SETTINGS.edge_px + SETTINGS.panel_px
     canvas.text((plan.left, 20), "Optimised layout", size=26)
     _draw_plan(canvas, plan, workspace, after, colours)
     for old, new in zip(before, after, strict=True):
@@ -83,7 +103,7 @@ def collisions(items: Sequence[TableItem]) -> list[np.ndarray]:
 
 
 def _apart(a: TableItem, b: TableItem, yaw: float) -> bool:
-    """Whether the boxes along the axes of a frame turned by ``yaw`` do not overlap."""
+    """True if the boxes along the axes of a frame turned by ``yaw`` do not overlap."""
     halves = sum(f.half_size(yaw) for f in (a, b))
     between = np.abs(rotation_2d(-yaw) @ np.subtract(a.target, b.target))
     return bool(np.any(between >= halves - 1e-6))
@@ -97,7 +117,7 @@ def _count(clashes: Sequence[np.ndarray]) -> str:
 
 def _summary(labels: Mapping[str, str], moved: Mapping[str, float]) -> str:
     furthest = max(moved, key=lambda name: moved[name])
-    if moved[furthest] < SHORTEST_MOVE:
+    if moved[furthest] < SETTINGS.shortest_move_mm:
         return "nothing moved"
     mean = sum(moved.values()) / len(moved)
     return f"moved {mean:.0f} mm on average, at most {moved[furthest]:.0f} mm ({labels[furthest]})"
@@ -108,7 +128,7 @@ class _Plan:
 
     def __init__(self, table: Table):
         self._lower, self._upper = table.rectangle
-        self._scale = PANEL / table.size[0]
+        self._scale = SETTINGS.panel_px / table.size[0]
         self.height = round(table.size[1] * self._scale)
         self.left = 0
 
@@ -116,23 +136,23 @@ class _Plan:
         """(..., 2) pixels of world points (..., 2); y upwards."""
         points = np.asarray(points, dtype=np.float64)
         u = (points[..., 0] - self._lower[0]) * self._scale + self.left
-        return np.stack([u, (self._upper[1] - points[..., 1]) * self._scale + HEADER], axis=-1)
+        return np.stack([u, (self._upper[1] - points[..., 1]) * self._scale + SETTINGS.header_px], axis=-1)
 
     def table(self) -> list[float]:
         return [*self.pixel((self._lower[0], self._upper[1])), *self.pixel((self._upper[0], self._lower[1]))]
 
 
 def _draw_table(canvas: Canvas, plan: _Plan, workspace: Workspace) -> None:
-    canvas.draw.rounded_rectangle(plan.table(), radius=10, fill=WOOD, outline=GREY, width=2)
+    canvas.draw.rounded_rectangle(plan.table(), radius=10, fill=SETTINGS.wood, outline=SETTINGS.grey, width=2)
     u0, v1 = plan.pixel(workspace.lower)
     u1, v0 = plan.pixel(workspace.upper)
     for u in np.arange(u0, u1, 12):
         for v in (v0, v1):
-            canvas.draw.line([u, v, min(u + 5, u1), v], fill=GREY, width=2)
+            canvas.draw.line([u, v, min(u + 5, u1), v], fill=SETTINGS.grey, width=2)
     for v in np.arange(v0, v1, 12):
         for u in (u0, u1):
-            canvas.draw.line([u, v, u, min(v + 5, v1)], fill=GREY, width=2)
-    canvas.text((u0 + 8, v1 - 26), "robot side, workspace dotted", fill=GREY, size=16)
+            canvas.draw.line([u, v, u, min(v + 5, v1)], fill=SETTINGS.grey, width=2)
+    canvas.text((u0 + 8, v1 - 26), "robot side, workspace dotted", fill=SETTINGS.grey, size=16)
 
 
 def _draw_plan(
@@ -156,7 +176,7 @@ def _draw_labels(
         canvas.keep_clear(box)
     for f in items:
         distance = moved.get(f.id, 0.0)
-        words = f"{labels[f.id]}  {distance:.0f} mm" if distance >= SHORTEST_MOVE else labels[f.id]
+        words = f"{labels[f.id]}  {distance:.0f} mm" if distance >= SETTINGS.shortest_move_mm else labels[f.id]
         canvas.label(boxes[f.id], words, colours[f.id])
 
 

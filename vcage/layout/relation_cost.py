@@ -143,7 +143,7 @@ class RelationTerms:
         return np.concatenate([towards, np.maximum(within, np.where(self.gap > 0, depth.min(axis=1), -np.inf))])
 
     def broken(self, centres: np.ndarray) -> int:
-        """How many relations do not hold."""
+        """Number of relations that do not hold."""
         return int((self.violations(centres) > -HELD).sum())
 
     def without(self, index: int) -> RelationTerms:

@@ -21,21 +21,32 @@ from vcage.layout.items import TableItem
 from vcage.layout.placement.place import place, require_possible
 from vcage.layout.repair import is_feasible, repair
 
-SPREAD = 0.01
-"""Standard deviation of the first random restart, metres; each one is twice as wide as the one before."""
-WIDEST = 0.1
-"""Standard deviation that no restart goes beyond, metres."""
-JITTER = 1e-4
-"""Moves objects with the same target apart: coinciding centres have no gradient."""
-PATIENCE = 2
-"""Starts in a row that bring nothing before a layout is taken that keeps the plan, but that the repair had to change.
-One that it left as it was is taken at once: it is a local minimum near the targets already."""
-GAIN = 0.95
-"""Share of the best displacement cost that a start must go below to have brought something."""
-REPAIRS = 40
-"""Orders in which a repair is tried when no start became feasible."""
-EASED = (0.5, 0.0)
-"""Shares of the wider gaps that are tried when there is no layout with all of them."""
+
+@dataclass(frozen=True)
+class SolverSettings:
+    """Settings of the starts of one problem.
+
+    Args:
+        spread_m: standard deviation of the first random restart; each one is twice as wide as the one before.
+        widest_m: standard deviation that no restart exceeds.
+        jitter_m: moves objects with the same target apart: coinciding centres have no gradient.
+        patience: starts in a row that bring nothing before a layout is taken that keeps the plan, but that the repair
+            had to change. One that it left as it was is taken at once: it is a local minimum near the targets already.
+        gain_share: of the best displacement cost that a start must fall below to have brought something.
+        repair_orders: that are tried when no start became feasible.
+        eased_shares: of the wider gaps that are tried when there is no layout with all of them.
+    """
+
+    spread_m: float = 0.01
+    widest_m: float = 0.1
+    jitter_m: float = 1e-4
+    patience: int = 2
+    gain_share: float = 0.95
+    repair_orders: int = 40
+    eased_shares: tuple[float, ...] = (0.5, 0.0)
+
+
+SETTINGS = SolverSettings()
 
 
 @dataclass(frozen=True)
@@ -80,7 +91,8 @@ def _searched(
     problem: LayoutProblem, names: Sequence[str], weights: CostWeights, rng: np.random.Generator, restarts: int
 ) -> Solution:
     """The best layout of all starts, with as much of the wider gaps as there is a layout for."""
-    eased = [] if problem.extra is None else [(share, replace(problem, extra=share * problem.extra)) for share in EASED]
+    wider = problem.extra
+    eased = [] if wider is None else [(share, replace(problem, extra=share * wider)) for share in SETTINGS.eased_shares]
     search, share = _Search(problem, weights, rng), 1.0
     while not search.run(restarts):
         if not eased:
@@ -94,7 +106,7 @@ def _searched(
 
 @dataclass(frozen=True, order=True)
 class _Score:
-    """What makes a feasible layout better: first fewer broken relations, then less displacement cost."""
+    """Order of feasible layouts: first by broken relations, then by displacement cost."""
 
     broken: int
     displacement: float
@@ -120,15 +132,19 @@ class _Search:
         return Solution(centres, self.starts, moved, share)
 
     def run(self, restarts: int) -> bool:
-        """Starts from the targets, then from wider and wider around them; whether a feasible layout was found."""
+        """Start from the targets, then from wider and wider around them; True if a feasible layout was found."""
         idle = 0
         for start in range(restarts + 1):
-            spread = min(SPREAD * 2 ** (start - 1), WIDEST) if start else JITTER
+            spread = min(SETTINGS.spread_m * 2 ** (start - 1), SETTINGS.widest_m) if start else SETTINGS.jitter_m
             noise = self._rng.normal(0, spread, self._problem.target.shape)
             self._ends.append(self._descend(self._tight, self._problem.target + noise))
             gained = self._offer(repair(self._problem, self._ends[-1]))
             idle = 0 if gained else idle + 1
-            if self._best is not None and self._best[0].broken == 0 and (idle >= PATIENCE or not self._best[2]):
+            if (
+                self._best is not None
+                and self._best[0].broken == 0
+                and (idle >= SETTINGS.patience or not self._best[2])
+            ):
                 return True
         if self._best is not None and self._best[0].broken:
             self._give_up_relations(self._best[1])
@@ -139,14 +155,14 @@ class _Search:
         return descend(tight, self._weights, start, stages)
 
     def _offer(self, repaired: tuple[np.ndarray, tuple[int, ...]] | None) -> bool:
-        """Keep a layout if it is the best; whether it is better by more than a little."""
+        """Keep a layout if it is the best; True if it is better by more than a little."""
         if repaired is None:
             return False
         score = _Score(_broken(self._problem, repaired[0]), _displacement(self._problem, repaired[0]))
         before = self._best[0] if self._best else None
         if before is None or score < before:
             self._best = (score, *repaired)
-        return before is None or score < _Score(before.broken, GAIN * before.displacement)
+        return before is None or score < _Score(before.broken, SETTINGS.gain_share * before.displacement)
 
     def _give_up_relations(self, centres: np.ndarray) -> None:
         """Relations that cannot all hold pull at each other: leave out the worst, one at a time, and go on."""
@@ -159,7 +175,7 @@ class _Search:
     def repair_harder(self) -> bool:
         """For problems that no start solved: many orders of repair, and back towards the targets."""
         for end in self._ends:
-            if (repaired := repair(self._problem, end, REPAIRS)) is not None:
+            if (repaired := repair(self._problem, end, SETTINGS.repair_orders)) is not None:
                 self._offer(repaired)
                 self._pull_back(repaired[0])
                 return True
@@ -194,7 +210,7 @@ def _displacement(problem: LayoutProblem, centres: np.ndarray) -> float:
 
 
 def _is_hopeless(problem: LayoutProblem) -> bool:
-    """Whether a footprint is larger than the bounds, has no reachable place, or all together take too much area."""
+    """True if a footprint is larger than the bounds, has no reachable place, or all together take too much area."""
     room = problem.bounds[1] - problem.bounds[0]
     half = problem.half[problem.movable]
     grown = (2 * half + problem.margin).prod(axis=1).sum()
@@ -209,7 +225,7 @@ def _fixed_boxes(problem: LayoutProblem) -> np.ndarray:
 
 
 def _as_items(problem: LayoutProblem, names: Sequence[str]) -> list[TableItem]:
-    """What can be moved, to be placed."""
+    """The movable footprints as items for a placement."""
     # No height matters in a plane.
     return [
         TableItem(

@@ -20,20 +20,28 @@ from vcage.plans.relations import DIRECTIONS, hold, hold_on_table
 from vcage.schema.plan import TABLE, Relation, RelationWord
 from vcage.schema.scene import Scene
 
-GAP = 0.03
-"""Free space between neighbours at its best, metres: the picture shows the table between them."""
 
-BORDER = 3.0
-"""Pixels that stay free between an object and the edge of the picture."""
+@dataclass(frozen=True)
+class StartSettings:
+    """Settings of starting places.
 
-BACK = 0.05
-"""How far behind the middle of the table what the plan wants there stands at most, metres: things stand before it."""
+    Args:
+        gap_m: free space between neighbours at its best: the picture shows the table between them.
+        border_px: width that stays free between an object and the edge of the picture.
+        behind_m: how far behind the middle of the table an object stands at most that the plan wants in the middle:
+            others stand before it.
+        broken_cost_m: cost of a broken relation, more than any distance.
+        staying_share: cost of a metre from where an object stands now, beside a metre from where a relation looks best.
+    """
 
-BROKEN = 1e3
-"""Cost of a broken relation, metres: more than any distance."""
+    gap_m: float = 0.03
+    border_px: float = 3.0
+    behind_m: float = 0.05
+    broken_cost_m: float = 1e3
+    staying_share: float = 0.05
 
-STAYING = 0.05
-"""Cost of a metre from where an object stands now, beside a metre from where a relation looks its best."""
+
+SETTINGS = StartSettings()
 
 
 def starting_places(
@@ -92,14 +100,14 @@ class _Starts:
         else:
             free = [region.nearest(point + middle) for point in points]
             at = np.array([*free, *(region.corners() if wishes else ())]) - middle
-        costs = STAYING * np.linalg.norm(at - item.target, axis=1)
+        costs = SETTINGS.staying_share * np.linalg.norm(at - item.target, axis=1)
         for wish in wishes:
             costs = costs + wish.costs(at)
         x, y = (float(v) for v in at[int(np.argmin(costs))])
         return replace(item, target=(x, y))
 
     def _wishes(self, item: TableItem, others: Sequence[TableItem]) -> list[_Wish]:
-        """What the relations to what has its place already ask of an item."""
+        """Wishes of the relations to items that have their places already."""
         body = item.body_rectangle()
         around = {other.id: other.body_rectangle() + other.target for other in others}
         found: list[_Wish] = []
@@ -115,10 +123,10 @@ class _Starts:
         """(2,) where a body stands best that belongs in the middle of the table: room is left before it."""
         x, y = self._table.mean(axis=0)
         behind = self._workspace[1, 1] - y - (body[1, 1] - body[0, 1]) / 2
-        return np.array([x, y + np.clip(0.3 * behind, 0.0, BACK)])
+        return np.array([x, y + np.clip(0.3 * behind, 0.0, SETTINGS.behind_m)])
 
     def _region(self, item: TableItem, others: Sequence[TableItem]) -> FreeRegion:
-        """Where the middle of an item's rectangle may be among others.
+        """Region of the middle of an item's rectangle among others.
 
         With room for a hand, a free view and all of the item in view; what cannot be had is given up in that order.
         """
@@ -154,15 +162,17 @@ class _Starts:
         (x0, y0), (x1, y1) = self._workspace
         top = self._height + item.size[2]
         corners = self._camera.project([(x, y, z) for x in (x0, x1) for y in (y0, y1) for z in (self._height, top)])
-        if np.all(corners >= BORDER) and np.all(corners <= [self._camera.width - BORDER, self._camera.height - BORDER]):
+        if np.all(corners >= SETTINGS.border_px) and np.all(
+            corners <= [self._camera.width - SETTINGS.border_px, self._camera.height - SETTINGS.border_px]
+        ):
             return ()  # all of the workspace is in view, as mostly
-        seen = view_rectangles(self._camera, self._height, item.size[2], self._workspace, BORDER)
+        seen = view_rectangles(self._camera, self._height, item.size[2], self._workspace, SETTINGS.border_px)
         return (centres_within(seen, half),)
 
 
 @dataclass(frozen=True)
 class _Wish:
-    """What a relation asks of an object beside one that has its place.
+    """The wish of a relation for an object beside one that has its place.
 
     Args:
         word: the relation.
@@ -181,18 +191,18 @@ class _Wish:
         """(k, 2) origins of the object at which the relation looks its best."""
         reach = (self.other[1] - self.other[0] + self.body[1] - self.body[0]) / 2
         words = [self.word] if self.word in DIRECTIONS else list(DIRECTIONS)
-        ways = self.sign * np.array([DIRECTIONS[word] for word in words]) * (reach + GAP)
+        ways = self.sign * np.array([DIRECTIONS[word] for word in words]) * (reach + SETTINGS.gap_m)
         if self.word == "center":
             ways = np.zeros((1, 2))
         return self.other.mean(axis=0) + ways - self.body.mean(axis=0)
 
     def costs(self, at: np.ndarray) -> np.ndarray:
-        """(n,) of origins (n, 2): metres from the nearest best one, and :data:`BROKEN` where the relation breaks."""
+        """(n,) costs of origins (n, 2): metres from the nearest best one, more where the relation breaks."""
         away = np.linalg.norm(at[:, None] - self.points, axis=2).min(axis=1)
-        return away + np.where(self._held(self.body + at[:, None]), 0.0, BROKEN)
+        return away + np.where(self._held(self.body + at[:, None]), 0.0, SETTINGS.broken_cost_m)
 
     def _held(self, boxes: np.ndarray) -> np.ndarray:
-        """(n,) whether the relation holds of the object with rectangles (n, 2, 2)."""
+        """(n,) bool: the relation holds of the object with rectangles (n, 2, 2)."""
         other = self.other[None]
         return hold(self.word, boxes, other) if self.sign == 1 else hold(self.word, other, boxes)
 

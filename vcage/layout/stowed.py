@@ -1,4 +1,4 @@
-"""Things in a moving part, such as a closed drawer: no layout moves it by itself, it goes where that goes."""
+"""Objects in a moving part, such as a closed drawer: no layout moves them, they go where the part goes."""
 
 from __future__ import annotations
 

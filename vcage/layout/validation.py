@@ -1,4 +1,4 @@
-"""What makes no sense of items and areas is refused, before anything is placed or optimised."""
+"""Validation of items and areas before anything is placed or optimised."""
 
 from __future__ import annotations
 

@@ -1,6 +1,8 @@
-"""Whether a functional point is open to above, and which drawer or lid must be opened before something is put there."""
+"""Access to a functional point from above, and the drawer or lid that must be opened first."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,22 +13,32 @@ from vcage.schema.subtasks import Check
 from vcage.sim.joints import link_poses
 from vcage.tasks.scene_objects import SceneObject
 
-UPRIGHT = 0.7
-"""Least share of a functional point's axis that points up: things are put there from above."""
 
-COVER = 0.01
-"""What is nearer above a functional point than this belongs to its floor, metres."""
+@dataclass(frozen=True)
+class AccessSettings:
+    """Limits of access from above.
+
+    Args:
+        upright_share: least upward share of a functional point's axis: things are put there from above.
+        cover_m: parts that are nearer above a functional point belong to its floor.
+    """
+
+    upright_share: float = 0.7
+    cover_m: float = 0.01
+
+
+SETTINGS = AccessSettings()
 
 
 def access(receptacle: SceneObject, point: FunctionalPoint) -> Check:
-    """Whether a functional point is reached from above: it faces up, and no closed drawer or lid keeps it in."""
+    """Check that a functional point faces up, and that no closed drawer or lid keeps it in."""
     poses = link_poses(receptacle.asset.model, receptacle.joints)
     part = receptacle.pose * poses[point.link]
     upright = float((part.rotation() @ np.asarray(point.axis))[2])
     where = f"{point.name!r} of {receptacle.record.phrase}"
-    if upright < UPRIGHT:
+    if upright < SETTINGS.upright_share:
         message = f"{where} can only be reached from the side"
-        return Check(name="way_free", passed=False, value=upright, limit=UPRIGHT, message=message)
+        return Check(name="way_free", passed=False, value=upright, limit=SETTINGS.upright_share, message=message)
     lid = closed_part(receptacle, point)
     if lid is not None:
         message = f"the {lid.replace('_', ' ')} of {receptacle.record.phrase} is closed"
@@ -52,7 +64,7 @@ def shut_above(thing: SceneObject, part: str) -> list[Goal]:
 
 @remembered(256)
 def headroom(receptacle: SceneObject, point: FunctionalPoint) -> float:
-    """How tall a thing may be so that what keeps the point in can be closed over it, metres; infinite without that.
+    """Largest height of an object over which the parts around the point can be closed, metres; infinite without any.
 
     The least height above the point's floor, over a grid of its opening, of all other parts when everything is at rest.
     """
@@ -68,7 +80,7 @@ def headroom(receptacle: SceneObject, point: FunctionalPoint) -> float:
             for x in opening.centre[0] + across:
                 for y in opening.centre[1] + along:
                     stretch = piece.interval(np.array([x, y, opening.floor]), np.array([0.0, 0.0, 1.0]))
-                    if stretch is not None and stretch[1] > COVER:
+                    if stretch is not None and stretch[1] > SETTINGS.cover_m:
                         least = min(least, max(stretch[0], 0.0))
     return float(least)
 
@@ -85,6 +97,6 @@ def closed_part(receptacle: SceneObject, point: FunctionalPoint) -> str | None:
         start, up = to_part.apply(origin), to_part.rotation() @ [0.0, 0.0, 1.0]
         for piece in receptacle.asset.pieces_of(name):
             stretch = piece.interval(start, up)
-            if stretch is not None and stretch[1] > COVER:
+            if stretch is not None and stretch[1] > SETTINGS.cover_m:
                 return point.link or name
     return None

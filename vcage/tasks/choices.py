@@ -40,7 +40,7 @@ class Choices:
     Attributes:
         arm, contact: that took hold of something.
         slot: where it goes, once that is chosen.
-        changes: what is done otherwise than planned, in words.
+        changes: deviations from the plan, in words.
     """
 
     def __init__(
@@ -133,7 +133,7 @@ class Choices:
         return self._leads_to(target, around, slot.poses(self._cell.objects()))
 
     def _leads_to(self, target: SceneObject, around: Surroundings, *places: Sequence[Pose]) -> LeadsOn:
-        """That an object gets to each of some places, that is to one of its poses there."""
+        """Return the check that an object gets to each of some places, to one of its poses there."""
 
         def check(planner: MotionPlanner, way: PickWay, lifted: np.ndarray, contact: ContactPoint) -> None:
             held = self._cell.held(target.id, way.grasp)

@@ -1,4 +1,4 @@
-"""From a contact point to gripper poses: the candidates an arm may try, and the room that its fingers need.
+"""Gripper poses for a contact point: the candidates that an arm may try, and the room that its fingers need.
 
 Gripper frame: z along the approach, y along the closing direction, origin between the finger tips.
 """
@@ -15,14 +15,23 @@ from vcage.schema.asset import ContactPoint
 from vcage.schema.robot import Gripper
 from vcage.sim.kinematics import TILTS, leaning
 
-TIP_CLEARANCE = 0.002
-"""Metres between the finger tips and what lies under them."""
 
-GRIP_ROOM = 0.006
-"""The gripper must open this much wider than the material, metres."""
+@dataclass(frozen=True)
+class GraspSettings:
+    """Room that fingers need.
 
-GRASP_ROOM = 0.024
-"""How much wider than the material the fingers open before they close on it, or let it go, metres."""
+    Args:
+        tip_clearance_m: between the finger tips and what lies under them.
+        grip_room_m: the gripper must open this much wider than the material.
+        grasp_room_m: how much wider than the material the fingers open before they close on it, or let it go.
+    """
+
+    tip_clearance_m: float = 0.002
+    grip_room_m: float = 0.006
+    grasp_room_m: float = 0.024
+
+
+GRASPING = GraspSettings()
 
 
 @dataclass(frozen=True)
@@ -56,7 +65,7 @@ def grasp_poses(
     # Deeper than the tips of a straight hand an object may be wider than where it is to be held.
     deepest = frame.p[2] - _tips_below(frame, gripper) if contact.link is None else -np.inf
     for turned in leaning(frame, tilts):
-        pose = _raised_above(turned, gripper, support + TIP_CLEARANCE, deepest)
+        pose = _raised_above(turned, gripper, support + GRASPING.tip_clearance_m, deepest)
         yield GraspPose(pose, object_pose.inverse() * pose)
 
 
@@ -68,21 +77,21 @@ def _raised_above(pose: Pose, gripper: Gripper, support: float, deepest: float) 
 
 
 def _tips_below(pose: Pose, gripper: Gripper) -> float:
-    """How far the finger tips are below the gripper frame, metres: corners of what is tilted hang lower."""
+    """Depth of the finger tips below the gripper frame, metres: corners of tilted fingers are lower."""
     down, sideways = -pose.rotation()[2, 2], abs(pose.rotation()[2, 0]) / 2
     return float(max(down, 0.0) * gripper.tip_depth + sideways * gripper.finger_width)
 
 
 def _palm_below(pose: Pose, gripper: Gripper) -> float:
-    """How far the palm, and the hand behind it where that is lower, are below the gripper frame, metres."""
+    """Depth of the palm, or of the hand behind it if that is lower, below the gripper frame, metres."""
     down, sideways = -pose.rotation()[2, 2], abs(pose.rotation()[2, 0]) / 2
     behind = gripper.finger_length + (gripper.palm_height if down < 0 else 0.0)
     return float(sideways * gripper.palm_size[0] - down * behind)
 
 
 def approach_opening(width: float, gripper: Gripper) -> float:
-    """How far the fingers are apart when they come down around ``width`` of material, metres."""
-    return min(gripper.max_width, width + GRASP_ROOM)
+    """Distance of the fingers when they come down around ``width`` of material, metres."""
+    return min(gripper.max_width, width + GRASPING.grasp_room_m)
 
 
 def command_of(width: float, gripper: Gripper) -> float:

@@ -1,6 +1,6 @@
-"""Where two hands meet on one object in the air: how the second holds it beside the first, and where that can be.
+"""Meetings of two hands on one object in the air: the hold of the second beside the first, and the place.
 
-Geometry and inverse kinematics only: what stands in the way is for the planner to say.
+Geometry and inverse kinematics only: the planner finds obstacles.
 """
 
 from __future__ import annotations
@@ -20,37 +20,44 @@ from vcage.schema.asset import ContactPoint
 from vcage.schema.robot import Gripper
 from vcage.sim.kinematics import ArmKinematics
 from vcage.sim.motion import MotionFailed
-from vcage.tasks.grasps import GRIP_ROOM, approach_opening, hand_boxes
+from vcage.tasks.grasps import GRASPING, approach_opening, hand_boxes
 from vcage.tasks.primitives.pick import transfer_height
 from vcage.tasks.scene_objects import REMEMBERED, SceneObject, SolidBox
 
-STEP = 0.015
-"""Distance between neighbouring places along an object that the second hand tries, metres."""
 
-MOST_STEPS = 8
-"""So many of them to either side of a contact point."""
+@dataclass(frozen=True)
+class MeetingSettings:
+    """Settings of the search for a place where an object changes hands.
 
-END_ROOM = 0.012
-"""An object must go on for this far beyond the middle of the fingers, metres."""
+    Args:
+        step_m: between neighbouring places along an object that the second hand tries.
+        steps: to either side of a contact point.
+        end_room_m: the object must extend this far beyond the middle of the fingers.
+        least_width_m: of material between the fingers.
+        leans_rad: turns of the second hand about its closing axis: two hands side by side lean apart.
+        apart_m: between two hands on one object.
+        wrist_m: from the finger tips back to the wrist.
+        holds: of the second hand that are examined.
+        meetings: places for each hold.
+        ahead_m, above_m: places of the object before the middle between the arms' bases, and above it.
+        turned_deg: headings of the object off the line from one base to the other.
+    """
 
-LEAST_WIDTH = 0.004
-"""Less material than this is not held, metres."""
+    step_m: float = 0.015
+    steps: int = 8
+    end_room_m: float = 0.012
+    least_width_m: float = 0.004
+    leans_rad: tuple[float, ...] = tuple(float(np.radians(lean)) for lean in (0, 20, -20, 40, -40, 60, -60))
+    apart_m: float = 0.008
+    wrist_m: float = 0.18
+    holds: int = 16
+    meetings: int = 3
+    ahead_m: tuple[float, ...] = (0.5, 0.42, 0.58)
+    above_m: tuple[float, ...] = (0.3, 0.4, 0.22)
+    turned_deg: tuple[float, ...] = (0.0, 30.0, -30.0, 60.0, -60.0)
 
-LEANS = tuple(np.radians(degrees) for degrees in (0.0, 20.0, -20.0, 40.0, -40.0, 60.0, -60.0))
-"""Turns of the second hand about its closing axis: two hands side by side lean apart."""
 
-APART = 0.008
-"""Metres between two hands on one object."""
-
-WRIST = 0.18
-"""How far behind the finger tips a wrist is, metres."""
-
-HOLDS, EACH = 16, 3
-"""Ways for the second hand to take hold that are looked at, and places for each."""
-
-AHEAD, ABOVE, TURNED = (0.5, 0.42, 0.58), (0.3, 0.4, 0.22), (0.0, 30.0, -30.0, 60.0, -60.0)
-"""Where the object is held while it changes hands: metres before the middle between the arms' bases and above it, and
-degrees off the line from one base to the other."""
+SETTINGS = MeetingSettings()
 
 
 @dataclass(frozen=True)
@@ -66,7 +73,7 @@ class Hold:
     width: float
 
     def hand(self, gripper: Gripper) -> list[SolidBox]:
-        """What the hand fills while it closes and opens, in the object frame; the palm is first."""
+        """Boxes that the hand fills while it closes and opens, in the object frame; the palm is first."""
         opening = approach_opening(self.width, gripper)
         return [SolidBox(box, self.in_object) for box in hand_boxes(gripper, opening, self.width)[::-1]]
 
@@ -77,7 +84,7 @@ class Hold:
     @property
     def wrist(self) -> np.ndarray:
         """(3,) in the object frame, metres."""
-        return self.in_object.apply([0.0, 0.0, -WRIST])
+        return self.in_object.apply([0.0, 0.0, -SETTINGS.wrist_m])
 
 
 @dataclass(frozen=True)
@@ -112,7 +119,7 @@ class NoMeeting(MotionFailed):
 
 
 def holds_beside(asset: Asset, given: Hold, contacts: Sequence[ContactPoint], gripper: Gripper) -> list[Hold]:
-    """How a second hand may hold an object beside a first, nearest to where its weight pulls first; else none.
+    """Holds of a second hand on an object beside a first, those nearest to its balance first.
 
     It takes hold at a contact point, or at another place along the object where the fingers close on material.
 
@@ -128,7 +135,7 @@ def holds_beside(asset: Asset, given: Hold, contacts: Sequence[ContactPoint], gr
         if np.linalg.norm(hold.palm(gripper) - given.palm(gripper)) < min(gripper.palm_size):
             continue  # these two overlap, whichever way they are turned
         second = hold.hand(gripper)
-        grown = [SolidBox(box.bounds + np.array([[-APART], [APART]]), box.pose) for box in second]
+        grown = [SolidBox(box.bounds + np.array([[-SETTINGS.apart_m], [SETTINGS.apart_m]]), box.pose) for box in second]
         if not second[0].overlaps(body) and not any(a.overlaps(b) for a in grown for b in first):
             found += [hold, Hold(hold.in_object * Pose.from_yaw([0, 0, 0], np.pi), hold.width)]
     balance = _balance(asset)
@@ -142,7 +149,7 @@ def _holds(thing: SceneObject, given: Hold, gripper: Gripper) -> list[Hold]:
 
 
 def _balance(asset: Asset) -> np.ndarray:
-    """(3,) about where the object's weight pulls, in its frame: nearer to there it turns less between the fingers."""
+    """(3,) about the object's centre of mass in its frame: nearer to it the object turns less between the fingers."""
     corners = [piece.vertices for piece in asset.pieces_of(None)]
     return np.average([c.mean(axis=0) for c in corners], axis=0, weights=[ConvexHull(c).volume for c in corners])
 
@@ -152,16 +159,16 @@ def _along(asset: Asset, contacts: Sequence[ContactPoint], gripper: Gripper) -> 
     lower, upper = asset.bounds_of(None)
     seen: set[tuple[float, ...]] = set()
     frames = [(c, frame_from_axes(c.position, c.approach, c.closing)) for c in contacts]
-    for (contact, frame), steps in product(frames, range(-MOST_STEPS, MOST_STEPS + 1)):
-        ends = frame.apply([[steps * STEP + side * END_ROOM, 0.0, 0.0] for side in (-1, 0, 1)])
+    for (contact, frame), steps in product(frames, range(-SETTINGS.steps, SETTINGS.steps + 1)):
+        ends = frame.apply([[steps * SETTINGS.step_m + side * SETTINGS.end_room_m, 0.0, 0.0] for side in (-1, 0, 1)])
         there = contact.model_copy(update={"position": tuple(ends[1].tolist())})
         key = (*np.round(ends[1], 3).tolist(), *np.round(frame.q, 2).tolist())
         if key in seen or np.any(ends < lower) or np.any(ends > upper):
             continue
         seen.add(key)
         width = asset.grasp_width(there)
-        if LEAST_WIDTH <= width <= gripper.max_width - GRIP_ROOM:
-            for lean in LEANS:
+        if SETTINGS.least_width_m <= width <= gripper.max_width - GRASPING.grip_room_m:
+            for lean in SETTINGS.leans_rad:
                 turn = Pose(q=[np.cos(lean / 2), 0, np.sin(lean / 2), 0])
                 yield Hold(Pose(ends[1], frame.q) * turn, width)
 
@@ -178,14 +185,14 @@ Suits = Callable[[Hold], None]
 def meetings(
     thing: SceneObject, given: Hold, arms: tuple[ArmKinematics, ArmKinematics], height: float, suits: Suits
 ) -> Iterator[Meeting]:
-    """Where an object can change hands; at least one place.
+    """Yield the places where an object can change hands; at least one.
 
     Args:
         thing: what is handed over.
         given: the hand that has it.
         arms: that have it first and then.
         height: least z of the hands, metres.
-        suits: whether a hold does for what comes next.
+        suits: raises where a hold does not suit what comes next.
 
     Raises:
         NoMeeting: there is none.
@@ -197,16 +204,16 @@ def meetings(
         room = f"it is {long:.1f} cm long, and each is {thick:.1f} cm thick"
         raise NoMeeting("room_for_hands", f"two hands have no room side by side on {thing.record.phrase}: {room}")
     found, reasons = False, []
-    for hold in holds[:HOLDS]:
+    for hold in holds[: SETTINGS.holds]:
         try:
             suits(hold)
         except MotionFailed as error:
             reasons.append(error.message)
             continue
-        for meeting in islice(_between(given, hold, giver, taker, height), EACH):
+        for meeting in islice(_between(given, hold, giver, taker, height), SETTINGS.meetings):
             found = True
             yield meeting
-    if not found and len(reasons) == min(len(holds), HOLDS):
+    if not found and len(reasons) == min(len(holds), SETTINGS.holds):
         raise NoMeeting("reach_place", f"beside the other hand it cannot be held so that {reasons[0]}")
     if not found:
         raise NoMeeting("reach_meeting", f"the two arms do not both reach {thing.record.phrase} between them")
@@ -220,7 +227,9 @@ def _between(given: Hold, hold: Hold, giver: ArmKinematics, taker: ArmKinematics
         return
     forward, turn = bases[0].rotation()[:, 0], np.arctan2(across[1], across[0]) - np.arctan2(lean[1], lean[0])
     middle = (hold.in_object.p + given.in_object.p) / 2
-    choices = product(*(list(enumerate(values)) for values in (TURNED, ABOVE, AHEAD)))
+    choices = product(
+        *(list(enumerate(values)) for values in (SETTINGS.turned_deg, SETTINGS.above_m, SETTINGS.ahead_m))
+    )
     for (_, turned), (_, above), (_, ahead) in sorted(choices, key=lambda choice: sum(i for i, _ in choice)):
         at = (bases[0].p + bases[1].p) / 2 + ahead * forward + [0.0, 0.0, above]
         at[2] = max(at[2], height)

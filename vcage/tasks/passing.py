@@ -1,4 +1,4 @@
-"""Feasible before simulated: whether one arm can take an object, another take it over, and bring it to its place."""
+"""Feasibility of passing: one arm takes an object, another takes it over and brings it to its place."""
 
 from __future__ import annotations
 
@@ -6,8 +6,10 @@ from collections.abc import Mapping, Sequence
 
 from vcage.schema.subtasks import Check
 from vcage.sim.kinematics import ArmKinematics
-from vcage.tasks.feasibility import Feasibility, Report, Transfer, opens_wide_enough, picks, reach_check, travel
+from vcage.tasks.feasibility import Transfer, opens_wide_enough
+from vcage.tasks.findings import Feasibility, Report, reach_check, travel
 from vcage.tasks.meeting import Hold, NoMeeting, Suits, meeting_height, meetings
+from vcage.tasks.picks import picks
 from vcage.tasks.primitives.place import Surroundings
 
 
@@ -79,7 +81,7 @@ def _examine_giver(
 
 
 def _brings(transfer: Transfer, taker: ArmKinematics, heights: tuple[float, ...]) -> Suits:
-    """Whether the taking arm can bring what it holds to the transfer's place.
+    """Return the check that the taking arm can bring an object to the transfer's place.
 
     Args:
         heights: z's that the object's bottom may keep on the way, the highest first, metres.

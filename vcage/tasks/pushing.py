@@ -1,4 +1,4 @@
-"""Which straight pushes bring about a goal: where they end, what is in their way, and whether an arm reaches."""
+"""Straight pushes that bring about a goal: their ends, what is in their way, and the arms that reach."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from vcage.plans.relations import holds
 from vcage.schema.goals import Goal
 from vcage.schema.subtasks import Check
 from vcage.sim.kinematics import ArmKinematics, follow
-from vcage.tasks.feasibility import Feasibility, Report, reach_check, travel
+from vcage.tasks.findings import Feasibility, Report, reach_check, travel
 from vcage.tasks.grasps import hand_boxes
 from vcage.tasks.ground import Ground
 from vcage.tasks.primitives.push import PushWay, push_ways
@@ -24,23 +24,31 @@ HEADINGS = np.linspace(0, 2 * np.pi, 12, endpoint=False)
 FACES = (0, 3, 6, 9)
 """Numbers of the directions against the faces of a box: its own +x, +y, -x, -y."""
 
-ROUND = 0.02
-"""What is as wide in all directions but for this share is pushed in any of them."""
 
-SHORTEST, LONGEST, STEP = 0.06, 0.6, 0.01
-"""Distances that are tried, metres."""
+@dataclass(frozen=True)
+class PushSettings:
+    """Settings of the search for pushes.
 
-MARGIN = 0.025
-"""How far an object may end up from where it was pushed to so that the goal still holds, metres."""
+    Args:
+        round_share: an object whose widths differ by no more than this is pushed in any direction.
+        shortest_m, longest_m, step_m: distances that are tried.
+        margin_m: how far an object may end up from where it was pushed to so that the goal still holds.
+        room_m: room that the object keeps beside it and before it.
+        distances: examined for each direction, from the shortest to the longest that would do.
+        spacing_m: between neighbouring hand poses that are examined along a push.
+    """
 
-ROOM = 0.012
-"""Room that what is pushed keeps beside it and before it, metres."""
+    round_share: float = 0.02
+    shortest_m: float = 0.06
+    longest_m: float = 0.6
+    step_m: float = 0.01
+    margin_m: float = 0.025
+    room_m: float = 0.012
+    distances: int = 3
+    spacing_m: float = 0.04
 
-TRIED = 3
-"""Distances of one direction that are looked into, from the shortest to the longest that would do."""
 
-SPACING = 0.04
-"""Between neighbouring hand poses that are looked into along a push, metres."""
+SETTINGS = PushSettings()
 
 
 @dataclass(frozen=True)
@@ -83,7 +91,7 @@ def examine_pushes(
             refused[heading] = (
                 f"pushed {_words(thing, heading)}, at most {most:.0f} cm, it does not come to be so that {goal}"
             )
-        for number in np.unique(np.linspace(0, len(ends) - 1, TRIED).astype(int)) if ends else ():
+        for number in np.unique(np.linspace(0, len(ends) - 1, SETTINGS.distances).astype(int)) if ends else ():
             finding = _examine(thing, heading, ends[number], others, kinematics)
             if finding.feasible:
                 found.append(Push(heading, ends[number], finding))
@@ -97,7 +105,7 @@ def headings(thing: SceneObject) -> Sequence[int]:
     """Numbers of the directions in which an object can be pushed: against its faces, or any if it is round."""
     ways = np.stack([np.cos(HEADINGS), np.sin(HEADINGS)])
     widths = np.ptp(thing.outline @ ways, axis=0)
-    return range(len(HEADINGS)) if np.ptp(widths) <= ROUND * widths.max() else FACES
+    return range(len(HEADINGS)) if np.ptp(widths) <= SETTINGS.round_share * widths.max() else FACES
 
 
 def _direction(thing: SceneObject, heading: int) -> np.ndarray:
@@ -107,10 +115,12 @@ def _direction(thing: SceneObject, heading: int) -> np.ndarray:
 
 
 def _ends(thing: SceneObject, goal: Goal, others: Sequence[SceneObject], ground: Ground, heading: int) -> list[Pose]:
-    """Where the object stands after a push, on the ground and so that the goal holds with a margin; nearest first."""
+    """Poses of the object after a push, on the ground, at which the goal holds with a margin; nearest first."""
     near = next(o for o in others if o.id == goal.reference).aabb
-    nudges = [np.array([x, y, 0.0]) for x in (-MARGIN, 0, MARGIN) for y in (-MARGIN, 0, MARGIN)]
-    ways = [d * _direction(thing, heading) for d in np.arange(SHORTEST, _farthest(thing, ground, heading), STEP)]
+    off = (-SETTINGS.margin_m, 0, SETTINGS.margin_m)
+    nudges = [np.array([x, y, 0.0]) for x in off for y in off]
+    distances = np.arange(SETTINGS.shortest_m, _farthest(thing, ground, heading), SETTINGS.step_m)
+    ways = [distance * _direction(thing, heading) for distance in distances]
     return [
         Pose(thing.pose.p + way, thing.pose.q)
         for way in ways
@@ -119,11 +129,11 @@ def _ends(thing: SceneObject, goal: Goal, others: Sequence[SceneObject], ground:
 
 
 def _farthest(thing: SceneObject, ground: Ground, heading: int) -> float:
-    """How far it can be pushed without leaving the ground, metres."""
+    """Longest push that does not leave the ground, metres."""
     way = _direction(thing, heading)[:2]
     room = np.where(way > 0, ground.upper - thing.outline.max(axis=0), thing.outline.min(axis=0) - ground.lower)
     rooms = room[np.abs(way) > 1e-6] / np.abs(way[np.abs(way) > 1e-6])
-    return float(np.clip(rooms.min(), 0.0, LONGEST))
+    return float(np.clip(rooms.min(), 0.0, SETTINGS.longest_m))
 
 
 def _words(thing: SceneObject, heading: int) -> str:
@@ -136,7 +146,7 @@ def _words(thing: SceneObject, heading: int) -> str:
 def _examine(
     thing: SceneObject, heading: int, end: Pose, others: Sequence[SceneObject], kinematics: Mapping[str, ArmKinematics]
 ) -> Feasibility:
-    """Whether an arm can push the object to ``end``, and nothing is in its way."""
+    """All checks of a push to ``end``."""
     distance = float(np.linalg.norm(end.p - thing.pose.p))
     where = f"{thing.record.phrase} pushed {distance * 100:.0f} cm {_words(thing, heading)}"
     met = first_met([_swept(thing, heading, distance)], others)
@@ -151,7 +161,7 @@ def _examine(
 def _examine_arm(
     thing: SceneObject, end: Pose, others: Sequence[SceneObject], arm: str, kinematics: ArmKinematics, where: str
 ) -> Report:
-    """Whether an arm can do a push."""
+    """The checks of one arm, and the score of a push that it can do."""
     blocked = None
     for way in push_ways(thing, end, kinematics.arm.gripper):
         poses = _along(way)
@@ -173,15 +183,15 @@ def _examine_arm(
 def _along(way: PushWay) -> list[Pose]:
     """Hand poses from behind the face to where it is drawn back."""
     path = way.pushed.p - way.touch.p
-    count = max(1, int(np.ceil(np.linalg.norm(path) / SPACING)))
+    count = max(1, int(np.ceil(np.linalg.norm(path) / SETTINGS.spacing_m)))
     on = [Pose(way.touch.p + share * path, way.touch.q) for share in np.linspace(0, 1, count + 1)]
     return [way.before, *on, way.after]
 
 
 def _swept(thing: SceneObject, heading: int, distance: float) -> SolidBox:
-    """What the object sweeps, with room beside it and before it."""
+    """The box that the object sweeps, with room beside it and before it."""
     frame = Pose.from_yaw(thing.pose.p, thing.pose.yaw + HEADINGS[heading])
     flat = (thing.outline - frame.p[:2]) @ frame.rotation()[:2, :2]
-    lower, upper = flat.min(axis=0) - [0.0, ROOM], flat.max(axis=0) + ROOM
+    lower, upper = flat.min(axis=0) - [0.0, SETTINGS.room_m], flat.max(axis=0) + SETTINGS.room_m
     height = thing.box.top - frame.p[2]
     return SolidBox(np.array([[*lower, 0.0], [upper[0] + distance, upper[1], height]]), frame)

@@ -1,4 +1,4 @@
-"""An object of a scene with its geometry: what the search and the execution both look at."""
+"""Objects of a scene with their geometry, for the search and the execution."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from vcage.schema.scene import ObjectRecord
 from vcage.sim.joints import link_poses
 
 REMEMBERED = 2**10
-"""Answers about objects where they stand that are kept: a search asks again for each place that there is."""
+"""Answers about objects where they stand that are remembered: a search asks again for each place."""
 
 
 @dataclass(frozen=True)
@@ -42,12 +42,12 @@ class SolidBox:
         return float(self.corners[:, 2].min())
 
     def overlaps(self, other: SolidBox) -> bool:
-        """Whether the two overlap; touching is not overlap."""
+        """True if the two overlap; touching is not overlap."""
         return oriented_boxes_overlap(self.bounds, self.pose, other.bounds, other.pose)
 
 
 class Obstacles:
-    """Boxes that are looked at together, and often.
+    """Boxes that are examined together, and often.
 
     Args:
         boxes: where they are.
@@ -104,7 +104,7 @@ class SceneObject:
     """An object where it is now.
 
     Args:
-        record: what the scene says of it.
+        record: of the scene.
         asset: its geometry and points.
         pose: object frame in the world; differs from the record's while an episode runs.
         joints: (n,) positions of its moving parts; all closed when empty.
@@ -192,7 +192,7 @@ class SceneObject:
         return self._frames[self.asset.annotation.functional_point(functional_point).link]
 
     def around(self, functional_point: int) -> list[SolidBox]:
-        """What stands around a functional point: the rim of its opening, and the object's other parts."""
+        """Boxes around a functional point: the rim of its opening, and the object's other parts."""
         own = self.asset.annotation.functional_point(functional_point).link
         return [*self.walls(functional_point), *(self.part_box(link) for link in self._frames if link != own)]
 

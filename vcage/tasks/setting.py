@@ -1,4 +1,4 @@
-"""Where an episode happens, who looks at it, and what follows a failure."""
+"""The setting of an episode: its world, its critic, and the response to a failure."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ the ``start`` of the episode."""
 
 @dataclass(frozen=True)
 class Setting:
-    """Where an episode happens, and who looks at it.
+    """The world, the critic and the rules of an episode.
 
     Args:
         build: makes the world of the episode's start, robot at home, physics only.
@@ -37,8 +37,8 @@ class Setting:
         slots: id of a sub-task → where it puts its object.
         photograph: pictures of a state for a sub-task with some goals; at the moment also from an arm's wrist.
         judge: the critic's verdict on a question about a sub-task and the pictures.
-        accept: whose yes a sub-task needs.
-        on_failure: what follows a failed sub-task.
+        accept: the judges whose yes a sub-task needs.
+        on_failure: the response to a failed sub-task.
         retries: further attempts per sub-task, when resampling.
         fps: frames per second of the recording.
         start: arm → offset of each joint from home at which the episode begins, radians; at home where not given.

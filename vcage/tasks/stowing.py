@@ -17,7 +17,7 @@ from vcage.schema.goals import Goal, part_words
 from vcage.schema.robot import Robot
 from vcage.sim.joints import joint_index, joint_positions
 from vcage.tasks.access import open_to_a_hand
-from vcage.tasks.feasibility import hand_has_room
+from vcage.tasks.picks import hand_has_room
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import allocate, opened_for
 

@@ -1,4 +1,4 @@
-"""What every primitive plans with: a world and the geometry of its objects, and failures that say how far it came."""
+"""The workcell that every primitive plans in: a world, the geometry of its objects, and failures with their stage."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class TaskFailed(VcageError):
 
     Args:
         stage: how far the attempt came.
-        exhausted: everything that could be changed was; another attempt would end in the same way.
+        exhausted: True if nothing is left to change; another attempt would end in the same way.
     """
 
     code = "task_failed"
@@ -52,9 +52,9 @@ def failing_at(stage: AttemptStage) -> Iterator[None]:
 
 def first_reasons(reasons: Sequence[str]) -> str:
     """The first three different reasons in one sentence, and how many more there are."""
-    told = list(dict.fromkeys(reasons))
-    more = f"; and {len(told) - 3} more" if len(told) > 3 else ""
-    return ("; ".join(told[:3]) or "nothing to try") + more
+    different = list(dict.fromkeys(reasons))
+    more = f"; and {len(different) - 3} more" if len(different) > 3 else ""
+    return ("; ".join(different[:3]) or "nothing to try") + more
 
 
 class Workcell:
@@ -122,7 +122,7 @@ class Workcell:
         return Held(thing.id, thing.asset.model, gripper.inverse() * thing.pose, thing.joints, contents=lying)
 
     def begun(self, arm: str) -> JointPath:
-        """What the arm is to do first, before whatever is planned next: plans go on from its end without a jump."""
+        """The path that the arm follows first: whatever is planned next goes on from its end without a jump."""
         here = JointPath((Leg(self.world.arms[arm].command[None, :-1], OPEN_HAND),))
         return self._put_off[arm][0] if arm in self._put_off else here
 

@@ -19,7 +19,7 @@ from tests.articulated import (
 )
 from tests.example_scenes import TABLE_TOP, robot
 from vcage.base.geometry import Pose
-from vcage.tasks.grasps import GRASP_ROOM
+from vcage.tasks.grasps import GRASPING
 from vcage.tasks.primitives.handles import STEP, TURNS_ALONG, Handle, held_frame, operating_ways
 
 GRIPPER = robot().arms["left"].gripper
@@ -94,7 +94,7 @@ def test_a_button_is_pressed_with_the_tips_of_closed_fingers_and_let_go(handles)
 
 def test_fingers_come_open_and_leave_the_way_they_point(handles):
     way = ways(handles["drawer"], TRAVEL)[0]
-    assert way.opening == pytest.approx(0.012 + GRASP_ROOM)
+    assert way.opening == pytest.approx(0.012 + GRASPING.grasp_room_m)
     back = way.after.p - way.motion[-1].p
     np.testing.assert_allclose(back / np.linalg.norm(back), -way.motion[-1].rotation()[:, 2], atol=1e-9)
 

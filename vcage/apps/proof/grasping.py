@@ -21,7 +21,7 @@ from vcage.sim.poses import to_sapien
 from vcage.sim.shapes import box_shape, model_shapes
 from vcage.sim.trajectory import time_optimal
 from vcage.sim.world import PHYSICS_HZ, World
-from vcage.tasks.grasps import GRIP_ROOM, approach_opening, grasp_poses, hand_boxes
+from vcage.tasks.grasps import GRASPING, approach_opening, grasp_poses, hand_boxes
 from vcage.tasks.task import Task, TaskFailed
 
 WAY_STEP = 0.01
@@ -53,7 +53,7 @@ def check_contact(asset: Asset, contact: ContactPoint, places: TrialPlaces, trie
     rng = np.random.default_rng([seed, contact.id])
     subject = f"{contact.id} {contact.name}"
     width = asset.grasp_width(contact)
-    limit = max(arm.gripper.max_width for arm in places.robot.arms.values()) - GRIP_ROOM
+    limit = max(arm.gripper.max_width for arm in places.robot.arms.values()) - GRASPING.grip_room_m
     measured = {"width_mm": round(1000 * width, 2)}
     reason = _blocked_part(asset, contact, next(iter(places.robot.arms.values())).gripper)
     if not 0 < width <= limit:

@@ -10,16 +10,15 @@ import numpy as np
 from vcage.layout.placement.free_region import TOLERANCE, FreeRegion, free_region
 from vcage.layout.placement.plane import Plane, Stance
 
-TOUCH = 1e-7
-"""Metres; what is closer than this touches."""
-
+TOUCH_M = 1e-7
+"""Gaps that are smaller count as touching."""
 
 RELATED_POINTS = 32
-"""Points that are drawn of what is free, to find one at which relations to others hold that are no rectangles."""
+"""Points that are drawn of what is free, to find one at which relations hold that are no rectangles."""
 
 
 class Spot(NamedTuple):
-    """Where an item stands on its plane.
+    """The place of an item on its plane.
 
     Args:
         stance: the room that it takes.
@@ -48,12 +47,12 @@ class Arrangement:
 
     @property
     def spots(self) -> dict[int, Spot]:
-        """Where the placed items stand, by index."""
+        """Places of the placed items, by index."""
         return dict(self._spots)
 
     def region(self, k: int, stance: Stance, yaw: float) -> FreeRegion:
-        """Where the centre of item ``k`` at ``yaw`` may be among all the others; of the relations to them, what
-        rectangles can say (:meth:`related`)."""
+        """Region of the centre of item ``k`` at ``yaw`` among all the others, as far as rectangles can express the
+        relations to them (:meth:`related`)."""
         taken = self._taken.copy()
         taken[self._first + k] = False
         plane, unions = self.plane, stance.unions
@@ -94,9 +93,11 @@ class Arrangement:
         boxes, gaps = self._boxes[self._taken], self.plane.gaps[k, self._taken][:, None]
         lower, upper = centres - stance.half, centres + stance.half
         shared = np.minimum(upper[:, None], boxes[:, 1] + gaps) - np.maximum(lower[:, None], boxes[:, 0] - gaps)
-        touches = np.abs(shared) < TOUCH  # (c, n, 2) along that axis; the border is shared along the other one
+        touches = np.abs(shared) < TOUCH_M  # (c, n, 2) along that axis; the border is shared along the other one
         length = np.where(touches, shared[..., ::-1].clip(min=0), 0.0).sum(axis=(1, 2))
-        walls = (lower - self.plane.bounds[0] < TOUCH).astype(int) + (self.plane.bounds[1] - upper < TOUCH)  # (c, 2)
+        walls = (lower - self.plane.bounds[0] < TOUCH_M).astype(int) + (
+            self.plane.bounds[1] - upper < TOUCH_M
+        )  # (c, 2)
         return (length + walls @ (2 * stance.half[::-1])) / (4 * stance.half.sum())
 
     def put(self, k: int, spot: Spot) -> None:

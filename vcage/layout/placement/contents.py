@@ -23,14 +23,14 @@ CONTENT_MARGIN = 0.003
 
 @dataclass(frozen=True)
 class Local:
-    """Where a content lies: (2,) centre, metres, and yaw, radians, in the frame of its container's footprint."""
+    """Place of a content: (2,) centre, metres, and yaw, radians, in the frame of its container's footprint."""
 
     centre: np.ndarray
     yaw: float
 
 
 def contents_of(items: Sequence[TableItem], container: str | None) -> list[TableItem]:
-    """What lies directly in a container, or on the table."""
+    """Items directly in a container, or on the table."""
     return [item for item in items if item.inside == container]
 
 
@@ -45,7 +45,7 @@ def content_plane(container: TableItem, contents: Sequence[TableItem]) -> Plane:
 
 
 class Carried:
-    """Where a container's contents let it stand.
+    """Limits of a container's place by its contents.
 
     Args:
         items: all objects.

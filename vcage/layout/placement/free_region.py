@@ -39,7 +39,7 @@ class FreeRegion:
 
     @property
     def is_empty(self) -> bool:
-        """Whether the object fits nowhere."""
+        """True if the object fits nowhere."""
         return not self.free.any()
 
     @property
@@ -105,7 +105,7 @@ def free_region(
     gap: ArrayLike = 0.0,
     unions: Sequence[ArrayLike] = (),
 ) -> FreeRegion:
-    """Where the centre of a footprint may be.
+    """Return the free region of the centre of a footprint.
 
     Args:
         bounds: (2, 2) lower and upper corner that the footprint must stay within, metres.

@@ -1,4 +1,4 @@
-"""Why objects have no place, and the ways out that were proven by solving.
+"""Reasons why objects have no place, and the ways out that were proven by solving.
 
 ``details`` of the error: ``objects`` (without a place), ``missing_area_m2`` (always more than 0), ``needed_area_m2``,
 ``available_area_m2``, ``drop`` (ids without which all others were placed), ``enlarge_m`` (x and y by which the
@@ -9,6 +9,7 @@ too small, null for the table).
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,20 +19,28 @@ from vcage.layout.placement.free_region import TOLERANCE
 from vcage.layout.placement.plane import Plane, Stance
 from vcage.layout.placement.search import Outcome, pack_in_corners
 
-PROOF_PASSES = 6
-"""Orders that are packed to prove a way out."""
 
-LARGEST = 4.0
-"""How many times longer the workspace is tried, at most."""
+@dataclass(frozen=True)
+class ProofSettings:
+    """Settings of the search for a way out.
 
-HALVINGS = 5
-"""Steps in which the smallest growth is looked for, between none and one that suffices."""
+    Args:
+        passes: orders that are packed to prove a way out.
+        largest: how many times longer the workspace is tried, at most.
+        halvings: steps in which the smallest growth is looked for, between none and one that suffices.
+        slack_share: the workspace is made longer than the smallest growth by this, so that the next search does not
+            need luck.
+        area_tolerance_m2: area that may be missing by rounding.
+    """
 
-SLACK = 0.02
-"""Share by which the workspace is made longer than the smallest growth, so that the next search does not need luck."""
+    passes: int = 6
+    largest: float = 4.0
+    halvings: int = 5
+    slack_share: float = 0.02
+    area_tolerance_m2: float = 1e-6
 
-AREA_TOLERANCE = 1e-6
-"""Area that may be missing by rounding, m²."""
+
+SETTINGS = ProofSettings()
 
 
 def require_room(plane: Plane, container: TableItem | None = None) -> None:
@@ -47,7 +56,7 @@ def require_room(plane: Plane, container: TableItem | None = None) -> None:
         if all(plane.alone(k, stance).is_empty for stance in plane.stances[k]):
             raise _fits_nowhere(plane, k, container)
     missing = plane.needed - plane.available
-    if missing > AREA_TOLERANCE:
+    if missing > SETTINGS.area_tolerance_m2:
         room = f"the opening of {container.id}" if container else "the workspace"
         message = (
             f"{len(plane.items)} objects with margins need {plane.needed:.3f} m², {room} has {plane.available:.3f} m²"
@@ -75,7 +84,7 @@ def _fits_nowhere(plane: Plane, k: int, container: TableItem | None) -> Infeasib
             f"{by:.3f} m along {axis}" for by, axis in zip(excess, "xy", strict=True) if by > 0
         )
     missing = float(size.prod() - np.minimum(size, room.clip(min=0)).prod()) if too_long else stance.area
-    return _infeasible(plane, message, [k], max(missing, AREA_TOLERANCE), container)
+    return _infeasible(plane, message, [k], max(missing, SETTINGS.area_tolerance_m2), container)
 
 
 def _excess(stance: Stance, room: np.ndarray) -> np.ndarray:
@@ -144,7 +153,7 @@ def _drop(plane: Plane, left: Sequence[int]) -> list[int]:
     dropped = list(left)
     while True:
         rest = [k for k in range(len(plane.items)) if k not in dropped]
-        over = pack_in_corners(plane.only(rest), PROOF_PASSES, np.random.default_rng(0)).left
+        over = pack_in_corners(plane.only(rest), SETTINGS.passes, np.random.default_rng(0)).left
         if not over:
             return dropped
         dropped += [rest[i] for i in over]
@@ -160,14 +169,14 @@ def _growth(plane: Plane) -> np.ndarray | None:
     def suffices(share: float) -> bool:
         larger = plane.enlarged(by(share))
         # A few orders, and twice: other seeds must find places too.
-        return not any(pack_in_corners(larger, PROOF_PASSES, np.random.default_rng(seed)).left for seed in (0, 1))
+        return not any(pack_in_corners(larger, SETTINGS.passes, np.random.default_rng(seed)).left for seed in (0, 1))
 
     lower, upper = 0.0, 0.125
     while not suffices(upper):
         lower, upper = upper, 2 * upper
-        if upper > LARGEST:
+        if upper > SETTINGS.largest:
             return None
-    for _ in range(HALVINGS):
+    for _ in range(SETTINGS.halvings):
         middle = (lower + upper) / 2
         lower, upper = (lower, middle) if suffices(middle) else (middle, upper)
-    return by(upper + SLACK if suffices(upper + SLACK) else upper)
+    return by(upper + SETTINGS.slack_share if suffices(upper + SETTINGS.slack_share) else upper)

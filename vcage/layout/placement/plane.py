@@ -42,13 +42,13 @@ class Stance:
 
     @property
     def area(self) -> float:
-        """Of the rectangle, m²."""
+        """Area of the rectangle, m²."""
         return 4 * float(self.half[0]) * float(self.half[1])
 
 
 @dataclass(frozen=True, eq=False)
 class Plane:
-    """What is to be placed, and where.
+    """Items to be placed in bounds among obstacles.
 
     Args:
         items: what is placed; a container and what lies in it count as one.
@@ -92,14 +92,14 @@ class Plane:
 
     @cached_property
     def compact(self) -> list[list[Stance]]:
-        """Of each item, the stances that packing tries: the smallest two, along and across, that are possible alone."""
+        """Stances of each item that packing tries: the smallest two, along and across, that are possible alone."""
         return [
             list(islice((s for s in stances if not self.alone(k, s).is_empty), 2))
             for k, stances in enumerate(self.stances)
         ]
 
     def alone(self, k: int, stance: Stance) -> FreeRegion:
-        """Where the centre of item ``k`` may be while no other item is placed."""
+        """Region of the centre of item ``k`` while no other item is placed."""
         gaps = self.gaps[k, : len(self.obstacles)]
         return free_region(self.bounds, stance.half, self.obstacles, gaps, stance.unions)
 
@@ -142,7 +142,7 @@ def _stances(item: TableItem, unions: Unions) -> list[Stance]:
 
 
 def _seen(item: TableItem, half: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Where the centre must be for the whole rectangle to lie in one of the item's ``within``."""
+    """Rectangles of the centre for which the whole rectangle lies in one of the item's ``within``."""
     if item.within is None:
         return ()
     return (centres_within(as_rectangles(item.within, f"where {item.id} is seen"), half),)

@@ -17,14 +17,11 @@ from vcage.layout.placement.contents import Carried
 from vcage.plans.relations import BESIDE_GAP, DIRECTIONS, NEAR_GAP, hold, third_of
 from vcage.schema.plan import TABLE, Relation
 
-FAR = 100.0
-"""Metres that no table reaches: the edge of a rectangle that ends nowhere."""
-
 _GAPS = {"beside": BESIDE_GAP, "near": NEAR_GAP}
 
 
 class Placed(Protocol):
-    """Where an item stands: (2,) centre of its rectangle, metres, and yaw, radians."""
+    """Place of an item: (2,) centre of its rectangle, metres, and yaw, radians."""
 
     @property
     def centre(self) -> np.ndarray: ...
@@ -115,8 +112,11 @@ class Related:
         return found
 
     def _boxes(self, name: str, yaw: float, placed: Mapping[str, Placed]) -> list[tuple[np.ndarray, np.ndarray, _Bond]]:
-        """Of each relation to what is placed: (2, 2) rectangle of the own object around the item's centre at a yaw,
-        (2, 2) that of the other in the world, and the relation."""
+        """The boxes of each relation to a placed item, and the relation.
+
+        The first is the (2, 2) rectangle of the own object around the item's centre at a yaw, the second (2, 2) that of
+        the other object in the world.
+        """
         found = []
         for bond in self._bonds.get(name, ()):
             at = placed.get(bond.other)
@@ -145,7 +145,7 @@ def _beyond(box: np.ndarray, word: str, against: bool = False) -> np.ndarray:
     """
     direction = np.array(DIRECTIONS[word])  # pyrefly: ignore
     axis, up = int(np.argmax(np.abs(direction))), (direction.sum() > 0) != against
-    found = np.array([[-FAR, -FAR], [FAR, FAR]])
+    found = np.array([[-np.inf, -np.inf], [np.inf, np.inf]])
     found[0 if up else 1, axis] = box[1 if up else 0, axis]
     return found
 

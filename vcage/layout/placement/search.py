@@ -24,7 +24,7 @@ from vcage.layout.placement.plane import Plane, Stance
 
 @dataclass(frozen=True)
 class Thrift:
-    """How a scattering chooses headings.
+    """The choice of headings of a scattering.
 
     Args:
         largest: how many times its smallest rectangle an item may take.
@@ -39,29 +39,35 @@ THRIFT = (Thrift(np.inf, 0.9), Thrift(1.15, 0.82))
 """Scatterings that are tried: at any heading, then at small ones only. What is fuller is seldom scattered, and packing
 it at once is quicker."""
 
-RELATED_SCATTERINGS = 12
-"""Scatterings at each thrift where items must stand somehow to each other: the first may leave the others no room."""
 
-RETURNS = 0.5
-"""Times that a scattering goes back, for each item."""
+@dataclass(frozen=True)
+class SearchSettings:
+    """Settings of scattering, packing and shaking.
 
-PASSES = 80
-"""Orders that are packed at most; most of what can be packed needs one, hard cases some dozens."""
+    Args:
+        related_scatterings: at each thrift where items must keep relations: the first may leave the others no room.
+        returns_share: times that a scattering goes back, for each item.
+        passes: orders that are packed at most; most planes need one, hard cases some dozens.
+        sweeps: times that every item of a packed plane is drawn again.
+        candidates: random points, for each heading, at which an item without room may push others away.
+        size_jitter: relative noise of an item's size in the order of packing.
+        blame: what a leftover's size rises by; the largest size is 1.
+        corners: of those furthest into the plane's corner, that are examined for what touches there.
+        tie_weight: of what decides between corners that are equally good.
+    """
 
-SWEEPS = 2
-"""Times that every item of a packed plane is drawn again."""
+    related_scatterings: int = 12
+    returns_share: float = 0.5
+    passes: int = 80
+    sweeps: int = 2
+    candidates: int = 24
+    size_jitter: float = 0.15
+    blame: float = 0.15
+    corners: int = 200
+    tie_weight: float = 1e-3
 
-CANDIDATES = 24
-"""Random points, for each heading that is tried, where an item that has no room may push others away."""
 
-JITTER, BLAME = 0.15, 0.15
-"""Of the order of packing: relative noise of an item's size, and what a leftover's rises by (the largest size is 1)."""
-
-CORNERS = 200
-"""Corners that are looked at for what touches there, the furthest into the plane's corner."""
-
-EQUALS = 1e-3
-"""Weight of what decides between corners that are equally good."""
+SETTINGS = SearchSettings()
 
 _SWEEPS = [(first, np.array([sx, sy])) for first in (0, 1) for sx in (1, -1) for sy in (1, -1)]
 """Directions in which packing fills the plane: the axis that is swept first, and the sign of each axis."""
@@ -69,7 +75,7 @@ _SWEEPS = [(first, np.array([sx, sy])) for first in (0, 1) for sx in (1, -1) for
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a search found.
+    """The result of a search.
 
     Args:
         spots: by index of the item; of all items, or of as many as there was room for.
@@ -86,14 +92,14 @@ def arrange(plane: Plane, rng: np.random.Generator) -> Outcome:
     for thrift in THRIFT:
         stances = [[s for s in all_ if s.area <= thrift.largest * all_[0].area + 1e-12] for all_ in plane.stances]
         if _mean_needed(plane, stances) <= thrift.full * plane.available:
-            tries = 1 if plane.related is None else RELATED_SCATTERINGS
+            tries = 1 if plane.related is None else SETTINGS.related_scatterings
             if any(_scatter(arrangement, stances, rng) for _ in range(tries)):
                 return Outcome(arrangement.spots, [])
-    outcome = pack_in_corners(plane, PASSES, rng)
+    outcome = pack_in_corners(plane, SETTINGS.passes, rng)
     if outcome.left:
         return outcome
     arrangement.restore(outcome.spots)
-    for _ in range(SWEEPS):
+    for _ in range(SETTINGS.sweeps):
         for k in rng.permutation(len(plane.items)):
             _draw(arrangement, int(k), plane.stances[k], rng)
     return Outcome(arrangement.spots, [])
@@ -117,7 +123,7 @@ def _scatter(arrangement: Arrangement, stances: Sequence[Sequence[Stance]], rng:
     arrangement.restore({})
     rank = {k: i for i, k in enumerate(plane.order)}
     pushed = np.ones(len(plane.items))
-    queue, returns = list(plane.order), int(RETURNS * len(plane.items))
+    queue, returns = list(plane.order), int(SETTINGS.returns_share * len(plane.items))
     while queue:
         k = queue.pop(0)
         if _draw(arrangement, k, stances[k], rng):
@@ -156,7 +162,7 @@ def _push_in(arrangement: Arrangement, k: int, pushed: np.ndarray, rng: np.rando
         return None  # what is in its way may be what it must stand by
     for stance in plane.compact[k]:
         region = plane.alone(k, stance)
-        centres = np.concatenate([region.samples(rng, CANDIDATES), region.corners()])
+        centres = np.concatenate([region.samples(rng, SETTINGS.candidates), region.corners()])
         hits = arrangement.conflicts(k, stance, centres)  # (c, n)
         costs = hits @ (plane.areas * pushed)
         c = int(np.argmin(costs))
@@ -182,14 +188,14 @@ def pack_in_corners(plane: Plane, passes: int, rng: np.random.Generator) -> Outc
     blame = np.zeros(len(plane.items))
     for index in range(passes):
         size = sizes[index % len(sizes)]
-        noise = rng.normal(0, JITTER if index >= len(sizes) else 0.0, len(size))
+        noise = rng.normal(0, SETTINGS.size_jitter if index >= len(sizes) else 0.0, len(size))
         order = np.argsort(-(size * np.exp(noise) + blame), kind="stable")
         left = _pack_once(arrangement, order.tolist(), *_SWEEPS[rng.integers(len(_SWEEPS))], snug=index % 2 == 1)
         if _cost(plane, left) < _cost(plane, best.left):
             best = Outcome(arrangement.spots, [k for k in plane.order if k in left])
         if not left:
             break
-        blame[left] += BLAME
+        blame[left] += SETTINGS.blame
     return best
 
 
@@ -216,11 +222,11 @@ def _pack_once(arrangement: Arrangement, order: Sequence[int], first: int, signs
             if not len(corners):
                 continue
             far = corners * signs + stance.half
-            costs = far[:, first] + EQUALS * far[:, 1 - first]
+            costs = far[:, first] + SETTINGS.tie_weight * far[:, 1 - first]
             if snug:
-                near = np.argsort(costs, kind="stable")[:CORNERS]
+                near = np.argsort(costs, kind="stable")[: SETTINGS.corners]
                 corners = corners[near]
-                costs = EQUALS * costs[near] - arrangement.touching(k, stance, corners)
+                costs = SETTINGS.tie_weight * costs[near] - arrangement.touching(k, stance, corners)
             c = int(np.argmin(costs))
             if best is None or costs[c] < best[0]:
                 best = costs[c], Spot(stance, corners[c], yaw)

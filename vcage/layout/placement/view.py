@@ -1,4 +1,4 @@
-"""Where on the table a camera sees a thing whole: as rectangles that the placement can use.
+"""Rectangles of the table in which a camera sees an object whole, for the placement.
 
 A box is seen whole when its corners are, as a pinhole camera's view is convex. Of an upright box of one height the
 footprint must then lie in a convex polygon of the table's plane: the view at the table's height cut with the view at
@@ -15,13 +15,11 @@ from numpy.typing import ArrayLike
 
 from vcage.base.errors import UsageError
 from vcage.base.geometry import Camera
+from vcage.layout.placement.free_region import TOLERANCE
 from vcage.layout.validation import as_workspace
 
 STRIPS = 24
 """Lines across the plane between which rectangles are spanned when the polygon is none itself."""
-
-TOLERANCE = 1e-9
-"""Metres by which rectangles may differ and count as the same."""
 
 
 def view_rectangles(
@@ -99,7 +97,7 @@ def _turns(normals: np.ndarray, limits: np.ndarray, lower: np.ndarray, upper: np
 
 
 def _maximal(rectangles: np.ndarray) -> np.ndarray:
-    """Those (k, 2, 2) of a list that lie in no other one."""
+    """(k, 2, 2) rectangles of a list that lie in no other one."""
     lower, upper = rectangles[:, 0], rectangles[:, 1]
     inside = np.all(lower[:, None] >= lower - TOLERANCE, axis=2) & np.all(upper[:, None] <= upper + TOLERANCE, axis=2)
     equal_and_later = inside.T & np.tri(len(rectangles), k=-1, dtype=bool)

@@ -16,7 +16,8 @@ from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.paths import JointPath, Load
 from vcage.sim.state import WorldState
 from vcage.tasks.grasps import approach_opening, command_of
-from vcage.tasks.meeting import HOLDS, Hold, Meeting, Suits, holds_beside, meeting_height, meetings
+from vcage.tasks.meeting import SETTINGS as MEETING
+from vcage.tasks.meeting import Hold, Meeting, Suits, holds_beside, meeting_height, meetings
 from vcage.tasks.primitives.grip import Grip, feel
 from vcage.tasks.primitives.pick import PickWay
 from vcage.tasks.scene_objects import SceneObject
@@ -120,7 +121,7 @@ class HandOver:
         given = Hold(target.pose.inverse() * control.tool_pose, control.finger_width)
         reasons: list[str] = []
         contacts, gripper = target.asset.annotation.carrying_points, planner.kinematics.arm.gripper
-        for taken in [planned, *holds_beside(target.asset, given, contacts, gripper)][: 1 + HOLDS]:
+        for taken in [planned, *holds_beside(target.asset, given, contacts, gripper)][: 1 + MEETING.holds]:
             try:
                 self.suits(taken)
                 reach = self._reach(planner, target.pose, taken)

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 from vcage.schema.goals import Goal
 from vcage.schema.subtasks import Refusal, Subtask, TemplateName
-from vcage.tasks.feasibility import Feasibility, Transfer
+from vcage.tasks.feasibility import Transfer
+from vcage.tasks.findings import Feasibility
 from vcage.tasks.passing import examine_passing
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.templates.set_down import Move

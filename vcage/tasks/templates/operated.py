@@ -10,7 +10,7 @@ from vcage.schema.goals import Goal, GoalWord, part_that
 from vcage.schema.subtasks import Refusal, Subtask, TemplateName
 from vcage.sim.joints import joint_index, joint_positions
 from vcage.tasks.access import shut_above
-from vcage.tasks.feasibility import examine_operation
+from vcage.tasks.operating import examine_operation
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.templates.proposal import Proposal
 from vcage.tasks.workplace import Workplace

@@ -18,7 +18,8 @@ from vcage.schema.asset import FunctionalPoint
 from vcage.schema.goals import EventWord, Goal, StateWord, part_words
 from vcage.schema.subtasks import Check, PairQuestion, Refusal, Subtask, TemplateName
 from vcage.tasks.access import access, open_to_a_hand
-from vcage.tasks.feasibility import Feasibility, Transfer, best_first, examine, fits
+from vcage.tasks.feasibility import Transfer, examine, fits
+from vcage.tasks.findings import Feasibility, best_first
 from vcage.tasks.passing import examine_detour
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import CONTENT_GAP_M, Slot, allocate, kept_in_by, lying_in, opened_for, room_for

@@ -11,7 +11,7 @@ from vcage.schema.goals import Goal
 from vcage.schema.plan import TABLE
 from vcage.schema.subtasks import Check, PairQuestion, Refusal, Subtask, TemplateName
 from vcage.tasks.asked_arms import arm_for, bound_to
-from vcage.tasks.feasibility import Feasibility
+from vcage.tasks.findings import Feasibility
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.wording import wordings
 from vcage.tasks.workplace import Workplace

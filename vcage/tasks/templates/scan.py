@@ -8,7 +8,8 @@ from functools import cached_property
 
 from vcage.schema.goals import Goal
 from vcage.schema.subtasks import Refusal, Subtask, TemplateName
-from vcage.tasks.feasibility import Feasibility, Transfer, best_first, examine
+from vcage.tasks.feasibility import Transfer, examine
+from vcage.tasks.findings import Feasibility, best_first
 from vcage.tasks.reading import reading_poses
 from vcage.tasks.scene_objects import SceneObject, first_met
 from vcage.tasks.templates.proposal import Proposal

@@ -10,7 +10,8 @@ from vcage.base.attempts import LIMITS
 from vcage.schema.goals import Goal
 from vcage.schema.plan import TABLE
 from vcage.schema.subtasks import Refusal, Subtask, TemplateName
-from vcage.tasks.feasibility import Feasibility, Transfer, best_first, examine
+from vcage.tasks.feasibility import Transfer, examine
+from vcage.tasks.findings import Feasibility, best_first
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.stowing import reached
 from vcage.tasks.templates.proposal import Proposal
