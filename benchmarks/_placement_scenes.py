@@ -12,7 +12,8 @@ import numpy as np
 
 from vcage.base.geometry import Pose, footprint_half_size
 from vcage.layout.items import Placement, TableItem, table_item
-from vcage.layout.placement.reach import GRASP_HEIGHTS, reach_for, robot_reach
+from vcage.layout.placement.reach import reach_for, robot_reach
+from vcage.layout.placement.reach_map import SETTINGS as REACH
 from vcage.objects.asset import Asset
 from vcage.objects.library import Library
 from vcage.scenes.starting_poses import MARGIN_M
@@ -118,7 +119,7 @@ class Stock:
     @functools.cached_property
     def reach(self) -> np.ndarray:
         """(m, 2, 2) rectangles where some arm reaches what stands there."""
-        heights = tuple(Table().height + h for h in GRASP_HEIGHTS)
+        heights = tuple(Table().height + h for h in REACH.grasp_heights_m)
         return robot_reach(load_robot(ROBOT), REACHED_AREA, heights)
 
     def _variant(self, kind: str, rng: np.random.Generator) -> Asset:

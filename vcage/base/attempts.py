@@ -35,7 +35,8 @@ class AttemptLimits:
         spare_slots: further slots for an object that cannot be brought to its own.
         table_places: places on the table, until an arm can bring the object to one.
         zone_draws: poses in each zone of the table.
-        home_halvings: times that a start beside home which touches something is halved.
+        home_halvings: times that an arm's start beside home is moved nearer to it while it touches something; at last
+            the arm is at home.
     """
 
     placements: int = 5
@@ -85,7 +86,7 @@ class GaveUp(Exception):
 
     @property
     def reasons(self) -> Counter[str]:
-        """How many proposals were refused for each reason."""
+        """Number of refusals by reason."""
         return Counter(map(str, self.refusals))
 
 
@@ -103,12 +104,12 @@ class Accepted(Generic[T]):
 
     @property
     def attempts(self) -> int:
-        """How many proposals were made."""
+        """Number of proposals that were made."""
         return len(self.refusals) + 1
 
     @property
     def reasons(self) -> dict[str, int]:
-        """How many proposals were refused for each reason."""
+        """Number of refusals by reason."""
         return dict(Counter(map(str, self.refusals)))
 
 

@@ -1,4 +1,4 @@
-"""What an episode's file tells of its world, and how that is read: from it the episode is simulated or drawn again."""
+"""The world in an episode's file, from which the episode is simulated or drawn again."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from vcage.sim.world import World
 
 
 def world_facts(scene: Scene, drawn: Drawn) -> dict[str, Any]:
-    """What goes into a file's ``meta``.
+    """Facts of the world for a file's ``meta``.
 
     Args:
         scene: as simulated; the file gets it with the table top that is seen.
@@ -57,7 +57,7 @@ class Recorded:
 
     @classmethod
     def of(cls, episode: EpisodeData, path: Path, context: StageContext) -> Recorded:
-        """What a file says.
+        """Return the episode of a file.
 
         Args:
             episode: of the file.
@@ -97,20 +97,26 @@ class Recorded:
 
 
 def _contradictions(episode: EpisodeData, scene: Scene, robot: Robot, drawn: Drawn) -> Iterator[str]:
-    """Name what a file says of a robot, an object or a camera and is not so."""
+    """Complaints about names and joints in a file that its robot, objects or cameras do not have."""
     world, objects = drawn.world, {o.id for o in scene.objects}
     if episode.meta.get("robot") != scene.robot:
         yield f"its robot is {episode.meta.get('robot')!r}, that of its scene {scene.robot!r}"
     for arm, offset in world.start.items():
         if arm not in robot.arms or len(offset) != len(robot.arms[arm].home):
             yield f"{scene.robot} has no arm {arm!r} of {len(offset)} joints"
-    for what, named, there in (
+    for what, named, known in (
         ("arm", episode.robot_joints, robot.arms),
         ("camera", drawn.look.cameras, robot.cameras),
         ("object", [*world.mass, *world.friction, *world.clutter, *world.variants, *drawn.look.tints], objects),
     ):
-        for name in sorted({*named} - {*there}):
+        for name in sorted({*named} - {*known}):
             yield f"there is no {what} {name!r} in it"
+    if episode.drives is not None:
+        yield from _contradictions_of_drives(episode, scene, robot)
+
+
+def _contradictions_of_drives(episode: EpisodeData, scene: Scene, robot: Robot) -> Iterator[str]:
+    """Complaints about drives that do not match the arms."""
     layouts = {} if episode.drives is None else episode.drives.layouts
     for name in sorted({*layouts} - {*robot.arms}):
         yield f"drives has an arm {name!r}, which {scene.robot} lacks"

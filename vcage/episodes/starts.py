@@ -110,7 +110,7 @@ class Starts:
         )
 
     def _laid_out(self, rng: np.random.Generator) -> tuple[WorldDraw, Layout | None, dict[str, int]]:
-        """The world that was drawn, a layout of it or None, and how many layouts were refused for each reason."""
+        """The world that was drawn, a layout of it or None, and the number of refused layouts by reason."""
         drawn = self._worlds.draw(self._ranges, rng)
         if self._relations is None:
             return drawn, None, {}
@@ -169,7 +169,7 @@ class Starts:
 
 
 def _refused(refusals: Iterable[Exception]) -> dict[str, int]:
-    """How many layouts were refused for each reason, over several searches."""
+    """Number of refused layouts by reason, over several searches."""
     return dict(sum((Counter(e.details["refused"]) for e in refusals if isinstance(e, NoLayout)), Counter()))
 
 

@@ -1,7 +1,7 @@
-"""What is simulated otherwise in an episode than the run's scene says: drawn, and put into its scene and models.
+"""Worlds of episodes: differences from the run's scene are drawn, and put into its scene and models.
 
-Whatever is drawn, every word that is said of the task stays true of the scene: no look that the instruction names is
-changed or drawn, what a thing is called follows its look, and what is added answers to none of these words.
+All words of the task stay true: no look that the instruction names is changed or drawn, names follow looks, and added
+objects answer to none of these words.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
+from vcage.base.attempts import LIMITS
 from vcage.base.geometry import Pose
 from vcage.base.words import look_words
 from vcage.models.quantifiers import quantified
@@ -30,11 +31,8 @@ from vcage.sim.world import World
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.wording import in_other_words
 
-WIDEST_CLUTTER, HIGHEST_CLUTTER = 0.16, 0.12
-"""What no task touches is no wider and no higher, metres: hands pass over it."""
-
-HALVED = 4
-"""How often a start beside home that touches something is brought nearer to it."""
+WIDEST_CLUTTER_M, HIGHEST_CLUTTER_M = 0.16, 0.12
+"""Largest clutter: hands pass over it."""
 
 
 class Worlds:
@@ -50,7 +48,7 @@ class Worlds:
         self.scene, self.chain, self.context = scene, chain, context
 
     def draw(self, ranges: WorldRanges, rng: np.random.Generator) -> WorldDraw:
-        """What an episode has otherwise, as far as that does not depend on where things stand."""
+        """Differences of an episode that do not depend on where its objects stand."""
         lowest, highest = heights_within(ranges.table_height)
         height = round(int(rng.integers(lowest, highest + 1)) * HEIGHT_STEP, 3)
         variants = self._variants(rng) if ranges.variants else {}
@@ -72,7 +70,7 @@ class Worlds:
         return self.scene.model_copy(update={"table": table, "objects": records})
 
     def clutter(self, draw: WorldDraw) -> list[SceneObject]:
-        """What the task does not touch, in the middle of the table: its place is the layout's."""
+        """Objects that the task does not touch, in the middle of the table until a layout places them."""
         pose, found = Pose([*self.scene.table.centre, self.scene.table.height + draw.table_height]), []
         for name, kind in draw.clutter.items():
             asset = self.context.library.asset(kind)
@@ -145,7 +143,7 @@ class Worlds:
         small = [
             entry
             for entry in self.context.catalogue
-            if max(entry.size[:2]) <= WIDEST_CLUTTER and entry.size[2] <= HIGHEST_CLUTTER and not entry.moving_parts
+            if max(entry.size[:2]) <= WIDEST_CLUTTER_M and entry.size[2] <= HIGHEST_CLUTTER_M and not entry.moving_parts
         ]
         there = [entry for entry in small if not any(quantifier.covers(entry) for quantifier in ranging)]
         return bystanders(texts, [o.kind() for o in self._objects], there)
@@ -175,14 +173,14 @@ class Worlds:
 
 
 def left_with(draw: WorldDraw, clutter: Collection[str]) -> WorldDraw:
-    """What was drawn with no more than this of its clutter, by id."""
+    """The draw with this clutter alone, by id."""
     return draw.model_copy(update={"clutter": {name: kind for name, kind in draw.clutter.items() if name in clutter}})
 
 
 def weighed(
     draw: WorldDraw, ranges: WorldRanges, models: Mapping[str, PhysicalModel], rng: np.random.Generator
 ) -> WorldDraw:
-    """What was drawn with mass and friction of each object, by the models of those that there are."""
+    """The draw with mass and friction of each object that has a model."""
     mass = {name: round(model.total_mass * f, 4) for name, model, f in _factors(models, ranges.mass, rng)}
     friction = {name: round(model.friction * f, 4) for name, model, f in _factors(models, ranges.friction, rng)}
     return draw.model_copy(update={"mass": mass, "friction": friction})
@@ -200,7 +198,7 @@ def drawn_models(models: Mapping[str, PhysicalModel], draw: WorldDraw) -> dict[s
 
 
 def steady(scene: Scene, models: Mapping[str, PhysicalModel], draw: WorldDraw) -> WorldDraw:
-    """What was drawn without the clutter that does not stay where it is put."""
+    """The draw without the clutter that does not stay where it is put."""
     if not draw.clutter:
         return draw
     report = World.of_scene(scene, models).settle()
@@ -209,21 +207,21 @@ def steady(scene: Scene, models: Mapping[str, PhysicalModel], draw: WorldDraw) -
 
 
 def free_start(scene: Scene, models: Mapping[str, PhysicalModel], draw: WorldDraw) -> WorldDraw:
-    """What was drawn with arms that touch nothing at the start: those that would are brought nearer to home."""
+    """The draw with arms that touch nothing at the start: those that would are brought nearer to home."""
     robot = load_robot(scene.robot)
     bodies = {o.id: Body(models[o.id], o.pose.pose(), o.joints) for o in scene.objects}
     start = {name: np.array(offset) for name, offset in draw.start.items()}
     for name in start:
-        for attempt in range(HALVED + 1):
+        for attempt in range(1, LIMITS.home_halvings + 1):
             joints = {other: np.array(robot.arms[other].home) + offset for other, offset in start.items()}
             if CollisionScene(robot, name, scene.table, bodies, joints).first_contact(joints[name]) is None:
                 break
-            start[name] = start[name] / 2 if attempt < HALVED - 1 else 0 * start[name]
+            start[name] = start[name] / 2 if attempt < LIMITS.home_halvings else 0 * start[name]
     return draw.model_copy(update={"start": {name: offset.round(4).tolist() for name, offset in start.items()}})
 
 
 def other_phrases(scene: Scene, objects: Iterable[ObjectRecord]) -> dict[str, str]:
-    """What objects are called otherwise than in a scene: its phrase → theirs."""
+    """New phrases of objects that are called otherwise in a scene, by the old ones."""
     was = {o.id: o.phrase for o in scene.objects}
     return {was[o.id]: o.phrase for o in objects if was.get(o.id, o.phrase) != o.phrase}
 

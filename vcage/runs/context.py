@@ -12,7 +12,9 @@ import numpy as np
 from vcage.base.geometry import Camera, Pose
 from vcage.layout.capacities import capacity_of
 from vcage.layout.items import TableItem
-from vcage.layout.placement.reach import GRASP_HEIGHTS, Tilted, reach_for, robot_reach
+from vcage.layout.placement.reach import reach_for, robot_reach
+from vcage.layout.placement.reach_map import SETTINGS as REACH
+from vcage.layout.placement.tilted import Tilted
 from vcage.models.agent import PROVIDER as AGENT
 from vcage.models.protocols import Models
 from vcage.models.registry import DETECTORS, EMBEDDERS, Choice, build_models
@@ -100,7 +102,7 @@ class StageContext:
         key = (setup.robot, setup.workspace, setup.table, every, arm, tilted)
         if key not in self._reach:
             bounds, robot = np.array([setup.workspace.lower, setup.workspace.upper]), load_robot(setup.robot)
-            heights = tuple(setup.table.height + h for h in GRASP_HEIGHTS)
+            heights = tuple(setup.table.height + h for h in REACH.grasp_heights_m)
             asked = robot if arm is None else robot.model_copy(update={"arms": {arm: robot.arms[arm]}})
             self._reach[key] = robot_reach(asked, bounds, heights, every=every, tilted=tilted)
         return reach_for(asset, role, self._reach[key])

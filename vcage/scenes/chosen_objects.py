@@ -1,6 +1,6 @@
-"""Choosing the objects of a scene and reading what the instruction asks for among them.
+"""Choice of the objects of a scene, with the reading of the instruction among them.
 
-Whoever chooses is told what is wrong with a choice, reading and sizes included, and chooses again within its rounds.
+Complaints about a choice, its reading and sizes included, go back to the reasoner, which chooses again.
 """
 
 from __future__ import annotations
@@ -162,8 +162,10 @@ class _Choices:
 def impossible(
     objects: Sequence[NamedObject], reading: Reading, template: SceneTemplate, context: StageContext
 ) -> NoFeasibleTask | InfeasibleScene | None:
-    """Why no layout of some objects makes what is asked for possible: their sizes rule goals out, alone or together, or
-    the table has no room for a start that is as described."""
+    """The error if no layout of some objects makes the goals possible, else None.
+
+    Sizes may rule goals out, alone or together, or the table has no room for a start that is as described.
+    """
     assets = {o.id: context.library.asset(o.asset, o.variant) for o in objects}
     try:
         require_way(reading.goals, [scene_object(o, assets[o.id]) for o in objects], load_robot(template.robot).arms)
@@ -179,7 +181,7 @@ def impossible(
 
 
 def _crowded(goals: Sequence[AskedGoal], objects: Sequence[NamedObject], assets: dict[str, Asset]) -> list[str]:
-    """Things that do not fit together into or onto what it ends up in."""
+    """Complaints about objects that do not fit together into or onto what they end up in."""
     last = [g for g in lasting(in_steps(goals)) if g.relation in ("inside", "on") and g.reference in assets]
     held: dict[tuple[str, str | None], list[str]] = {}
     for goal in last:

@@ -1,4 +1,4 @@
-"""Where chosen objects start: in or on others, in drawers too, as the instruction says; or why they cannot."""
+"""Start relations of chosen objects: in or on others, in drawers too, as the instruction says; or complaints."""
 
 from __future__ import annotations
 

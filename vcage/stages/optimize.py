@@ -106,7 +106,7 @@ def job(run: RunFolder, options: Options, _context: StageContext) -> Job:
 
 
 def summary(record: Scene) -> dict[str, Any]:
-    """A few facts for whoever ran the stage."""
+    """A few facts for the user of the stage."""
     return dict(record.checks)
 
 

@@ -50,13 +50,12 @@ from vcage.sim.robots import available, load_template
 
 logger = logging.getLogger(__name__)
 
-LONGEST_INSTRUCTION = 1000
-"""Characters."""
+MAX_INSTRUCTION_CHARACTERS = 1000
 
 
 @dataclass(frozen=True, kw_only=True)
 class Options(ModelOptions):
-    """What begins a run."""
+    """Options that begin a run."""
 
     instruction: Annotated[str | None, Positional, arg(metavar="[instruction]"), UNSAID] = None
     """the task in plain language, in quotes; without one, the objects are those that belong to the scene template"""
@@ -81,7 +80,7 @@ class Options(ModelOptions):
 
 
 def job(run: RunFolder, options: Options, context: StageContext) -> Job:
-    """What the stage has to do.
+    """Return the work of the stage.
 
     Raises:
         UsageError: the instruction is empty, too long or no text; or there is none, and nothing belongs to the scene;
@@ -122,9 +121,9 @@ def _read(instruction: str) -> str:
     instruction = " ".join(instruction.split())
     if not instruction:
         raise UsageError("the instruction is empty", hint='give it in quotes: "Put the blocks on the plate"')
-    if len(instruction) > LONGEST_INSTRUCTION:
+    if len(instruction) > MAX_INSTRUCTION_CHARACTERS:
         raise UsageError(
-            f"the instruction has {len(instruction)} characters, at most {LONGEST_INSTRUCTION} are read",
+            f"the instruction has {len(instruction)} characters, at most {MAX_INSTRUCTION_CHARACTERS} are read",
             hint="make a run of each part",
         )
     if one_line(instruction) != instruction:
@@ -136,7 +135,7 @@ def _read(instruction: str) -> str:
 
 
 def summary(record: Scene) -> dict[str, Any]:
-    """A few facts for whoever ran the stage."""
+    """A few facts for the user of the stage."""
     goals = [str(asked.goal) for asked in record.goals]
     return {"objects": [o.id for o in record.objects], "goals": goals, **record.checks}
 

@@ -11,8 +11,9 @@ import pytest
 from tests.example_scenes import library
 from vcage.base.errors import UsageError
 from vcage.base.geometry import Pose
-from vcage.layout.placement import reach
-from vcage.layout.placement.reach import CELL, EITHER, YAWS, Tilted, reach_for, robot_reach
+from vcage.layout.placement import reach_map
+from vcage.layout.placement.reach import reach_for, robot_reach
+from vcage.layout.placement.tilted import EITHER, YAWS, Tilted
 from vcage.sim.cameras import overview
 from vcage.sim.robots import load_robot
 
@@ -44,7 +45,7 @@ def robot():
 def disc(monkeypatch: pytest.MonkeyPatch) -> Disc:
     """Stands in for the inverse kinematics of every arm."""
     found = Disc()
-    monkeypatch.setattr(reach, "kinematics_of", lambda _arm: found)
+    monkeypatch.setattr(reach_map, "kinematics_of", lambda _arm: found)
     return found
 
 
@@ -53,7 +54,7 @@ def test_no_point_of_a_rectangle_is_out_of_reach_and_few_within_reach_are_missin
     covered = inside(points, robot_reach(robot, WORKSPACE, HEIGHTS, tmp_path))
     distance = np.linalg.norm(points, axis=1)
     assert not np.any(covered & (distance > disc.radius))
-    assert covered[distance < disc.radius - 1.5 * CELL].all()
+    assert covered[distance < disc.radius - 1.5 * reach_map.SETTINGS.cell_m].all()
 
 
 class Tilting(Disc):
@@ -66,12 +67,12 @@ class Tilting(Disc):
 
 
 def test_the_hand_tilts_where_no_arm_reaches_straight_down(robot, monkeypatch, tmp_path):
-    monkeypatch.setattr(reach, "kinematics_of", lambda _arm: Tilting())
+    monkeypatch.setattr(reach_map, "kinematics_of", lambda _arm: Tilting())
     points = np.random.default_rng(0).uniform(*WORKSPACE, (2000, 2))
     covered = inside(points, robot_reach(robot, WORKSPACE, HEIGHTS, tmp_path))
     distance = np.linalg.norm(points, axis=1)
     assert not np.any(covered & (distance > 0.32))
-    assert covered[distance < 0.32 - 1.5 * CELL].all()
+    assert covered[distance < 0.32 - 1.5 * reach_map.SETTINGS.cell_m].all()
     high = robot_reach(robot, WORKSPACE, HEIGHTS, tmp_path, tilted=Tilted(higher=0.09))
     assert not np.any(inside(points, high) & (distance > 0.17)), "0.95 m is too high for a tilted hand"
 
@@ -85,7 +86,7 @@ class Facing(Disc):
 
 
 def test_of_two_headings_a_quarter_turn_apart_one_is_enough_where_a_hand_may_choose(robot, monkeypatch, tmp_path):
-    monkeypatch.setattr(reach, "kinematics_of", lambda _arm: Facing())
+    monkeypatch.setattr(reach_map, "kinematics_of", lambda _arm: Facing())
     assert robot_reach(robot, WORKSPACE, HEIGHTS, tmp_path).shape == (0, 2, 2)
     chosen = robot_reach(robot, WORKSPACE, HEIGHTS, tmp_path, tilted=Tilted(EITHER))
     np.testing.assert_allclose(chosen, [WORKSPACE])
@@ -112,14 +113,14 @@ def test_what_has_a_known_heading_is_reached_with_hands_that_close_to_both_sides
 
 def test_the_arms_share_the_table(robot, monkeypatch, tmp_path):
     left = robot.arms["left"]
-    monkeypatch.setattr(reach, "kinematics_of", lambda arm: Disc((-0.2, 0) if arm == left else (0.2, 0)))
+    monkeypatch.setattr(reach_map, "kinematics_of", lambda arm: Disc((-0.2, 0) if arm == left else (0.2, 0)))
     together = robot_reach(robot, WORKSPACE, HEIGHTS, tmp_path)
     assert inside(np.array([[-0.2, 0.0], [0.2, 0.0]]), together).all()
 
 
 def test_what_every_arm_reaches_lies_between_them(robot, monkeypatch, tmp_path):
     left = robot.arms["left"]
-    monkeypatch.setattr(reach, "kinematics_of", lambda arm: Disc((-0.1, 0) if arm == left else (0.1, 0)))
+    monkeypatch.setattr(reach_map, "kinematics_of", lambda arm: Disc((-0.1, 0) if arm == left else (0.1, 0)))
     shared = robot_reach(robot, WORKSPACE, HEIGHTS, tmp_path, every=True)
     assert inside(np.array([[0.0, 0.0], [-0.2, 0.0], [0.2, 0.0]]), shared).tolist() == [True, False, False]
 

@@ -11,7 +11,8 @@ from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose
 from vcage.layout.items import Placement, TableItem, table_item
 from vcage.layout.placement.place import place
-from vcage.layout.placement.reach import GRASP_HEIGHTS, robot_reach
+from vcage.layout.placement.reach import robot_reach
+from vcage.layout.placement.reach_map import SETTINGS as REACH
 from vcage.objects.asset import Asset
 from vcage.schema.asset import ContactPoint
 from vcage.schema.base import PoseRecord, box_record
@@ -62,7 +63,7 @@ class TrialPlaces:
 
     @cached_property
     def _reach(self) -> np.ndarray:
-        heights = tuple(self.template.table.height + h for h in GRASP_HEIGHTS)
+        heights = tuple(self.template.table.height + h for h in REACH.grasp_heights_m)
         return robot_reach(self.robot, self._workspace, heights)
 
     @property
