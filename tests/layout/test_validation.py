@@ -5,7 +5,7 @@ import pytest
 
 from tests.layout.items import roll, tray
 from vcage.base.errors import UnknownName, UsageError
-from vcage.layout.validation import validate_items
+from vcage.layout.validation import check_items
 from vcage.objects.openings import Opening
 
 
@@ -25,7 +25,6 @@ from vcage.objects.openings import Opening
         ([tray(opening=Opening((0, 0), (0.0, 0.1), 0.01, np.inf))], "opening"),
         ([tray(opening=Opening((0, 0), (0.1, 0.1), 0.01, np.nan))], "opening"),
         ([tray(opening=None), roll()], "roll lies in tray, which has no room"),
-        ([], "nothing"),
     ],
     ids=[
         "in itself",
@@ -41,14 +40,13 @@ from vcage.objects.openings import Opening
         "no room",
         "nan rim",
         "no opening",
-        "none",
     ],
 )
 def test_items_that_make_no_sense_are_refused(items, words):
     with pytest.raises(UsageError, match=words):
-        validate_items(items)
+        check_items(items)
 
 
 def test_an_unknown_container_is_refused():
     with pytest.raises(UnknownName, match="drawer"):
-        validate_items([tray(), roll(inside="drawer")])
+        check_items([tray(), roll(inside="drawer")])

@@ -64,7 +64,6 @@ class TableItem:
         within: (m, 2, 2) rectangles that its whole rectangle must lie in one of when it is placed (what a camera sees,
             see :func:`~vcage.layout.placement.view.view_rectangles`), None for anywhere. Where they make up a larger
             region they should be its maximal rectangles, so that what lies across two of them is found to be inside.
-        clearance: free space around it when it is placed, where more than the margin of all; not used in a container.
         hand: what a hand that will grasp it keeps clear of, None for what no hand reaches for.
         fixed: whether it stays at its target, whatever it touches of what stays too.
         centre: (x, y) of the rectangle's middle in the object's frame, metres.
@@ -81,7 +80,6 @@ class TableItem:
     inside: str | None = None
     allowed: ArrayLike | None = None
     within: ArrayLike | None = None
-    clearance: float = 0.0
     hand: HandClearance | None = None
     fixed: bool = False
     centre: tuple[float, float] = (0.0, 0.0)
@@ -102,7 +100,7 @@ class TableItem:
 
     @property
     def room(self) -> Opening:
-        """The opening of what holds something, which has one (:func:`vcage.layout.validation.check_containers`)."""
+        """The opening of a container, which has one (:func:`vcage.layout.validation.check_items`)."""
         assert self.opening is not None, f"{self.id} has no opening"
         return self.opening
 

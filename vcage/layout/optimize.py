@@ -20,7 +20,7 @@ from vcage.layout.cost import Cost, CostWeights, LayoutProblem, evaluate
 from vcage.layout.groups import Groups
 from vcage.layout.items import TableItem
 from vcage.layout.solver import Solution, solve
-from vcage.layout.validation import as_workspace, check_margin, validate_items
+from vcage.layout.validation import as_workspace, check_items, check_margin
 from vcage.schema.plan import TABLE, Relation
 from vcage.schema.scene import Table
 
@@ -116,11 +116,13 @@ def optimize_layout(
         options: the default ones when left out.
 
     Raises:
-        UsageError, UnknownName: see :func:`vcage.layout.validation.validate_items`; a relation names no object.
+        UsageError, UnknownName: see :func:`vcage.layout.validation.check_items`; a relation names no object.
         InfeasibleScene: no collision-free layout was found; names the objects and the area that is missing.
     """
     options = options or LayoutOptions()
-    validate_items(items)
+    if not items:
+        raise UsageError("there is nothing to lay out", hint="make the stages before again")
+    check_items(items)
     bounds = as_workspace(workspace)
     _require_known(relations, items)
     groups = Groups(items, relations)

@@ -53,12 +53,13 @@ def check_margin(margin: float) -> None:
         raise UsageError(f"the margin is {margin}", hint="give the smallest gap in metres, 0 or more")
 
 
-def check_containers(items: Sequence[TableItem]) -> None:
-    """Refuse names, openings and containers that make no sense.
+def check_items(items: Sequence[TableItem]) -> None:
+    """Refuse items that make no sense.
 
     Raises:
-        UsageError: an id twice; an opening that is not finite or has no inside (a rim may be infinitely high); a
-            container without an opening, or inside itself.
+        UsageError: no yaw, a number that is not finite, a size that is not positive, no rectangles, an id twice, an
+            opening that is not finite or has no inside (a rim may be infinitely high), a container without an opening
+            or inside itself.
         UnknownName: a container that is none of the items.
     """
     twice = [name for name, count in Counter(item.id for item in items).items() if count > 1]
@@ -66,57 +67,23 @@ def check_containers(items: Sequence[TableItem]) -> None:
         raise UsageError(f"two objects are called {twice[0]!r}", hint="give every object an id of its own")
     by_id = {item.id: item for item in items}
     for item in items:
+        _check_item(item)
         _check_opening(item)
         _check_chain(item, by_id)
 
 
-def validate_items(items: Sequence[TableItem]) -> None:
-    """Refuse items that make no sense.
-
-    Raises:
-        UsageError: none at all, a number that is not finite, a size that is not positive, no rectangles.
-        UsageError, UnknownName: see :func:`check_containers`.
-    """
-    if not items:
-        raise UsageError("there is nothing to lay out", hint="make the stages before again")
-    for item in items:
-        _validate_item(item)
-    check_containers(items)
-
-
-def _validate_item(item: TableItem) -> None:
-    body = () if item.body is None else np.ravel(item.body)
-    if not np.all(np.isfinite([*item.size, item.yaw, *item.target, *item.centre, *body])):
-        raise UsageError(
-            f"{item.id} has no finite pose or size: size {item.size}, yaw {item.yaw}, target {item.target}",
-            hint="make the stages before again",
-        )
-    if min(item.size) <= 0:
-        raise UsageError(f"{item.id} has the size {item.size}", hint="sizes are positive metres; check its mesh")
-    if item.allowed is not None:
-        as_rectangles(item.allowed, f"where {item.id} may stand")
-
-
-def check_items(items: Sequence[TableItem], margin: float) -> None:
-    """Refuse items that make no sense.
-
-    Raises:
-        UsageError: no yaw, a number that is not finite, a size that is not positive, a negative gap.
-        UsageError, UnknownName: see :func:`check_containers`.
-    """
-    check_margin(margin)
-    for item in items:
-        _check_item(item)
-    check_containers(items)
-
-
 def _check_item(item: TableItem) -> None:
     if not (len(item.size) == 3 and _finite(item.size) and min(item.size) > 0):
-        raise UsageError(f"{item.id} has the footprint {item.size}", hint="sizes are positive metres; check its mesh")
+        raise UsageError(f"{item.id} has the size {item.size}", hint="sizes are positive metres; check its mesh")
     if not len(item.yaws) or not _finite(item.yaws):
         raise UsageError(f"{item.id} has the headings {item.yaws}", hint="give at least one finite yaw")
-    if not (_finite([item.clearance]) and item.clearance >= 0):
-        raise UsageError(f"{item.id} has the clearance {item.clearance}", hint="clearances are metres, 0 or more")
+    if not _finite([*item.target, *item.centre, *(() if item.body is None else np.ravel(item.body))]):
+        raise UsageError(
+            f"{item.id} has no finite target {item.target} or middle {item.centre}",
+            hint="make the stages before again",
+        )
+    if item.allowed is not None:
+        as_rectangles(item.allowed, f"where {item.id} may stand")
 
 
 def _finite(values: Sequence[float]) -> bool:

@@ -6,15 +6,16 @@ check; everything else is a refusal with a reason.
 
 from __future__ import annotations
 
+import itertools
 from collections import Counter
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from vcage.base.errors import InputFileError, NoFeasibleTask
 from vcage.plans.actions import Action
 from vcage.plans.planner import Task, complaints, find_chain
-from vcage.schema.goals import AskedGoal, Goal, StateWord, in_steps, part_that
+from vcage.schema.goals import AskedGoal, Goal, in_steps, part_that
 from vcage.schema.plan import TABLE
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Chain, PairAnswer, PairQuestion, Refusal, Subtask, TemplateName
@@ -114,7 +115,7 @@ def compose(
         reasons = Counter(refusal.reason for refusal in refused)
         raise NoFeasibleTask(
             f"no sub-task is feasible in this scene: {'; '.join(list(reasons)[:3])}",
-            hint=_way_out(refused),
+            hint=_way_out([refused]),
             details={"reasons": dict(reasons)},
         )
     return [Chain(text=subtask.text, subtasks=[subtask.id]) for subtask in kept]
@@ -171,21 +172,26 @@ def action_of(subtask: Subtask, thing: SceneObject | None = None) -> Action:
 def initial_state(objects: Sequence[SceneObject]) -> frozenset[Goal]:
     """The places of all objects at the start, and the parts that are open."""
     by_id = {o.id: o for o in objects}
-    found = []
-    for o in objects:
-        holder, part = o.record.container, o.record.container_part
-        point = None if holder is None else resting_point(o, by_id[holder])
-        if holder is not None and part is not None:
-            point = point_in(by_id[holder].asset, part)
-        word: StateWord = "inside" if point is not None and point.holds == "in" else "on"
-        found.append(
-            Goal(subject=o.id, relation=word, reference=holder or TABLE, part=None if point is None else point.link)
-        )
-        for link, position in zip(o.asset.model.links, joint_positions(o.asset.model, o.joints), strict=True):
-            if part_that("open", link.name):
-                word = "open" if abs(position) > abs(link.joint.far_end) / 2 else "closed"
-                found.append(Goal(subject=o.id, relation=word, part=link.name))
-    return frozenset(found)
+    return frozenset(goal for o in objects for goal in (_place_of(o, by_id), *_positions_of(o)))
+
+
+def _place_of(o: SceneObject, objects: Mapping[str, SceneObject]) -> Goal:
+    """The goal that an object is where it is at the start."""
+    holder, part = o.record.container, o.record.container_part
+    if holder is None:
+        return Goal(subject=o.id, relation="on", reference=TABLE)
+    point = resting_point(o, objects[holder]) if part is None else point_in(objects[holder].asset, part)
+    if point is None:
+        return Goal(subject=o.id, relation="on", reference=holder)
+    return Goal(subject=o.id, relation="inside" if point.holds == "in" else "on", reference=holder, part=point.link)
+
+
+def _positions_of(o: SceneObject) -> Iterator[Goal]:
+    """The goals that the parts of an object that can be opened are open or closed."""
+    for link, position in zip(o.asset.model.links, joint_positions(o.asset.model, o.joints), strict=True):
+        if part_that("open", link.name):
+            is_open = abs(position) > abs(link.joint.far_end) / 2
+            yield Goal(subject=o.id, relation="open" if is_open else "closed", part=link.name)
 
 
 def is_about(refusal: Refusal, goal: Goal) -> bool:
@@ -201,16 +207,16 @@ SIZES = ("fits", "opening")
 SMALLER = "ask for a smaller thing, or for a place with more room"
 
 
-def _way_out(*refusals: Sequence[Refusal], bound: bool = False) -> str:
+def _way_out(refusals: Sequence[Sequence[Refusal]], asked: Sequence[AskedGoal] = ()) -> str:
     """Return the hint for what is refused; another seed helps only where places matter.
 
     Args:
         refusals: in groups, each of which must be done.
-        bound: True if an arm is asked for.
+        asked: goals that are asked for, perhaps of one arm.
     """
     if any(group and all(_by_size(refusal) for refusal in group) for group in refusals):
         return f"{SMALLER}; another --seed does not help"
-    if bound:
+    if any(one.arm is not None for one in asked):
         return f"{ANY_ARM}; or another --seed gives another layout"
     return "another --seed gives another layout; another instruction other objects"
 
@@ -230,16 +236,18 @@ def _unfulfilled(scene: Scene, kept: Sequence[Subtask], refused: Sequence[Refusa
     missing = [asked for asked in scene.goals if asked.goal not in able]
     about = [[refusal for refusal in refused if is_about(refusal, asked.goal)] for asked in missing]
     left = sorted({asked.goal.subject for asked in missing}.intersection(scene.untouched))
-    reasons = [refusal.reason for group in about for refusal in group]
+    reasons = [refusal.reason for refusal in itertools.chain(*about)]
     reasons += [f"{name} is to be left alone" for name in left]
+    return NoFeasibleTask(
+        f"no chain of feasible sub-tasks brings about {_why(missing or scene.goals, reasons, bool(missing))}",
+        hint="name what may be moved, or leave less alone" if left else _way_out(about, missing or scene.goals),
+        details={"missing": [str(asked.goal) for asked in missing], "reasons": reasons},
+    )
+
+
+def _why(goals: Sequence[AskedGoal], reasons: Sequence[str], missing: bool) -> str:
+    """Goals with the first three reasons why no chain brings them about; ``missing`` if no sub-task does."""
     unsaid = "no sub-task of this scene does that"
     if not missing:
         unsaid = "each can be brought about, but in no order all of them"
-    concerned = missing or scene.goals
-    named = "; ".join(dict.fromkeys(map(_named, concerned)))
-    hint = _way_out(*about, bound=any(asked.arm is not None for asked in concerned))
-    return NoFeasibleTask(
-        f"no chain of feasible sub-tasks brings about {named}: {'; '.join([*dict.fromkeys(reasons)][:3]) or unsaid}",
-        hint="name what may be moved, or leave less alone" if left else hint,
-        details={"missing": [str(asked.goal) for asked in missing], "reasons": reasons},
-    )
+    return f"{'; '.join(dict.fromkeys(map(_named, goals)))}: {'; '.join([*dict.fromkeys(reasons)][:3]) or unsaid}"

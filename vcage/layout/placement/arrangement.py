@@ -58,7 +58,7 @@ class Arrangement:
         plane, unions = self.plane, stance.unions
         if plane.related is not None:
             unions = (*unions, *plane.related.cuts(plane.items[k].id, yaw, self._others(k)))
-        return free_region(plane.bounds, stance.half, self._boxes[taken], plane.gaps[k, taken], unions)
+        return free_region(plane.bounds, stance.half, self._boxes[taken], plane.margin, unions)
 
     def related(self, k: int, yaw: float, centres: np.ndarray) -> np.ndarray:
         """(c, 2) those of some centres of item ``k`` at ``yaw`` that keep all relations to the others."""
@@ -81,18 +81,17 @@ class Arrangement:
 
     def conflicts(self, k: int, stance: Stance, centres: np.ndarray) -> np.ndarray:
         """(c, n) bool: which of the other items stand too close for item ``k`` at the ``centres`` (c, 2)."""
-        boxes, gaps = self._boxes[self._first :], self.plane.gaps[k, self._first :]
-        grow = stance.half + gaps[:, None] - TOLERANCE
+        boxes, grow = self._boxes[self._first :], stance.half + self.plane.margin - TOLERANCE
         near = (centres[:, None] > boxes[:, 0] - grow) & (centres[:, None] < boxes[:, 1] + grow)  # (c, n, 2)
         others = self._taken[self._first :].copy()
         others[k] = False
         return near.all(axis=2) & others
 
-    def touching(self, k: int, stance: Stance, centres: np.ndarray) -> np.ndarray:
-        """(c,) share of its border that item ``k`` has at the bounds or at its gap from others, at (c, 2) centres."""
-        boxes, gaps = self._boxes[self._taken], self.plane.gaps[k, self._taken][:, None]
+    def touching(self, stance: Stance, centres: np.ndarray) -> np.ndarray:
+        """(c,) share of its border that an item has at the bounds or at its gap from others, at (c, 2) centres."""
+        boxes, gap = self._boxes[self._taken], self.plane.margin
         lower, upper = centres - stance.half, centres + stance.half
-        shared = np.minimum(upper[:, None], boxes[:, 1] + gaps) - np.maximum(lower[:, None], boxes[:, 0] - gaps)
+        shared = np.minimum(upper[:, None], boxes[:, 1] + gap) - np.maximum(lower[:, None], boxes[:, 0] - gap)
         touches = np.abs(shared) < TOUCH_M  # (c, n, 2) along that axis; the border is shared along the other one
         length = np.where(touches, shared[..., ::-1].clip(min=0), 0.0).sum(axis=(1, 2))
         walls = (lower - self.plane.bounds[0] < TOUCH_M).astype(int) + (

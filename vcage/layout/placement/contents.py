@@ -39,7 +39,7 @@ def content_plane(container: TableItem, contents: Sequence[TableItem]) -> Plane:
     opening = container.room
     centre, half = np.subtract(opening.centre, container.centre), np.array(opening.size) / 2 - CONTENT_MARGIN
     # Reach and view are the world's: they are asked of the container, see unions_of.
-    plain = [replace(item, clearance=0.0, allowed=None, within=None) for item in contents]
+    plain = [replace(item, allowed=None, within=None) for item in contents]
     bounds = np.stack([centre - half, centre + half])
     return make_plane(plain, bounds, CONTENT_MARGIN, np.empty((0, 2, 2)), lambda _item, _yaw: ())
 

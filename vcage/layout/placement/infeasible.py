@@ -53,7 +53,7 @@ def require_room(plane: Plane, container: TableItem | None = None) -> None:
         InfeasibleScene: says which, how much is missing, and what would help.
     """
     for k in plane.order:
-        if all(plane.alone(k, stance).is_empty for stance in plane.stances[k]):
+        if all(plane.alone(stance).is_empty for stance in plane.stances[k]):
             raise _fits_nowhere(plane, k, container)
     missing = plane.needed - plane.available
     if missing > SETTINGS.area_tolerance_m2:

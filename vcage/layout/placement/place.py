@@ -19,7 +19,7 @@ from vcage.layout.placement.infeasible import no_place, require_room
 from vcage.layout.placement.plane import Plane, make_plane
 from vcage.layout.placement.related import Related
 from vcage.layout.placement.search import arrange
-from vcage.layout.validation import as_rectangles, as_workspace, check_items
+from vcage.layout.validation import as_rectangles, as_workspace, check_items, check_margin
 from vcage.schema.plan import Relation
 
 
@@ -52,7 +52,8 @@ def place(
         InfeasibleScene: names the objects without a place, the area that is missing, and a way out.
         UsageError: an item, the workspace, the margin or an obstacle makes no sense.
     """
-    check_items(items, margin)
+    check_margin(margin)
+    check_items(items)
     local: dict[str, Local] = {}
     for container, plane in _openings(items):
         spots = _solved(plane, rng, container)
@@ -75,7 +76,8 @@ def require_possible(
     Raises:
         InfeasibleScene, UsageError: as :func:`place`.
     """
-    check_items(items, margin)
+    check_margin(margin)
+    check_items(items)
     for container, plane in _openings(items):
         require_room(plane, container)
     on_table = contents_of(items, None)

@@ -67,13 +67,6 @@ class Plane:
     related: Related | None = None
 
     @cached_property
-    def gaps(self) -> np.ndarray:
-        """(n, m + n) gap of every item to the obstacles and to every item."""
-        clearance = np.array([max(self.margin, item.clearance) for item in self.items])
-        to_obstacles = np.repeat(clearance[:, None], len(self.obstacles), axis=1)
-        return np.concatenate([to_obstacles, np.maximum(clearance[:, None], clearance)], axis=1)
-
-    @cached_property
     def areas(self) -> np.ndarray:
         """(n,) what every item takes at its smallest, grown by half a margin on all sides, m²."""
         return np.array([float((2 * stances[0].half + self.margin).prod()) for stances in self.stances])
@@ -93,15 +86,11 @@ class Plane:
     @cached_property
     def compact(self) -> list[list[Stance]]:
         """Stances of each item that packing tries: the smallest two, along and across, that are possible alone."""
-        return [
-            list(islice((s for s in stances if not self.alone(k, s).is_empty), 2))
-            for k, stances in enumerate(self.stances)
-        ]
+        return [list(islice((s for s in stances if not self.alone(s).is_empty), 2)) for stances in self.stances]
 
-    def alone(self, k: int, stance: Stance) -> FreeRegion:
-        """Region of the centre of item ``k`` while no other item is placed."""
-        gaps = self.gaps[k, : len(self.obstacles)]
-        return free_region(self.bounds, stance.half, self.obstacles, gaps, stance.unions)
+    def alone(self, stance: Stance) -> FreeRegion:
+        """Region of an item's centre at a stance while no other item is placed."""
+        return free_region(self.bounds, stance.half, self.obstacles, self.margin, stance.unions)
 
     @property
     def needed(self) -> float:

@@ -161,7 +161,7 @@ def _push_in(arrangement: Arrangement, k: int, pushed: np.ndarray, rng: np.rando
     if plane.related is not None and plane.related.binds(plane.items[k].id):
         return None  # what is in its way may be what it must stand by
     for stance in plane.compact[k]:
-        region = plane.alone(k, stance)
+        region = plane.alone(stance)
         centres = np.concatenate([region.samples(rng, SETTINGS.candidates), region.corners()])
         hits = arrangement.conflicts(k, stance, centres)  # (c, n)
         costs = hits @ (plane.areas * pushed)
@@ -226,7 +226,7 @@ def _pack_once(arrangement: Arrangement, order: Sequence[int], first: int, signs
             if snug:
                 near = np.argsort(costs, kind="stable")[: SETTINGS.corners]
                 corners = corners[near]
-                costs = SETTINGS.tie_weight * costs[near] - arrangement.touching(k, stance, corners)
+                costs = SETTINGS.tie_weight * costs[near] - arrangement.touching(stance, corners)
             c = int(np.argmin(costs))
             if best is None or costs[c] < best[0]:
                 best = costs[c], Spot(stance, corners[c], yaw)
