@@ -205,7 +205,7 @@ class Layouts:
         return self._with_contents(solved)
 
     def _drawn(self, rng: np.random.Generator) -> dict[str, Pose]:
-        """Poses of what stands on the table, drawn at random where it is within reach."""
+        """Poses of the objects on the table, drawn at random within reach."""
         drawn = place(self._standing, self._workspace, rng, self._margin, relations=self._between)
         return {item.id: item.pose(drawn[item.id], self._objects[item.id].pose.p[2]) for item in self._standing}
 
@@ -224,12 +224,12 @@ class Layouts:
         return first_accepted(fewer, InfeasibleScene).value
 
     def _kept_free(self, o: SceneObject, rectangle: np.ndarray) -> np.ndarray:
-        """(2, 2) of the table around what has this rectangle there: a hand comes down on what is moved."""
+        """(2, 2) rectangle of the table around an object; wider for one that is moved, as a hand comes down on it."""
         gap = hand_clearance(self._robot).gap if o.record.role == "content" else 0.0
         return rectangle + [[-gap], [gap]]
 
     def _with_contents(self, upright: dict[str, Pose]) -> dict[str, Pose]:
-        """Poses of all objects where these are of what stands on the table; all lie as they had settled there."""
+        """Poses of all objects for these of the objects on the table; contents lie as they had settled."""
         found = {}
         for name, o in self._objects.items():
             root = self._root(name)

@@ -13,7 +13,7 @@ def required_ranges(randomise: str, layout: str, lone: bool = False) -> Randomis
     Args:
         randomise: name or file of the ranges.
         layout: ``varied`` or ``fixed``.
-        lone: whether a script runs alone, which has no plan to draw layouts by.
+        lone: True if a script runs alone, which has no plan to draw layouts by.
 
     Raises:
         UsageError: layouts are not drawn, but the ranges need them.

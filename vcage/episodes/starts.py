@@ -71,7 +71,7 @@ class Starts:
         scene: as it is before the chain begins, where its layout was optimised.
         relations: of the plan, which layouts keep that are drawn; None where none are.
         chain: the sub-tasks, in order.
-        ranges: of what is simulated otherwise.
+        ranges: of the differences between worlds.
         context: the library, the robots' reach and kinematics.
     """
 

@@ -86,7 +86,7 @@ class Worlds:
             found.append(SceneObject(record, asset, pose))
         return found
 
-    # --- what may be drawn -----------------------------------------------------------------------------
+    # --- draws ----------------------------------------------------------------------------------------
 
     @cached_property
     def _objects(self) -> list[SceneObject]:
@@ -102,9 +102,9 @@ class Worlds:
         return self.scene.instruction or ""
 
     def _variants(self, rng: np.random.Generator) -> dict[str, str]:
-        """Another variant for some objects, one after the other, so that what is said stays true of all of them.
+        """Another variant for some objects, one after the other, so that all words stay true.
 
-        What lies in something, or has something in it, stays as it is: the other may have another size.
+        Contents and their holders keep their variants: others may have other sizes.
         """
         found: dict[str, str] = {}
         for o in self._objects:

@@ -40,7 +40,7 @@ def opening_for(asset: Asset, contents: Sequence[Asset] = ()) -> Opening | None:
     """The opening that a layout may use of an asset, in the object's frame; None without one.
 
     What stands in it as a box does not touch a sloping wall. Where one of the contents is too large for that, the
-    wider opening of what is let go there: whether it holds is then for the simulator to say.
+    wider opening in which things may lie at an angle: the simulator then decides if they stay.
 
     Returns:
         Its rim is infinitely high where things stand on it, not in it.
@@ -56,7 +56,7 @@ def opening_for(asset: Asset, contents: Sequence[Asset] = ()) -> Opening | None:
 
 
 def _used_point(asset: Asset) -> FunctionalPoint | None:
-    """The first functional point that is in no moving part: what lies in a drawer is not laid out."""
+    """The first functional point that is in no moving part: contents of drawers are not laid out."""
     return next((point for point in asset.annotation.functional_points if point.link is None), None)
 
 
@@ -73,8 +73,8 @@ def size_complaints(
     Args:
         relations: of a plan; those of objects that are not among the items are passed over.
         items: geometry by object id, of :func:`capacity_of`.
-        workspace: without it rows are not looked at.
-        overhang: whether what stands on a bare top may stick out.
+        workspace: without it the lengths of rows are not checked.
+        overhang: True if an object on a bare top may stick out.
     """
     sound = sound_relations(relations)
     found: list[str] = []
@@ -175,7 +175,7 @@ def _side_by_side(a: np.ndarray, b: np.ndarray, room: tuple[float, float]) -> bo
 
 
 def _narrowest(size: np.ndarray, depth: float) -> float:
-    """Least width of a box of at most that depth around a rectangle that is turned as it likes; infinite without one.
+    """Least width of a box of at most that depth around a rectangle at any angle; infinite without one.
 
     Width and depth are concave in the angle, so the least is at a quarter turn, or where the depth is just enough.
     """

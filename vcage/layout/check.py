@@ -1,6 +1,6 @@
 """The last word on a layout: from the returned positions alone, is everything where it may be and free of the rest?
 
-Of the groups only who lies in what is used, and who could not be where it is allowed; never where they put anything.
+Of the groups only membership and the items out of reach are used, never positions.
 """
 
 from __future__ import annotations
@@ -30,14 +30,14 @@ def require_exact(
     """Check all pairs, the workspace, the contents of every container, and where objects are allowed.
 
     Args:
-        groups: who lies in what.
+        groups: of containers and contents.
         positions: (x, y, z) of every object, by id.
-        workspace: (2, 2) what every box stays within, metres.
+        workspace: (2, 2) bounds of every box, metres.
         margin: between boxes, metres.
-        out_of_reach: ids of what need not be where it is allowed.
+        out_of_reach: ids of items that need not be where they are allowed.
 
     Raises:
-        InfeasibleScene: names what touches, sticks out, is not where it is allowed, or has no finite position.
+        InfeasibleScene: names items that touch, stick out, are not where they are allowed, or have no finite position.
     """
     for name in groups.items:
         if not np.all(np.isfinite(positions[name])):

@@ -1,4 +1,4 @@
-"""Objects and what they carry: every container with its contents is one rigid body (paper, section III-A4)."""
+"""Groups of objects: every container with its contents is one rigid body (paper, section III-A4)."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ class Groups:
     def table_problem(
         self, workspace: np.ndarray, margin: float, allowed: Sequence[np.ndarray | None]
     ) -> LayoutProblem:
-        """The problem of what stands on the table.
+        """The problem of the items on the table.
 
         Args:
             workspace: (2, 2) what every box stays within, and whose thirds relations to the table mean, metres.
@@ -112,7 +112,7 @@ class Groups:
         offsets = np.array([item.target for item in contents]) - container.target
         body = container.body_rectangle()
         spots = self._spots(contents, middles @ rotation_2d(container.yaw).T)
-        # Beside or left of what it lies in makes no sense; only its centre does.
+        # Of relations to its container only ``center`` makes sense.
         centred = [r for r in self.relations if r.relation == "center" or r.reference != container.id]
         spots[container.id] = RelatedBox(None, body.mean(axis=0), (body[1] - body[0]) / 2)
         return LayoutProblem(
@@ -130,7 +130,7 @@ class Groups:
             self.local[item.id] = centre - self.extent(item, container.yaw).mean(axis=0)
 
     def inner_bounds(self, container: TableItem, half: np.ndarray) -> np.ndarray:
-        """(2, 2) what contents of half size (n, 2) stay within, in the container's frame.
+        """(2, 2) bounds of contents of half size (n, 2), in the container's frame.
 
         The opening; on a bare top, widened by as much as a single content may stick out.
         """
@@ -158,7 +158,7 @@ class Groups:
     def _allowed(self, root: TableItem) -> tuple[np.ndarray | None, list[str]]:
         """(m, 2, 2) rectangles for the middle of a group, from which all that it carries is where it is allowed.
 
-        What cannot be where it is allowed together with what carries it gives way: the ids of that.
+        Items that cannot be where they are allowed together with their carrier give way; their ids are returned.
         """
         meet, out_of_reach = None, []
         middle = self.extent(root).mean(axis=0)
@@ -194,8 +194,7 @@ class Groups:
 
 
 def hand_gaps(items: Sequence[TableItem], margin: float) -> np.ndarray | None:
-    """(n, n) what gaps are wider than the margin between what a hand grasps and what its palm would touch; None for no
-    such pair."""
+    """(n, n) gaps beyond the margin between grasped items and those that the palm would touch; None for none."""
     heights = np.array([item.size[2] for item in items])
     low = np.array([np.inf if item.hand is None else item.hand.height for item in items])
     wanted = np.array([0.0 if item.hand is None else max(item.hand.gap - margin, 0.0) for item in items])

@@ -81,9 +81,9 @@ class IntendedLayout:
 
     Args:
         poses: in the world, by object id.
-        boxes: (2, 3) world boxes, by object id; of what lies in moving parts there is none.
+        boxes: (2, 3) world boxes, by object id; none for the contents of moving parts.
         kept: how much of the plan that keeps.
-        overlapping: ids of what stands on the table and overlaps another there, for want of room.
+        overlapping: ids of objects on the table that overlap another for want of room.
     """
 
     poses: dict[str, Pose]
@@ -107,7 +107,7 @@ def intended_layout(
 
     Args:
         scene: where the objects stand now.
-        relations: of the plan; those that name what there is not are passed over.
+        relations: of the plan; those that name unknown objects are passed over.
         items: geometry of every object, by id; the surface of those without an opening holds what the plan puts there.
         fixed: objects whose place is known already.
     """
@@ -254,7 +254,7 @@ def supports_of(relations: Iterable[Relation]) -> dict[str, str]:
 
 
 def _widened(holder: TableItem, content: TableItem) -> TableItem:
-    """The holder with an opening that the content fits into where it is: whether it really does is asked elsewhere."""
+    """The holder with an opening that the content fits into where it is; the true fit is checked elsewhere."""
     turn = rotation_2d(-holder.yaw)
     rectangle = content.rectangle(holder.yaw) + turn @ np.subtract(content.target, holder.target)
     centre, half = np.array(holder.room.centre), np.array(holder.room.size) / 2

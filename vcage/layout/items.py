@@ -26,7 +26,7 @@ FRONT_YAWS = tuple(float(yaw) for yaw in np.radians((-15, 0, 15)))
 
 @dataclass(frozen=True)
 class ItemSettings:
-    """Settings of items and of what containers take.
+    """Settings of items and containers.
 
     Args:
         sweep_steps: positions of each joint at which the swept room is measured.
@@ -48,7 +48,7 @@ ITEMS = ItemSettings()
 
 @dataclass(frozen=True)
 class TableItem:
-    """An object that stands on a table, or in or on another one. Its rectangle is what it needs of the table.
+    """An object that stands on a table, or in or on another one. Its rectangle is the room that it needs of the table.
 
     Args:
         id: its name in the result and in errors.
@@ -64,8 +64,8 @@ class TableItem:
         within: (m, 2, 2) rectangles that its whole rectangle must lie in one of when it is placed (what a camera sees,
             see :func:`~vcage.layout.placement.view.view_rectangles`), None for anywhere. Where they make up a larger
             region they should be its maximal rectangles, so that what lies across two of them is found to be inside.
-        hand: what a hand that will grasp it keeps clear of, None for what no hand reaches for.
-        fixed: whether it stays at its target, whatever it touches of what stays too.
+        hand: clearance of a hand that will grasp it, None for an object that no hand grasps.
+        fixed: True if it stays at its target, even if it touches other fixed items.
         centre: (x, y) of the rectangle's middle in the object's frame, metres.
         body: (2, 2) lower and upper corner of the object itself in its frame, by which relations are judged; the whole
             rectangle when left out.

@@ -160,7 +160,7 @@ _Search = Callable[[LayoutProblem, Sequence[TableItem]], tuple[Solution, set[str
 
 
 def _fill_containers(groups: Groups, search: _Search) -> tuple[set[str], list[str]]:
-    """Lay out the contents of every container: the ids of what the repair moved, and of what had to be released."""
+    """Lay out the contents of every container; return the ids that the repair moved, and those that were released."""
     repaired: set[str] = set()
     released = []
     for container in groups.innermost_first():

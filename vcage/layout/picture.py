@@ -47,7 +47,7 @@ def draw_layout(
 
     Args:
         before, after: the same objects, with their targets at where they should be and where they ended.
-        labels: what is written beside each, by id.
+        labels: texts beside the objects, by id.
         workspace: drawn dotted.
         table: drawn as wood; the robot stands below the picture.
 

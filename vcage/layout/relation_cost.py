@@ -50,7 +50,7 @@ class RelatedBox:
         index: of the footprint, or None for what does not move in the problem.
         offset: (2,) from the footprint's centre (from the frame's origin, for None) to the box's, world axes, metres.
         half: (2,) half size of the axis-aligned world box, metres.
-        thirds: whether it is the middle third of the table, to which relations have a meaning of their own.
+        thirds: True if it is the middle third of the table, to which relations have a meaning of their own.
     """
 
     index: int | None
@@ -76,7 +76,7 @@ class RelationTerms:
         shifts: (2w,) of the gap words: u = ways·x + shifts, in the world, metres.
         inner: (2w,) offsets along each axis that leave no gap, metres.
         gap: (w,) largest gaps, metres; 0 for ``center``.
-        turned: whether boxes that are apart in the problem's frame may overlap in the world.
+        turned: True if boxes that are apart in the problem's frame may overlap in the world.
     """
 
     normals: np.ndarray

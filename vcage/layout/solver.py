@@ -123,7 +123,7 @@ class _Search:
         self._problem, self._tight, self._weights, self._rng = problem, tightened(problem), weights, rng
         self._best: tuple[_Score, np.ndarray, tuple[int, ...]] | None = None
         self.starts = starts
-        self._ends: list[np.ndarray] = []  # what the starts led to, feasible or not
+        self._ends: list[np.ndarray] = []  # the ends of all starts, feasible or not
 
     def solution(self, share: float) -> Solution:
         """The best layout; there must be one."""
@@ -219,7 +219,7 @@ def _is_hopeless(problem: LayoutProblem) -> bool:
 
 
 def _fixed_boxes(problem: LayoutProblem) -> np.ndarray:
-    """(k, 2, 2) rectangles that what is fixed takes."""
+    """(k, 2, 2) rectangles of the fixed footprints."""
     at, half = problem.target[~problem.movable], problem.half[~problem.movable]
     return np.stack([at - half, at + half], axis=1)
 

@@ -51,7 +51,7 @@ def starting_places(
 
     Args:
         scene: whose table, workspace and camera it is.
-        items: what stands on the table, at its heading and where it stands now; what is fixed stays there.
+        items: on the table, at their headings and where they stand now; fixed items stay there.
         relations: between them, and to the table.
         gap: between any two, metres.
     """
@@ -76,7 +76,7 @@ def _ordered(waiting: list[str], relations: Sequence[Relation]) -> list[str]:
 
 
 class _Starts:
-    """Free places on one table, and what relations ask of them."""
+    """Free places on one table that suit the relations."""
 
     def __init__(self, scene: Scene, relations: Sequence[Relation], gap: float):
         self._relations, self._gap = relations, gap

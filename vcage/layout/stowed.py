@@ -18,7 +18,7 @@ def with_stowed(scene: Scene, poses: Mapping[str, Pose]) -> dict[str, Pose]:
 
     Args:
         scene: where things lie in their moving parts as they will.
-        poses: by id, of what has a place of its own.
+        poses: by id, of the objects that have places of their own.
     """
     found = dict(poses)
     for o in scene.objects:

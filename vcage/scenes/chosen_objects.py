@@ -83,7 +83,7 @@ def _not_english(instruction: str) -> UnreadInstruction:
 
 
 class _Choices:
-    """The outcome of each selection for an instruction: complaints, or objects and what is to be done with them.
+    """The outcome of each selection for an instruction: complaints, or objects with their reading.
 
     Args:
         instruction: in plain language.
@@ -97,7 +97,7 @@ class _Choices:
         self.infeasible: NoFeasibleTask | InfeasibleScene | None = None
 
     def complaints(self, selection: Selection) -> list[str]:
-        """Complaints about a selection, one sentence each; a selection is looked at once.
+        """Complaints about a selection, one sentence each; a selection is examined once.
 
         Raises:
             UnreadInstruction: the instruction is not read, whatever is chosen.
@@ -141,7 +141,7 @@ class _Choices:
         return [self.infeasible.message] if self.infeasible else Chosen(objects, reading, selection.notes)
 
     def _read(self, objects: Sequence[NamedObject], kinds: dict[str, CatalogueEntry]) -> Reading:
-        """Read what the instruction asks for among the objects, with a second look.
+        """Read the instruction among the objects, with a second look.
 
         Raises:
             UnreadInstruction: the second look has a complaint.

@@ -30,7 +30,7 @@ def place_until_stable(
     context: StageContext,
     rng: np.random.Generator,
 ) -> Scene:
-    """Draw placements until one stays put in the simulator; its settled poses are what M records.
+    """Draw placements until one stays put in the simulator; M records its settled poses.
 
     Args:
         fields: of the scene, but for objects and checks.
@@ -91,7 +91,7 @@ def _given_up(refusals: Sequence[Exception]) -> InfeasibleScene:
 
 
 def photograph(scene: Scene, context: StageContext, folder: Path) -> Scene:
-    """Write the pictures of the scene into a folder, and note in the scene what the segmentation's values mean."""
+    """Write the pictures of the scene into a folder, and note the meaning of the segmentation's values in the scene."""
     look = context.appearance(scene.table.texture)
     world = World.of_scene(scene, context.physical_models(scene), appearance=look, render=True)
     shot = observe(world, scene.top_camera)

@@ -19,10 +19,10 @@ from vcage.tasks.stowing import point_in
 
 
 def started(objects: Sequence[NamedObject], descriptions: Sequence[Description], library: Library) -> list[NamedObject]:
-    """The objects as they start by what the instruction says of them.
+    """The objects as they start by the descriptions.
 
     Raises:
-        InfeasibleScene: it contradicts itself, or there is no room there; says what and why, with the sizes.
+        InfeasibleScene: descriptions contradict each other, or there is no room; names the objects and sizes.
     """
     found, wrong = starting_as_described(objects, descriptions)
     wrong = wrong or start_complaints(found, library)

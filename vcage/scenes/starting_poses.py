@@ -46,8 +46,8 @@ class StartingPoses:
     Args:
         objects: of the scene.
         template: of the scene.
-        descriptions: what must be true.
-        goals: what is asked for.
+        descriptions: that must be true.
+        goals: that are asked for.
         context: the library.
     """
 
@@ -152,7 +152,7 @@ class StartingPoses:
 def _joints(
     objects: Sequence[NamedObject], steps: Sequence[Collection[Goal]], context: StageContext
 ) -> dict[str, tuple[float, ...]]:
-    """Positions of the moving parts of each object: what is to be closed is open at the start, the rest at rest."""
+    """Positions of the moving parts of each object: parts to be closed are open at the start, the others at rest."""
     open_parts = open_at_start(steps)
     found = {}
     for o in objects:
@@ -163,7 +163,7 @@ def _joints(
 
 
 def _place_items(objects: Sequence[NamedObject], template: SceneTemplate, context: StageContext) -> list[TableItem]:
-    """Items of the placement; what a task carries or fills must be where an arm reaches."""
+    """Items of the placement; objects that a task carries or fills must be where an arm reaches."""
     assets = {o.id: asset_of(o, context) for o in objects}
     inside = {o.id: o.starts_in for o in objects}
     openings = {

@@ -105,7 +105,7 @@ def job(run: RunFolder, options: Options, context: StageContext) -> Job:
 
 
 def _with_contents(name: str) -> SceneTemplate:
-    """The scene template, which says what belongs there."""
+    """The scene template, with the contents that belong there."""
     template = load_template(name)
     if not template.contents:
         others = [other for other in available("scenes") if load_template(other).contents]

@@ -64,8 +64,8 @@ class _Stay:
     """An object in one place for a while.
 
     Args:
-        object, receptacle, point: what lies where.
-        subtask: that brings it; None for what lies there from the start.
+        object, receptacle, point: the object and its place.
+        subtask: that brings it; None if it lies there from the start.
         start, end: steps of the chain: it comes with the first and is taken away with the second.
     """
 
@@ -124,7 +124,7 @@ class _Filling:
     Args:
         subtasks: in order.
         receptacle, point: where; its drawer or lid is open.
-        present: what lies there already.
+        present: objects that lie there already.
         objects: of the scene by id, where they stand at the start.
         workplace: of the scene.
     """

@@ -35,7 +35,7 @@ class Choices:
         world: where it happens.
         objects: by id, with their geometry; poses are read from the world.
         slots: object id → where it goes.
-        retry: what earlier attempts at the same sub-task failed for; the first attempt when not given.
+        retry: failures of earlier attempts at the same sub-task; the first attempt when not given.
 
     Attributes:
         arm, contact: that took hold of something.
@@ -57,7 +57,7 @@ class Choices:
         self._left: Iterator[Slot] = iter(())
 
     def _choose(self, target: SceneObject, grasps: Sequence[tuple[int, str]], hand_to: str | None) -> PickPlan:
-        """The first grasp that leads to the object's slot; else to another slot; any grasp for what has none."""
+        """The first grasp that leads to the object's slot, else to another; any grasp for an object without a slot."""
         failures: list[TaskFailed] = []
         places = self._slots_of(target.id) if target.id in self._slots else [None]
         choices = self._retry.choices(grasps, places)
@@ -77,7 +77,7 @@ class Choices:
     def _choose_showing(
         self, object_id: str, other_id: str, grasps: Sequence[tuple[int, str]]
     ) -> tuple[PickPlan, Surroundings, list[Pose]]:
-        """The first grasp with which an object can be held before another; what is around it, and its poses there."""
+        """The first grasp with which an object can be held before another, its surroundings, and its poses there."""
         target, cell = self._cell.object(object_id), self._cell
         poses = list(reading_poses(target, cell.object(other_id), self.world.table.height))
         if not poses:

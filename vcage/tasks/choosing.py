@@ -1,4 +1,4 @@
-"""Slots of a chain's sub-tasks that a reasoner may fill: grasps and places that are feasible, and what is checked."""
+"""Slots of a chain's sub-tasks that a reasoner may fill: feasible grasps and places, and statements to check."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def slot_questions(
         chain: the sub-tasks, in order.
         kept: all that were found, among them others that do the same at another place.
         objects: of the scene, as they are when the chain begins.
-        initial: what is true then.
+        initial: goals that are true then.
         actions: of the chain's sub-tasks, by id.
     """
     by_id, others, state = {o.id: o for o in objects}, list(kept), initial
@@ -73,7 +73,7 @@ def _in_every_turn(question: SlotQuestion, questions: Sequence[SlotQuestion]) ->
 
 
 def filled(chain: Sequence[Subtask], kept: Mapping[str, Subtask], answers: Sequence[SlotAnswer]) -> list[Subtask]:
-    """The chain as a reasoner would have it done: its place and grasp first, and what it wants to be checked.
+    """The chain as a reasoner would have it done: its place and grasp first, with its statements to check.
 
     Args:
         chain: the sub-tasks, in order.
@@ -84,7 +84,7 @@ def filled(chain: Sequence[Subtask], kept: Mapping[str, Subtask], answers: Seque
 
 
 def checked(chain: Sequence[Subtask], answers: Sequence[SlotAnswer]) -> list[Subtask]:
-    """The chain as it is ranked, with what a reasoner wants to be checked.
+    """The chain as it is ranked, with the reasoner's statements to check.
 
     Args: as of :func:`filled`.
     """
@@ -105,7 +105,7 @@ def with_open_parts(subtask: Subtask, question: SlotQuestion, answer: SlotAnswer
 
 
 def as_chosen(found: Subtask, subtask: Subtask) -> Subtask:
-    """A sub-task that was looked for anew, with what had been chosen of it.
+    """A sub-task that was examined again, with the earlier choices of the reasoner.
 
     Args:
         found: among objects that stand elsewhere.
@@ -159,7 +159,7 @@ def _grasps(subtask: Subtask, objects: Mapping[str, SceneObject]) -> list[GraspO
 
 
 def _statements(subtask: Subtask, objects: Mapping[str, SceneObject], before: State, stays: State) -> list[Statement]:
-    """Statements that a sub-task leaves true: of things it has nothing to do with, and what holds before and after."""
+    """Statements that a sub-task leaves true: other objects are unmoved, and facts hold before and after."""
     lies = {g.subject: g.reference for g in before if g.relation in HOLDING}
     handled = moved_by(subtask) | {subtask.object}
     still = [name for name in objects if not _rides(name, lies, handled) and name not in moved_by(subtask)]
@@ -176,7 +176,7 @@ def _statement(goal: Goal) -> Statement:
 
 
 def _rides(name: str, lies: Mapping[str, str | None], handled: set[str]) -> bool:
-    """Check if an object lies in or on what is handled."""
+    """True if an object lies in or on a handled one."""
     holder = lies.get(name)
     return holder is not None and (holder in handled or _rides(holder, lies, handled))
 

@@ -31,10 +31,10 @@ class Transfer:
     """One thing to try: grasp an object, and bring it somewhere.
 
     Args:
-        target, contact: what is grasped, and where.
+        target, contact: the object, and the point at which it is grasped.
         where: the place in words.
         poses: of the object at the place, in the world: any of them does.
-        around: what the hand may meet there.
+        around: boxes that the hand may meet there.
         over: heights that the object must be above when it is brought there, z in metres.
         others: all other objects, those with parts that must be open as they are then.
     """
@@ -95,7 +95,7 @@ def fits(target: SceneObject, receptacle: SceneObject, point: FunctionalPoint) -
     """Check that the object's footprint goes into the opening, straight or turned by a quarter.
 
     Args:
-        target: what is put.
+        target: the object that is put there.
         receptacle: where.
         point: functional point of the receptacle.
     """
@@ -124,7 +124,7 @@ def opens_wide_enough(target: SceneObject, contact: ContactPoint, kinematics: Ma
     """Check that a gripper opens wider than the material at the contact point.
 
     Args:
-        target: what is held.
+        target: the object that is held.
         contact: contact point of the target.
         kinematics: by arm.
     """

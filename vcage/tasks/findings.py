@@ -73,7 +73,7 @@ def reach_check(
 
 
 def hand_check(how: Literal["around", "at"], where: str, blocked: str | None) -> Check:
-    """The check of the room for a hand, with the phrase of what is in its way, if anything is."""
+    """The check of the room for a hand, with the phrase of the object in its way, if any."""
     message = (
         f"the hand has room {how} {where}" if blocked is None else f"{blocked} is in the way of the hand at {where}"
     )

@@ -26,7 +26,7 @@ TOWARDS_CUSTOMER = np.array([0.0, 1.0, 0.0])
 """Direction from the robot to the customer, who stands on the other side of the table."""
 
 DIRECTIONS_OF_ARMS = {"left": -1, "right": 1}
-"""Side of the table's middle, along x, on which an arm puts down what it was handed."""
+"""Side of the table's middle, along x, on which an arm puts down an object that it was handed."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class GroundSettings:
     """Room and distances of things that are put down on the table.
 
     Args:
-        gap_m: around what is put down.
+        gap_m: around an object that is put down.
         within_m: a relation is met with this much to spare, as what is let go may roll a little.
         reach_m: largest distance, between their edges, at which a thing is put to the left or right of another.
         sideways_m: how much farther to the side than the other's edges a thing may stand before it or beside it.
@@ -65,7 +65,7 @@ class Ground:
     Args:
         lower, upper: (2,) its corners, metres.
         height: z of the table top, metres.
-        arms: of which one must reach what is put down; where none is given, it may stand anywhere.
+        arms: of which one must reach an object that is put down; without any it may stand anywhere.
     """
 
     lower: np.ndarray
@@ -121,7 +121,7 @@ class Ground:
                 yield item.pose(found[item.id], self.height)
 
     def _reached(self, thing: SceneObject, pose: Pose) -> bool:
-        """True if an arm gets to what stands at a pose, and up again."""
+        """True if an arm gets to an object at a pose, and up again."""
         return not self.arms or any(
             all(
                 arm.reachable(Pose(grasp.pose.p + [0, 0, up], grasp.pose.q), SETTINGS.ik_starts)
@@ -188,7 +188,7 @@ def _side(box: np.ndarray, direction: np.ndarray, depth: float) -> np.ndarray:
 
 
 def _footprint(thing: SceneObject) -> np.ndarray:
-    """(2, 2) the table that a thing covers, and what its moving parts sweep."""
+    """(2, 2) rectangle that an object covers, with the sweep of its moving parts."""
     item = table_item(thing.id, thing.asset)
     half, centre = np.array(item.size[:2]) / 2, np.array(item.centre)
     bounds = np.array([[*(centre - half), 0.0], [*(centre + half), item.size[2]]])

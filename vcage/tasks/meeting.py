@@ -110,7 +110,7 @@ class NoMeeting(MotionFailed):
 
     Args:
         check: the check that it fails.
-        message: says what was measured.
+        message: with the measured values.
     """
 
     def __init__(self, check: Literal["room_for_hands", "reach_meeting", "reach_place"], message: str):
@@ -188,7 +188,7 @@ def meetings(
     """Yield the places where an object can change hands; at least one.
 
     Args:
-        thing: what is handed over.
+        thing: that is handed over.
         given: the hand that has it.
         arms: that have it first and then.
         height: least z of the hands, metres.

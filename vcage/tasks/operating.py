@@ -73,7 +73,7 @@ def _examine_ways(
 
 
 def _part_meets(thing: SceneObject, link: str, others: Sequence[SceneObject]) -> str | None:
-    """The phrase of the first object that a part, or what moves with it, would touch where it is now.
+    """The phrase of the first object that a part, or another that moves with it, would touch where it is now.
 
     The contents of the object move with it.
     """

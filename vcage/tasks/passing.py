@@ -19,7 +19,7 @@ def examine_passing(
     """All checks of a transfer in which the object changes hands, with the grasps of the arms that can give it.
 
     Args:
-        transfer: what is tried; its contact point is the giving arm's.
+        transfer: to try; its contact point is the giving arm's.
         to: the arm that takes it and brings it to its place.
         kinematics: by arm.
         table_height: z of the table top, metres.
@@ -34,7 +34,7 @@ def examine_passing(
 def examine_detour(
     transfers: Sequence[Transfer], kinematics: Mapping[str, ArmKinematics], table_height: float
 ) -> tuple[str | None, list[Feasibility]]:
-    """The arm that can bring an object to its place after another has given it to it, and what was found with it.
+    """The arm that can bring an object to its place after another has given it to it, and the findings.
 
     Where none can, the arm is None, and the findings are those of the last.
 

@@ -66,7 +66,7 @@ def hand_has_room(target: SceneObject, others: Sequence[SceneObject], robot: Rob
 def _hands(
     target: SceneObject, contact_id: int, others: tuple[SceneObject, ...], gripper: Gripper
 ) -> list[tuple[GraspPose, str | None]]:
-    """The poses of a hand at a contact point, whichever arm has it, each with the phrase of what is in its way."""
+    """The poses of a hand at a contact point, whichever arm has it, each with the phrase of the object in its way."""
     contact = target.asset.annotation.contact_point(contact_id)
     width = target.asset.grasp_width(contact)
     poses = grasp_poses(target.pose, contact, gripper, target.box.bottom)

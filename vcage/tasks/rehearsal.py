@@ -57,7 +57,7 @@ class Rehearsal(Task):
     """A task that plans its motions and carries none out: things are then where they would have been brought."""
 
     def pick(self, object_id: str, grasps: Sequence[tuple[int, str]], hand_to: str | None = None) -> None:
-        """Plan it; also whether it can be handed over."""
+        """Plan it, with the hand-over if there is one."""
         self._picked = self._choose(self._cell.object(object_id), grasps, hand_to)
 
     def hand_over(self, to: str) -> None:
@@ -71,7 +71,7 @@ class Rehearsal(Task):
         """Nothing."""
 
     def place(self, receptacle_id: str = TABLE, point: int | None = None) -> None:
-        """Bring what was picked, with its contents, to its slot, at the heading that is nearest for its arm."""
+        """Bring the picked object, with its contents, to its slot, at the heading that is nearest for its arm."""
         if self.slot is not None:
             plan, arm = self._picked, self._cell.planner(self._picked.arm).kinematics
             held = plan.target.pose.inverse() * plan.way.grasp
@@ -86,7 +86,7 @@ class Rehearsal(Task):
         self.world.set_object_pose(object_id, self._choose_push(self._cell.object(object_id), arms).goal)
 
     def operate(self, object_id: str, contact_id: int, target: float, arms: Sequence[str] = ()) -> None:
-        """Plan it; the part is at its target, unless it springs back, with what rides on it."""
+        """Plan it; the part is at its target with the objects on it, unless it springs back."""
         operation, _ = self._choose_operation(object_id, contact_id, target, arms)
         if self._cell.object(object_id).asset.annotation.contact_point(contact_id).use == "press":
             return
@@ -189,7 +189,7 @@ def proven(
 
     Raises:
         NoFeasibleTask: with none of them each sub-task is feasible in its turn.
-        InfeasibleScene: what the chain puts into one receptacle does not fit together, or has no place on the table.
+        InfeasibleScene: the contents of one receptacle do not fit together, or an object has no place on the table.
     """
 
     def propose() -> tuple[list[Subtask], dict[str, Slot]]:
@@ -212,7 +212,7 @@ def require_chain(scene: Scene, objects: Sequence[SceneObject], rng: np.random.G
 
     Raises:
         NoFeasibleTask: there is none.
-        InfeasibleScene: what the chain puts into one receptacle does not fit together, or has no place on the table.
+        InfeasibleScene: the contents of one receptacle do not fit together, or an object has no place on the table.
     """
     goals, arms = {asked.goal for asked in scene.goals}, asked_arms(scene.goals)
     found = find_subtasks(Workplace.of(scene, objects, rng), _nothing_else, goals, arms)

@@ -1,4 +1,4 @@
-"""Goals that nothing brings about wherever the objects stand: of the wrong size, without a place, or without a tool."""
+"""Goals that are impossible wherever the objects stand: of the wrong size, without a place, or without a tool."""
 
 from __future__ import annotations
 
@@ -17,8 +17,7 @@ from vcage.tasks.search import SMALLER, is_about, sensible
 
 
 def require_way(goals: Sequence[AskedGoal], objects: Sequence[SceneObject], arms: Collection[str]) -> None:
-    """Nothing, unless sizes rule out a goal wherever the objects stand, nothing is put in or on what it names, or its
-    tool is missing.
+    """Refuse goals that sizes rule out wherever the objects stand, or whose place or tool is missing.
 
     Args:
         goals: that are asked for.
@@ -26,14 +25,14 @@ def require_way(goals: Sequence[AskedGoal], objects: Sequence[SceneObject], arms
         arms: of the robot.
 
     Raises:
-        NoFeasibleTask: names each such goal with its words, and why; also what would have to be carried with something
-            in it that would fall out, and what is asked of an arm that is not there.
+        NoFeasibleTask: names each such goal with its words and the reason; also objects that would be carried with
+            loose contents, and goals that are asked of an unknown arm.
     """
     require_arms(goals, arms)
     require_level(goals, objects)
     if ruled_out := _ruled_out(goals, objects):
         raise NoFeasibleTask(
-            f"wherever the objects stand, nothing can bring about {'; '.join(_told(ruled_out))}",
+            f"wherever the objects stand, nothing can bring about {'; '.join(_reported(ruled_out))}",
             hint=f"{SMALLER}, or for what these things are made for; another --seed does not help",
             details={
                 "missing": [str(one.asked.goal) for one in ruled_out],
@@ -43,7 +42,7 @@ def require_way(goals: Sequence[AskedGoal], objects: Sequence[SceneObject], arms
 
 
 class _RuledOut(NamedTuple):
-    """A goal that nothing brings about, what its subject is called, and why."""
+    """A goal that nothing brings about, the phrase of its subject, and the reasons."""
 
     asked: AskedGoal
     phrase: str
@@ -63,7 +62,7 @@ def _ruled_out(goals: Sequence[AskedGoal], objects: Sequence[SceneObject]) -> li
     return found
 
 
-def _told(ruled_out: Sequence[_RuledOut]) -> list[str]:
+def _reported(ruled_out: Sequence[_RuledOut]) -> list[str]:
     """Goals with their reasons; things of one kind, which fail for the same reasons, together."""
     alike: dict[tuple[str, ...], list[_RuledOut]] = {}
     for one in ruled_out:
@@ -105,5 +104,5 @@ def _with_reasons(alike: Sequence[_RuledOut]) -> str:
 
 
 def _all_sensible(questions: Sequence[PairQuestion]) -> list[PairAnswer]:
-    """A judge that leaves it to the one who is asked later."""
+    """A judge that finds everything sensible: the reasoner is asked later."""
     return [PairAnswer(object=q.object, receptacle=q.receptacle, sensible=True, reason="not asked") for q in questions]

@@ -104,7 +104,7 @@ def compose(
     Args:
         scene: with its goals.
         objects: of the scene.
-        kept, refused: what the search found.
+        kept, refused: results of the search.
 
     Raises:
         NoFeasibleTask: no chain does what is asked, or nothing was kept; says why.
@@ -145,7 +145,7 @@ def _fulfilling(
 
 
 def _shortest(task: Task, actions: Sequence[Action]) -> list[str] | None:
-    """A shortest chain; things are moved with what lies in them only where that makes it shorter."""
+    """A shortest chain; objects are moved with their contents only where that makes it shorter."""
     emptied = find_chain(task, [replace(action, along=False) for action in actions])
     filled = find_chain(task, actions)
     shorter = filled and (not emptied or len(filled) < len(emptied))
@@ -153,7 +153,7 @@ def _shortest(task: Task, actions: Sequence[Action]) -> list[str] | None:
 
 
 FILLED: tuple[TemplateName, ...] = ("place", "set_down")
-"""Sub-tasks that may carry an object with what lies in it."""
+"""Sub-tasks that may carry an object with its contents."""
 
 
 def action_of(subtask: Subtask, thing: SceneObject | None = None) -> Action:

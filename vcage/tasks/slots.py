@@ -27,7 +27,7 @@ CONTENT_GAP_M = 0.006
 """Gap between contents, and between contents and wall."""
 
 FLUSH_GAP_M = 1e-4
-"""Gap of what stands flush on an object of its own size."""
+"""Gap of an object that stands flush on another of its own size."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Slot:
     """A place for an object.
 
     Args:
-        receptacle: id of what receives it, or ``table``.
+        receptacle: id of the receptacle, or ``table``.
         point: id of the receptacle's functional point; None on the table.
         pose: object frame in the frame of the part that the point belongs to; on the table in the world.
         turns: headings that it may take there, relative to ``pose``, radians.
@@ -70,9 +70,9 @@ def allocate(
     Args:
         receptacle: where they go.
         functional_point: id of the receptacle's functional point.
-        contents: what goes there.
+        contents: that go there.
         rng: of all choices.
-        present: what already lies there.
+        present: objects that lie there already.
 
     Raises:
         InfeasibleScene: they do not fit together; names them and the area that is missing.

@@ -36,7 +36,7 @@ def stow(
     Args:
         holder: with the drawer, mostly closed.
         part: the drawer.
-        contents: what lies there; their poses do not matter.
+        contents: of the drawer; their poses do not matter.
         robot: whose hands take them out.
         rng: of all choices.
 
@@ -72,7 +72,7 @@ class Reached:
     Args:
         thing: where it is then.
         others: all other objects, as they are then.
-        requires: what must be open for that, and what closed.
+        requires: goals that parts are open or closed.
     """
 
     thing: SceneObject
@@ -81,10 +81,10 @@ class Reached:
 
 
 def reached(thing: SceneObject, others: Sequence[SceneObject]) -> Reached:
-    """A thing as it is once the drawer that it lies in is open; what lies nowhere like that stays as it is.
+    """An object as it is once the drawer that it lies in is open; other objects stay as they are.
 
     Args:
-        thing: what is to be taken.
+        thing: that is to be taken.
         others: all other objects.
     """
     part = thing.record.container_part
@@ -97,7 +97,7 @@ def reached(thing: SceneObject, others: Sequence[SceneObject]) -> Reached:
 
 
 def with_part(objects: Sequence[SceneObject], name: str, part: str, position: float | None = None) -> list[SceneObject]:
-    """The objects after a moving part of one was brought somewhere, with what lies in it.
+    """The objects after a moving part of one was moved with its contents.
 
     Args:
         objects: of a scene.

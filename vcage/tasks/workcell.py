@@ -95,9 +95,9 @@ class Workcell:
         return [name for key in object_ids for name in part_names(key, self.world.bodies[key].model)]
 
     def contents(self, object_id: str) -> frozenset[str]:
-        """Ids of what lies in or on an object, and of what lies in or on that.
+        """Ids of the objects in or on an object, and in or on those.
 
-        Of what an arm has taken, they are those that lay there then: it may lean since.
+        For an object that an arm has taken they are those that lay there then: it may lean since.
         """
         if object_id in self._taken:
             return self._taken[object_id]
@@ -132,19 +132,19 @@ class Workcell:
         Args:
             arm: its name.
             path: from where it is.
-            allowed: what may be touched on it.
+            allowed: contacts that are allowed on it.
         """
         self._put_off[arm] = path, tuple(allowed)
 
     def carry_out(self, arm: str, path: JointPath, allowed: Sequence[Allowance] = ()) -> None:
-        """Move an arm along a path that begins with what it is to do first.
+        """Move an arm along a path that begins with the motion that was put off.
 
-        What is let go on the way may be touched by the hand, and touch anything.
+        An object that is let go on the way may be touched by the hand, and touch anything.
 
         Args:
             arm: its name.
             path: from where it is.
-            allowed: what may be touched on it, besides what may be touched on what it is to do first.
+            allowed: contacts that are allowed on it, besides those of the motion that was put off.
 
         Raises:
             TaskFailed: the arm, or what it holds, presses on something else.
@@ -172,7 +172,7 @@ class Workcell:
     def beside(self, object_id: str) -> frozenset[str]:
         """Name what an object lies in, on or against, by their boxes: ids of other objects and ``table``.
 
-        Contacts do not tell: the physics engine reports none of what is asleep.
+        Contacts do not show it: the physics engine reports none of sleeping bodies.
         """
         lower, upper = self.object(object_id).around_boxes
         found = {TABLE} if lower[2] - self.world.table.height < SETTINGS.beside_m else set[str]()

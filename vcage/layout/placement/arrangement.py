@@ -1,4 +1,4 @@
-"""A partial solution of a :class:`~vcage.layout.placement.plane.Plane`: which item stands where, what is still free."""
+"""A partial solution of a :class:`~vcage.layout.placement.plane.Plane`: placed items, and the regions still free."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ TOUCH_M = 1e-7
 """Gaps that are smaller count as touching."""
 
 RELATED_POINTS = 32
-"""Points that are drawn of what is free, to find one at which relations hold that are no rectangles."""
+"""Points that are drawn of a free region, to find one at which relations hold that are no rectangles."""
 
 
 class Spot(NamedTuple):

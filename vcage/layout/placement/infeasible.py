@@ -50,7 +50,7 @@ def require_room(plane: Plane, container: TableItem | None = None) -> None:
         plane: the table, or the opening of ``container``.
 
     Raises:
-        InfeasibleScene: says which, how much is missing, and what would help.
+        InfeasibleScene: names the item, the missing area and a way out.
     """
     for k in plane.order:
         if all(plane.alone(stance).is_empty for stance in plane.stances[k]):
@@ -65,7 +65,7 @@ def require_room(plane: Plane, container: TableItem | None = None) -> None:
 
 
 def no_place(plane: Plane, outcome: Outcome, container: TableItem | None = None) -> InfeasibleScene:
-    """The error for what a search left over."""
+    """The error for the items that a search left over."""
     names = ", ".join(plane.items[k].id for k in outcome.left)
     where = f"in the opening of {container.id}" if container else "on the table"
     message = f"no collision-free place {where} for {names} ({len(outcome.left)} of {len(plane.items)} objects)"

@@ -37,7 +37,7 @@ def place(
     else lies there, in the container's frame.
 
     Args:
-        items: what to place.
+        items: to place.
         workspace: (2, 2) lower and upper corner; every box stays within.
         rng: the only source of randomness.
         margin: smallest gap between two boxes, metres.
@@ -71,7 +71,7 @@ def place(
 def require_possible(
     items: Sequence[TableItem], workspace: ArrayLike, margin: float = 0.01, obstacles: ArrayLike = ()
 ) -> None:
-    """Refuse at once what cannot work: an object that fits nowhere even alone, or more area than there is.
+    """Refuse at once an object that fits nowhere even alone, or more area than there is.
 
     Raises:
         InfeasibleScene, UsageError: as :func:`place`.

@@ -51,7 +51,7 @@ class Plane:
     """Items to be placed in bounds among obstacles.
 
     Args:
-        items: what is placed; a container and what lies in it count as one.
+        items: to place; a container with its contents counts as one.
         stances: of each item, the smallest rectangle first.
         bounds: (2, 2) that every rectangle stays within.
         margin: smallest gap between two rectangles, metres.
@@ -68,7 +68,7 @@ class Plane:
 
     @cached_property
     def areas(self) -> np.ndarray:
-        """(n,) what every item takes at its smallest, grown by half a margin on all sides, m²."""
+        """(n,) smallest area of every item, grown by half a margin on all sides, m²."""
         return np.array([float((2 * stances[0].half + self.margin).prod()) for stances in self.stances])
 
     @cached_property

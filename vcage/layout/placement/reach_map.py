@@ -49,7 +49,7 @@ SETTINGS = ReachSettings()
 
 
 class Reaching(Protocol):
-    """An arm that answers whether it reaches a pose of the gripper frame in the world."""
+    """An arm that knows if it reaches a pose of the gripper frame in the world."""
 
     def reachable(self, pose: Pose) -> bool: ...
 

@@ -1,4 +1,4 @@
-"""Relations that a placement keeps: an object is drawn from where they hold of it and of what has its place already.
+"""Relations that a placement keeps: an object is drawn where they hold between it and the placed objects.
 
 To the table they are thirds of it, which limit where an object may be at all. To another object they cut what is free
 by a rectangle, beside or around that object's, and a point of it is judged by :mod:`vcage.plans.relations`.
@@ -46,13 +46,13 @@ class _Bond:
 
 
 class Related:
-    """The relations between what stands on a table, and to the table.
+    """The relations between the items of a table, and to the table.
 
     Args:
-        relations: of a plan; what is between objects that move as one is passed over.
+        relations: of a plan; those between objects that move as one are passed over.
         items: all objects.
-        carried: what lies in them.
-        bounds: (2, 2) of what may be covered.
+        carried: their contents.
+        bounds: (2, 2) of the workspace.
     """
 
     def __init__(self, relations: Sequence[Relation], items: Sequence[TableItem], carried: Carried, bounds: np.ndarray):
@@ -89,7 +89,7 @@ class Related:
         return found
 
     def cuts(self, name: str, yaw: float, placed: Mapping[str, Placed]) -> list[np.ndarray]:
-        """(1, 2, 2) each: rectangles outside of which the centre of an item breaks a relation to what is placed."""
+        """(1, 2, 2) each: rectangles outside of which the centre of an item breaks a relation to a placed item."""
         found = []
         for own, other, bond in self._boxes(name, yaw, placed):
             word = bond.relation.relation
@@ -103,7 +103,7 @@ class Related:
         return found
 
     def kept(self, name: str, yaw: float, centres: np.ndarray, placed: Mapping[str, Placed]) -> np.ndarray:
-        """(c,) bool: where an item at centres (c, 2) keeps all relations to what is placed."""
+        """(c,) bool: an item at centres (c, 2) keeps all relations to placed items."""
         found = np.ones(len(centres), dtype=bool)
         for own, other, bond in self._boxes(name, yaw, placed):
             boxes = own + centres[:, None]

@@ -52,8 +52,8 @@ class SearchSettings:
         candidates: random points, for each heading, at which an item without room may push others away.
         size_jitter: relative noise of an item's size in the order of packing.
         blame: what a leftover's size rises by; the largest size is 1.
-        corners: of those furthest into the plane's corner, that are examined for what touches there.
-        tie_weight: of what decides between corners that are equally good.
+        corners: furthest into the plane's corner that are examined for contact.
+        tie_weight: of the criterion between corners that are equally good.
     """
 
     related_scatterings: int = 12
@@ -159,7 +159,7 @@ def _push_in(arrangement: Arrangement, k: int, pushed: np.ndarray, rng: np.rando
     """
     plane, best = arrangement.plane, None
     if plane.related is not None and plane.related.binds(plane.items[k].id):
-        return None  # what is in its way may be what it must stand by
+        return None  # an item in its way may be the one that it must stand by
     for stance in plane.compact[k]:
         region = plane.alone(stance)
         centres = np.concatenate([region.samples(rng, SETTINGS.candidates), region.corners()])
@@ -200,7 +200,7 @@ def pack_in_corners(plane: Plane, passes: int, rng: np.random.Generator) -> Outc
 
 
 def _sizes(plane: Plane) -> list[np.ndarray]:
-    """Measures (n,) of what is hard to place, at most 1: area, longest side, girth."""
+    """Measures (n,) of how hard items are to place, at most 1: area, longest side, girth."""
     smallest = np.array([stances[0].half for stances in plane.stances]).reshape(-1, 2)
     measures = (plane.areas, smallest.max(axis=1), smallest.sum(axis=1))
     return [measure / measure.max(initial=1e-12) for measure in measures]

@@ -30,7 +30,7 @@ def view_rectangles(
     None of them reaches beyond the view; a tilted camera's polygon is filled up to the width of a strip.
 
     Args:
-        camera: what sees it.
+        camera: that must see it.
         support: z of the plane that the box stands on, metres.
         height: of the box, metres.
         bounds: (2, 2) lower and upper corner of the part of the plane that matters, metres.
@@ -57,7 +57,7 @@ def view_rectangles(
 
 
 def _sides(camera: Camera, support: float, height: float, border: float) -> tuple[np.ndarray, np.ndarray]:
-    """Half planes ``normal · point >= limit``, (n, 2) and (n,), that hold what is seen at both heights."""
+    """Half planes ``normal · point >= limit``, (n, 2) and (n,), of the view at both heights."""
     u = max(camera.width / 2 - border, 0.0) / camera.focal
     v = max(camera.height / 2 - border, 0.0) / camera.focal
     # Camera frame: x forward, y left, z up; the sides of the view point inwards, and so does what lies in front.
@@ -70,7 +70,7 @@ def _sides(camera: Camera, support: float, height: float, border: float) -> tupl
 def _spans(
     normals: np.ndarray, limits: np.ndarray, y: np.ndarray, lower: float, upper: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Ends of what is seen along each line of constant ``y`` (k,); nothing where the first is the larger."""
+    """Ends of the view along each line of constant ``y`` (k,); empty where the first is the larger."""
     left, right = np.full(len(y), lower), np.full(len(y), upper)
     for (nx, ny), limit in zip(normals, limits, strict=True):
         needed = limit - ny * y
