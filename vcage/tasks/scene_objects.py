@@ -13,7 +13,7 @@ from vcage.base.geometry import Pose, box_corners, oriented_boxes_overlap, world
 from vcage.objects.asset import Asset
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.scene import ObjectRecord
-from vcage.sim.joints import link_poses
+from vcage.sim.joints import joint_index, joint_positions, link_poses
 
 REMEMBERED = 2**10
 """Answers about objects where they stand that are remembered: a search asks again for each place."""
@@ -144,6 +144,18 @@ class SceneObject:
     def moved(self, pose: Pose, joints: tuple[float, ...] | None = None) -> SceneObject:
         """The same object at another pose, and at other joint positions if they are given."""
         return replace(self, pose=pose, joints=self.joints if joints is None else joints)
+
+    def with_part(self, part: str, position: float | None = None) -> SceneObject:
+        """The same object with the joint of a moving part elsewhere.
+
+        Args:
+            part: its name.
+            position: of the joint; as far out as it goes when left out.
+        """
+        model = self.asset.model
+        joints = joint_positions(model, self.joints)
+        joints[joint_index(model, part)] = model.link(part).joint.far_end if position is None else position
+        return self.moved(self.pose, tuple(joints.tolist()))
 
     @cached_property
     def boxes(self) -> list[SolidBox]:

@@ -18,7 +18,6 @@ from vcage.base.geometry import Pose, world_aabb
 from vcage.layout.items import TableItem
 from vcage.layout.placement.place import place
 from vcage.schema.asset import FunctionalPoint
-from vcage.sim.joints import joint_index, joint_positions
 from vcage.tasks.access import closed_part
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.truth import place_complaint
@@ -130,12 +129,7 @@ def other_slots(slots: Mapping[str, Slot], object_id: str, objects: Mapping[str,
 def opened_for(receptacle: SceneObject, functional_point: int) -> SceneObject:
     """The receptacle with the drawer or lid open that keeps a functional point in, as far as it goes."""
     part = kept_in_by(receptacle, functional_point)
-    if part is None:
-        return receptacle
-    model = receptacle.asset.model
-    joints = joint_positions(model, receptacle.joints)
-    joints[joint_index(model, part)] = model.link(part).joint.far_end
-    return receptacle.moved(receptacle.pose, tuple(joints.tolist()))
+    return receptacle if part is None else receptacle.with_part(part)
 
 
 def kept_in_by(receptacle: SceneObject, functional_point: int) -> str | None:

@@ -15,7 +15,6 @@ from vcage.objects.asset import Asset
 from vcage.schema.asset import FunctionalPoint
 from vcage.schema.goals import Goal, part_words
 from vcage.schema.robot import Robot
-from vcage.sim.joints import joint_index, joint_positions
 from vcage.tasks.access import open_to_a_hand
 from vcage.tasks.picks import hand_has_room
 from vcage.tasks.scene_objects import SceneObject
@@ -106,10 +105,7 @@ def with_part(objects: Sequence[SceneObject], name: str, part: str, position: fl
         position: of its joint; as far out as it goes when left out.
     """
     holder = next(o for o in objects if o.id == name)
-    model = holder.asset.model
-    joints = joint_positions(model, holder.joints)
-    joints[joint_index(model, part)] = model.link(part).joint.far_end if position is None else position
-    after = holder.moved(holder.pose, tuple(joints.tolist()))
+    after = holder.with_part(part, position)
     way = after.part_pose(part) * holder.part_pose(part).inverse()
     found = []
     for o in objects:

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from vcage.schema.asset import ContactPoint, Joint
 from vcage.schema.goals import Goal, GoalWord, part_that
 from vcage.schema.subtasks import Refusal, Subtask, TemplateName
-from vcage.sim.joints import joint_index, joint_positions
 from vcage.tasks.access import shut_above
 from vcage.tasks.operating import examine_operation
 from vcage.tasks.scene_objects import SceneObject
@@ -78,7 +77,7 @@ class Operable(Proposal):
         joint = self.thing.asset.model.link(self.part).joint
         target = self.template.target(joint)
         finding = examine_operation(
-            self._at(self.template.start(joint)),
+            self.thing.with_part(self.part, self.template.start(joint)),
             self.contact,
             target,
             workplace.others(self.thing.id),
@@ -104,10 +103,3 @@ class Operable(Proposal):
         if opposite is None:
             return []
         return [Goal(subject=self.thing.id, relation=opposite, part=self.part), *shut_above(self.thing, self.part)]
-
-    def _at(self, position: float) -> SceneObject:
-        """The object with the part at a position."""
-        model = self.thing.asset.model
-        joints = joint_positions(model, self.thing.joints)
-        joints[joint_index(model, self.part)] = position
-        return self.thing.moved(self.thing.pose, tuple(joints.tolist()))
