@@ -232,8 +232,7 @@ def _named(asked: AskedGoal) -> str:
 
 def _unfulfilled(scene: Scene, kept: Sequence[Subtask], refused: Sequence[Refusal]) -> NoFeasibleTask:
     """The error for an instruction without a chain: the goals that nothing brings about, and the reasons."""
-    able = {goal for subtask in kept if subtask.object not in scene.untouched for goal in subtask.goals}
-    missing = [asked for asked in scene.goals if asked.goal not in able]
+    missing = _missing(scene, kept)
     about = [[refusal for refusal in refused if is_about(refusal, asked.goal)] for asked in missing]
     left = sorted({asked.goal.subject for asked in missing}.intersection(scene.untouched))
     reasons = [refusal.reason for refusal in itertools.chain(*about)]
@@ -243,6 +242,12 @@ def _unfulfilled(scene: Scene, kept: Sequence[Subtask], refused: Sequence[Refusa
         hint="name what may be moved, or leave less alone" if left else _way_out(about, missing or scene.goals),
         details={"missing": [str(asked.goal) for asked in missing], "reasons": reasons},
     )
+
+
+def _missing(scene: Scene, kept: Sequence[Subtask]) -> list[AskedGoal]:
+    """The goals of a scene that no kept sub-task brings about."""
+    able = {goal for subtask in kept if subtask.object not in scene.untouched for goal in subtask.goals}
+    return [asked for asked in scene.goals if asked.goal not in able]
 
 
 def _why(goals: Sequence[AskedGoal], reasons: Sequence[str], missing: bool) -> str:
