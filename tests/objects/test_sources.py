@@ -12,7 +12,7 @@ import trimesh
 from vcage.base.errors import AssetLeftOut
 from vcage.objects import library as library_module
 from vcage.objects.library import Library, package_models
-from vcage.objects.packages.ycb import Ycb
+from vcage.objects.packages.ycb import YCB
 
 
 @pytest.fixture
@@ -39,7 +39,7 @@ def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def fetched() -> Path:
     """The package's folder, with the model."""
-    folder = Ycb().folder()
+    folder = YCB.folder
     folder.mkdir(parents=True)
     trimesh.creation.box(extents=(0.05, 0.08, 0.04)).export(folder / "061_foam_brick.stl")
     return folder

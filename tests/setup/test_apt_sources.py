@@ -38,28 +38,33 @@ Components: main
 
 def test_deb822_keeps_enabled_binary_sources_with_their_key() -> None:
     (source,) = apt_sources.parse_deb822(DEB822)
-    assert source.uris == ("http://mirror.example/debian",)
-    assert source.suites == ("bookworm", "bookworm-updates")
-    assert source.components == ("main", "contrib")
-    assert source.options["signed-by"].splitlines()[1] == " -----BEGIN PGP PUBLIC KEY BLOCK-----"
+    assert source["uris"] == "http://mirror.example/debian"
+    assert source["suites"] == "bookworm bookworm-updates"
+    assert source["components"] == "main contrib"
+    assert source["signed-by"].splitlines()[1] == " -----BEGIN PGP PUBLIC KEY BLOCK-----"
 
 
 def test_one_line_sources_keep_their_options() -> None:
     wanted = "deb [arch=amd64,arm64 signed-by=/k.gpg] http://m/d bookworm main # yes"
     text = f"# no\ndeb-src http://m/x bookworm main\n{wanted}\n"
     (source,) = apt_sources.parse_one_line(text)
-    assert source == apt_sources.PackageSource(
-        ("http://m/d",), ("bookworm",), ("main",), {"Architectures": "amd64 arm64", "signed-by": "/k.gpg"}
-    )
+    assert source == {
+        "uris": "http://m/d",
+        "suites": "bookworm",
+        "components": "main",
+        "architectures": "amd64 arm64",
+        "signed-by": "/k.gpg",
+    }
 
 
 def test_backports_come_from_the_same_mirror_with_the_same_key() -> None:
     (source,) = apt_sources.parse_deb822(DEB822)
-    stanza = apt_sources.with_backports(source, "bookworm").stanza()
-    assert "URIs: http://mirror.example/debian\n" in stanza
-    assert "Suites: bookworm bookworm-updates bookworm-backports\n" in stanza
-    assert "Components: main\n" in stanza
-    assert apt_sources.parse_deb822(stanza)[0].options == source.options
+    stanza = apt_sources.stanza(source, "bookworm")
+    assert "uris: http://mirror.example/debian\n" in stanza
+    assert "suites: bookworm bookworm-updates bookworm-backports\n" in stanza
+    assert "components: main\n" in stanza
+    (again,) = apt_sources.parse_deb822(stanza)
+    assert again["signed-by"] == source["signed-by"]
 
 
 def test_only_sources_with_a_main_component_are_read(tmp_path: Path) -> None:
@@ -67,7 +72,7 @@ def test_only_sources_with_a_main_component_are_read(tmp_path: Path) -> None:
     (tmp_path / "sources.list").write_text("deb cdrom:[disc]/ bookworm main\ndeb http://m/d bookworm main\n")
     (tmp_path / "sources.list.d" / "other.list").write_text("deb http://vendor bookworm stable\n")
     (tmp_path / "sources.list.d" / "ignored.list.save").write_text("deb http://old bookworm main\n")
-    assert [source.uris for source in apt_sources.read(tmp_path)] == [("http://m/d",)]
+    assert [source["uris"] for source in apt_sources.read(tmp_path)] == ["http://m/d"]
 
 
 def test_private_options_write_only_inside_their_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -79,7 +84,7 @@ def test_private_options_write_only_inside_their_folder(tmp_path: Path, monkeypa
     options = apt_sources.private_options(work, root)
     folders = {word.split("=")[1] for word in options if word.startswith(("Dir::State::Lists", "Dir::Cache="))}
     assert all(Path(folder).is_relative_to(work) for folder in folders) and len(folders) == 2
-    assert (work / "parts" / "vcage.sources").read_text().count("URIs:") == 1
+    assert (work / "parts" / "vcage.sources").read_text().count("uris:") == 1
 
 
 def test_no_source_of_the_release_is_an_error_with_a_way_out(tmp_path: Path) -> None:

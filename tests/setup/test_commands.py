@@ -14,12 +14,6 @@ def test_a_command_answers_with_what_it_wrote() -> None:
     assert run([sys.executable, "-c", "print('yes')"]) == "yes\n"
 
 
-def test_variables_are_set_beside_those_of_the_process(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("VCAGE_ONE", "1")
-    code = "import os; print(os.environ['VCAGE_ONE'] + os.environ['VCAGE_TWO'])"
-    assert run([sys.executable, "-c", code], environment={"VCAGE_TWO": "2"}) == "12\n"
-
-
 def test_a_failure_names_the_tool_and_its_complaint() -> None:
     code = "import sys; sys.exit('W: first\\nE: no such package')"
     with pytest.raises(FetchFailed, match="mirror: no such package") as caught:

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from vcage.base.errors import FetchFailed, MissingDependency
+from vcage.base.files import sha256_file
 from vcage.setup import python_index
 
 
@@ -46,37 +47,36 @@ def wheel(folder: Path) -> Path:
     path = folder / "some_meshes-2.0-py3-none-any.whl"
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr(
-            "some_meshes-2.0.dist-info/METADATA", "Metadata-Version: 2.1\nName: some-meshes\nVersion: 2.0\n"
+            "some_meshes-2.0.dist-info/METADATA",
+            "Metadata-Version: 2.1\nName: some-meshes\nVersion: 2.0\nRequires-Dist: not-there\n",
         )
         archive.writestr("some_meshes-2.0.dist-info/WHEEL", "Wheel-Version: 1.0\nTag: py3-none-any\n")
         archive.writestr("some_meshes-2.0.dist-info/RECORD", "")
     return path
 
 
-def test_a_source_archive_is_downloaded_and_its_setup_is_not_run(index: Path, tmp_path: Path) -> None:
-    archive, marker, target = sdist(index, tmp_path / "was-run"), tmp_path / "was-run", tmp_path / "target"
-    target.mkdir()
-    found = python_index.download("some-shapes", "0.1", "sdist", target)
-    assert found.read_bytes() == archive.read_bytes()
+def test_a_source_archive_with_another_hash_is_refused_before_its_setup_runs(index: Path, tmp_path: Path) -> None:
+    marker = tmp_path / "was-run"
+    sdist(index, marker)
+    with pytest.raises(FetchFailed, match="HASHES"):
+        python_index.download("some-shapes==0.1", "0" * 64, tmp_path)
     assert not marker.exists()
 
 
-def test_a_wheel_is_downloaded_without_what_it_depends_on(index: Path, tmp_path: Path) -> None:
+def test_a_wheel_is_downloaded_without_its_dependencies(index: Path, tmp_path: Path) -> None:
     archive = wheel(index)
-    target = tmp_path / "target"
-    target.mkdir()
-    assert python_index.download("some-meshes", "2.0", "wheel", target).read_bytes() == archive.read_bytes()
-    assert [path.name for path in target.iterdir()] == [archive.name]
+    found = python_index.download("some-meshes==2.0", sha256_file(archive), tmp_path)
+    assert found.read_bytes() == archive.read_bytes()
 
 
 def test_a_version_that_the_index_lacks_is_named(index: Path, tmp_path: Path) -> None:
     with pytest.raises(FetchFailed, match=r"pip: .*some-meshes==9") as caught:
-        python_index.download("some-meshes", "9", "wheel", tmp_path)
+        python_index.download("some-meshes==9", "0" * 64, tmp_path)
     assert "package index" in caught.value.hint
 
 
 def test_an_environment_without_pip_is_told_how_to_get_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
     with pytest.raises(MissingDependency, match="no pip") as caught:
-        python_index.download("x", "1", "wheel", tmp_path)
+        python_index.download("x==1", "0" * 64, tmp_path)
     assert caught.value.command.startswith("uv pip install")

@@ -7,38 +7,22 @@ from __future__ import annotations
 
 import platform
 import re
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from email.parser import HeaderParser
 from pathlib import Path
 
 from vcage.base.errors import ConfigurationError
 
 APT = Path("/etc/apt")
-_OPTION_FIELDS = {"arch": "Architectures", "lang": "Languages", "target": "Targets"}
-_ONE_LINE = re.compile(r"^deb\s+(?:\[(?P<options>[^\]]*)\]\s+)?(?P<uri>\S+)\s+(?P<suite>\S+)\s+(?P<components>.+)$")
-_KEPT_FIELDS = ("signed-by", "trusted", "architectures")
 
+Source = dict[str, str]
+"""Fields of a source of binary packages in apt's deb822 format, by their names in small letters."""
 
-@dataclass(frozen=True)
-class PackageSource:
-    """One package source: addresses, suites (``bookworm``), components (``main``), and how it is trusted."""
+_TRUST_FIELDS = ("uris", "signed-by", "trusted", "architectures")
+"""Fields that are taken over as the machine has them."""
 
-    uris: tuple[str, ...]
-    suites: tuple[str, ...]
-    components: tuple[str, ...]
-    options: dict[str, str] = field(default_factory=dict)
-
-    def stanza(self) -> str:
-        """This source in apt's deb822 format, package lists only."""
-        lines = [
-            "Types: deb",
-            f"URIs: {' '.join(self.uris)}",
-            f"Suites: {' '.join(self.suites)}",
-            f"Components: {' '.join(self.components)}",
-            "Targets: Packages",
-            "Languages: none",
-            *(f"{name}: {value}" for name, value in self.options.items()),
-        ]
-        return "\n".join(lines) + "\n"
+_OPTION_FIELDS = {"arch": "architectures"}
+_ONE_LINE = re.compile(r"^deb\s+(?:\[(?P<options>[^\]]*)\]\s+)?(?P<uris>\S+)\s+(?P<suites>\S+)\s+(?P<components>.+)$")
 
 
 def private_options(folder: Path, root: Path = APT) -> list[str]:
@@ -48,14 +32,14 @@ def private_options(folder: Path, root: Path = APT) -> list[str]:
 
     Args:
         folder: an existing folder for lists and caches.
-        root: where apt's configuration lies.
+        root: folder of apt's configuration.
 
     Raises:
         ConfigurationError: no source of this machine's release is configured.
     """
     folder = folder.resolve()
     codename = platform.freedesktop_os_release().get("VERSION_CODENAME", "")
-    sources = [with_backports(source, codename) for source in read(root) if codename in source.suites]
+    sources = [stanza(source, codename) for source in read(root) if codename in source["suites"].split()]
     if not sources:
         raise ConfigurationError(
             f"{root} names no package source for {codename or 'this system'}",
@@ -63,7 +47,7 @@ def private_options(folder: Path, root: Path = APT) -> list[str]:
         )
     for name in ("parts", "lists/partial", "cache/archives/partial"):
         (folder / name).mkdir(parents=True)
-    (folder / "parts" / "vcage.sources").write_text("\n".join(source.stanza() for source in sources))
+    (folder / "parts" / "vcage.sources").write_text("\n".join(sources))
     (folder / "preferences").write_text(f"Package: *\nPin: release n={codename}-backports\nPin-Priority: 700\n")
     settings = {
         "Dir::Etc::SourceList": "/dev/null",
@@ -82,59 +66,52 @@ def private_options(folder: Path, root: Path = APT) -> list[str]:
     return [word for name, value in settings.items() for word in ("-o", f"{name}={value}")]
 
 
-def with_backports(source: PackageSource, codename: str) -> PackageSource:
-    """The release's suite, its updates and its backports, from the source's mirror; only the main component."""
-    suites = (codename, f"{codename}-updates", f"{codename}-backports")
-    return PackageSource(source.uris, suites, ("main",), source.options)
+def stanza(source: Source, codename: str) -> str:
+    """A release's packages, updates and backports from a source's mirror, in apt's deb822 format.
+
+    Only the main component and the package lists are asked for.
+    """
+    fields = {name: source[name] for name in _TRUST_FIELDS if name in source} | {
+        "types": "deb",
+        "suites": f"{codename} {codename}-updates {codename}-backports",
+        "components": "main",
+        "targets": "Packages",
+        "languages": "none",
+    }
+    return "".join(f"{name}: {value}\n" for name, value in fields.items())
 
 
-def read(root: Path = APT) -> list[PackageSource]:
+def read(root: Path = APT) -> list[Source]:
     """Every enabled source of binary packages under ``root`` that has a main component."""
-    found = []
+    found: list[Source] = []
     for path in [root / "sources.list", *sorted((root / "sources.list.d").glob("*"))]:
-        if not path.is_file():
-            continue
-        text = path.read_text(encoding="utf-8", errors="replace")
-        if path.suffix == ".sources":
-            found += parse_deb822(text)
-        elif path.suffix == ".list":
-            found += parse_one_line(text)
-    return [source for source in found if "main" in source.components and not source.uris[0].startswith("cdrom:")]
+        if path.is_file() and path.suffix in (".sources", ".list"):
+            text = path.read_text(encoding="utf-8", errors="replace")
+            found += parse_deb822(text) if path.suffix == ".sources" else parse_one_line(text)
+    return [
+        source for source in found if "main" in source["components"].split() and not source["uris"].startswith("cdrom:")
+    ]
 
 
-def parse_one_line(text: str) -> list[PackageSource]:
+def parse_one_line(text: str) -> Iterator[Source]:
     """Sources in the format of ``sources.list``."""
-    found = []
     for line in text.splitlines():
-        match = _ONE_LINE.match(line.partition("#")[0].strip())
-        if not match:
-            continue
-        pairs = dict(option.split("=", 1) for option in (match["options"] or "").split() if "=" in option)
-        named = {_OPTION_FIELDS.get(name, name): value.replace(",", " ") for name, value in pairs.items()}
-        found.append(_source(match["uri"], match["suite"], match["components"], named))
-    return found
+        if match := _ONE_LINE.match(line.partition("#")[0].strip()):
+            options = dict(word.split("=", 1) for word in (match["options"] or "").split() if "=" in word)
+            named = {_OPTION_FIELDS.get(name, name): value.replace(",", " ") for name, value in options.items()}
+            yield named | {name: match[name] for name in ("uris", "suites", "components")}
 
 
-def parse_deb822(text: str) -> list[PackageSource]:
+def parse_deb822(text: str) -> Iterator[Source]:
     """Sources in the format of ``*.sources``: stanzas of ``Field: value``, continued by indented lines."""
-    found = []
     lines = [line for line in text.splitlines() if not line.startswith("#")]
     for stanza in re.split(r"\n\s*\n", "\n".join(lines)):
-        fields: dict[str, str] = {}
-        name = ""
-        for line in stanza.splitlines():
-            if line[:1].isspace() and name:
-                fields[name] += "\n" + line
-            elif ":" in line:
-                name, _, value = line.partition(":")
-                name = name.strip().lower()
-                fields[name] = value.strip()
-        enabled = fields.get("enabled", "yes").lower() not in ("no", "false", "0")
-        if enabled and "deb" in fields.get("types", "").split() and fields.get("uris"):
-            found.append(_source(fields["uris"], fields.get("suites", ""), fields.get("components", ""), fields))
-    return found
-
-
-def _source(uris: str, suites: str, components: str, fields: dict[str, str]) -> PackageSource:
-    kept = {name: value for name, value in fields.items() if name.lower() in _KEPT_FIELDS}
-    return PackageSource(tuple(uris.split()), tuple(suites.split()), tuple(components.split()), kept)
+        headers = HeaderParser().parsestr(stanza.lstrip("\n"))
+        fields = {"enabled": "yes", "types": "", "uris": "", "suites": "", "components": ""}
+        fields |= {name.lower(): value for name, value in headers.items()}
+        if (
+            fields["uris"]
+            and "deb" in fields["types"].split()
+            and fields["enabled"].lower() not in ("no", "false", "0")
+        ):
+            yield fields

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
 from pathlib import Path
 
@@ -16,23 +15,20 @@ def run(
     *,
     tool: str = "",
     cwd: Path | None = None,
-    environment: dict[str, str] | None = None,
     context: str = "",
     hint: str = CHECK_MIRROR,
 ) -> str:
-    """Standard output of a command.
+    """Return the standard output of a command.
 
     Args:
-        tool: what a failure calls it; the program's name by default.
-        environment: variables set beside the process's own.
-        context: what an earlier command said that may be the reason for a failure of this one.
+        tool: name in the error; the program's name by default.
+        context: stderr of an earlier command, which may hold the reason of a failure of this one.
         hint: the way out of a failure.
 
     Raises:
-        FetchFailed: it failed; the message is the line of its complaint that says why.
+        FetchFailed: the command failed; the message is the line of its stderr that says why.
     """
-    variables = {**os.environ, **(environment or {})}
-    done = subprocess.run(command, cwd=cwd, env=variables, capture_output=True, text=True)
+    done = subprocess.run(command, cwd=cwd, capture_output=True, text=True)
     if done.returncode != 0:
         why = reason(f"{context}\n{done.stderr}")
         raise FetchFailed(f"{tool or Path(command[0]).name}: {why}", hint=hint)
@@ -40,7 +36,7 @@ def run(
 
 
 def reason(complaint: str) -> str:
-    """The line of what apt, dpkg or pip wrote to stderr that says why it failed."""
+    """Return the line of stderr of apt, dpkg or pip that says why it failed."""
     lines = complaint.strip().splitlines() or ["no reason given"]
     telling = ("E: ", "W: Failed", "ERROR: ")
     line = next((line for line in lines if line.startswith(telling)), lines[-1])

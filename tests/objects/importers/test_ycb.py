@@ -10,7 +10,8 @@ import trimesh
 from vcage.base.errors import FetchFailed, UnknownName
 from vcage.objects.importers.ycb import identifier, import_ycb
 from vcage.objects.library import Library
-from vcage.objects.packages.ycb import Ycb
+from vcage.objects.packages.package import Package
+from vcage.objects.packages.ycb import YCB
 from vcage.schema.asset import Annotation
 from vcage.sim.robots import load_robot
 
@@ -21,7 +22,7 @@ GRIPPER = load_robot("dual_panda").arms["left"].gripper
 def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The folder of a set of three shapes that was fetched already."""
     monkeypatch.setenv("VCAGE_CACHE", str(tmp_path / "cache"))
-    folder = Ycb().folder()
+    folder = YCB.folder
     folder.mkdir(parents=True)
     sizes = {"011_banana": (0.15, 0.04, 0.04), "073-a_lego_duplo": (0.06, 0.03, 0.03), "073-b_lego_duplo": (0.2,) * 3}
     for name, size in sizes.items():
@@ -76,11 +77,11 @@ def test_an_unknown_shape_is_refused_with_those_that_exist(tmp_path: Path) -> No
 def test_a_set_that_cannot_be_fetched_is_an_error(
     package: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def fails(_self: Ycb, _models: object) -> None:
+    def fails(_self: Package, _models: object) -> None:
         raise FetchFailed("no answer")
 
     for path in package.iterdir():
         path.unlink()
-    monkeypatch.setattr(Ycb, "fetch", fails)
+    monkeypatch.setattr(Package, "fetch", fails)
     with pytest.raises(FetchFailed, match="no answer"):
         import_ycb(["banana"], GRIPPER, tmp_path)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import trimesh
 
-from vcage.objects.packages.decimation import decimated, transferred
+from vcage.objects.packages.decimation import DecimationSettings, decimated, transferred
 from vcage.objects.packages.surfaces import MaterialSurface, plain
 
 
@@ -30,26 +30,28 @@ def sheet(cells: int, shift: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
 
 def test_few_triangles_are_left_alone() -> None:
     surface = MaterialSurface(sheet(3)[0], None, plain((1, 2, 3)))
-    assert decimated([surface], 100)[0] is surface
+    assert decimated([surface], DecimationSettings(max_triangles=100))[0] is surface
 
 
 def test_all_surfaces_together_keep_to_the_limit() -> None:
     ball = trimesh.creation.icosphere(subdivisions=4, radius=0.05)
     surfaces = [MaterialSurface(np.asarray(ball.triangles), None, plain((9, 9, 9))) for _ in range(2)]
-    fewer = decimated(surfaces, 1000)
+    fewer = decimated(surfaces, DecimationSettings(max_triangles=1000))
     assert 600 < sum(len(surface.corners) for surface in fewer) <= 1000
 
 
 def test_a_decimated_ball_is_still_a_ball() -> None:
     ball = trimesh.creation.icosphere(subdivisions=4, radius=0.05)
-    (fewer,) = decimated([MaterialSurface(np.asarray(ball.triangles), None, plain((9, 9, 9)))], 500)
+    (fewer,) = decimated(
+        [MaterialSurface(np.asarray(ball.triangles), None, plain((9, 9, 9)))], DecimationSettings(max_triangles=500)
+    )
     radii = np.linalg.norm(fewer.corners.reshape(-1, 3), axis=1)
     np.testing.assert_allclose(radii, 0.05, atol=0.002)
 
 
 def test_the_picture_stays_where_it_was() -> None:
     corners, uv = sheet(30)
-    (fewer,) = decimated([MaterialSurface(corners, uv, plain((9, 9, 9)))], 200)
+    (fewer,) = decimated([MaterialSurface(corners, uv, plain((9, 9, 9)))], DecimationSettings(max_triangles=200))
     assert len(fewer.corners) <= 200
     np.testing.assert_allclose(fewer.uv, fewer.corners[:, :, :2] / 0.1, atol=0.01)
 

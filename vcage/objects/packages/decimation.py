@@ -1,4 +1,4 @@
-"""Fewer triangles for a fetched model, with its colours and pictures where they were.
+"""Simplify a fetched model, with its colours and pictures in place.
 
 A surface is welded, its edges are collapsed by quadric error (Garland and Heckbert 1997), and the texture coordinates
 of the new corners are read off the old surface, chart by chart, so that no triangle spans a seam of the picture.
@@ -7,7 +7,7 @@ of the new corners are read off the old surface, chart by chart, so that no tria
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import fast_simplification
 import numpy as np
@@ -18,40 +18,53 @@ from scipy.spatial import KDTree
 
 from vcage.objects.packages.surfaces import MaterialSurface, welded
 
-AGGRESSIVENESS = (4, 7, 10)
-"""Tried in turn: the gentlest that reaches the number of triangles asked for keeps the shape best."""
-
-SHARES = (1.0, 0.9, 0.75, 0.5)
-"""Of the number asked for, tried in turn: surfaces with many borders keep more triangles than they should."""
-
-BARYCENTRIC = np.array(
-    [[1, 1, 1], [4, 1, 1], [1, 4, 1], [1, 1, 4], [3, 3, 1], [3, 1, 3], [1, 3, 3]], dtype=float
-)  # points of an old triangle that stand for it in the search for the nearest
-SIDE_WEIGHT = 0.004
-"""Metres that a reversed normal counts as when the nearest old triangle is looked for: both sides of a thin wall."""
+BARYCENTRIC = np.array([[1, 1, 1], [4, 1, 1], [1, 4, 1], [1, 1, 4], [3, 3, 1], [3, 1, 3], [1, 3, 3]], dtype=float)
+"""Points of an old triangle that represent it in the search for the nearest."""
 
 
-def decimated(surfaces: Sequence[MaterialSurface], most: int) -> list[MaterialSurface]:
-    """Surfaces of together at most ``most`` triangles; each gives in proportion to what it has.
+@dataclass(frozen=True)
+class DecimationSettings:
+    """How far a model is simplified.
+
+    Args:
+        max_triangles: of a converted model.
+        aggressiveness: of the edge collapse, tried in turn: the gentlest that reaches the number of triangles keeps
+            the shape best.
+        shares: of ``max_triangles``, aimed at in turn: surfaces with many borders keep more triangles than they should.
+        reversed_normal_m: distance that a reversed normal counts as when the nearest old triangle is looked for, which
+            tells the two sides of a thin wall apart.
+    """
+
+    max_triangles: int = 5900
+    aggressiveness: tuple[int, ...] = (4, 7, 10)
+    shares: tuple[float, ...] = (1.0, 0.9, 0.75, 0.5)
+    reversed_normal_m: float = 0.004
+
+
+SETTINGS = DecimationSettings()
+
+
+def decimated(surfaces: Sequence[MaterialSurface], settings: DecimationSettings = SETTINGS) -> list[MaterialSurface]:
+    """Simplify surfaces to at most ``max_triangles`` together, each in proportion to its triangles.
 
     Surfaces that collapse to nothing are left out.
     """
-    total = sum(len(surface.corners) for surface in surfaces)
+    total, most = sum(len(surface.corners) for surface in surfaces), settings.max_triangles
     if total <= most:
         return list(surfaces)
-    for share in SHARES:
+    for share in settings.shares:
         goals = [max(12, int(share * len(surface.corners) * most / total)) for surface in surfaces]
-        fewer = [_simplified(surface, goal) for surface, goal in zip(surfaces, goals)]
+        fewer = [_simplified(surface, goal, settings) for surface, goal in zip(surfaces, goals)]
         if sum(len(surface.corners) for surface in fewer) <= most:
             break
     return [surface for surface in fewer if len(surface.corners)]
 
 
-def _simplified(surface: MaterialSurface, most: int) -> MaterialSurface:
+def _simplified(surface: MaterialSurface, most: int, settings: DecimationSettings) -> MaterialSurface:
     mesh, kept = welded(surface.corners)
     if len(mesh.faces) <= most:
         return replace(surface, corners=surface.corners[kept], uv=None if surface.uv is None else surface.uv[kept])
-    for aggressiveness in AGGRESSIVENESS:
+    for aggressiveness in settings.aggressiveness:
         vertices, faces = fast_simplification.simplify(
             np.asarray(mesh.vertices), np.asarray(mesh.faces), target_count=most, agg=aggressiveness
         )
@@ -64,7 +77,7 @@ def _simplified(surface: MaterialSurface, most: int) -> MaterialSurface:
 
 
 def transferred(old: np.ndarray, uv: np.ndarray, new: np.ndarray) -> np.ndarray:
-    """Texture coordinates (n, 3, 2) of new triangles (n, 3, 3), read off the old ones (m, 3, 3) with uv (m, 3, 2).
+    """Return texture coordinates (n, 3, 2) of new triangles, read off the old ones.
 
     Args:
         old: (m, 3, 3) corners, metres.
@@ -74,8 +87,8 @@ def transferred(old: np.ndarray, uv: np.ndarray, new: np.ndarray) -> np.ndarray:
     share = BARYCENTRIC / BARYCENTRIC.sum(axis=1, keepdims=True)
     samples = np.einsum("kc,mcx->mkx", share, old).reshape(-1, 3)
     owner = np.repeat(np.arange(len(old)), len(share))
-    sided = np.hstack([samples, _normals(old)[owner] * SIDE_WEIGHT])
-    nearest = KDTree(sided).query(np.hstack([new.mean(axis=1), _normals(new) * SIDE_WEIGHT]))[1]
+    sided = np.hstack([samples, _normals(old)[owner] * SETTINGS.reversed_normal_m])
+    nearest = KDTree(sided).query(np.hstack([new.mean(axis=1), _normals(new) * SETTINGS.reversed_normal_m]))[1]
     chart = _charts(old, uv)
     wanted = chart[owner[nearest]]
     out = np.empty((len(new), 3, 2))

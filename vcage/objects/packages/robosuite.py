@@ -1,61 +1,57 @@
-"""Object meshes with textures from the PyPI package ``robosuite``."""
+"""Object meshes with textures from the PyPI package ``robosuite``: groceries, in metres, z up."""
 
 from __future__ import annotations
 
 import zipfile
-from collections.abc import Sequence
+from collections.abc import Collection
+from functools import partial
 from pathlib import Path
 
-from vcage.base.errors import FetchFailed
-from vcage.objects.packages.package import Credit, Package
-from vcage.objects.packages.surfaces import MaterialSurface, read_surfaces
-from vcage.schema.asset import PackageModel
-from vcage.setup import python_index
+from vcage.objects.packages.package import Package, PackagedModel
+from vcage.setup.python_index import download
 
-PYPI_NAME = "robosuite"
-MESHES = "robosuite/models/assets/objects/meshes"
-TEXTURES = "robosuite/models/assets/textures"
-LICENCE = "robosuite-{version}.dist-info/licenses/LICENSE"
+VERSION = "1.5.2"
+_MESHES = "robosuite/models/assets/objects/meshes"
+_TEXTURES = "robosuite/models/assets/textures"
+_LICENCE = f"robosuite-{VERSION}.dist-info/licenses/LICENSE"
 
 
-class Robosuite(Package):
-    """Groceries of robosuite's pick-and-place task; the meshes are in metres, z up."""
-
-    name = "robosuite"
-    version = "1.5.2"
-    origin = f"PyPI package {PYPI_NAME}"
-    megabytes = 157
-
-    def _download(self, work: Path) -> Path:
-        return python_index.download(PYPI_NAME, self.version, "wheel", work)
-
-    def _extract(self, archive: Path, models: set[str], folder: Path) -> None:
-        try:
-            with zipfile.ZipFile(archive) as wheel:
-                names = set(wheel.namelist())
-                kept = {LICENCE.format(version=self.version)} & names
-                for model in models:
-                    materials = f"{MESHES}/{model}.mtl"
-                    kept |= {f"{MESHES}/{model}.obj", materials} & names
-                    if materials in names:
-                        kept |= _pictures(wheel.read(materials).decode()) & names
-                for name in sorted(kept):
-                    # All in one folder: there a picture is found whatever path the MTL file gives.
-                    (folder / Path(name).name).write_bytes(wheel.read(name))
-        except zipfile.BadZipFile as error:
-            raise FetchFailed(f"{archive.name} is damaged: {error}") from error
-
-    def _file(self, model: str) -> str | None:
-        return f"{model}.obj"
-
-    def _surfaces(self, model: PackageModel) -> Sequence[MaterialSurface]:
-        return read_surfaces(self.folder() / f"{model.model}.obj")
-
-    def _credit(self, model: str) -> Credit:
-        return Credit(model, "the robosuite authors", "MIT; its text lies beside the package's files")
+def _extract(archive: Path, models: Collection[str], folder: Path) -> None:
+    with zipfile.ZipFile(archive) as wheel:
+        names = set(wheel.namelist())
+        wanted = {_LICENCE}
+        for model in models:
+            materials = f"{_MESHES}/{model}.mtl"
+            wanted |= {f"{_MESHES}/{model}.obj", materials}
+            if materials in names:
+                wanted |= _pictures(wheel.read(materials).decode())
+        for name in sorted(wanted & names):
+            # All in one folder: there a picture is found whatever path the MTL file gives.
+            (folder / Path(name).name).write_bytes(wheel.read(name))
 
 
 def _pictures(materials: str) -> set[str]:
     """Paths in the wheel of the pictures that an MTL file names."""
     lines = [line.split(maxsplit=1) for line in materials.splitlines() if line.startswith("map_")]
-    return {f"{TEXTURES}/{Path(words[1].strip()).name}" for words in lines if len(words) == 2}
+    return {f"{_TEXTURES}/{Path(words[1].strip()).name}" for words in lines if len(words) == 2}
+
+
+def _index(folder: Path) -> dict[str, PackagedModel]:
+    licence = "MIT; its text lies beside the package's files"
+    return {
+        path.stem: PackagedModel(path.name, path.stem, "the robosuite authors", licence)
+        for path in folder.glob("*.obj")
+    }
+
+
+ROBOSUITE = Package(
+    name="robosuite",
+    version=VERSION,
+    origin="PyPI package robosuite",
+    megabytes=157,
+    download=partial(
+        download, f"robosuite=={VERSION}", "b9e02df55de8949739de6ba1d196d2ba59cf33c51a76efcfbe5c2f73cdcf99ce"
+    ),
+    extract=_extract,
+    index=_index,
+)

