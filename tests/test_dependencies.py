@@ -29,7 +29,8 @@ def normal(name: str) -> str:
 
 
 def declared(extras: tuple[str, ...]) -> set[str]:
-    requirements = PROJECT["dependencies"] + sum((PROJECT["optional-dependencies"][extra] for extra in extras), [])
+    optional = PROJECT["optional-dependencies"]
+    requirements = [*PROJECT["dependencies"], *(one for extra in extras for one in optional[extra])]
     return {normal(re.split(r"[^\w.-]", requirement)[0]) for requirement in requirements}
 
 

@@ -11,7 +11,7 @@ import trimesh
 
 from vcage.objects import hulls
 from vcage.objects.convex import Convex
-from vcage.objects.hulls import MOST_CORNERS, MOST_PIECES, convex_pieces
+from vcage.objects.hulls import SETTINGS, convex_pieces
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -39,7 +39,7 @@ def outside(pieces: list[trimesh.Trimesh], points: np.ndarray) -> np.ndarray:
 def test_a_convex_mesh_is_one_piece() -> None:
     ball = trimesh.creation.icosphere(subdivisions=2, radius=0.03)
     (piece,) = convex_pieces(np.asarray(ball.triangles))
-    assert piece.is_watertight and len(piece.vertices) <= 2 * MOST_CORNERS
+    assert piece.is_watertight and len(piece.vertices) <= 2 * SETTINGS.max_corners
     assert piece.volume == pytest.approx(ball.volume, rel=0.15)
 
 
@@ -67,7 +67,7 @@ def test_separate_convex_parts_are_a_piece_each() -> None:
 def test_a_cup_stays_open_and_its_walls_are_covered() -> None:
     mesh = cup()
     pieces = convex_pieces(np.asarray(mesh.triangles))
-    assert 1 < len(pieces) <= MOST_PIECES
+    assert 1 < len(pieces) <= SETTINGS.max_pieces
     surface = trimesh.sample.sample_surface(mesh, 1000, seed=0)[0]
     assert np.percentile(outside(pieces, surface), 95) <= 0.003
     column = np.column_stack([np.zeros(30), np.zeros(30), np.linspace(-0.03, 0.1, 30)])
@@ -114,6 +114,6 @@ def test_loose_triangles_are_covered_like_a_mesh() -> None:
     loose = np.asarray(ring.subdivide().triangles)
     shrunk = loose.mean(axis=1, keepdims=True) + 0.999 * (loose - loose.mean(axis=1, keepdims=True))
     pieces = convex_pieces(shrunk)
-    assert len(pieces) <= MOST_PIECES
+    assert len(pieces) <= SETTINGS.max_pieces
     assert np.percentile(outside(pieces, ring.sample(1000, seed=0)), 95) <= 0.003
     assert outside(pieces, np.zeros((1, 3)))[0] > 0.02

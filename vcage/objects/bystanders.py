@@ -1,4 +1,4 @@
-"""Objects that may stand beside a task: none that a word of it could mean."""
+"""Clutter for a task: objects that none of its words could mean."""
 
 from __future__ import annotations
 
@@ -8,25 +8,22 @@ from vcage.base.words import lemma, lemmas, same_word
 from vcage.objects.names import confusable, is_of_kind, names_of
 from vcage.schema.asset import CatalogueEntry
 
-ALIKE = 2.0
-"""Factor within which sizes of things lie that are taken for each other."""
-
 _OF_THE_TABLE = frozenset(
     ("table", "tabletop", "side", "left", "right", "front", "back", "rear", "top", "bottom", "middle", "centre")
     + ("center", "corner", "edge", "row", "line", "arm", "hand")
 )
-"""Words that say where on the table something is, or which arm moves it: they name no object."""
+"""Words for places on the table and for arms: they name no object."""
 
 
 def bystanders(
     texts: Collection[str], present: Collection[CatalogueEntry], catalogue: Sequence[CatalogueEntry]
 ) -> list[CatalogueEntry]:
-    """Kinds that answer to no word of some texts, and that nothing there could be taken for, by name or by look.
+    """Exclude from the catalogue the kinds that a text may mean, and look-alikes of the objects present.
 
     Args:
-        texts: all that is said of a task.
-        present: the kinds of the objects that are there.
-        catalogue: to choose from, in this order.
+        texts: everything said about the task.
+        present: kinds of the objects in the scene.
+        catalogue: kinds to choose from, in this order.
     """
     said = {word for text in texts for word in lemmas(text)} - _OF_THE_TABLE
     return [
@@ -37,14 +34,16 @@ def bystanders(
     ]
 
 
-def _alike(entry: CatalogueEntry, other: CatalogueEntry) -> bool:
-    """Whether both are of one category and of about one size, as toy bricks and blocks are."""
+def _alike(entry: CatalogueEntry, other: CatalogueEntry, size_factor: float = 2.0) -> bool:
+    """True if both have one category and sizes within a factor of each other, as toy bricks and blocks."""
+    if entry.words.category != other.words.category:
+        return False
     ratios = (a / b for a, b in zip(sorted(entry.size), sorted(other.size), strict=True))
-    return entry.words.category == other.words.category and all(1 / ALIKE < ratio < ALIKE for ratio in ratios)
+    return all(1 / size_factor < ratio < size_factor for ratio in ratios)
 
 
 def _answers(word: str, entry: CatalogueEntry) -> bool:
-    """Whether a word is one of an entry's names, or of its kind, were it misspelled by a letter."""
+    """True if a word is one of an entry's names or its kind, allowing one wrong letter."""
     names = names_of(entry)
     known = {other for name in names.all for other in name} | {lemma(entry.words.category.lower())}
     heads = {name[-1] for name in names.all}

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
+from dataclasses import astuple, dataclass
 from pathlib import Path
 
 import numpy as np
@@ -20,36 +21,43 @@ from scipy.spatial import ConvexHull, KDTree
 from vcage.base.files import atomic_path, cache_path
 from vcage.objects.convex import Convex
 
-MOST_PIECES = 40
-MOST_PARTS = 200
-"""A mesh of more connected parts is loose triangles rather than parts."""
 
-MOST_CORNERS = 48
-"""Of one piece; PhysX takes at most 255."""
+@dataclass(frozen=True)
+class HullSettings:
+    """Settings of the decomposition into convex pieces.
 
-CUBES = 100_000
-"""Small cubes that the mesh is filled with; four times as many take four times as long for a hardly better fit."""
+    Args:
+        max_pieces: of one mesh.
+        max_parts: a mesh of more connected parts is loose triangles rather than parts.
+        max_corners: of one piece; PhysX takes at most 255.
+        cubes: small cubes that fill the mesh; four times as many take four times as long for a hardly better
+            fit.
+        volume_error_percent: by which a piece may exceed its cubes before it is split again.
+        nearly_convex_m: distance of a part's convex hull from its surface up to which the hull is used.
+        min_thickness_m: flatter points are thickened to this, because a piece needs a volume.
+        covered_m: how far a part may stand out of the other pieces to need no piece of its own.
+        growth_m: by which each of several pieces grows: V-HACD leaves gaps of up to a millimetre between
+            neighbours.
+        foot_m: corners this near the table stand on it. A round object on a corner would never come to rest,
+            and the pieces of V-HACD are uneven by as much.
+    """
 
-VOLUME_ERROR = 0.5
-"""Per cent by which a piece may exceed its cubes before it is split again."""
+    max_pieces: int = 40
+    max_parts: int = 200
+    max_corners: int = 48
+    cubes: int = 100_000
+    volume_error_percent: float = 0.5
+    nearly_convex_m: float = 0.0015
+    min_thickness_m: float = 0.001
+    covered_m: float = 0.0005
+    growth_m: float = 0.0006
+    foot_m: float = 0.001
 
-NEARLY_CONVEX = 0.0015
-"""Metres that the convex hull of a part may stand off its surface to be taken as it is."""
 
-THINNEST = 0.001
-"""Metres: what is flatter is thickened to this, because a piece needs a volume."""
+SETTINGS = HullSettings()
 
-COVERED = 0.0005
-"""Metres that a part may stand out of the other pieces to need no piece of its own."""
-
-GROWTH = 0.0006
-"""Metres by which every one of several pieces grows: V-HACD leaves gaps of up to a millimetre between neighbours."""
-
-FOOT = 0.001
-"""Metres: what is so near the table stands on it. A round thing on a corner would never come to rest, and the pieces of
-V-HACD are uneven by as much."""
-
-_RECIPE = f"1/{MOST_PIECES}/{MOST_PARTS}/{MOST_CORNERS}/{CUBES}/{VOLUME_ERROR}/{NEARLY_CONVEX}/{THINNEST}/{COVERED}"
+_RECIPE = "/".join(map(str, (1, *astuple(SETTINGS)[:8])))
+"""Part of the cache's key: the settings that decide the stored pieces; growth and foot are applied later."""
 
 
 def convex_pieces(corners: np.ndarray) -> list[trimesh.Trimesh]:
@@ -73,24 +81,24 @@ def convex_pieces(corners: np.ndarray) -> list[trimesh.Trimesh]:
 
 
 def _levelled(points: np.ndarray, lowest: float) -> np.ndarray:
-    """Corners of a piece, those less than :data:`FOOT` above the mesh's lowest point put down to it."""
-    if points[:, 2].max() < lowest + 2 * FOOT:
+    """Corners of a piece, those less than ``foot_m`` above the mesh's lowest point put down to it."""
+    if points[:, 2].max() < lowest + 2 * SETTINGS.foot_m:
         return points
-    heights = np.where(points[:, 2] < lowest + FOOT, lowest, points[:, 2])
+    heights = np.where(points[:, 2] < lowest + SETTINGS.foot_m, lowest, points[:, 2])
     return np.column_stack([points[:, :2], heights])
 
 
 def _footed(points: np.ndarray) -> np.ndarray:
-    """Corners of a piece with a flat foot, as wide as the piece is :data:`FOOT` above its lowest point."""
+    """Corners of a piece with a flat foot, as wide as the piece is ``foot_m`` above its lowest point."""
     lowest = points[:, 2].min()
-    foot = Convex.of(points).shadow(lowest, lowest + FOOT)
+    foot = Convex.of(points).shadow(lowest, lowest + SETTINGS.foot_m)
     return np.concatenate([points, np.column_stack([foot, np.full(len(foot), lowest)])])
 
 
 def _grown(points: np.ndarray) -> np.ndarray:
-    """Corners of a piece moved outwards by :data:`GROWTH`."""
+    """Corners of a piece moved outwards by ``growth_m``."""
     outwards = points - points.mean(axis=0)
-    return points + GROWTH * outwards / np.maximum(np.linalg.norm(outwards, axis=1, keepdims=True), 1e-9)
+    return points + SETTINGS.growth_m * outwards / np.maximum(np.linalg.norm(outwards, axis=1, keepdims=True), 1e-9)
 
 
 def _save(pieces: Sequence[np.ndarray], path: Path) -> None:
@@ -102,14 +110,14 @@ def _decomposed(corners: np.ndarray) -> list[np.ndarray]:
     """Corners (k, 3) of each piece."""
     bounds = np.stack([corners.min(axis=(0, 1)), corners.max(axis=(0, 1))])
     parts = _connected(corners)
-    nearly_convex = [len(parts) <= MOST_PARTS and _is_nearly_convex(part) for part in parts]
+    nearly_convex = [len(parts) <= SETTINGS.max_parts and _is_nearly_convex(part) for part in parts]
     distinct = _distinct([part for part, simple in zip(parts, nearly_convex) if simple])
     rest = [part for part, simple in zip(parts, nearly_convex) if not simple]
-    if len(distinct) > (MOST_PIECES // 2 if rest else MOST_PIECES):
+    if len(distinct) > (SETTINGS.max_pieces // 2 if rest else SETTINGS.max_pieces):
         distinct, rest = [], parts
     pieces = [part.reshape(-1, 3) for part in distinct]
     if rest:
-        pieces += _split(np.concatenate(rest), MOST_PIECES - len(pieces))
+        pieces += _split(np.concatenate(rest), SETTINGS.max_pieces - len(pieces))
     return [_solid(piece, bounds) for piece in pieces]
 
 
@@ -136,13 +144,13 @@ def _extent(corners: np.ndarray) -> float:
 def _is_nearly_convex(corners: np.ndarray) -> bool:
     """Whether every point of the convex hull's surface is near the part's own surface."""
     points = corners.reshape(-1, 3)
-    if _extent(corners) < 2 * NEARLY_CONVEX:
+    if _extent(corners) < 2 * SETTINGS.nearly_convex_m:
         return True
     hull = trimesh.convex.convex_hull(_thickened(points))
-    spacing = NEARLY_CONVEX / 2
+    spacing = SETTINGS.nearly_convex_m / 2
     samples = _samples(_welded(corners), spacing)
     away = KDTree(samples).query(_samples(hull, 2 * spacing))[0]
-    return float(np.percentile(away, 99)) <= NEARLY_CONVEX + spacing
+    return float(np.percentile(away, 99)) <= SETTINGS.nearly_convex_m + spacing
 
 
 def _samples(mesh: trimesh.Trimesh, spacing: float) -> np.ndarray:
@@ -157,7 +165,7 @@ def _distinct(parts: Sequence[np.ndarray]) -> list[np.ndarray]:
     solids: list[Convex] = []
     for part in parts:
         points = part.reshape(-1, 3)
-        if solids and min(float(solid.outside(points).max()) for solid in solids) <= COVERED:
+        if solids and min(float(solid.outside(points).max()) for solid in solids) <= SETTINGS.covered_m:
             continue
         kept.append(part)
         solids.append(Convex.of(_thickened(points)))
@@ -172,12 +180,12 @@ def _split(corners: np.ndarray, most: int) -> list[np.ndarray]:
         np.asarray(mesh.vertices, dtype=np.float64),
         faces,
         maxConvexHulls=most,
-        resolution=CUBES,
-        minimumVolumePercentErrorAllowed=VOLUME_ERROR,
+        resolution=SETTINGS.cubes,
+        minimumVolumePercentErrorAllowed=SETTINGS.volume_error_percent,
         maxRecursionDepth=12,
         shrinkWrap=True,
         fillMode="flood",
-        maxNumVerticesPerCH=MOST_CORNERS,
+        maxNumVerticesPerCH=SETTINGS.max_corners,
         asyncACD=False,  # threads would make the pieces' order a matter of chance
     )
     return [np.asarray(vertices) for vertices, _ in pieces]
@@ -187,8 +195,8 @@ def _solid(points: np.ndarray, bounds: np.ndarray) -> np.ndarray:
     """The corners (k, 3) of the hull of points, within the mesh's bounds, with a volume and with few corners."""
     points = _thickened(np.clip(points, bounds[0], bounds[1]))
     corners = points[ConvexHull(points).vertices]
-    if len(corners) > MOST_CORNERS:
-        corners = _spread(corners, MOST_CORNERS - 6)  # and the six of the bounding box
+    if len(corners) > SETTINGS.max_corners:
+        corners = _spread(corners, SETTINGS.max_corners - 6)  # and the six of the bounding box
     return corners.round(6)
 
 
@@ -208,7 +216,7 @@ def _thickened(points: np.ndarray) -> np.ndarray:
     axes = np.linalg.svd(centred, full_matrices=False)[2]
     extents = np.ptp(centred @ axes.T, axis=0)
     for axis, extent in zip(axes, extents):
-        if extent < THINNEST:
-            shift = axis * (THINNEST - extent) / 2
+        if extent < SETTINGS.min_thickness_m:
+            shift = axis * (SETTINGS.min_thickness_m - extent) / 2
             points = np.concatenate([points - shift, points + shift])
     return points

@@ -14,21 +14,29 @@ from numpy.typing import ArrayLike
 
 from vcage.objects.convex import Convex
 
-CELL = 0.001
-"""Edge of a grid cell, metres."""
 
-SKIN = 0.0015
-"""Heights closer than this count as equal, metres."""
+@dataclass(frozen=True)
+class OpeningSettings:
+    """Settings of the measurements.
 
-TOUCH = 0.001
-"""A contact point this close to the surface counts as in the material, metres."""
+    Args:
+        cell_m: edge of a grid cell.
+        same_height_m: heights closer than this count as equal.
+        touch_m: a contact point this close to the surface counts as in the material.
+        wall_share: share of the depth from which sloping walls count: an object in a bowl does not need the
+            bowl's flat bottom.
+        foot_m: height above the floor from which walls count for an object that stands in a container with a
+            flat bottom; a handle over a tray does not lower its walls then.
+    """
 
-WALL_SHARE = 0.5
-"""Sloping walls count from this share of the depth on: what lies in a bowl does not need the bowl's flat bottom."""
+    cell_m: float = 0.001
+    same_height_m: float = 0.0015
+    touch_m: float = 0.001
+    wall_share: float = 0.5
+    foot_m: float = 0.003
 
-FOOT = 0.003
-"""Height above the floor, metres, from which walls count for what stands in a container with a flat bottom; a handle
-over a tray does not make its walls lower then."""
+
+SETTINGS = OpeningSettings()
 
 
 @dataclass(frozen=True)
@@ -66,7 +74,7 @@ def grasped_width(pieces: Sequence[Convex], point: ArrayLike, axis: ArrayLike) -
     """
     stretches = material_along(pieces, point, axis)
     for start, end in stretches:
-        if start <= TOUCH and end >= -TOUCH:
+        if start <= SETTINGS.touch_m and end >= -SETTINGS.touch_m:
             return end - start
     around = bool(stretches) and stretches[0][0] < 0 < stretches[-1][1]
     return stretches[-1][1] - stretches[0][0] if around else 0.0
@@ -97,8 +105,8 @@ def room_inside(pieces: Sequence[Convex], point: Sequence[float], *, standing: b
     """
     floor = _support_height(pieces, point)
     rim = max(float(piece.vertices[:, 2].max()) for piece in pieces)
-    from_height = FOOT if standing else WALL_SHARE * (rim - floor)
-    blocked = _grid(pieces, floor + max(SKIN, from_height), np.inf)
+    from_height = SETTINGS.foot_m if standing else SETTINGS.wall_share * (rim - floor)
+    blocked = _grid(pieces, floor + max(SETTINGS.same_height_m, from_height), np.inf)
     return _opening(~blocked, pieces, point, floor, rim)
 
 
@@ -112,22 +120,23 @@ def room_under_roof(pieces: Sequence[Convex], point: Sequence[float]) -> Opening
     """
     floor = _support_height(pieces, point)
     spans = [i for piece in pieces if (i := piece.interval(point, (0.0, 0.0, 1.0))) is not None]
-    above = [point[2] + start for start, _ in spans if point[2] + start > floor + SKIN]
+    above = [point[2] + start for start, _ in spans if point[2] + start > floor + SETTINGS.same_height_m]
     if not above:
         raise ValueError(f"nothing is over the functional point {tuple(point)}")
     ceiling = float(min(above))
-    carried = _grid(pieces, floor - SKIN, floor + SKIN)
-    blocked = _grid(pieces, floor + SKIN, ceiling - SKIN)
+    carried = _grid(pieces, floor - SETTINGS.same_height_m, floor + SETTINGS.same_height_m)
+    blocked = _grid(pieces, floor + SETTINGS.same_height_m, ceiling - SETTINGS.same_height_m)
     return _opening(carried & ~blocked, pieces, point, floor, ceiling)
 
 
 def surface_on_top(pieces: Sequence[Convex], point: Sequence[float]) -> Opening:
     """The largest rectangle around ``point`` of the surface at its height that nothing stands on."""
     floor = _support_height(pieces, point)
-    carried = _grid(pieces, floor - SKIN, floor + SKIN)
-    blocked = _grid(pieces, floor + SKIN, np.inf)
-    above = max(float(piece.vertices[:, 2].max()) for piece in pieces)
-    return _opening(carried & ~blocked, pieces, point, floor, above if above > floor + SKIN else floor)
+    carried = _grid(pieces, floor - SETTINGS.same_height_m, floor + SETTINGS.same_height_m)
+    blocked = _grid(pieces, floor + SETTINGS.same_height_m, np.inf)
+    top = max(float(piece.vertices[:, 2].max()) for piece in pieces)
+    rim = top if top > floor + SETTINGS.same_height_m else floor
+    return _opening(carried & ~blocked, pieces, point, floor, rim)
 
 
 def _support_height(pieces: Sequence[Convex], point: Sequence[float]) -> float:
@@ -143,15 +152,15 @@ def _frame(pieces: Sequence[Convex]) -> tuple[np.ndarray, np.ndarray]:
     """Lower corner (2,) and shape (columns, rows) of a grid that is centred over all pieces."""
     points = np.concatenate([piece.vertices[:, :2] for piece in pieces])
     lower, upper = points.min(axis=0), points.max(axis=0)
-    shape = np.ceil((upper - lower) / CELL - 1e-6).astype(int)
-    return (lower + upper - shape * CELL) / 2, shape
+    shape = np.ceil((upper - lower) / SETTINGS.cell_m - 1e-6).astype(int)
+    return (lower + upper - shape * SETTINGS.cell_m) / 2, shape
 
 
 def _grid(pieces: Sequence[Convex], low: float, high: float) -> np.ndarray:
     """(rows, columns) bool: cells over whose middle some piece has material between the heights."""
     lower, (columns, rows) = _frame(pieces)
     covered = np.zeros((rows, columns), dtype=bool)
-    x, y = (lower[i] + (np.arange(n) + 0.5) * CELL for i, n in enumerate((columns, rows)))
+    x, y = (lower[i] + (np.arange(n) + 0.5) * SETTINGS.cell_m for i, n in enumerate((columns, rows)))
     for piece in pieces:
         shadow = piece.shadow(low, high)
         if len(shadow) < 3 or np.ptp(shadow, axis=0).min() < 1e-6:
@@ -169,12 +178,12 @@ def _grid(pieces: Sequence[Convex], low: float, high: float) -> np.ndarray:
 
 def _opening(free: np.ndarray, pieces: Sequence[Convex], point: Sequence[float], floor: float, rim: float) -> Opening:
     lower, _ = _frame(pieces)
-    column, row = np.floor((np.asarray(point[:2]) - lower) / CELL).astype(int)
+    column, row = np.floor((np.asarray(point[:2]) - lower) / SETTINGS.cell_m).astype(int)
     rectangle = largest_rectangle(free, int(row), int(column))
     if rectangle is None:
         raise ValueError(f"no free room at the functional point {tuple(point)}")
     r0, r1, c0, c1 = rectangle
-    corner, size = lower + np.array([c0, r0]) * CELL, np.array([c1 - c0, r1 - r0]) * CELL
+    corner, size = lower + np.array([c0, r0]) * SETTINGS.cell_m, np.array([c1 - c0, r1 - r0]) * SETTINGS.cell_m
     centre = corner + size / 2
     return Opening((float(centre[0]), float(centre[1])), (float(size[0]), float(size[1])), floor, rim)
 

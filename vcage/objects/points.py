@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import struct
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -17,11 +18,21 @@ from vcage.schema.asset import IMPORTED, Annotation
 
 logger = logging.getLogger(__name__)
 
-OUTSIDE = 0.02
-"""A point may lie so far outside the bounding box: a grasp may take only an edge, metres."""
 
-BELOW = 0.001
-"""A receiving surface may lie so far below the object's bottom, metres."""
+@dataclass(frozen=True)
+class PointSettings:
+    """Limits of a point's distance from the model.
+
+    Args:
+        max_outside_m: of the bounding box: a grasp may hold only an edge.
+        max_below_m: how far a receiving surface may lie below the object's bottom.
+    """
+
+    max_outside_m: float = 0.02
+    max_below_m: float = 0.001
+
+
+SETTINGS = PointSettings()
 
 GLB_HEADER = struct.Struct("<4sII")
 """Magic, version and length of a binary glTF file."""
@@ -45,7 +56,7 @@ def check_points(asset: Asset, path: Path) -> None:
             if point.link is not None and point.link not in parts:
                 expected = f"one of {', '.join(parts)}" if parts else "none, for no part of it moves"
                 raise _misfit(asset, path, f"{kind}.{i}.link", f"{point.link!r}; expected {expected}")
-            if outside_by(asset.bounds, point.position) > OUTSIDE:
+            if outside_by(asset.bounds, point.position) > SETTINGS.max_outside_m:
                 raise _misfit(
                     asset,
                     path,
@@ -53,7 +64,7 @@ def check_points(asset: Asset, path: Path) -> None:
                     f"the point lies outside the object: {range_text(asset.bounds, point.position)}",
                 )
     for i, point in enumerate(asset.annotation.functional_points):
-        if point.position[2] < asset.bounds[0, 2] - BELOW:
+        if point.position[2] < asset.bounds[0, 2] - SETTINGS.max_below_m:
             text = f"the point lies {-point.position[2]:.3g} m under the table; expected a height from 0"
             raise _misfit(asset, path, f"functional_points.{i}.position", text)
 
@@ -110,7 +121,9 @@ def outside_by(bounds: np.ndarray, position: ArrayLike) -> float:
 def range_text(bounds: np.ndarray, position: ArrayLike) -> str:
     """A point and where it was expected, for a complaint."""
     value = ", ".join(f"{x:.3f}" for x in np.asarray(position))
-    ranges = ", ".join(f"{lower - OUTSIDE:.3f} … {upper + OUTSIDE:.3f}" for lower, upper in bounds.T)
+    ranges = ", ".join(
+        f"{lower - SETTINGS.max_outside_m:.3f} … {upper + SETTINGS.max_outside_m:.3f}" for lower, upper in bounds.T
+    )
     return f"got ({value}); expected within ({ranges}) m"
 
 

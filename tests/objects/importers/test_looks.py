@@ -10,8 +10,8 @@ import trimesh
 from PIL import Image
 
 from vcage.base.errors import DamagedFile
-from vcage.objects.colour_words import word_of
-from vcage.objects.importers.looks import colour_word, load_surfaces, parts_of
+from vcage.objects.colour_words import colour_word, word_of
+from vcage.objects.importers.looks import load_surfaces, parts_of
 
 
 def parts_in(path: Path, linear=None) -> list:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import trimesh
@@ -10,14 +11,23 @@ from scipy.spatial import ConvexHull, QhullError
 
 from vcage.objects import hulls
 
-THIN = 0.0005
-"""A flat component gets this thickness on either side, metres; a solid needs some."""
 
-WELD = 7
-"""Corners whose coordinates agree to so many decimals, metres, are the same."""
+@dataclass(frozen=True)
+class ComponentSettings:
+    """Settings of the hulls of components.
 
-MANY = 128
-"""More pieces than this slow the simulation down noticeably."""
+    Args:
+        half_sheet_m: a flat component gets this thickness on either side; a solid needs some.
+        weld_decimals: corners whose coordinates agree to so many decimals, metres, are the same.
+        max_fast_pieces: more pieces slow the simulation down noticeably.
+    """
+
+    half_sheet_m: float = 0.0005
+    weld_decimals: int = 7
+    max_fast_pieces: int = 128
+
+
+SETTINGS = ComponentSettings()
 
 
 def joined(surfaces: Sequence[trimesh.Trimesh]) -> tuple[np.ndarray, np.ndarray]:
@@ -36,7 +46,7 @@ def component_hulls(vertices: np.ndarray, faces: np.ndarray) -> list[trimesh.Tri
         vertices: (n, 3), metres.
         faces: (m, 3) vertex indices.
     """
-    places, index = np.unique(np.asarray(vertices).round(WELD), axis=0, return_inverse=True)
+    places, index = np.unique(np.asarray(vertices).round(SETTINGS.weld_decimals), axis=0, return_inverse=True)
     welded = index.ravel()[faces]
     solids = _labels(faces, len(vertices))
     corners: dict[bytes, np.ndarray] = {}  # what is drawn from both sides has the same corners twice
@@ -76,19 +86,19 @@ def hulls_of_surface(vertices: np.ndarray, faces: np.ndarray) -> list[trimesh.Tr
         vertices, faces: as for :func:`component_hulls`.
     """
     corners = vertices[faces]
-    if np.ptp(corners.reshape(-1, 3), axis=0).max() < 2 * THIN:
+    if np.ptp(corners.reshape(-1, 3), axis=0).max() < 2 * SETTINGS.half_sheet_m:
         return []
     return hulls.convex_pieces(corners)
 
 
 def convex_hull(points: np.ndarray) -> trimesh.Trimesh | None:
-    """The convex hull of points (n, 3), made a sheet of :data:`THIN` where they lie in a plane; None for a line."""
+    """The convex hull of points (n, 3), made a sheet of ``half_sheet_m`` where they lie in a plane; None for a line."""
     centred = points - points.mean(axis=0)
     _, sizes, axes = np.linalg.svd(centred, full_matrices=False)
     if len(points) < 3 or sizes[1] < 1e-6:
         return None
-    if np.ptp(centred @ axes[2]) < 2 * THIN:
-        points = np.concatenate([points - THIN * axes[2], points + THIN * axes[2]])
+    if np.ptp(centred @ axes[2]) < 2 * SETTINGS.half_sheet_m:
+        points = np.concatenate([points - SETTINGS.half_sheet_m * axes[2], points + SETTINGS.half_sheet_m * axes[2]])
     try:
         hull = ConvexHull(points)
     except QhullError:

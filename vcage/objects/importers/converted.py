@@ -14,14 +14,25 @@ from vcage.objects.importers.robotwin_data import mismatch
 from vcage.objects.modelling.parts import BuiltObject, MovingPart, Part
 from vcage.schema.asset import ContactPoint, FunctionalPoint, Variant
 
-DENSITY = 400.0
-"""Of an object whose mass nobody says, kg/m³: household things are hollow, or of wood and plastic."""
 
-SIZES = (0.005, 2.0)
-"""The longest edge of an object that stands on a table, metres."""
+@dataclass(frozen=True)
+class EstimateSettings:
+    """Limits and estimates for objects whose files do not say.
 
-LEAST_MASS, MOST_MASS = 0.02, 1.0
-"""Limits of a mass that was estimated, kilograms: what an arm carries."""
+    Args:
+        density_kg_m3: of an object without a mass: household things are hollow, or of wood and plastic.
+        edge_range_m: the longest edge of an object that stands on a table.
+        min_mass_kg: of an estimated mass.
+        max_mass_kg: of an estimated mass: an arm can carry it.
+    """
+
+    density_kg_m3: float = 400.0
+    edge_range_m: tuple[float, float] = (0.005, 2.0)
+    min_mass_kg: float = 0.02
+    max_mass_kg: float = 1.0
+
+
+SETTINGS = EstimateSettings()
 
 
 @dataclass(frozen=True)
@@ -42,10 +53,15 @@ class Converted:
     description: str = ""
 
 
-def estimated_mass(hulls: Sequence[trimesh.Trimesh]) -> float:
-    """Kilograms, from the volume of the collision shape."""
-    volume = sum(abs(float(hull.volume)) for hull in hulls)
-    return round(float(np.clip(DENSITY * volume, LEAST_MASS, MOST_MASS)), 4)
+def estimated_mass(volume_m3: float, decimals: int = 4) -> float:
+    """Estimate kilograms from the volume of the material, rounded to some decimals."""
+    mass = SETTINGS.density_kg_m3 * volume_m3
+    return round(float(np.clip(mass, SETTINGS.min_mass_kg, SETTINGS.max_mass_kg)), decimals)
+
+
+def total_volume(hulls: Sequence[trimesh.Trimesh]) -> float:
+    """Add the volumes of a collision shape's pieces, m³."""
+    return sum(abs(float(hull.volume)) for hull in hulls)
 
 
 def check_scale(path: Path, built: BuiltObject, assumed: bool) -> None:
@@ -59,7 +75,7 @@ def check_scale(path: Path, built: BuiltObject, assumed: bool) -> None:
         SchemaMismatch: names the size.
     """
     edges = np.ptp(built.bounds, axis=0)
-    smallest, largest = SIZES
+    smallest, largest = SETTINGS.edge_range_m
     if not smallest <= edges.max() <= largest:
         said = "missing, and at scale 1" if assumed else "with it"
         size = " × ".join(f"{x:.3g}" for x in edges)

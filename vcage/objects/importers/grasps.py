@@ -17,23 +17,33 @@ from vcage.objects.openings import grasped_width, material_along
 from vcage.schema.asset import ContactPoint
 from vcage.schema.robot import Gripper
 
-THINNEST = 0.008
-"""Material between the fingers, metres."""
 
-FINGER_ROOM = 0.01
-"""How much wider than the material the fingers open at least, metres."""
+@dataclass(frozen=True)
+class GraspSearchSettings:
+    """Settings of the search for grasps from above.
 
-PALM_ROOM = 0.001
-"""The palm stays so far above what is under it, metres."""
+    Args:
+        min_width_m: of the material between the fingers.
+        finger_room_m: how much wider than the material the fingers open at least.
+        palm_room_m: clearance under the palm.
+        best_depth_m: of a grasp under the top of the material.
+        min_depth_m: of a grasp under the top of the material.
+        step_m: distance between tries, across.
+        level_m: distance between tries, in height.
+        spacing_m: distance between the points that sample a shape's surface.
+    """
 
-DEPTH, LEAST_DEPTH = 0.025, 0.005
-"""How far under the top of the material a grasp is best, and must be, metres."""
+    min_width_m: float = 0.008
+    finger_room_m: float = 0.01
+    palm_room_m: float = 0.001
+    best_depth_m: float = 0.025
+    min_depth_m: float = 0.005
+    step_m: float = 0.006
+    level_m: float = 0.003
+    spacing_m: float = 0.0025
 
-STEP, LEVEL = 0.006, 0.003
-"""Distance between tries, across and in height, metres."""
 
-SPACING = 0.0025
-"""Distance between the points that stand for a shape's surface, metres."""
+SETTINGS = GraspSearchSettings()
 
 AXES = {"fingers left and right": (1.0, 0.0, 0.0), "fingers front and back": (0.0, 1.0, 0.0)}
 
@@ -57,7 +67,7 @@ class GraspFromAbove:
 
 def widest(gripper: Gripper) -> float:
     """How wide the material between the fingers may be, metres."""
-    return gripper.max_width - FINGER_ROOM
+    return gripper.max_width - SETTINGS.finger_room_m
 
 
 def contact_points_from_above(pieces: Sequence[Convex], gripper: Gripper) -> list[ContactPoint]:
@@ -91,8 +101,8 @@ def grasps_along(pieces: Sequence[Convex], surface: np.ndarray, name: str, gripp
     lower, upper = surface.min(axis=0), surface.max(axis=0)
     middle = (lower + upper) / 2
     found: list[GraspFromAbove] = []
-    for v in _grid(lower[across] + STEP, upper[across] - STEP):
-        for z in np.arange(lower[2] + gripper.tip_depth + 0.001, upper[2], LEVEL):
+    for v in _grid(lower[across] + SETTINGS.step_m, upper[across] - SETTINGS.step_m):
+        for z in np.arange(lower[2] + gripper.tip_depth + 0.001, upper[2], SETTINGS.level_m):
             start = middle.copy()
             start[across], start[2] = v, z
             found += _on_line(pieces, start, closing, name, widest(gripper))
@@ -112,7 +122,7 @@ def _on_line(
     return [
         GraspFromAbove(name, start + closing * (begin + end) / 2, closing, end - begin)
         for begin, end in stretches
-        if THINNEST <= end - begin <= widest
+        if SETTINGS.min_width_m <= end - begin <= widest
     ]
 
 
@@ -120,10 +130,10 @@ def _cost(surface: np.ndarray, grasp: GraspFromAbove, middle: np.ndarray, finger
     """Metres off the middle, and off the best depth under the top of the material there; infinite at its very top."""
     near = np.abs(surface[:, :2] - grasp.position[:2]).max(axis=1) < max(finger_width, grasp.width) / 2
     top = surface[near, 2].max() if near.any() else grasp.position[2]
-    if top - grasp.position[2] < LEAST_DEPTH:
+    if top - grasp.position[2] < SETTINGS.min_depth_m:
         return np.inf
     aside = np.linalg.norm(grasp.position[:2] - middle[:2])
-    return round(float(aside + abs(top - DEPTH - grasp.position[2])), 4)
+    return round(float(aside + abs(top - SETTINGS.best_depth_m - grasp.position[2])), 4)
 
 
 def _is_steady(pieces: Sequence[Convex], grasp: GraspFromAbove) -> bool:
@@ -145,25 +155,25 @@ def is_free(surface: np.ndarray, grasp: GraspFromAbove, gripper: Gripper) -> boo
     offset = surface - grasp.position
     u, v, z = np.abs(offset @ grasp.closing), np.abs(offset @ across), offset[:, 2]
     palm_width, palm_length = gripper.palm_size
-    palm = (u < palm_length / 2) & (v < palm_width / 2) & (z > gripper.finger_length - PALM_ROOM)
+    palm = (u < palm_length / 2) & (v < palm_width / 2) & (z > gripper.finger_length - SETTINGS.palm_room_m)
     outside = (u > grasp.width / 2 + 0.002) & (u < grasp.width / 2 + gripper.finger_thickness)
     fingers = outside & (v < gripper.finger_width / 2) & (z > -gripper.tip_depth)
     return not bool(np.any(palm | fingers))
 
 
 def surface_points(pieces: Sequence[Convex]) -> np.ndarray:
-    """(n, 3) points on the edges and in the inside of the pieces, about :data:`SPACING` apart."""
+    """(n, 3) points on the edges and in the inside of the pieces, about ``spacing_m`` apart."""
     points = [piece.vertices for piece in pieces]
     for piece in pieces:
         a, b = piece.vertices[piece.edges[:, 0]], piece.vertices[piece.edges[:, 1]]
-        count = int(np.ceil(np.linalg.norm(b - a, axis=1).max() / SPACING)) + 1
+        count = int(np.ceil(np.linalg.norm(b - a, axis=1).max() / SETTINGS.spacing_m)) + 1
         share = np.linspace(0, 1, count)[:, None, None]
         ladder = a + share * (b - a)
         points.append(ladder.reshape(-1, 3))
         centre = piece.vertices.mean(axis=0)
         points += [centre + share * (ladder.reshape(-1, 3) - centre) for share in (0.35, 0.7)]
     together = np.concatenate(points)
-    cells = ((together - together.min(axis=0)) / SPACING).round().astype(np.int64)
+    cells = ((together - together.min(axis=0)) / SETTINGS.spacing_m).round().astype(np.int64)
     return together[np.unique(cells @ np.array([1, 1 << 20, 1 << 40]), return_index=True)[1]]
 
 
@@ -177,5 +187,5 @@ def _apart(grasps: Sequence[GraspFromAbove], distance: float) -> list[GraspFromA
 def _grid(low: float, high: float) -> list[float]:
     """Places from ``low`` to ``high``, one of them in the middle."""
     middle, half = (low + high) / 2, max((high - low) / 2, 0.0)
-    count = int(half / STEP)
-    return [middle + step * STEP for step in range(-count, count + 1)]
+    count = int(half / SETTINGS.step_m)
+    return [middle + step * SETTINGS.step_m for step in range(-count, count + 1)]

@@ -1,8 +1,9 @@
-"""What is seen of a mesh file: its surfaces with their own pictures, and the word for its main colour."""
+"""The look of a mesh file: its surfaces with their own pictures."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,21 +13,30 @@ from PIL import Image
 
 from vcage.base.errors import DamagedFile, VcageError
 from vcage.base.placeholders import require_fetched
-from vcage.objects.colour_words import word_of
 from vcage.objects.mesh_files import MeshFiles
 from vcage.objects.modelling.parts import Part, paint
 
-GREY = (178, 178, 178)
-"""Paints what has neither picture nor colour, sRGB."""
+
+@dataclass(frozen=True)
+class LookSettings:
+    """Settings of the textures made of a mesh's look.
+
+    Args:
+        default_colour: of a surface with neither picture nor colour, sRGB.
+        min_area_m2: smaller triangles are left out, as :func:`vcage.objects.modelling.parts.paint` does.
+        palette_steps: per channel, to which the colours of single faces are rounded where there are very
+            many.
+    """
+
+    default_colour: tuple[int, int, int] = (178, 178, 178)
+    min_area_m2: float = 1e-13
+    palette_steps: int = 32
+
+
+SETTINGS = LookSettings()
 
 NORMALS = "normals"
 """Attribute of a mesh's vertices: the normals that its file gives, in the mesh's frame; any length."""
-
-LEAST_AREA = 1e-13
-"""Smaller triangles are not seen, square metres; :func:`vcage.objects.modelling.parts.paint` leaves them out too."""
-
-PALETTE_STEPS = 32
-"""Colours of single faces are rounded to so many steps per channel where there are very many."""
 
 
 def load_surfaces(path: Path, root: Path | None = None) -> list[trimesh.Trimesh]:
@@ -93,7 +103,7 @@ def _part(mesh: trimesh.Trimesh, linear: np.ndarray, shift: np.ndarray) -> Part 
         normals = None if normals is None else normals[:, ::-1]
     sheet = trimesh.Trimesh(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3), process=False)
     sheet.merge_vertices(merge_tex=True, merge_norm=True, digits_vertex=7)
-    kept = np.asarray(sheet.area_faces > LEAST_AREA)
+    kept = np.asarray(sheet.area_faces > SETTINGS.min_area_m2)
     if not kept.any():
         return None
     if normals is None or not np.linalg.norm(normals[kept], axis=2).all():
@@ -148,7 +158,7 @@ def _number(value: Any, default: float) -> float:
 
 
 def _plain(colour: tuple[float, ...] | None) -> np.ndarray:
-    seen = GREY if colour is None else _to_screen(np.array(colour)) * 255
+    seen = SETTINGS.default_colour if colour is None else _to_screen(np.array(colour)) * 255
     return np.full((4, 4, 3), seen).round().astype(np.uint8)
 
 
@@ -164,8 +174,8 @@ def _face_colours(mesh: trimesh.Trimesh) -> tuple[np.ndarray, np.ndarray]:
     if not isinstance(visual, trimesh.visual.ColorVisuals) or visual.kind not in ("face", "vertex"):
         return _plain(None), np.full((len(mesh.vertices), 2), 0.5)
     colours = np.asarray(visual.face_colors)[:, :3]
-    if len(np.unique(colours, axis=0)) > PALETTE_STEPS**2:
-        step = 256 // PALETTE_STEPS
+    if len(np.unique(colours, axis=0)) > SETTINGS.palette_steps**2:
+        step = 256 // SETTINGS.palette_steps
         colours = colours // step * step + step // 2
     palette, index = np.unique(colours, axis=0, return_inverse=True)
     side = int(np.ceil(np.sqrt(len(palette))))
@@ -183,24 +193,3 @@ def _to_linear(screen: np.ndarray) -> np.ndarray:
 def _to_screen(linear: np.ndarray) -> np.ndarray:
     linear = np.clip(linear, 0.0, 1.0)
     return np.where(linear <= 0.0031308, linear * 12.92, 1.055 * linear ** (1 / 2.4) - 0.055)
-
-
-# --- the word for a colour -----------------------------------------------------------------------------
-
-
-def colour_word(parts: Sequence[Part]) -> str:
-    """The word for the mean colour of all surfaces, weighted by their area."""
-    total, weight = np.zeros(3), 0.0
-    for part in parts:
-        corners = part.vertices[part.faces]
-        areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-        total += areas @ _colours_at(part.texture, part.uv[part.faces].mean(axis=1))
-        weight += float(areas.sum())
-    return word_of(total / max(weight, 1e-12))
-
-
-def _colours_at(texture: np.ndarray, uv: np.ndarray) -> np.ndarray:
-    height, width = texture.shape[:2]
-    column = (uv[:, 0] % 1.0 * width).astype(int).clip(0, width - 1)
-    row = ((1 - uv[:, 1] % 1.0) * height).astype(int).clip(0, height - 1)
-    return texture[row, column].astype(np.float64)

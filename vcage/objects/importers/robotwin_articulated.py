@@ -17,6 +17,7 @@ import numpy as np
 import trimesh
 from scipy.spatial.transform import Rotation
 
+from vcage.objects.colour_words import colour_word
 from vcage.objects.importers.component_hulls import component_hulls, hulls_of_surface, joined
 from vcage.objects.importers.converted import (
     Converted,
@@ -24,8 +25,9 @@ from vcage.objects.importers.converted import (
     check_scale,
     estimated_mass,
     pieces_by_part,
+    total_volume,
 )
-from vcage.objects.importers.looks import colour_word, parts_of
+from vcage.objects.importers.looks import parts_of
 from vcage.objects.importers.robotwin_data import ModelData, RawPoint, mismatch, read_model_data
 from vcage.objects.importers.robotwin_names import unique
 from vcage.objects.importers.robotwin_points import Placed, contact_points, functional_points, scaled_point
@@ -213,7 +215,7 @@ def _our_joint(urdf: Urdf, joint: UrdfJoint, model: ModelData, pose: RestPose) -
 
 def _mass(lead: str, hulls: Sequence[trimesh.Trimesh], model: ModelData, pose: RestPose) -> float:
     if not model.mass:
-        return estimated_mass(hulls)
+        return estimated_mass(total_volume(hulls))
     return sum(model.mass.get(link, LINK_MASS) for link, body in pose.bodies.items() if body == lead)
 
 

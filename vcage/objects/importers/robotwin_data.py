@@ -28,11 +28,21 @@ KEYS = (
 )  # fmt: skip
 """Fields of ``model_data``; besides them, ``…description`` and ``…discription`` hold texts."""
 
-SCALES = (1e-6, 1e6)
-"""Metres per mesh unit; geometry far beyond them overflows before its size can be checked."""
 
-NOT_A_ROTATION = 0.02
-"""How far the product of a rotation with its transpose may be off: annotations are rounded."""
+@dataclass(frozen=True)
+class FieldLimits:
+    """Numbers that are accepted.
+
+    Args:
+        scale_range: metres per mesh unit; geometry far beyond overflows before its size can be checked.
+        max_rotation_error: of the product of a rotation with its transpose: annotations are rounded.
+    """
+
+    scale_range: tuple[float, float] = (1e-6, 1e6)
+    max_rotation_error: float = 0.02
+
+
+LIMITS = FieldLimits()
 
 
 @dataclass(frozen=True)
@@ -167,7 +177,7 @@ def read_scale(path: Path, data: dict[str, Any]) -> np.ndarray:
     """(3,) metres per mesh unit along x, y and z of the mesh.
 
     Raises:
-        SchemaMismatch: it is missing, not one or three numbers, or not within :data:`SCALES`.
+        SchemaMismatch: it is missing, not one or three numbers, or not within ``scale_range``.
     """
     if "scale" not in data:
         raise mismatch(path, "scale", "missing; expected three numbers, metres per mesh unit")
@@ -176,8 +186,10 @@ def read_scale(path: Path, data: dict[str, Any]) -> np.ndarray:
         raise mismatch(path, "scale", f"got {data['scale']!r}; expected three numbers, metres per mesh unit")
     if min(values) <= 0:
         raise mismatch(path, "scale", f"got {data['scale']!r}; expected numbers above 0")
-    if min(values) < SCALES[0] or max(values) > SCALES[1]:
-        raise mismatch(path, "scale", f"got {data['scale']!r}; expected {SCALES[0]:g} … {SCALES[1]:g}")
+    if min(values) < LIMITS.scale_range[0] or max(values) > LIMITS.scale_range[1]:
+        raise mismatch(
+            path, "scale", f"got {data['scale']!r}; expected {LIMITS.scale_range[0]:g} … {LIMITS.scale_range[1]:g}"
+        )
     return np.array(values, dtype=np.float64)
 
 
@@ -231,7 +243,7 @@ def not_a_frame(value: Any) -> str:
     if not np.isfinite(matrix).all() or np.abs(matrix[3] - (0, 0, 0, 1)).max() > 1e-6:
         return "expected finite numbers and a last row of 0 0 0 1"
     rotation = matrix[:3, :3]
-    if np.abs(rotation @ rotation.T - np.eye(3)).max() > NOT_A_ROTATION or np.linalg.det(rotation) < 0:
+    if np.abs(rotation @ rotation.T - np.eye(3)).max() > LIMITS.max_rotation_error or np.linalg.det(rotation) < 0:
         return "expected a rotation in the upper left 3×3"
     return ""
 

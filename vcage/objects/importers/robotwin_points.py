@@ -15,25 +15,37 @@ import numpy as np
 
 from vcage.objects.convex import Convex
 from vcage.objects.importers.robotwin_data import ModelData, RawPoint
-from vcage.objects.points import BELOW, OUTSIDE, outside_by, range_text
+from vcage.objects.points import SETTINGS as POINTS
+from vcage.objects.points import outside_by, range_text
 from vcage.schema.asset import ContactPoint, FunctionalPoint, Holds
 
-FACES_UP = 0.9
-"""Cosine from which on an axis counts as vertical."""
 
-SURFACE_BELOW, SURFACE_ABOVE = 0.02, 0.01
-"""A functional point belongs to a surface at most so far below or above it, metres."""
+@dataclass(frozen=True)
+class SurfaceSettings:
+    """Settings of the surface under a functional point, and of the walls around it.
 
-HEADROOM = 0.02
-"""A receptacle has at least so much free height over its floor, metres."""
+    Args:
+        vertical_cosine: from which an axis counts as vertical.
+        max_below_m: how far below the point its surface may lie.
+        max_above_m: how far above the point its surface may lie.
+        min_headroom_m: free height over the floor of a receptacle.
+        wall_heights_m: heights over the floor at which walls are looked for.
+        deep_m: objects lie 'in' a receptacle with walls of this height, 'on' others;
+        steep_share: or with walls of this share of its width.
+        directions: in which walls are looked for.
+    """
 
-WALLS = (0.03, 0.02, 0.015, 0.01)
-"""Heights over the floor at which walls are looked for, metres."""
+    vertical_cosine: float = 0.9
+    max_below_m: float = 0.02
+    max_above_m: float = 0.01
+    min_headroom_m: float = 0.02
+    wall_heights_m: tuple[float, ...] = (0.03, 0.02, 0.015, 0.01)
+    deep_m: float = 0.03
+    steep_share: float = 0.2
+    directions: int = 8
 
-DEEP, STEEP = 0.03, 0.2
-"""Things lie 'in' what has walls of this height, or of this share of its width; 'on' it otherwise."""
 
-DIRECTIONS = 8
+SETTINGS = SurfaceSettings()
 
 
 @dataclass(frozen=True)
@@ -89,7 +101,7 @@ def contact_points(points: Sequence[Placed], bounds: np.ndarray, model: ModelDat
     """
     out = []
     for point in points:
-        if outside_by(bounds, point.position) > OUTSIDE:
+        if outside_by(bounds, point.position) > POINTS.max_outside_m:
             model.file.warn(point.raw.field, f"lies outside the object: {range_text(bounds, point.position)}: left out")
             continue
         if why := _through_table(point, float(bounds[0, 2])):
@@ -150,31 +162,36 @@ def functional_points(
 
 def _floor(point: Placed, pieces: Sequence[Convex], bounds: np.ndarray) -> tuple[float, str]:
     """Height of the surface that a functional point belongs to, or why it is no receptacle."""
-    if point.position[2] < bounds[0, 2] - BELOW or outside_by(bounds, point.position) > OUTSIDE:
+    under = point.position[2] < bounds[0, 2] - POINTS.max_below_m
+    if under or outside_by(bounds, point.position) > POINTS.max_outside_m:
         return 0.0, f"lies under or outside the object: {range_text(bounds, point.position)}"
     into = point.rotation[2, 2]
-    if into > -FACES_UP:
-        way = "up and out of the object" if into > FACES_UP else "sideways out of the object, as a tool's does"
+    if into > -SETTINGS.vertical_cosine:
+        way = (
+            "up and out of the object"
+            if into > SETTINGS.vertical_cosine
+            else "sideways out of the object, as a tool's does"
+        )
         return 0.0, f"no receptacle: its z axis points {way}"
     spans = _material(pieces, point.position, (0.0, 0.0, 1.0))
-    tops = [end for _, end in spans if -SURFACE_BELOW <= end <= SURFACE_ABOVE]
-    free = [t for t in tops if not any(end > t + 1e-4 and start < t + HEADROOM for start, end in spans)]
+    tops = [end for _, end in spans if -SETTINGS.max_below_m <= end <= SETTINGS.max_above_m]
+    free = [t for t in tops if not any(end > t + 1e-4 and start < t + SETTINGS.min_headroom_m for start, end in spans)]
     if free:
         return float(point.position[2] + min(free, key=abs)), ""
-    if any(start - SURFACE_ABOVE <= 0 < end for start, end in spans):
+    if any(start - SETTINGS.max_above_m <= 0 < end for start, end in spans):
         return 0.0, "no receptacle: it lies in or under the object's own material, as the frame of a foot does"
-    return 0.0, f"no receptacle: no surface within {SURFACE_BELOW * 100:g} cm below it"
+    return 0.0, f"no receptacle: no surface within {SETTINGS.max_below_m * 100:g} cm below it"
 
 
 def kind_of_room(pieces: Sequence[Convex], position: np.ndarray) -> Holds:
     """'in' where walls rise all around over the floor point ``position``, 'on' elsewhere; a plate's rim is no wall."""
-    angles = np.arange(DIRECTIONS) * 2 * np.pi / DIRECTIONS
-    rays = np.stack([np.cos(angles), np.sin(angles), np.zeros(DIRECTIONS)], axis=1)
-    for height in WALLS:
+    angles = np.arange(SETTINGS.directions) * 2 * np.pi / SETTINGS.directions
+    rays = np.stack([np.cos(angles), np.sin(angles), np.zeros(SETTINGS.directions)], axis=1)
+    for height in SETTINGS.wall_heights_m:
         start = position + (0.0, 0.0, height)
         away = np.array([_first_hit(_material(pieces, start, ray)) for ray in rays])
-        width = (away[: DIRECTIONS // 2] + away[DIRECTIONS // 2 :]).min()
-        if np.isfinite(away).all() and (height >= DEEP or height >= STEEP * width):
+        width = (away[: SETTINGS.directions // 2] + away[SETTINGS.directions // 2 :]).min()
+        if np.isfinite(away).all() and (height >= SETTINGS.deep_m or height >= SETTINGS.steep_share * width):
             return "in"
     return "on"
 

@@ -16,15 +16,17 @@ import numpy as np
 import trimesh
 
 from vcage.base.errors import DamagedFile, InputFileError
-from vcage.objects.importers.component_hulls import MANY, component_hulls, hulls_of_surface, joined
+from vcage.objects.colour_words import colour_word
+from vcage.objects.importers.component_hulls import SETTINGS, component_hulls, hulls_of_surface, joined
 from vcage.objects.importers.converted import (
     Converted,
     centred,
     check_scale,
     estimated_mass,
     pieces_by_part,
+    total_volume,
 )
-from vcage.objects.importers.looks import colour_word, load_surfaces, parts_of
+from vcage.objects.importers.looks import load_surfaces, parts_of
 from vcage.objects.importers.robotwin_data import ModelData, read_model_data
 from vcage.objects.importers.robotwin_points import contact_points, functional_points, scaled_point
 from vcage.objects.modelling.parts import BuiltObject
@@ -61,7 +63,7 @@ def convert(folder: Path, number: str, info: dict[str, Any], tell: Callable[[str
     parts = parts_of(surfaces, linear, np.zeros(3))
     hulls = _collision(folder, number, linear, surfaces, model)
     check_scale(model.file.path, BuiltObject(parts, hulls, 0.0), model.scale_assumed)
-    built, origin = centred(BuiltObject(parts, hulls, estimated_mass(hulls)))
+    built, origin = centred(BuiltObject(parts, hulls, estimated_mass(total_volume(hulls))))
     bounds = built.bounds
     frame = np.eye(4)
     frame[:3, :3], frame[:3, 3] = Y_UP_TO_Z_UP, -origin
@@ -112,8 +114,9 @@ def _collision(
         hulls = hulls_of_surface(*_in_metres(surfaces, linear))
     if not hulls:
         raise InputFileError(f"{folder}: variant {number or 'base'} has no solid part", hint="export its mesh again")
-    if len(hulls) > MANY:
-        model.file.tell(f"{found}: {len(hulls)} convex pieces; more than {MANY} make the simulation slow")
+    if len(hulls) > SETTINGS.max_fast_pieces:
+        most = SETTINGS.max_fast_pieces
+        model.file.tell(f"{found}: {len(hulls)} convex pieces; more than {most} make the simulation slow")
     return hulls
 
 

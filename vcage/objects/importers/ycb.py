@@ -15,8 +15,8 @@ from vcage.base.errors import UnknownName, UsageError, VcageError
 from vcage.base.progress import Progress, silent
 from vcage.objects.convex import Convex
 from vcage.objects.importers import Imported
-from vcage.objects.importers.converted import DENSITY, LEAST_MASS, MOST_MASS
-from vcage.objects.importers.grasps import THINNEST, contact_points_from_above, widest
+from vcage.objects.importers.converted import estimated_mass
+from vcage.objects.importers.grasps import SETTINGS, contact_points_from_above, widest
 from vcage.objects.library import imported_objects
 from vcage.objects.packages.package import Package
 from vcage.objects.packages.ycb import YCB
@@ -103,8 +103,7 @@ def _import(package: Package, model: str, gripper: Gripper, folder: Path, force:
     built = package.built(source)
     pieces = [Convex.of(piece.vertices - built.bottom_centre) for piece in built.hulls]
     contacts = contact_points_from_above(pieces, gripper)
-    half_of_the_box = np.prod(np.ptp(built.bounds, axis=0)) / 2
-    mass = float(np.clip(DENSITY * half_of_the_box, LEAST_MASS, MOST_MASS).round(3))
+    mass = estimated_mass(float(np.prod(np.ptp(built.bounds, axis=0))) / 2, decimals=3)
     annotation = Annotation(
         name=identifier(model),
         source="ycb",
@@ -134,8 +133,6 @@ def _words(model: str) -> Words:
 def _warnings(path: Path, contacts: Sequence[object], mass: float, widest: float) -> list[str]:
     warnings = [f"{path}: field variants.0.package.mass: estimated from the size: {mass:g} kg"]
     if not contacts:
-        warnings.append(
-            f"{path}: field contact_points: none found: nothing between {1000 * THINNEST:g} and {1000 * widest:g} mm "
-            "wide is free from above"
-        )
+        fits = f"{1000 * SETTINGS.min_width_m:g} and {1000 * widest:g} mm"
+        warnings.append(f"{path}: field contact_points: none found: nothing between {fits} wide is free from above")
     return warnings

@@ -24,7 +24,7 @@ BARYCENTRIC = np.array([[1, 1, 1], [4, 1, 1], [1, 4, 1], [1, 1, 4], [3, 3, 1], [
 
 @dataclass(frozen=True)
 class DecimationSettings:
-    """How far a model is simplified.
+    """Settings of the simplification.
 
     Args:
         max_triangles: of a converted model.
