@@ -7,9 +7,6 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-RINGS_AGAIN_S = 1.0
-"""Longer than what is cleaned up on the way out takes, which the bell must not disturb."""
-
 
 class TimeIsUp(BaseException):
     """Raised inside :func:`time_limit`; no handler of errors stops it on its way."""
@@ -23,12 +20,16 @@ class _Held:
 
 
 @contextmanager
-def time_limit(seconds: float) -> Iterator[None]:
-    """Raise :class:`TimeIsUp` in the block when it takes longer; in the main thread of a process alone.
+def time_limit(seconds: float, repeat_s: float = 1.0) -> Iterator[None]:
+    """Raise :class:`TimeIsUp` in a block that takes longer; only in the main thread of a process.
 
     Code outside Python is not interrupted, nor is what is :func:`undisturbed`: the block ends when that returns.
     A binding that was just converting its arguments takes the interruption for a wrong type: it may raise another
-    error, which counts as the time being up, or go on, so the bell rings again.
+    error, which counts as the time being up, or go on, so the alarm is repeated.
+
+    Args:
+        seconds: for the block.
+        repeat_s: interval of further alarms; longer than cleaning up takes, which an alarm must not interrupt.
     """
     over = False
 
@@ -40,7 +41,7 @@ def time_limit(seconds: float) -> Iterator[None]:
         _Held.rung = True
 
     before = signal.signal(signal.SIGALRM, ring)
-    signal.setitimer(signal.ITIMER_REAL, seconds, RINGS_AGAIN_S)
+    signal.setitimer(signal.ITIMER_REAL, seconds, repeat_s)
     try:
         yield
     except Exception as error:

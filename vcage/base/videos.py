@@ -23,14 +23,25 @@ from numpy.typing import NDArray
 from vcage.base.errors import DamagedFile, UsageError
 from vcage.base.video_files import MEND, open_video, video_name
 
-WORTH_A_SEEK = 8
-"""Frames that a seek must spare: it costs the decoder about as much (flushed, and its threads filled again)."""
 
-LONG = 16
-"""Frames to decode from which on several are decoded at the same time; for fewer, that only delays the first."""
+@dataclass(frozen=True)
+class DecodeSettings:
+    """Settings of decoding.
 
-KEPT = 8
-"""Files whose tables of frames are kept; one of 100,000 frames takes 10 MB."""
+    Args:
+        min_frames_per_seek: frames that a seek must spare: it costs the decoder about as much (flushed, and
+            its threads filled again).
+        min_frames_for_threads: frames to decode from which several are decoded at a time; for fewer, that
+            only delays the first.
+        max_tables: files whose tables of frames are remembered; one of 100,000 frames takes 10 MB.
+    """
+
+    min_frames_per_seek: int = 8
+    min_frames_for_threads: int = 16
+    max_tables: int = 8
+
+
+SETTINGS = DecodeSettings()
 
 
 def decode(video: bytes | Path, indices: Sequence[int] | None = None) -> NDArray[np.uint8]:
@@ -56,7 +67,7 @@ def decode(video: bytes | Path, indices: Sequence[int] | None = None) -> NDArray
             raise UsageError(f"{video_name(video)} has {len(table.times)} frames, frame {index} was asked for")
     runs = table.runs(wanted)
     with _opened(video) as source:
-        source.decode_ahead(sum(run.length for run in runs) >= LONG)
+        source.decode_ahead(sum(run.length for run in runs) >= SETTINGS.min_frames_for_threads)
         found = [picture for run in runs for picture in source.run(run)]
         return np.stack(found) if found else np.empty((0, *source.size, 3), np.uint8)
 
@@ -168,7 +179,7 @@ class _Table:
             time = self.times[index]
             # what is shown at an entry or later depends on nothing before the entry
             entry = self.entries[max(0, bisect_right(starts, time) - 1)]
-            if runs and self._index(entry.time) - self._index(runs[-1][1][-1]) <= WORTH_A_SEEK:
+            if runs and self._index(entry.time) - self._index(runs[-1][1][-1]) <= SETTINGS.min_frames_per_seek:
                 runs[-1][1].append(time)
             else:
                 runs.append((entry, [time]))
@@ -191,7 +202,7 @@ def _table(video: bytes | Path) -> _Table:
     return _kept_table(video, stat.st_size, stat.st_mtime_ns)
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=SETTINGS.max_tables)
 def _kept_table(video: Path, _size: int, _changed: int) -> _Table:
     return _read_table(video)
 

@@ -28,11 +28,21 @@ log = logging.getLogger(__name__)
 T = TypeVar("T")
 R = TypeVar("R")
 
-TRIES = 3
-"""Processes that may be lost over one task before it is given up."""
 
-PATIENCE = 5.0
-"""Seconds within which a process that is dismissed ends by itself."""
+@dataclass(frozen=True)
+class ProcessSettings:
+    """Limits of worker processes.
+
+    Args:
+        max_tries: processes that may be lost over one task before it is given up.
+        end_s: within which a dismissed process ends by itself.
+    """
+
+    max_tries: int = 3
+    end_s: float = 5.0
+
+
+SETTINGS = ProcessSettings()
 
 
 def cores() -> int:
@@ -113,7 +123,7 @@ class _Process:
     def dismiss(self) -> None:
         """Let a process that has nothing to do end by itself, so that it leaves nothing behind."""
         self.connection.close()
-        self.process.join(PATIENCE)
+        self.process.join(SETTINGS.end_s)
         self.process.kill()
 
     def end(self) -> None:
@@ -158,7 +168,7 @@ class Processes(Generic[T, R]):
         """What the tasks gave, as they are finished, until none is left; more may be submitted meanwhile.
 
         Raises:
-            PartlyDone: a task lost :data:`TRIES` processes, as when the system takes their memory.
+            PartlyDone: a task lost ``max_tries`` processes, as when the system takes their memory.
             Exception: what a task raised.
         """
         while self._busy:
@@ -218,7 +228,7 @@ class Processes(Generic[T, R]):
     def _lost(self, process: _Process, how: str) -> None:
         task, tries = process.task
         process.end()
-        if tries >= TRIES:
+        if tries >= SETTINGS.max_tries:
             raise PartlyDone(
                 f"a worker process {how}, {tries} times with the same work, perhaps for want of memory",
                 hint="run the same command again with fewer --workers; what is finished is kept",

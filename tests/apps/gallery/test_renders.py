@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from vcage.apps.gallery.renders import METRES_PER_PIXEL, portrait
+from vcage.apps.gallery.renders import VIEWS, portrait
 from vcage.objects.library import Library
 
 
@@ -30,7 +30,7 @@ def test_there_are_three_sides_and_one_from_above(plain) -> None:
 
 
 def test_all_views_have_one_scale(plain, block) -> None:
-    expected = block.size[0] / METRES_PER_PIXEL
+    expected = block.size[0] / VIEWS.metres_per_px
     for name, picture in plain.items():
         assert red_columns(picture) == pytest.approx(expected, abs=4), name
 

@@ -12,7 +12,7 @@ import h5py
 import pytest
 
 from tests.run_folders import INSTRUCTION, OPTIONS, STAGES, Finished, copied
-from vcage.apps.report.page import write_report
+from vcage.apps.report.page import PageSettings, write_report
 from vcage.base.errors import DamagedFile, MissingStage
 from vcage.base.files import RunFolder, read_json, write_json, write_text
 from vcage.base.pictures import read_picture
@@ -216,7 +216,7 @@ def test_a_damaged_by_product_does_not_matter(finished, tmp_path):
 
 def test_only_the_first_accepted_episodes_have_their_videos_in_it(finished, tmp_path, monkeypatch):
     accepted = [e for e in Episodes.read(finished.run.episodes).episodes if e.accepted]
-    monkeypatch.setattr("vcage.apps.report.page.PREVIEWED", len(accepted) - 1)
+    monkeypatch.setattr("vcage.apps.report.page.SETTINGS", PageSettings(max_previews=len(accepted) - 1))
     page = Page(write_report(copied(finished.run, tmp_path / "run")).read_text(encoding="utf-8"))
     assert len(page.of("video")) == len(accepted) - 1
     assert f"The first {len(accepted) - 1} accepted ones" in page.text

@@ -10,7 +10,7 @@ from typing import Any
 import jinja2
 import numpy as np
 
-from vcage.apps.gallery.renders import METRES_PER_PIXEL, portrait
+from vcage.apps.gallery.renders import VIEWS, portrait
 from vcage.base.files import RunFolder, write_text
 from vcage.base.pictures import write_picture
 from vcage.base.progress import Progress, silent
@@ -70,7 +70,7 @@ def write_gallery(library: Library, folder: Path, names: Sequence[str] = (), pro
         progress(f"{name}/{variant}", number, len(wanted))
         pictures.setdefault(name, []).extend(draw_variant(library, name, variant, folder))
     cards = [Card(library.annotation(name), library.asset(name).size, drawn) for name, drawn in pictures.items()]
-    shown = {"cards": cards, "left_out": library.left_out, "scale": METRES_PER_PIXEL, "variants": len(wanted)}
+    shown = {"cards": cards, "left_out": library.left_out, "scale": VIEWS.metres_per_px, "variants": len(wanted)}
     return write_text(folder / PAGE, rendered(TEMPLATE, shown))
 
 

@@ -19,20 +19,27 @@ from vcage.sim.cameras import observe
 from vcage.sim.joints import link_poses
 from vcage.sim.world import World
 
-METRES_PER_PIXEL = 0.0006
-"""Scale of every picture."""
 
-DISTANCE = 15.0
-"""Metres from the camera to the object."""
+@dataclass(frozen=True)
+class ViewSettings:
+    """Settings of the pictures.
 
-SLANT = np.radians(22)
-"""How far the side views look down."""
+    Args:
+        metres_per_px: scale of every picture.
+        distance_m: from the camera to the object.
+        margin_m: empty space around the object.
+        axis_m: length of a drawn axis.
+        slant_rad: downward angle of the side views.
+    """
 
-MARGIN = 0.03
-"""Empty space around the object, metres."""
+    metres_per_px: float = 0.0006
+    distance_m: float = 15.0
+    margin_m: float = 0.03
+    axis_m: float = 0.02
+    slant_rad: float = np.radians(22)
 
-AXIS = 0.02
-"""Length of a drawn axis, metres."""
+
+VIEWS = ViewSettings()
 
 AXIS_COLOURS = ((220, 50, 47), (40, 160, 60), (38, 100, 230))
 """x red, y green, z blue."""
@@ -69,7 +76,7 @@ def portrait(asset: Asset, *, opened: bool = False, points: bool = True) -> dict
     marks = _marks(asset, standing, joints) if points else []
     cameras = _cameras(bounds)
     return {
-        name: _with_marks(observe(world, camera, near=DISTANCE - 1.5).picture, camera, marks)
+        name: _with_marks(observe(world, camera, near=VIEWS.distance_m - 1.5).picture, camera, marks)
         for name, camera in cameras.items()
     }
 
@@ -87,18 +94,18 @@ def _cameras(bounds: np.ndarray) -> dict[str, Camera]:
     middle, size = bounds.mean(axis=0), bounds[1] - bounds[0]
     cameras = {}
     for name, (x, y) in SIDES.items():
-        direction = np.array([x * np.cos(SLANT), y * np.cos(SLANT), np.sin(SLANT)])
+        direction = np.array([x * np.cos(VIEWS.slant_rad), y * np.cos(VIEWS.slant_rad), np.sin(VIEWS.slant_rad)])
         across, deep = (size[0], size[1]) if x == 0 else (size[1], size[0])
-        tall = size[2] * np.cos(SLANT) + deep * np.sin(SLANT)
-        cameras[name] = _camera(across, tall, look_at(middle + DISTANCE * direction, middle))
-    above = look_at(middle + [0, 0, DISTANCE], middle, up=(0, 1, 0))
+        tall = size[2] * np.cos(VIEWS.slant_rad) + deep * np.sin(VIEWS.slant_rad)
+        cameras[name] = _camera(across, tall, look_at(middle + VIEWS.distance_m * direction, middle))
+    above = look_at(middle + [0, 0, VIEWS.distance_m], middle, up=(0, 1, 0))
     cameras["above"] = _camera(size[0], size[1], above)
     return cameras
 
 
 def _camera(width: float, height: float, pose: Pose) -> Camera:
-    columns, rows = (2 * int(np.ceil((x + 2 * MARGIN) / METRES_PER_PIXEL / 2)) for x in (width, height))
-    return Camera(columns, rows, 2 * np.arctan(rows * METRES_PER_PIXEL / 2 / DISTANCE), pose)
+    columns, rows = (2 * int(np.ceil((x + 2 * VIEWS.margin_m) / VIEWS.metres_per_px / 2)) for x in (width, height))
+    return Camera(columns, rows, 2 * np.arctan(rows * VIEWS.metres_per_px / 2 / VIEWS.distance_m), pose)
 
 
 # --- points ------------------------------------------------------------------------------------------------
@@ -121,7 +128,7 @@ def _marks(asset: Asset, standing: Pose, joints: tuple[float, ...]) -> list[Mark
 def _with_marks(picture: np.ndarray, camera: Camera, marks: list[Mark]) -> np.ndarray:
     out = picture.copy()
     for mark in marks:
-        ends = camera.project(mark.frame.apply([[0, 0, 0], *(AXIS * np.eye(3))]))
+        ends = camera.project(mark.frame.apply([[0, 0, 0], *(VIEWS.axis_m * np.eye(3))]))
         origin, *tips = (tuple(round(float(x)) for x in end) for end in ends)
         for tip, colour in zip(tips, AXIS_COLOURS, strict=True):
             cv2.line(out, origin, tip, (255, 255, 255), 4, cv2.LINE_AA)

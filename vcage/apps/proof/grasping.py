@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vcage.apps.proof.trials import LIFT, OBJECT, Tally, TrialPlaces, scene_object, world_with
+from vcage.apps.proof.trials import OBJECT, Tally, TrialPlaces, scene_object, world_with
+from vcage.apps.proof.trials import SETTINGS as TRIALS
 from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose
 from vcage.objects.asset import Asset
@@ -24,20 +25,27 @@ from vcage.sim.world import PHYSICS_HZ, World
 from vcage.tasks.grasps import GRASPING, approach_opening, grasp_poses, hand_boxes
 from vcage.tasks.task import Task, TaskFailed
 
-WAY_STEP = 0.01
-"""Spacing of the hand's poses on its way to a grasp, metres."""
 
-HOLD_STEPS = PHYSICS_HZ
-"""How long it is held still, physics steps."""
+@dataclass(frozen=True)
+class ShakeSettings:
+    """Settings of check 3.
 
-SHAKE = np.array([0.06, 0.05, 0.06, 0.05, 0.1, 0.05, 0.2])
-"""How far each joint of a seven-joint arm is shaken to and fro at full speed, rad: 3 to 4 cm at the hand."""
+    Args:
+        way_step_m: spacing of the hand's poses on its way to a grasp.
+        hold_steps: physics steps for which the object is held still.
+        shake_rad: swing of each joint of a seven-joint arm at full speed: 3 to 4 cm at the hand.
+        shakes: number of swings to and fro.
+        max_slip_m: movement of the grasped place in the hand; the object may swing about it.
+    """
 
-SHAKES = 2
-"""How often."""
+    way_step_m: float = 0.01
+    hold_steps: int = PHYSICS_HZ
+    shake_rad: tuple[float, ...] = (0.06, 0.05, 0.06, 0.05, 0.1, 0.05, 0.2)
+    shakes: int = 2
+    max_slip_m: float = 0.02
 
-SLIP = 0.02
-"""The place that is grasped may move in the hand by so much, metres; the object may swing about it."""
+
+SETTINGS = ShakeSettings()
 
 
 def check_contact(asset: Asset, contact: ContactPoint, places: TrialPlaces, tries: int, seed: int) -> ProofCheck:
@@ -79,7 +87,7 @@ def _blocked_part(asset: Asset, contact: ContactPoint, gripper: Gripper) -> str 
     solids = [shape.placed(pose * shape.local) for _, shape, pose in model_shapes(asset.model)]
     grasp = next(grasp_poses(Pose(), contact, gripper, support=0.0)).pose
     boxes = hand_boxes(gripper, approach_opening(asset.grasp_width(contact), gripper))
-    for back in np.arange(0.0, gripper.approach + 1e-9, WAY_STEP):
+    for back in np.arange(0.0, gripper.approach + 1e-9, SETTINGS.way_step_m):
         pose = grasp * Pose([0.0, 0.0, -back])
         for name, bounds in zip(("a finger", "a finger", "the palm"), boxes, strict=True):
             part = box_shape(bounds[1] - bounds[0]).placed(to_sapien(pose * Pose(bounds.mean(axis=0))))
@@ -126,8 +134,8 @@ class _Shaking:
             MotionFailed: the arm cannot lift so high.
         """
         start = self._grasped()
-        self._lift(support + LIFT - self.world.object_pose(OBJECT).p[2])
-        self.world.step(HOLD_STEPS)
+        self._lift(support + TRIALS.lift_m - self.world.object_pose(OBJECT).p[2])
+        self.world.step(SETTINGS.hold_steps)
         if self._lost(start):
             return "lost while it was lifted and held"
         self._shake()
@@ -147,9 +155,9 @@ class _Shaking:
         control = self.world.arms[self.arm]
         middle = control.command[:-1]
         kinematics = CollisionScene.of_world(self.world, self.arm).kinematics
-        swing = np.resize(SHAKE, len(middle))
+        swing = np.resize(SETTINGS.shake_rad, len(middle))
         ends = [np.clip(middle + sign * swing, kinematics.lower, kinematics.upper) for sign in (1, -1)]
-        points = [middle, *(ends * SHAKES), middle]
+        points = [middle, *(ends * SETTINGS.shakes), middle]
         for here, there in itertools.pairwise(points):
             control.move(time_optimal(np.stack([here, there]), PHYSICS_HZ, control.arm))
 
@@ -162,4 +170,4 @@ class _Shaking:
 
     def _lost(self, start: np.ndarray) -> bool:
         slipped = float(np.linalg.norm(self._grasped() - start))
-        return not self.world.holds(self.arm, OBJECT) or slipped > SLIP
+        return not self.world.holds(self.arm, OBJECT) or slipped > SETTINGS.max_slip_m

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -12,21 +13,31 @@ from vcage.objects.asset import Asset
 from vcage.objects.convex import Convex
 from vcage.schema.proof import ProofCheck
 
-MOST_FACES = 6000
-SAMPLES = 3000
-"""Points drawn from the surface of each part."""
 
-COVER = 0.003
-"""The hulls lie within this distance of 95 % of the surface, metres."""
+@dataclass(frozen=True)
+class MeshLimits:
+    """Limits of a model's meshes.
 
-OVERHANG = 0.004
-"""The hulls reach beyond the mesh's bounding box by at most this, metres."""
+    Args:
+        max_faces: of all meshes together.
+        samples: points drawn from the surface of each part.
+        max_uncovered_m: distance from the hulls of 95 % of the surface.
+        max_overhang_m: of the hulls beyond the mesh's bounding box.
+        density_range_kg_m3: of mass to hull volume, from foam and hollow things to steel.
+        min_depth_m: of the room inside a container.
+        min_width_m: of the room inside a container.
+    """
 
-DENSITY = (8.0, 9000.0)
-"""Kilograms per m³ of hull, from foam and hollow things to steel."""
+    max_faces: int = 6000
+    samples: int = 3000
+    max_uncovered_m: float = 0.003
+    max_overhang_m: float = 0.004
+    density_range_kg_m3: tuple[float, float] = (8.0, 9000.0)
+    min_depth_m: float = 0.008
+    min_width_m: float = 0.02
 
-LEAST_DEPTH, LEAST_ROOM = 0.008, 0.02
-"""Smallest depth and width of a container's inside, metres."""
+
+LIMITS = MeshLimits()
 
 
 def check_mesh(asset: Asset, seed: int) -> ProofCheck:
@@ -37,13 +48,13 @@ def check_mesh(asset: Asset, seed: int) -> ProofCheck:
     overhang = max(_overhang(mesh, asset.pieces_of(link)) for link, mesh in meshes.items())
     density = asset.model.total_mass / asset.volume
     reasons = []
-    if faces > MOST_FACES:
-        reasons.append(f"{faces} faces, at most {MOST_FACES}")
-    if cover > COVER:
+    if faces > LIMITS.max_faces:
+        reasons.append(f"{faces} faces, at most {LIMITS.max_faces}")
+    if cover > LIMITS.max_uncovered_m:
         reasons.append(f"5 % of the surface lie more than {1000 * cover:.1f} mm outside the hulls")
-    if overhang > OVERHANG:
+    if overhang > LIMITS.max_overhang_m:
         reasons.append(f"the hulls reach {1000 * overhang:.1f} mm beyond the mesh")
-    if not DENSITY[0] <= density <= DENSITY[1]:
+    if not LIMITS.density_range_kg_m3[0] <= density <= LIMITS.density_range_kg_m3[1]:
         reasons.append(f"{asset.model.total_mass:.3g} kg in {1e6 * asset.volume:.0f} cm³ is {density:.0f} kg/m³")
     reasons += _closed_containers(asset, meshes)
     measured = {"faces": faces, "cover_mm": 1000 * cover, "density": density, "mass_kg": asset.model.total_mass}
@@ -69,7 +80,7 @@ def _load(path: str) -> trimesh.Trimesh:
 
 def _cover(mesh: trimesh.Trimesh, pieces: list[Convex], seed: int) -> float:
     """95th percentile of the distance from the surface to the hulls, metres."""
-    points, _ = trimesh.sample.sample_surface(mesh, SAMPLES, seed=seed)
+    points, _ = trimesh.sample.sample_surface(mesh, LIMITS.samples, seed=seed)
     outside = np.min([piece.outside(points) for piece in pieces], axis=0)
     return float(np.percentile(np.maximum(outside, 0), 95))
 
@@ -89,7 +100,7 @@ def _closed_containers(asset: Asset, meshes: dict[str | None, trimesh.Trimesh]) 
         except ValueError as error:
             reasons.append(f"functional point {point.id} {point.name!r}: {error}")
             continue
-        if point.holds == "in" and (opening.depth < LEAST_DEPTH or min(opening.size) < LEAST_ROOM):
+        if point.holds == "in" and (opening.depth < LIMITS.min_depth_m or min(opening.size) < LIMITS.min_width_m):
             room = f"{100 * min(opening.size):.1f} cm of width and {100 * opening.depth:.1f} cm of depth"
             reasons.append(f"functional point {point.id} {point.name!r}: the hulls leave {room}")
         start = np.asarray(point.position) + 0.004 * np.asarray(point.axis) + [0.0, 0.0, 0.01 * point.sideways]

@@ -21,8 +21,6 @@ from vcage.objects.library import Library
 from vcage.schema.proof import ObjectProof, ProofCheck, VariantProof
 from vcage.sim.robots import load_robot, load_template
 
-TRIES, QUICK_TRIES = 10, 3
-
 METHOD = (
     "apps/proof",
     "sim",
@@ -53,8 +51,8 @@ class Trial:
 
     @property
     def tries(self) -> int:
-        """How often each point and joint is tried."""
-        return QUICK_TRIES if self.quick else TRIES
+        """Tries of each point and joint."""
+        return 3 if self.quick else 10
 
 
 class Prover:

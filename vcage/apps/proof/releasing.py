@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -23,31 +24,39 @@ from vcage.sim.joints import link_poses
 from vcage.sim.world import PHYSICS_HZ, World
 from vcage.tasks.truth import place_complaint
 
-SETTLE_STEPS = PHYSICS_HZ // 2
-"""In which an object must come to rest, physics steps."""
 
-WATCH_STEPS = PHYSICS_HZ
-"""How long it is watched after it settled, physics steps."""
+@dataclass(frozen=True)
+class ReleaseSettings:
+    """Settings of checks 2 and 4.
 
-DRIFT, TILT = 0.002, np.radians(2)
-"""Allowed movement meanwhile: metres, radians."""
+    Args:
+        settle_steps: physics steps in which an object must come to rest.
+        watch_steps: physics steps for which it is watched after it settled.
+        max_drift_m: allowed movement meanwhile.
+        max_tilt_rad: allowed turn meanwhile.
+        max_probe_m: edge of the probe, a cube.
+        min_probe_m: edge of the probe, a cube.
+        probe_share: of the room, at most, that the probe's edge takes.
+        release_height_m: above the rim, or above the surface.
+        scatter_m: distance of the release from the point, at most, along each axis.
+        max_tip_rad: tilt of the object under the probe.
+    """
+
+    settle_steps: int = PHYSICS_HZ // 2
+    watch_steps: int = PHYSICS_HZ
+    max_drift_m: float = 0.002
+    max_tilt_rad: float = np.radians(2)
+    max_probe_m: float = 0.03
+    min_probe_m: float = 0.012
+    probe_share: float = 0.6
+    release_height_m: float = 0.005
+    scatter_m: float = 0.01
+    max_tip_rad: float = np.radians(5)
+
+
+SETTINGS = ReleaseSettings()
 
 PROBE = "probe"
-
-LARGEST_PROBE, SMALLEST_PROBE = 0.03, 0.012
-"""Edge of the probe, a cube, metres."""
-
-SHARE = 0.6
-"""The probe's edge is at most this share of the room."""
-
-RELEASE = 0.005
-"""It is released so far above the rim, or above the surface, metres."""
-
-SCATTER = 0.01
-"""It is released at most so far from the point, along each axis, metres."""
-
-TIPPED = np.radians(5)
-"""The object may tilt by so much, radians."""
 
 
 def check_rest(asset: Asset, table: Table, yaw: float) -> ProofCheck:
@@ -60,17 +69,17 @@ def check_rest(asset: Asset, table: Table, yaw: float) -> ProofCheck:
     """
     placed = Pose.from_yaw([*table.centre, table.height], yaw)
     world = World(table, {OBJECT: Body(asset.model, placed)})
-    report = world.settle(max_steps=SETTLE_STEPS)
-    world.step(WATCH_STEPS)
+    report = world.settle(max_steps=SETTINGS.settle_steps)
+    world.step(SETTINGS.watch_steps)
     pose, joints = world.object_pose(OBJECT), world.object_joints(OBJECT)
     drift = float(np.linalg.norm(pose.p - placed.p))
     tilt = float(np.arccos(np.clip(pose.rotation()[:, 2] @ placed.rotation()[:, 2], -1, 1)))
     reasons = []
     if not report.settled:
-        reasons.append(f"not at rest after {SETTLE_STEPS / PHYSICS_HZ:g} s")
-    if drift > DRIFT:
+        reasons.append(f"not at rest after {SETTINGS.settle_steps / PHYSICS_HZ:g} s")
+    if drift > SETTINGS.max_drift_m:
         reasons.append(f"moved {1000 * drift:.1f} mm")
-    if tilt > TILT:
+    if tilt > SETTINGS.max_tilt_rad:
         reasons.append(f"tilted {np.degrees(tilt):.1f}°")
     for link, q in zip(asset.model.links, joints, strict=True):
         if abs(q) > 0.03 * (link.joint.upper - link.joint.lower):
@@ -99,7 +108,7 @@ def check_functional(asset: Asset, point: FunctionalPoint, table: Table, tries: 
     except ValueError as error:
         return ProofCheck(check="functional_point", subject=subject, passed=False, tries=0, reasons=[str(error)])
     rng = np.random.default_rng([seed, 1000 + point.id])
-    edge = float(np.clip(SHARE * min(opening.size), SMALLEST_PROBE, LARGEST_PROBE))
+    edge = float(np.clip(SETTINGS.probe_share * min(opening.size), SETTINGS.min_probe_m, SETTINGS.max_probe_m))
     tally = Tally(tries)
     for _ in range(tries):
         tally.add(_try(asset, point, opening, probe_cube(round(edge, 3)), table, rng))
@@ -120,7 +129,7 @@ def _try(
     world.settle(max_steps=2 * PHYSICS_HZ)
     now = world.object_pose(OBJECT)
     tilt = float(np.arccos(np.clip(now.rotation()[2, 2], -1, 1)))
-    if tilt > TIPPED:
+    if tilt > SETTINGS.max_tip_rad:
         return f"the object tipped by {np.degrees(tilt):.0f}°"
     receptacle = scene_object(asset, now, role="receptacle").moved(now, tuple(world.object_joints(OBJECT).tolist()))
     return place_complaint(scene_object(cube, world.object_pose(PROBE), PROBE), receptacle, point)
@@ -141,11 +150,11 @@ def _out_of_the_way(asset: Asset, point: FunctionalPoint) -> tuple[float, ...]:
 def _release(point: FunctionalPoint, opening: Opening, cube: Asset, rng: np.random.Generator) -> Pose:
     """Where the probe is let go, in the frame of the part that receives it."""
     half = np.array(opening.size) / 2 - cube.footprint * np.sqrt(2) / 2
-    spread = np.clip(half, 0.0, SCATTER)
+    spread = np.clip(half, 0.0, SETTINGS.scatter_m)
     x, y = np.clip(point.position[:2], opening.centre - np.maximum(half, 0), opening.centre + np.maximum(half, 0))
     x, y = np.array([x, y]) + rng.uniform(-spread, spread)
     height = opening.floor if point.sideways else max(opening.floor, opening.rim)
-    return Pose.from_yaw([x, y, height + RELEASE], rng.uniform(-np.pi, np.pi))
+    return Pose.from_yaw([x, y, height + SETTINGS.release_height_m], rng.uniform(-np.pi, np.pi))
 
 
 @functools.cache

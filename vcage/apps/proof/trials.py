@@ -28,20 +28,28 @@ from vcage.tasks.scene_objects import SceneObject
 OBJECT = "object"
 """Id of the object that is tried."""
 
-ALLOWED_FAILURES = 1
-"""Nine of ten."""
 
-LIFT = 0.15
-"""How high an object is lifted, metres."""
+@dataclass(frozen=True)
+class TrialSettings:
+    """Settings of the tries.
 
-DRAWS = 50
-"""TrialPlaces that are drawn until an arm reaches one."""
+    Args:
+        max_failures: of the tries: nine of ten must succeed.
+        lift_m: height to which an object is lifted.
+        max_draws: places that are drawn until an arm reaches one.
+        min_down_share: of an approach from above; one that leads down by less comes from the side (more than
+            26° off).
+        max_facing_rad: turn of an approach from the side away from straight ahead of the robot.
+    """
 
-SIDEWAYS = 0.9
-"""An approach that leads down by less than this share comes from the side (more than 26° off)."""
+    max_failures: int = 1
+    lift_m: float = 0.15
+    max_draws: int = 50
+    min_down_share: float = 0.9
+    max_facing_rad: float = np.radians(30)
 
-FACING = np.radians(30)
-"""How far such an approach may turn from straight away from the robot, radians."""
+
+SETTINGS = TrialSettings()
 
 
 class TrialPlaces:
@@ -85,17 +93,18 @@ class TrialPlaces:
         Raises:
             InfeasibleScene: no arm reaches the contact point anywhere.
         """
-        for _ in range(DRAWS):
+        for _ in range(SETTINGS.max_draws):
             pose = self._drawn(asset, contact, rng)
             if self._reached(pose, contact):
                 return pose
-        raise InfeasibleScene(f"no arm reaches contact point {contact.id} of {asset.name} in {DRAWS} places")
+        places = f"{SETTINGS.max_draws} places"
+        raise InfeasibleScene(f"no arm reaches contact point {contact.id} of {asset.name} in {places}")
 
     def _reached(self, pose: Pose, contact: ContactPoint) -> bool:
         for arm in self.kinematics.values():
             for grasp in grasp_poses(pose, contact, arm.arm.gripper, pose.p[2]):
                 before = grasp.pose * Pose([0.0, 0.0, -arm.arm.gripper.approach])
-                lifted = Pose(grasp.pose.p + [0.0, 0.0, LIFT], grasp.pose.q)
+                lifted = Pose(grasp.pose.p + [0.0, 0.0, SETTINGS.lift_m], grasp.pose.q)
                 if all(arm.reachable(p) for p in (grasp.pose, before, lifted)):
                     return True
         return False
@@ -103,11 +112,11 @@ class TrialPlaces:
     def _drawn(self, asset: Asset, contact: ContactPoint, rng: np.random.Generator) -> Pose:
         yaw = float(rng.uniform(-np.pi, np.pi))
         x, y, z = contact.approach
-        if -z < SIDEWAYS:
-            yaw = float(np.pi / 2 - np.arctan2(y, x) + rng.uniform(-FACING, FACING))
+        if -z < SETTINGS.min_down_share:
+            yaw = float(np.pi / 2 - np.arctan2(y, x) + rng.uniform(-SETTINGS.max_facing_rad, SETTINGS.max_facing_rad))
         straight = round(yaw / (np.pi / 2)) * np.pi / 2
         item = replace(table_item(asset.name, asset), yaws=(yaw,), allowed=self._reach)
-        at = self._placed(item, (straight, straight + np.pi) if -z >= SIDEWAYS else (straight,), rng)
+        at = self._placed(item, (straight, straight + np.pi) if -z >= SETTINGS.min_down_share else (straight,), rng)
         return Pose.from_yaw([at.x, at.y, self.template.table.height], at.yaw)
 
     def for_operating(self, asset: Asset, rng: np.random.Generator) -> Pose:
@@ -184,7 +193,7 @@ class Tally:
             subject: the point or joint.
             measured: what was measured besides.
         """
-        passed = self.succeeded >= max(1, self.tries - ALLOWED_FAILURES)
+        passed = self.succeeded >= max(1, self.tries - SETTINGS.max_failures)
         return ProofCheck(
             check=name,
             subject=subject,

@@ -1,6 +1,6 @@
-"""One self-contained HTML page per run, made from the files that the stages left.
+"""One self-contained HTML page per run, made from the files of the stages.
 
-Stages that have not run are said to be missing; the page never computes a result of its own.
+The page marks stages that have not run as missing, and computes no result of its own.
 """
 
 from __future__ import annotations
@@ -8,6 +8,7 @@ from __future__ import annotations
 import base64
 import logging
 from collections import Counter
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
@@ -44,10 +45,22 @@ logger = logging.getLogger(__name__)
 
 D = TypeVar("D", bound=StageDocument)
 
-JPEG_QUALITY = 88
 
-PREVIEWED = 12
-"""Accepted episodes, the first ones, that are shown as videos: no browser opens a page that holds hundreds of them."""
+@dataclass(frozen=True)
+class PageSettings:
+    """Settings of the page.
+
+    Args:
+        jpeg_quality: of pictures.
+        max_previews: accepted episodes shown as videos, the first ones: no browser opens a page with hundreds
+            of them.
+    """
+
+    jpeg_quality: int = 88
+    max_previews: int = 12
+
+
+SETTINGS = PageSettings()
 
 
 def write_report(run: RunFolder) -> Path:
@@ -66,7 +79,7 @@ def write_report(run: RunFolder) -> Path:
         )
     recover(run.report)
     page = _template().render(**_context(run))
-    return write_bytes(run.report, page.encode(errors="replace"))  # what is no text, as JSON may hold, cannot be shown
+    return write_bytes(run.report, page.encode(errors="replace"))  # JSON may hold halves of characters
 
 
 _OVERVIEWS = (f"-{TOP}.png", f"-{CUSTOMER}.png")
@@ -74,61 +87,93 @@ _OVERVIEWS = (f"-{TOP}.png", f"-{CUSTOMER}.png")
 
 
 def report_shows(run: RunFolder) -> bool:
-    """Whether the page of a run is there and younger than all that it shows."""
+    """True if the page of a run exists and is newer than everything that it shows."""
     if not run.report.exists():
         return False
     made = run.report.stat().st_mtime_ns
     return all(path.stat().st_mtime_ns < made for path in run.documents if path.exists())
 
 
+@dataclass(frozen=True)
+class _Documents:
+    """The JSON of each stage, by its name in the template; None for a stage that has not run."""
+
+    scene: Scene
+    plan: Plan | None
+    matches: Matches | None
+    layout: Scene | None
+    subtasks: Subtasks | None
+    episodes: Episodes | None
+    judged_again: Verdicts | None
+    compression: Compression | None
+    export: Export | None
+
+    @classmethod
+    def of(cls, run: RunFolder) -> _Documents:
+        return cls(
+            scene=Scene.read(run.scene),
+            plan=_read(run.plan, Plan),
+            matches=_read(run.matches, Matches),
+            layout=_read(run.layout, Scene),
+            subtasks=_read(run.subtasks, Subtasks),
+            episodes=_read(run.episodes, Episodes),
+            judged_again=_read(run.verdicts, Verdicts),
+            compression=_read(run.compression, Compression),
+            export=_read(run.export, Export),
+        )
+
+    @property
+    def notes(self) -> list[str]:
+        """Notes of plan and matching."""
+        return [note for document in (self.plan, self.matches) if document for note in document.notes]
+
+    @property
+    def refusals(self) -> list[tuple[str, int]]:
+        """Reasons for which sub-tasks were refused, the commonest first."""
+        return Counter(r.reason for r in self.subtasks.refused).most_common() if self.subtasks else []
+
+
 def _context(run: RunFolder) -> dict[str, Any]:
-    """What the template shows: the documents of the stages (None of one that has not run) and what they refer to."""
-    scene = Scene.read(run.scene)
-    plan, matches = _read(run.plan, Plan), _read(run.matches, Matches)
-    layout, subtasks = _read(run.layout, Scene), _read(run.subtasks, Subtasks)
-    episodes, judged_again = _read(run.episodes, Episodes), _read(run.verdicts, Verdicts)
-    documents = {
-        "scene": scene,
-        "plan": plan,
-        "matches": matches,
-        "layout": layout,
-        "subtasks": subtasks,
-        "episodes": episodes,
-        "judged_again": judged_again,
-        "compression": _read(run.compression, Compression),
-        "export": _read(run.export, Export),
-    }
-    attempts = read_log(run.episodes.parent) if episodes else []
-    rejections = [a for a in attempts if not a.accepted]
-    cards = _episode_cards(run, episodes)
+    """Gather what the template shows: the documents and their details."""
+    found = _Documents.of(run)
+    scene, plan, layout, again = found.scene, found.plan, found.layout, found.judged_again
+    cards = _episode_cards(run, found.episodes)
     return {
-        **documents,
+        **vars(found),
+        **_starts(scene, found.episodes),
+        **_attempts(run, found.episodes),
+        "documents": [document for document in vars(found).values() if document is not None],
+        "notes": found.notes,
+        "refusals": found.refusals,
         "kept": relations_kept_in(layout, plan.relations) if plan and layout else None,
-        "notes": [note for document in (plan, matches) if document for note in document.notes],
-        "version": __version__,
+        "differences": [_difference_card(run, one) for one in again.differences] if again else [],
         "title": scene.instruction or f"Every sub-task of {scene.template}",
         "name": run.root.name,
+        "version": __version__,
         "pictures": _stage_pictures(run),
         "cards": cards,
         "counted": [card for card in cards if card["accepted"]],
-        "previewed": PREVIEWED,
-        "rejections": rejections,
-        "refused": [_verdict_card(run, a.verdict, a.subtask) for a in rejections if a.verdict and not a.disputed],
-        "disputes": [
-            {"attempt": a, **_verdict_card(run, a.verdict, a.subtask)} for a in attempts if a.verdict and a.disputed
-        ],
-        "differences": [_difference_card(run, found) for found in judged_again.differences] if judged_again else [],
+        "previewed": SETTINGS.max_previews,
         "timings": read_timings(run),
-        **_starts(scene, episodes),
         "exchanges": Exchanges(run.exchanges).all(),
         "asked_by": ASKED_BY | {"judge_subtask": "collect, verify"},
-        "documents": [d for d in documents.values() if d is not None],
-        "refusals": Counter(r.reason for r in subtasks.refused).most_common() if subtasks else [],
+    }
+
+
+def _attempts(run: RunFolder, episodes: Episodes | None) -> dict[str, Any]:
+    """Attempts that were not accepted, and cards of the verdicts that refused them or that the state contradicts."""
+    attempts = read_log(run.episodes.parent) if episodes else []
+    rejections = [attempt for attempt in attempts if not attempt.accepted]
+    disputed = [attempt for attempt in attempts if attempt.disputed]
+    return {
+        "rejections": rejections,
+        "refused": [_verdict_card(run, a.verdict, a.subtask) for a in rejections if a.verdict and not a.disputed],
+        "disputes": [{"attempt": a, **_verdict_card(run, a.verdict, a.subtask)} for a in disputed if a.verdict],
     }
 
 
 def _starts(scene: Scene, episodes: Episodes | None) -> dict[str, Any]:
-    """Where the objects started in the accepted episodes, if there are any."""
+    """Start places of the objects in the accepted episodes, and refused layouts."""
     spread = episodes.spread() if episodes else {}
     colours = zip(spread, distinct_colours(len(spread)), strict=True)
     lower, upper = scene.table.rectangle.tolist()
@@ -185,14 +230,14 @@ def _episode_cards(run: RunFolder, episodes: Episodes | None) -> list[dict[str, 
     shown = episodes.episodes if episodes else []
     refused = _refused_by_verify(run)
     seen = [e for e in shown if e.accepted and e.file and e.file not in refused and run.file(e.file).is_file()]
-    seen = seen[:PREVIEWED]
+    seen = seen[: SETTINGS.max_previews]
     videos = previews([(run.file(str(e.file)), e.fps) for e in seen])
     by_index = {e.index: video for e, video in zip(seen, videos, strict=True)}
     return [_episode_card(run, e, by_index.get(e.index), refused.get(e.file or "")) for e in shown]
 
 
 def _refused_by_verify(run: RunFolder) -> dict[str, str]:
-    """File → why the episode does not count; what verify says of other episodes than there are now is of no use."""
+    """Return the reason for each episode file that verify refuses; verdicts on episodes that are gone do not count."""
     try:
         return refusals(run)
     except StaleStage:
@@ -251,4 +296,4 @@ def _picture_url(path: Path, max_width: int = 960) -> str | None:
     height, width = picture.shape[:2]
     if width > max_width:
         picture = cv2.resize(picture, (max_width, round(height * max_width / width)), interpolation=cv2.INTER_AREA)
-    return "data:image/jpeg;base64," + base64.b64encode(jpeg(picture, JPEG_QUALITY)).decode()
+    return "data:image/jpeg;base64," + base64.b64encode(jpeg(picture, SETTINGS.jpeg_quality)).decode()

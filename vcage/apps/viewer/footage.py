@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -15,10 +16,22 @@ from vcage.base.files import RunFolder
 from vcage.base.pictures import jpeg
 from vcage.schema.compression import Compression
 
-JPEG_QUALITY = 90
 
-ROWS = 64
-"""Pictures sent at a time: bounds the memory, and keeps the chunks small that the viewer loads."""
+@dataclass(frozen=True)
+class PictureSettings:
+    """Settings of pictures in a Rerun recording.
+
+    Args:
+        jpeg_quality: of each picture.
+        chunk_rows: pictures sent at a time: bounds the memory, and keeps the chunks small that the viewer
+            loads.
+    """
+
+    jpeg_quality: int = 90
+    chunk_rows: int = 64
+
+
+SETTINGS = PictureSettings()
 
 
 def log_pictures(log: RerunLog, entity: str, clock: Clock, read: Callable[[range], NDArray[np.uint8]]) -> None:
@@ -27,9 +40,9 @@ def log_pictures(log: RerunLog, entity: str, clock: Clock, read: Callable[[range
     Args:
         read: gives the pictures (N, H, W, 3) uint8 RGB of a range of rows.
     """
-    for start in range(0, len(clock), ROWS):
-        rows = range(start, min(start + ROWS, len(clock)))
-        files = [jpeg(picture, JPEG_QUALITY) for picture in read(rows)]
+    for start in range(0, len(clock), SETTINGS.chunk_rows):
+        rows = range(start, min(start + SETTINGS.chunk_rows, len(clock)))
+        files = [jpeg(picture, SETTINGS.jpeg_quality) for picture in read(rows)]
         columns = rr.EncodedImage.columns(blob=files, media_type=["image/jpeg"] * len(files))
         log.rows(entity, clock.at(rows), columns)
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import cast
 
@@ -16,6 +17,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from vcage.apps.viewer.rerun_log import Clock, RerunLog, entity, rr, xyzw
+from vcage.base.drawing import Colour
 from vcage.base.errors import AssetLeftOut, UnknownName, VcageError
 from vcage.base.geometry import Pose
 from vcage.datasets.episode import EpisodeData
@@ -33,20 +35,32 @@ logger = logging.getLogger(__name__)
 
 WORLD = "world"
 
-TABLE_THICKNESS = 0.03
-"""Of the drawn table top, metres; the scene knows only its height."""
 
-TABLE_COLOUR = (150, 120, 90)
+@dataclass(frozen=True)
+class DrawingSettings:
+    """Sizes and colours of the 3D scene.
 
-AXES = 0.05
-"""Length of the axes that stand for an object of which nothing else is known, metres."""
+    Args:
+        table_thickness_m: of the drawn table top; the scene knows only its height.
+        table_colour: sRGB.
+        axes_m: length of the axes that represent an object without a known model or box.
+        robot_colour: sRGB.
+    """
+
+    table_thickness_m: float = 0.03
+    table_colour: Colour = (150, 120, 90)
+    axes_m: float = 0.05
+    robot_colour: Colour = (190, 195, 205)
+
+
+DRAWN = DrawingSettings()
 
 
 def log_table(log: RerunLog, table: Table) -> None:
     """The table top."""
-    half = (*np.array(table.size) / 2, TABLE_THICKNESS / 2)
-    centre = (*table.centre, table.height - TABLE_THICKNESS / 2)
-    box = rr.Boxes3D(centers=[centre], half_sizes=[half], colors=[TABLE_COLOUR], fill_mode="solid")
+    half = (*np.array(table.size) / 2, DRAWN.table_thickness_m / 2)
+    centre = (*table.centre, table.height - DRAWN.table_thickness_m / 2)
+    box = rr.Boxes3D(centers=[centre], half_sizes=[half], colors=[DRAWN.table_colour], fill_mode="solid")
     log.always(entity(WORLD, "table"), box)
 
 
@@ -71,7 +85,7 @@ def log_objects(log: RerunLog, clock: Clock, episode: EpisodeData, scene: Scene 
         elif record is not None:
             log.always(where, _box(record, Pose(poses[0, :3], poses[0, 3:])))
         else:
-            log.always(where, rr.Transform3D.from_fields(axis_length=AXES))
+            log.always(where, rr.Transform3D.from_fields(axis_length=DRAWN.axes_m))
 
 
 def _models(records: Sequence[ObjectRecord]) -> dict[str, PhysicalModel]:
@@ -114,8 +128,6 @@ def _box(record: ObjectRecord, first: Pose) -> rr.Boxes3D:
 
 # --- the robot -----------------------------------------------------------------------------------------
 
-ROBOT_COLOUR = (190, 195, 205)
-
 
 def log_robot(log: RerunLog, clock: Clock, episode: EpisodeData, name: str) -> None:
     """The arms of the robot of that name; one that is not here, or not the one that was recorded, is left out.
@@ -151,7 +163,7 @@ def _log_arm(log: RerunLog, clock: Clock, side: str, arm: Arm, states: np.ndarra
                 vertex_positions=solid.vertices,
                 triangle_indices=solid.faces,
                 vertex_normals=solid.vertex_normals,
-                albedo_factor=ROBOT_COLOUR,
+                albedo_factor=DRAWN.robot_colour,
             ),
         )
         log.path(where, clock, [base * from_sapien(at[link]) for at in poses])
