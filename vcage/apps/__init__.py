@@ -1,1 +1,1 @@
-"""What people look at: the page of a run, the viewer, the gallery, and the proof of objects by use."""
+"""Views for people: the page of a run, the viewer, the gallery, the proof of objects by use, and replays."""

@@ -1,4 +1,4 @@
-"""What a stage would ask a model in a run, without asking it."""
+"""Show the question that a stage would ask a model, without asking it."""
 
 from __future__ import annotations
 

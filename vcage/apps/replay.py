@@ -29,7 +29,7 @@ NOT_RECORDED = "not recorded"
 
 @dataclass(frozen=True)
 class Difference:
-    """Where something differs first.
+    """The first difference of one quantity.
 
     Args:
         what: of an object, a joint or a camera.
@@ -48,7 +48,7 @@ class Difference:
 
 @dataclass(frozen=True)
 class Replayed:
-    """What came of a replay.
+    """Result of a replay.
 
     Args:
         states: the first difference of states; None where all are equal, bit for bit.
@@ -62,7 +62,7 @@ class Replayed:
 
     @property
     def equal(self) -> bool:
-        """Whether nothing that was compared differs; versions may."""
+        """True if nothing that was compared differs; versions may."""
         return self.states is None and not any(isinstance(found, Difference) for found in self.pictures.values())
 
     def as_record(self) -> dict[str, Any]:

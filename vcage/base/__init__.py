@@ -1,1 +1,1 @@
-"""What everything stands on: errors, files, geometry, pictures, videos, and work in processes."""
+"""The base of all packages: errors, files, geometry, pictures, videos, and work in processes."""

@@ -1,4 +1,4 @@
-"""What drawn pictures share: colours, text, labels that do not cover each other, arrows, contact sheets."""
+"""Drawing on pictures: colours, text, labels that avoid each other, arrows, contact sheets."""
 
 from __future__ import annotations
 

@@ -173,7 +173,7 @@ def atomic_folder(path: Path) -> Iterator[Path]:
 
 
 def whole(folder: Path) -> bool:
-    """Whether a folder has its own name: not one that is being written or replaced, or was when a process died."""
+    """True if a folder's name marks no partial work and no folder under replacement."""
     return PARTIAL not in folder.name and REPLACED not in folder.name
 
 

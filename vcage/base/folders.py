@@ -19,7 +19,7 @@ NUMBER = re.compile(r"([0-9]+)")
 
 @dataclass(frozen=True)
 class FolderLimits:
-    """How much is searched.
+    """Limits of a search.
 
     Args:
         max_folders: links can make few folders look like endlessly many.

@@ -220,7 +220,7 @@ def footprint_half_size(size: ArrayLike, yaw: ArrayLike) -> np.ndarray:
 
 
 def boxes_overlap(a: ArrayLike, b: ArrayLike, margin: float = 0.0) -> bool:
-    """Whether two boxes (2, n) come closer than ``margin`` along every axis (touching is not overlap).
+    """True if two boxes (2, n) come closer than ``margin`` along every axis (touching is not overlap).
 
     Args:
         a, b: lower and upper corners.
@@ -231,7 +231,7 @@ def boxes_overlap(a: ArrayLike, b: ArrayLike, margin: float = 0.0) -> bool:
 
 
 def oriented_boxes_overlap(bounds_a: ArrayLike, pose_a: Pose, bounds_b: ArrayLike, pose_b: Pose) -> bool:
-    """Whether two boxes, (2, 3) in their own frames, overlap at their poses (separating axis theorem).
+    """True if two boxes, (2, 3) in their own frames, overlap at their poses (separating axis theorem).
 
     Args:
         bounds_a, bounds_b: lower and upper corners.

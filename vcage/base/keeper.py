@@ -32,7 +32,7 @@ K = TypeVar("K", bound=WorkRecord)
 
 @dataclass(frozen=True)
 class Keeper(Generic[K]):
-    """Where a piece of work leaves its record, and what it would be made from today.
+    """The record of a piece of work, and the inputs that the work would have today.
 
     Args:
         path: of the record, which is written last: where it is, the work is whole.
@@ -54,7 +54,7 @@ class Keeper(Generic[K]):
         return self.record.read(self.path)
 
     def knows(self, record: K) -> bool:
-        """Whether a record was made from the same."""
+        """True if a record was made from the same inputs."""
         return record.made_from == self.made_from
 
     def kept(self) -> K | None:

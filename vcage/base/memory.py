@@ -1,4 +1,4 @@
-"""How much memory this process may still take, and answers that it remembers for a while."""
+"""Free memory of this process, and a cache that is emptied after each scene."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def _groups() -> list[Path]:
 
 
 def _left(folder: Path, limit: str, usage: str) -> list[int]:
-    """What a group's limit leaves, if it has one."""
+    """Bytes left under a group's limit, if it has one."""
     try:
         most = (folder / limit).read_text().strip()
         used = int((folder / usage).read_text())

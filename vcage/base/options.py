@@ -1,4 +1,4 @@
-"""What options may hold: annotations for fields of the dataclasses that tyro turns into a command line.
+"""Types of option values: annotations for fields of dataclasses that tyro turns into a command line.
 
 A field says once what it is, for Python and the command line alike::
 

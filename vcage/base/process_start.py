@@ -37,8 +37,11 @@ def preload(module: str) -> None:
 
 @cache
 def process_context() -> SpawnContext | ForkServerContext:
-    """How processes are begun: forked from one that never works, for the threads of a renderer would be missing in a
-    child of this one; each by itself where there can be no socket, as when the path in ``TMPDIR`` is too long."""
+    """Return the way to begin processes: forked from one that never works.
+
+    A child of this process would lack the threads of its renderer. Where there can be no socket, as when the path in
+    ``TMPDIR`` is too long, each process is spawned.
+    """
     sweep_scratch()
     multiprocessing.set_forkserver_preload(_preloaded)  # Python's default is the script that runs
     sys.warnoptions.append(UNTOLD)

@@ -1,4 +1,4 @@
-"""How long work tells what it is doing; whoever runs it decides how that is shown."""
+"""Progress of long work, as a callback; the caller decides how to show it."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ class TimeIsUp(BaseException):
 
 
 class _Held:
-    """How many :func:`undisturbed` blocks are open, and whether the time was up meanwhile."""
+    """Number of open :func:`undisturbed` blocks, and whether an alarm came meanwhile."""
 
     depth = 0
     rung = False

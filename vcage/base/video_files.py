@@ -82,5 +82,5 @@ def frame_size(video: bytes | Path) -> tuple[int, int]:
 
 
 def video_name(video: bytes | Path) -> str:
-    """How messages name a file, or the content of one."""
+    """Name a video file, or the content of one, in messages."""
     return "the video" if isinstance(video, bytes) else str(video)

@@ -83,7 +83,7 @@ def pictures(video: bytes | Path) -> Iterator[NDArray[np.uint8]]:
 
 
 def decoded_count(video: bytes | Path) -> int:
-    """How many frames there truly are, each decoded.
+    """Count the frames by decoding each.
 
     Raises:
         DamagedFile: it is no video, is cut off, or holds fewer frames than it claims, or one is damaged.
@@ -93,7 +93,7 @@ def decoded_count(video: bytes | Path) -> int:
 
 
 def frame_count(video: bytes | Path) -> int:
-    """How many frames there truly are, counted without decoding them.
+    """Count the frames without decoding them.
 
     Raises:
         DamagedFile: it is no video, is cut off, or holds fewer frames than it claims.
@@ -172,7 +172,7 @@ class _Table:
     unit: Fraction
 
     def runs(self, wanted: Sequence[int]) -> list[_Run]:
-        """What must be decoded for the frames ``wanted``, which increase."""
+        """Return the runs to decode for increasing frame numbers ``wanted``."""
         runs: list[tuple[_Entry, list[int]]] = []
         starts = [entry.time for entry in self.entries]
         for index in wanted:
@@ -230,7 +230,7 @@ class _Source:
         return self.stream.codec_context.height, self.stream.codec_context.width
 
     def decode_ahead(self, ahead: bool) -> None:
-        """Whether several frames are decoded at the same time; to be said before the first."""
+        """Turn decoding of several frames at a time on or off; to be called before the first frame."""
         self.stream.thread_type = "AUTO" if ahead else "SLICE"
 
     def all(self) -> Iterator[av.VideoFrame]:

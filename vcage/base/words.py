@@ -190,5 +190,5 @@ def same_word(a: str, b: str) -> bool:
 
 
 def spelling_similarity(a: str, b: str) -> float:
-    """How alike two texts are spelled, in [0, 1]."""
+    """Similarity of two spellings, in [0, 1]."""
     return difflib.SequenceMatcher(None, a, b).ratio()

@@ -106,7 +106,7 @@ class ThisProcess(Generic[T, R]):
         self._waiting.append(task)
 
     def results(self) -> Iterator[R]:
-        """What the tasks gave, in their order, until none is left; more may be submitted meanwhile."""
+        """Yield the results in the order of the tasks, until none is left; more may be submitted meanwhile."""
         while self._waiting:
             yield self._work(self._waiting.popleft())
 
@@ -165,7 +165,7 @@ class Processes(Generic[T, R]):
         self._begin()
 
     def results(self) -> Iterator[R]:
-        """What the tasks gave, as they are finished, until none is left; more may be submitted meanwhile.
+        """Yield the results as they are finished, until none is left; more may be submitted meanwhile.
 
         Raises:
             PartlyDone: a task lost ``max_tries`` processes, as when the system takes their memory.

@@ -59,7 +59,7 @@ class Asset:
 
     @property
     def articulated(self) -> bool:
-        """Whether parts of it move."""
+        """True if it has moving parts."""
         return bool(self.model.links)
 
     @cached_property
@@ -122,12 +122,12 @@ class Asset:
         return sum(piece.volume for piece in self.pieces)
 
     def entry(self) -> CatalogueEntry:
-        """What a model sees of it."""
+        """Return its catalogue entry, which models and people read."""
         size, parts = tuple(float(x) for x in self.size), [link.name for link in self.model.links]
         return unbuilt_entry(self.annotation).model_copy(update={"size": size, "moving_parts": parts})
 
     def grasp_width(self, contact: ContactPoint) -> float:
-        """How far apart the fingers are that close at a contact point, metres; 0 where they would meet nothing."""
+        """Return the distance between fingers closed at a contact point, metres; 0 where they meet nothing."""
         key = (contact.link, tuple(contact.position), tuple(contact.closing))
         if key not in self._widths:
             self._widths[key] = openings.grasped_width(self.pieces_of(contact.link), contact.position, contact.closing)

@@ -82,7 +82,7 @@ def _place(point: FunctionalPoint, room: Point3 | None) -> str:
 
 
 def count_kinds(annotations: Iterable[Annotation]) -> dict[str, Any]:
-    """How many kinds and variants there are, and how many kinds per scene and per source."""
+    """Count kinds and variants, and kinds per scene and per source."""
     annotations = list(annotations)
     tags = Counter(tag for annotation in annotations for tag in set(annotation.words.scene_tags))
     return {

@@ -142,7 +142,7 @@ def _extent(corners: np.ndarray) -> float:
 
 
 def _is_nearly_convex(corners: np.ndarray) -> bool:
-    """Whether every point of the convex hull's surface is near the part's own surface."""
+    """True if the surface of the convex hull stays near the part's own surface."""
     points = corners.reshape(-1, 3)
     if _extent(corners) < 2 * SETTINGS.nearly_convex_m:
         return True

@@ -139,7 +139,7 @@ class Library:
         return asset.entry().model_copy(update={"rooms": rooms_of(asset)})
 
     def entries(self) -> list[CatalogueEntry]:
-        """What a model sees of the library, in the order of the names; models that this needs are built first.
+        """Return all catalogue entries in the order of the names; builds missing 3D models first.
 
         Raises:
             InputFileError: see :meth:`asset`.
@@ -242,7 +242,7 @@ def object_folders() -> list[Path]:
 
 
 def imported_objects() -> Path:
-    """Where the importers put objects: one folder per object, with ``asset.json`` and its models."""
+    """Folder of imported objects: one sub-folder per object, with ``asset.json`` and its models."""
     return data_path("objects")
 
 

@@ -123,7 +123,7 @@ def names_in(said: Sequence[str], names: Collection[Name], taken: Collection[int
 
 
 def longest_name(said: Sequence[str], at: int, names: Collection[Name]) -> int:
-    """Where the longest of some names ends that begins at a token; ``at`` without one."""
+    """Return the end of the longest name that begins at a token; ``at`` without one."""
     best, name = at, Name()
     for end in range(at, min(at + _LONGEST_NAME, len(said)) if said[at] != "of" else at):
         if said[end] != "of":
@@ -148,7 +148,7 @@ def is_verb(said: Sequence[str], at: int) -> bool:
 
 
 def exact_count(word: str) -> int | None:
-    """How many a number word says, None where that is not exact."""
+    """Return the number that a word states; None where it is not exact."""
     if word.isdigit():
         return int(word)
     return None if word in ("few", "several", "couple", "pair", "no", "some") else NUMBERS.get(word)
@@ -206,7 +206,7 @@ def _describes(words: Sequence[str], at: int) -> bool:
 
 
 def _number(before: Sequence[str]) -> int | None:
-    """How many are said before a noun and its adjectives: "two", "both of the", but not "one of the two"."""
+    """Return the number stated before a noun and its adjectives: "two", "both of the", but not "one of the two"."""
     number = exact_count(before[-1]) if before else None
     if number is not None:
         before = before[:-1]

@@ -53,7 +53,7 @@ def names_of(entry: CatalogueEntry) -> Names:
 
 
 def looks_named(words: Sequence[str], colour: str | None, entry: CatalogueEntry) -> tuple[int, list[Variant]]:
-    """How well words and a colour name a kind, as :func:`how_named` says, and which of its looks they fit best.
+    """Rate words and a colour as a name of a kind (see :func:`how_named`), and return the looks that fit best.
 
     Args:
         words: lemmas without colours, the head last.
@@ -72,7 +72,7 @@ def looks_named(words: Sequence[str], colour: str | None, entry: CatalogueEntry)
 
 
 def how_named(words: Sequence[str], entry: CatalogueEntry, look: Variant) -> int:
-    """How well words name a kind: by :data:`EXACT`, :data:`SYNONYM`, :data:`HEAD`, :data:`KIND`, or 0.
+    """Rate words as a name of a kind: :data:`EXACT`, :data:`SYNONYM`, :data:`HEAD`, :data:`KIND`, or 0.
 
     All words count: each must be in the one name, or say what the look is called or made of ("corn tin").
 

@@ -57,12 +57,12 @@ class Opening:
 
     @property
     def depth(self) -> float:
-        """How far the rim stands above the floor."""
+        """Height of the rim above the floor, metres."""
         return self.rim - self.floor
 
 
 def grasped_width(pieces: Sequence[Convex], point: ArrayLike, axis: ArrayLike) -> float:
-    """How far apart the fingers are that close along ``axis`` around ``point``.
+    """Return the distance between fingers that close along ``axis`` around ``point``, metres.
 
     Inside material it is the thickness there, such as a wall's. In the hollow of a mug or a ring it is the distance
     between the outer faces. It is 0 where there is material on one side only, or none.

@@ -1,4 +1,4 @@
-"""Whether the points of an annotation fit the model: what the schema alone cannot see."""
+"""Check the points of an annotation against the model, which the schema alone cannot."""
 
 from __future__ import annotations
 
@@ -113,7 +113,7 @@ def check_size(annotation: Annotation, variant: str, path: Path) -> None:
 
 
 def outside_by(bounds: np.ndarray, position: ArrayLike) -> float:
-    """How far a point lies outside a box (2, 3), metres; 0 inside."""
+    """Return the distance of a point from a box (2, 3), metres; 0 inside."""
     position = np.asarray(position, dtype=np.float64)
     return float(np.linalg.norm(np.maximum(bounds[0] - position, 0) + np.maximum(position - bounds[1], 0)))
 

@@ -44,18 +44,19 @@ def _rough(rng: np.random.Generator, colour: Colour, depth: float = 0.1) -> np.n
 
 
 def _laid(
-    rng: np.random.Generator, ground: np.ndarray, rows: int, columns: int, joint: int, mortar: Colour, shift: bool
+    rng: np.random.Generator, ground: np.ndarray, tiles: tuple[int, int], joint: int, mortar: Colour, shift: bool
 ) -> np.ndarray:
-    """The ground cut into bricks or tiles of slightly different tone, every second row shifted by half of one.
+    """Cut the ground into bricks or tiles of slightly different tone.
 
     Args:
         rng: of their tones.
         ground: (H, W, 3) uint8.
-        rows, columns: how many there are; an even number of rows where they are shifted.
-        joint: its width, pixels.
-        mortar: its colour.
-        shift: whether rows are shifted.
+        tiles: rows and columns; an even number of rows where they are shifted.
+        joint: width of the joints, pixels.
+        mortar: colour of the joints.
+        shift: shift every second row by half a tile.
     """
+    rows, columns = tiles
     y, x = np.indices((SIZE, SIZE))
     row = y * rows // SIZE
     along = (x + (row % 2) * (SIZE // columns // 2 if shift else 0)) % SIZE
@@ -70,11 +71,11 @@ def _plaster(rng: np.random.Generator) -> np.ndarray:
 
 
 def _brick(rng: np.random.Generator) -> np.ndarray:
-    return _laid(rng, _rough(rng, (150, 82, 62), 0.2), 32, 10, 4, (178, 170, 158), shift=True)
+    return _laid(rng, _rough(rng, (150, 82, 62), 0.2), (32, 10), 4, (178, 170, 158), shift=True)
 
 
 def _wall_tiles(rng: np.random.Generator) -> np.ndarray:
-    return _laid(rng, _rough(rng, (182, 204, 206), 0.03), 16, 16, 3, (228, 228, 224), shift=False)
+    return _laid(rng, _rough(rng, (182, 204, 206), 0.03), (16, 16), 3, (228, 228, 224), shift=False)
 
 
 def _panels(rng: np.random.Generator) -> np.ndarray:
@@ -101,7 +102,7 @@ def _floor_tiles(rng: np.random.Generator) -> np.ndarray:
     """Light and dark ones by turns."""
     y, x = np.indices((SIZE, SIZE)) * 8 // SIZE
     ground = over(_rough(rng, (196, 192, 184), 0.05), (78, 82, 88), ((y + x) % 2) * 0.85)
-    return _laid(rng, ground, 8, 8, 4, (150, 148, 144), shift=False)
+    return _laid(rng, ground, (8, 8), 4, (150, 148, 144), shift=False)
 
 
 def _carpet(rng: np.random.Generator) -> np.ndarray:
@@ -111,7 +112,7 @@ def _carpet(rng: np.random.Generator) -> np.ndarray:
 
 
 def _terracotta(rng: np.random.Generator) -> np.ndarray:
-    return _laid(rng, _rough(rng, (170, 98, 66), 0.16), 8, 8, 8, (186, 174, 158), shift=False)
+    return _laid(rng, _rough(rng, (170, 98, 66), 0.16), (8, 8), 8, (186, 174, 158), shift=False)
 
 
 WALLS: Painters = {

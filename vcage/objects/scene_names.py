@@ -1,4 +1,4 @@
-"""Which objects of a scene the words of a sentence may mean: names, synonyms, kinds, colours, sides and counts.
+"""Find the objects of a scene that a sentence names: by names, synonyms, kinds, colours, sides and counts.
 
 A check of names, not a reader: it knows no verbs, and where a word may mean several objects it says so.
 """

@@ -1,4 +1,4 @@
-"""Where models come from: built by a ``model.py``, converted from a fetched package, or lying in an imported folder.
+"""Sources of 3D models: built by a ``model.py``, converted from a fetched package, or imported.
 
 Built and converted models lie in the user's cache, in a folder whose name changes with everything that decides what
 is in it. An imported object has its model beside its annotation.
@@ -62,7 +62,7 @@ def model(annotation: Annotation, variant: Variant, folder: Path) -> PhysicalMod
 
 
 def model_folder(annotation: Annotation, variant: Variant, folder: Path) -> Path:
-    """Where a variant's model lies, made or not.
+    """Folder of a variant's model, made or not.
 
     Args:
         folder: of the annotation.

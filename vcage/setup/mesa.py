@@ -124,7 +124,7 @@ def _lacking(package: Path) -> set[str]:
 
 
 def _satisfied(name: str, operator: str, version: str) -> bool:
-    """Whether a package is installed, in a version that fulfils ``operator version`` if that is given."""
+    """True if a package is installed, in a version that fulfils ``operator version`` if given."""
     query = ["dpkg-query", "-W", "-f", "${db:Status-Status} ${Version}\\n", name]
     done = subprocess.run(query, capture_output=True, text=True)
     for line in done.stdout.splitlines():

@@ -52,7 +52,7 @@ class Driver:
 
 @dataclass(frozen=True)
 class RenderProbe:
-    """What came of drawing a picture: whether it worked, wall time in seconds, the device, or the complaint."""
+    """Result of a test picture: success, wall time in seconds, the device, or the complaint."""
 
     ok: bool
     seconds: float
@@ -200,7 +200,7 @@ def _cached_icd() -> Path:
 
 
 def _machine() -> dict[str, object]:
-    """What the decision rests on; when it changes, the decision is taken again."""
+    """Facts that the choice depends on; when they change, the driver is chosen again."""
     return {
         "sapien": metadata.version("sapien"),
         "gpu": Path("/dev/nvidiactl").exists(),

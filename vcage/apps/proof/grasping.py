@@ -80,7 +80,7 @@ def check_contact(asset: Asset, contact: ContactPoint, places: TrialPlaces, trie
 
 
 def _blocked_part(asset: Asset, contact: ContactPoint, gripper: Gripper) -> str | None:
-    """What of the hand would touch the object on its straight way to the grasp, or None.
+    """Name the part of the hand that would touch the object on its straight way to the grasp, or None.
 
     Fingers and palm are the boxes that the planner of sub-tasks uses (:func:`vcage.tasks.grasps.hand_boxes`).
     """

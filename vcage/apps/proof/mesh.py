@@ -92,7 +92,7 @@ def _overhang(mesh: trimesh.Trimesh, pieces: list[Convex]) -> float:
 
 
 def _closed_containers(asset: Asset, meshes: dict[str | None, trimesh.Trimesh]) -> list[str]:
-    """What is wrong with the containers: filled by hulls, or covered by the mesh."""
+    """Return the faults of containers: filled by hulls, or covered by the mesh."""
     reasons = []
     for point in asset.annotation.functional_points:
         try:
@@ -110,7 +110,7 @@ def _closed_containers(asset: Asset, meshes: dict[str | None, trimesh.Trimesh]) 
 
 
 def _ray_meets(mesh: trimesh.Trimesh, origin: np.ndarray, direction: np.ndarray) -> bool:
-    """Whether a ray meets any triangle (Möller and Trumbore, 1997)."""
+    """True if a ray meets any triangle (Möller and Trumbore, 1997)."""
     corners = np.asarray(mesh.triangles)  # (m, 3, 3)
     first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     across = np.cross(direction, second)

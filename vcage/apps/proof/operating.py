@@ -82,7 +82,7 @@ class _Watch:
         world.before_step.append(self._note)
 
     def share(self, far_end: float) -> float:
-        """Where the joint is now, as a share of its way to the far end."""
+        """Return the joint's position as a share of its way to the far end."""
         return float(self._world.object_joints(OBJECT)[self._index]) / far_end
 
     def _note(self, world: World) -> None:

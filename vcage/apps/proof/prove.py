@@ -36,7 +36,7 @@ METHOD = (
 
 @dataclass(frozen=True)
 class Trial:
-    """How objects are tried.
+    """Settings of a proof.
 
     Args:
         template: name of the scene whose table and robot are used.

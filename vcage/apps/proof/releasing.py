@@ -148,7 +148,7 @@ def _out_of_the_way(asset: Asset, point: FunctionalPoint) -> tuple[float, ...]:
 
 
 def _release(point: FunctionalPoint, opening: Opening, cube: Asset, rng: np.random.Generator) -> Pose:
-    """Where the probe is let go, in the frame of the part that receives it."""
+    """Return the pose of release of the probe, in the frame of the part that receives it."""
     half = np.array(opening.size) / 2 - cube.footprint * np.sqrt(2) / 2
     spread = np.clip(half, 0.0, SETTINGS.scatter_m)
     x, y = np.clip(point.position[:2], opening.centre - np.maximum(half, 0), opening.centre + np.maximum(half, 0))

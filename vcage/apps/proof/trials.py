@@ -1,4 +1,4 @@
-"""What the checks by use try: a single object before the robot, at random places where it may be asked to use it."""
+"""Trials of the checks by use: a single object before the robot, at random places within its reach."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the cameras of episodes saw, as videos in a page: to be looked at, and played by every browser.
+"""Camera pictures of episodes as videos that every browser plays.
 
 The data set's own streams are HEVC, which most browsers do not decode.
 """

@@ -1,4 +1,4 @@
-"""How the viewer lays an episode out: the 3D scene and the cameras above, words beside them, curves below."""
+"""Layout of an episode in the viewer: 3D scene and cameras above, texts beside them, curves below."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ SUMMARY = "about"
 
 @dataclass(frozen=True)
 class Contents:
-    """What a Rerun recording holds.
+    """Contents of a Rerun recording.
 
     Args:
         frames: how many.

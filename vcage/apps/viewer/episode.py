@@ -1,5 +1,4 @@
-"""What is written of an episode: of one of ours everything that is inside it; of a recording of others what its cameras
-saw and what is known of its robot."""
+"""Log an episode for the viewer: everything in one of ours; cameras and robot of another project's recording."""
 
 from __future__ import annotations
 
@@ -153,7 +152,7 @@ def episode_summary(path: Path, episode: EpisodeData) -> rr.TextDocument:
 
 
 def recording_summary(recording: Recording, clock: Clock) -> rr.TextDocument:
-    """What the recording is, and how it was understood."""
+    """Describe the recording, and how it was read."""
     cameras = [f"{camera.name} ({camera.width}x{camera.height}, {camera.storage})" for camera in recording.cameras]
     times = "at unknown times" if clock.seconds is None else f"{clock.seconds[-1]:g} s"
     facts = {

@@ -1,4 +1,4 @@
-"""Which episode a path means: a file of ours, one of a run, or a recording of others."""
+"""Find the episodes at a path: a file of ours, those of a run, or other projects' recordings."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from vcage.schema.episodes import Episodes
 
 
 def find_episodes(path: Path) -> dict[int, Path | Recording]:
-    """What can be viewed at a path, by number: files of our own as paths, recordings of others opened.
+    """Return the episodes at a path by number: our own files as paths, other recordings opened.
 
     A run folder offers all its episodes that have a file, the rejected too, by their numbers in the run. An episode of
     ours whose pictures were moved to videos counts as a recording.
@@ -56,7 +56,7 @@ def choose(found: dict[int, Path | Recording], number: int | None, path: Path) -
 
 
 def _is_whole(path: Path) -> bool:
-    """Whether a file is an episode of ours, of whatever version, with its pictures inside."""
+    """True for a file that is an episode of ours, of any version, with its pictures inside."""
     with damage(path), open_hdf5_file(path) as file:
         ours = str(file.attrs.get("schema", "")).startswith(SCHEMA.partition("/")[0])
         return ours and all(read_link(pictures) is None for pictures in file.get("observations/images", {}).values())

@@ -1,4 +1,4 @@
-"""What cameras saw: pictures as JPEG, or the videos that a run was compressed to."""
+"""Camera pictures as JPEG, or the videos of a compressed run."""
 
 from __future__ import annotations
 

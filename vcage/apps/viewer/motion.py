@@ -59,7 +59,7 @@ def log_joints(log: RerunLog, clock: Clock, episode: EpisodeData) -> list[Plot]:
 
 
 def log_motion(log: RerunLog, clock: Clock, recording: Recording) -> list[Plot]:
-    """What a recording of others knows of its robot: state and commands by their names, whatever their units.
+    """Log the robot's state and commands of another project's recording, by name, in its own units.
 
     Args:
         log: where it is written.

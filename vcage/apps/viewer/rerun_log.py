@@ -96,7 +96,7 @@ class RerunLog:
         self.rows(entity, clock, rr.Scalars.columns(scalars=np.asarray(values, np.float64)))
 
     def poses(self, entity: str, clock: Clock, positions: ArrayLike, quaternions: ArrayLike) -> None:
-        """Where an entity is in its parent's frame.
+        """Log the poses of an entity in its parent's frame.
 
         Args:
             entity: of what.

@@ -34,7 +34,7 @@ PORT = 9876
 
 @dataclass(frozen=True)
 class Shown:
-    """What was shown.
+    """An episode that was shown.
 
     Args:
         number: of the episode, among those there are at its path.
@@ -93,7 +93,7 @@ def view(
 def _writer(
     one: Path | Recording, path: Path, footage: PictureSource, fps: float | None, progress: Progress
 ) -> Callable[[RerunLog], Contents]:
-    """What writes an episode of ours, or a recording of others that was found at ``path``."""
+    """Return the function that logs an episode of ours, or another recording found at ``path``."""
     if not isinstance(one, Recording):
         return lambda log: log_episode(log, one, footage, progress)
     if footage == "compressed":

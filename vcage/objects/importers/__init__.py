@@ -10,7 +10,7 @@ from vcage.base.errors import VcageError
 
 @dataclass(frozen=True)
 class Imported:
-    """What became of one object.
+    """Outcome of the import of one object.
 
     Args:
         name: of the object in our library.

@@ -74,7 +74,7 @@ def _groups(labels: np.ndarray) -> list[np.ndarray]:
 
 
 def _is_closed(faces: np.ndarray) -> bool:
-    """Whether every edge belongs to two faces."""
+    """True if every edge belongs to two faces."""
     edges = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     return bool((np.unique(edges, axis=0, return_counts=True)[1] == 2).all())
 

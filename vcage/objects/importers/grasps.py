@@ -1,4 +1,4 @@
-"""Where a gripper can grasp a shape from above, found by trying: for objects that nobody has annotated.
+"""Search for grasps from above, for objects without annotated contact points.
 
 The shape is known by its convex pieces. A try closes the fingers along x or y at a place of a grid and is kept when the
 material fits between them, and neither the fingers on their way down nor the palm above meet anything. How large hand
@@ -66,7 +66,7 @@ class GraspFromAbove:
 
 
 def widest(gripper: Gripper) -> float:
-    """How wide the material between the fingers may be, metres."""
+    """Return the largest width of material that fits between the fingers, metres."""
     return gripper.max_width - SETTINGS.finger_room_m
 
 
@@ -137,14 +137,14 @@ def _cost(surface: np.ndarray, grasp: GraspFromAbove, middle: np.ndarray, finger
 
 
 def _is_steady(pieces: Sequence[Convex], grasp: GraspFromAbove) -> bool:
-    """Whether the material is as wide as it seemed (gaps may hide some of it), and about so over a finger's width."""
+    """True if the material has the measured width (gaps may hide some), and about the same over a finger's width."""
     position, across = grasp.position.round(4), np.cross([0.0, 0.0, 1.0], grasp.closing)
     widths = [grasped_width(pieces, position + side * across, grasp.closing) for side in (0, -0.006, 0.006)]
     return abs(widths[0] - grasp.width) < 0.002 and all(abs(width - grasp.width) < 0.012 for width in widths)
 
 
 def is_free(surface: np.ndarray, grasp: GraspFromAbove, gripper: Gripper) -> bool:
-    """Whether nothing is where the fingers and the palm of a gripper from above would be.
+    """True if the shape leaves free the places of fingers and palm of a gripper from above.
 
     Args:
         surface: (n, 3) points all over the shape.

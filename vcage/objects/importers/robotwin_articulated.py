@@ -128,7 +128,7 @@ def _at_rest(urdf: Urdf, model: ModelData) -> RestPose:
 
 
 def _rest(urdf: Urdf, model: ModelData) -> dict[str, float]:
-    """Where each joint starts that has a range to move in."""
+    """Return the start position of each joint with a range."""
     moving = urdf.moving
     if model.init_qpos and len(model.init_qpos) != len(moving):
         named = ", ".join(joint.name for joint in moving)
@@ -220,7 +220,7 @@ def _mass(lead: str, hulls: Sequence[trimesh.Trimesh], model: ModelData, pose: R
 
 
 def _geometry(urdf: Urdf, lead: str, model: ModelData, pose: RestPose) -> tuple[list[Part], list[trimesh.Trimesh]]:
-    """What is seen and what is solid of the body that a link leads."""
+    """Return the visible parts and the hulls of the body that a link leads."""
     parts, hulls = [], []
     for link in (link for link, body in pose.bodies.items() if body == lead):
         for shape in urdf.visuals[link]:

@@ -1,4 +1,4 @@
-"""What RoboTwin writes about an object: ``model_data{K}.json`` of a variant, ``points_info.json`` of all of them.
+"""Annotations of RoboTwin: ``model_data{K}.json`` of a variant, ``points_info.json`` of all variants.
 
 A point is a 4×4 matrix in the frame of the mesh, or of a link, whose translation is not scaled yet. A number that is
 wrong costs the variant where nothing can be made without it, and the point otherwise, with a warning.
@@ -194,7 +194,7 @@ def read_scale(path: Path, data: dict[str, Any]) -> np.ndarray:
 
 
 def _is_number(value: Any) -> bool:
-    """Whether a value is a finite number that a float can hold; JSON's integers have no limit."""
+    """True for a finite number that a float can hold; JSON's integers have no limit."""
     if not isinstance(value, (int, float)) or isinstance(value, bool):
         return False
     return -sys.float_info.max <= value <= sys.float_info.max

@@ -1,4 +1,4 @@
-"""What the objects of RoboTwin are called here: names made from those of their folders, each given once."""
+"""Unique names for imported objects of RoboTwin, made from the names of their folders."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def identifier(folder: Path) -> str:
 
 
 def called(folder: Path) -> str:
-    """What a sentence calls the object of a folder; one whose name has no Latin letter is 'object 005'."""
+    """Name the object of a folder for sentences; one without a Latin letter in its name is 'object 005'."""
     number, name = _split(folder)
     text = name if _is_latin(name) else f"object {number}"
     return " ".join(re.split(r"[_\-\s]+", text)).strip().lower()
@@ -57,12 +57,12 @@ def _split(folder: Path) -> tuple[str, str]:
 
 
 def _is_latin(name: str) -> bool:
-    """Whether a name has a letter or digit that an identifier may have."""
+    """True if a name has a letter or digit that an identifier may have."""
     return re.search(r"[a-z0-9]", name.lower()) is not None
 
 
 class TakenNames:
-    """Which names are taken, and by what.
+    """Names in use, and the objects that use them.
 
     Args:
         into: where imported objects lie.

@@ -50,7 +50,7 @@ SETTINGS = SurfaceSettings()
 
 @dataclass(frozen=True)
 class GraspLimits:
-    """Where a hand reaches an object that stands on the table.
+    """Limits of grasps of an object that stands on the table.
 
     Args:
         min_finger_length_m: of the robots here, dual_panda has the shortest fingers; the palm lies behind them.
@@ -197,7 +197,7 @@ def kind_of_room(pieces: Sequence[Convex], position: np.ndarray) -> Holds:
 
 
 def _first_hit(spans: Sequence[tuple[float, float]]) -> float:
-    """How far from the origin of a ray the first material is; infinite when there is none."""
+    """Return the distance from a ray's origin to the first material; infinite where there is none."""
     return min((max(start, 0.0) for start, end in spans if end > 0), default=np.inf)
 
 
@@ -206,7 +206,7 @@ def _material(pieces: Sequence[Convex], origin: np.ndarray, axis: Sequence[float
 
 
 def same_points(a: Sequence[ContactPoint | FunctionalPoint], b: Sequence[ContactPoint | FunctionalPoint]) -> bool:
-    """Whether two variants can share their points: within 3 mm and 5 degrees."""
+    """True if two variants can share their points: within 3 mm and 5 degrees."""
     return len(a) == len(b) and all(_same(x, y) for x, y in zip(a, b))
 
 

@@ -79,7 +79,7 @@ def convert(folder: Path, number: str, info: dict[str, Any], tell: Callable[[str
 
 
 def _candidates(folder: Path, kind: str, number: str) -> list[Path]:
-    """Where RoboTwin looks for the 'visual' or 'collision' mesh, in its order."""
+    """Return RoboTwin's places for the 'visual' or 'collision' mesh, in its order."""
     names = (f"base{number}.glb", f"textured{number}.obj")
     return [place / name for place in (folder / kind, folder) for name in names]
 

@@ -1,4 +1,4 @@
-"""What RoboTwin says about an object and its points, in fields that are spelt well or badly."""
+"""Texts of RoboTwin about an object and its points, in fields with correct or wrong spelling."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def description(data: dict[str, Any]) -> str:
 
 
 def point_texts(kind: str, data: dict[str, Any], info: dict[str, Any]) -> dict[int, str]:
-    """What is said about each point of a kind ('contact', 'functional'), by index; the variant's own words first.
+    """Return the text of each point of a kind by index; the variant's own texts take precedence.
 
     Args:
         kind: 'contact' or 'functional'.

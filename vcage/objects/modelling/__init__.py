@@ -1,1 +1,1 @@
-"""What models are made with: solids, convex pieces, texture mappings, painted surfaces, and the record they end in."""
+"""Helpers for models of objects: solids, convex pieces, texture mappings, painted surfaces, and the built object."""

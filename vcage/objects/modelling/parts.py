@@ -1,4 +1,4 @@
-"""What a builder returns: painted parts for the eye, convex pieces for physics.
+"""The result of a builder: textured parts for rendering, convex pieces for physics.
 
 A mesh here is a :class:`trimesh.Trimesh` of geometry only; :func:`paint` gives it a picture, texture
 coordinates and normals. Normals are smooth across edges that are flatter than the crease angle.

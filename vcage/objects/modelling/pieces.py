@@ -13,6 +13,8 @@ import numpy as np
 import trimesh
 from numpy.typing import ArrayLike
 
+from vcage.objects.modelling import solids
+
 Piece = trimesh.Trimesh
 
 
@@ -64,10 +66,10 @@ def tray(inner: Sequence[float], thickness: float, floor: float, height: float) 
     """
     x, y = inner
     outer_x = x + 2 * thickness
-    pieces = [_block((outer_x, y + 2 * thickness, floor), (0, 0, 0))]
+    pieces = [solids.box((outer_x, y + 2 * thickness, floor), (0, 0, 0))]
     for sign in (-1, 1):
-        pieces.append(_block((thickness, y, height - floor), (sign * (x + thickness) / 2, 0, floor)))
-        pieces.append(_block((outer_x, thickness, height - floor), (0, sign * (y + thickness) / 2, floor)))
+        pieces.append(solids.box((thickness, y, height - floor), (sign * (x + thickness) / 2, 0, floor)))
+        pieces.append(solids.box((outer_x, thickness, height - floor), (0, sign * (y + thickness) / 2, floor)))
     return pieces
 
 
@@ -111,9 +113,3 @@ def coarse(points: ArrayLike, directions: int = 60) -> Piece:
     tilted = spread[-6:, None] + 1e-3 * spread[None, :-6:4]  # all corners of flat sides, not one of them
     spread = np.concatenate([spread, tilted.reshape(-1, 3)])
     return hull(points[np.unique((points @ spread.T).argmax(axis=0))])
-
-
-def _block(size: Sequence[float], bottom: Sequence[float]) -> Piece:
-    piece = trimesh.creation.box(size)
-    piece.apply_translation((bottom[0], bottom[1], bottom[2] + size[2] / 2))
-    return piece

@@ -186,7 +186,7 @@ def cut(solid: Solid, *tools: Solid) -> Solid:
 
 
 def above(solid: Solid, z: float) -> Solid:
-    """What of the solid lies above the height ``z``, closed by a flat bottom."""
+    """Return the part of the solid above the height ``z``, closed by a flat bottom."""
     return _from_manifold(_to_manifold(solid).trim_by_plane([0.0, 0.0, 1.0], z))
 
 
