@@ -1,4 +1,4 @@
-"""What the objects' own code imports: all of it decides what is built, so all of it is in the hash of a model."""
+"""Imports of the objects' own code: each decides the result, so each is in the hash of a model."""
 
 from __future__ import annotations
 

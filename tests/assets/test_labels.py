@@ -1,4 +1,4 @@
-"""What a till reads: bar codes are real EAN-13, and scanners read them off the products."""
+"""Bar codes are real EAN-13, and scanners read them off the products."""
 
 from __future__ import annotations
 
@@ -81,13 +81,13 @@ def test_a_stamp_that_leaves_the_picture_is_refused() -> None:
 
 
 def _read(picture: np.ndarray) -> str:
-    """What OpenCV's detector reads on a picture laid on white."""
+    """Code that OpenCV's detector reads on a picture laid on white."""
     framed = np.pad(picture, ((60, 60), (60, 60), (0, 0)), constant_values=255)
     return cv2.barcode.BarcodeDetector().detectAndDecode(np.ascontiguousarray(framed))[0]
 
 
 def _shows(picture: np.ndarray, bars: np.ndarray) -> bool:
-    """Whether some row of the picture holds the bars, at one of the widths in use."""
+    """True if some row of the picture holds the bars, at one of the widths in use."""
     dark = (picture.max(axis=2) < 64).astype(np.uint8)
     drawn = [np.repeat(bars, module).astype(np.uint8).tobytes() for module in (2, 3, 5)]
     return any(code in row.tobytes() for row in dark for code in drawn)

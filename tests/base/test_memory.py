@@ -1,4 +1,4 @@
-"""How much memory is left is what the system and the control groups say."""
+"""Free memory by the system and the control groups."""
 
 from __future__ import annotations
 

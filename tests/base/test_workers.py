@@ -38,7 +38,7 @@ def vanish(_task: int) -> None:
 
 
 def nothing_left() -> bool:
-    """Whether all processes that this one started end by themselves."""
+    """True if all processes that this one started end by themselves."""
     return _before_long(lambda: not multiprocessing.active_children())
 
 

@@ -1,4 +1,4 @@
-"""What may stand beside a task."""
+"""Clutter beside a task."""
 
 from vcage.objects.bystanders import bystanders
 from vcage.objects.library import Library

@@ -16,7 +16,7 @@ from vcage.objects.convex import load_convex
 from vcage.objects.importers.looks import load_surfaces, parts_of
 from vcage.objects.importers.urdf import read_urdf
 from vcage.objects.mesh_files import MeshFiles
-from vcage.objects.textures import tell_textures
+from vcage.objects.textures import report_unseen_textures
 
 TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl wood\nf 1/1 2/2 3/3\n"
 
@@ -52,7 +52,9 @@ def pipe(path: Path) -> Path:
     return path
 
 
-@pytest.mark.parametrize("read", [load_surfaces, lambda path: tell_textures(path, print)], ids=["mesh", "textures"])
+@pytest.mark.parametrize(
+    "read", [load_surfaces, lambda path: report_unseen_textures(path, print)], ids=["mesh", "textures"]
+)
 @pytest.mark.parametrize("name", ["wood.png", "look.mtl", "a.obj"])
 def test_a_pipe_that_an_obj_names_is_refused_by_name(tmp_path, read, name) -> None:
     path = obj(tmp_path)
@@ -61,7 +63,9 @@ def test_a_pipe_that_an_obj_names_is_refused_by_name(tmp_path, read, name) -> No
         read(path)
 
 
-@pytest.mark.parametrize("read", [load_surfaces, lambda path: tell_textures(path, print)], ids=["mesh", "textures"])
+@pytest.mark.parametrize(
+    "read", [load_surfaces, lambda path: report_unseen_textures(path, print)], ids=["mesh", "textures"]
+)
 @pytest.mark.parametrize("name", ["gltf_buffer_0.bin", "image_0.png"])
 def test_a_pipe_that_a_gltf_names_is_refused_by_name(tmp_path, read, name) -> None:
     path = gltf(tmp_path, name)
@@ -72,7 +76,7 @@ def test_a_pipe_that_a_gltf_names_is_refused_by_name(tmp_path, read, name) -> No
 def test_a_picture_in_a_buffer_of_its_own_is_not_called_missing(tmp_path) -> None:
     path = gltf(tmp_path, "image_0.png")
     (tmp_path / "image_0.png").unlink()
-    tell_textures(path, pytest.fail)
+    report_unseen_textures(path, pytest.fail)
 
 
 def test_a_texture_elsewhere_in_the_object_is_read_and_one_outside_of_it_is_not(tmp_path) -> None:
@@ -84,14 +88,14 @@ def test_a_texture_elsewhere_in_the_object_is_read_and_one_outside_of_it_is_not(
     for root, colour in ((tmp_path / "object", [1, 2, 200]), (None, [255, 255, 255])):
         (part,) = parts_of(load_surfaces(path, root), np.eye(3), np.zeros(3))
         assert part.texture[0, 0].tolist() == colour
-        tell_textures(path, told.append, root)
+        report_unseen_textures(path, told.append, root)
     assert len(told) == 1 and "'../images/wood.png' is missing" in told[0]
 
 
 def test_a_texture_is_looked_for_beside_its_library_of_materials(tmp_path) -> None:
     path = obj(tmp_path, library="materials/look.mtl")
     Image.new("RGB", (4, 4), (1, 2, 200)).save(tmp_path / "materials" / "wood.png")
-    tell_textures(path, pytest.fail)
+    report_unseen_textures(path, pytest.fail)
     (part,) = parts_of(load_surfaces(path), np.eye(3), np.zeros(3))
     assert part.texture[0, 0].tolist() == [1, 2, 200]
 

@@ -1,4 +1,4 @@
-"""What is wrong with a model's description is named: that of an imported object is the user's file."""
+"""Errors in a model's description name the field: that of an imported object is the user's file."""
 
 from __future__ import annotations
 

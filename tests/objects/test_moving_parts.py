@@ -60,7 +60,7 @@ def _surface(asset: Asset, link: str | None, samples: int) -> np.ndarray:
 
 
 def _outside(asset: Asset, link: str | None, points: np.ndarray) -> float:
-    """How far the nearest of the points lies outside a part; negative when one is inside."""
+    """Distance of the nearest point from a part; negative when one is inside."""
     return float(np.min([piece.outside(points).min() for piece in asset.pieces_of(link)]))
 
 
@@ -79,7 +79,7 @@ def _least_gap(asset: Asset, share: float, samples: int) -> float:
 
 
 def _palm_room(asset: Asset, contact: ContactPoint) -> tuple[float, float]:
-    """How far a palm at a contact point keeps from the table and from all parts, metres; negative inside them."""
+    """Distance of a palm at a contact point from the table and all parts, metres; negative inside them."""
     box = np.array(list(itertools.product(*(np.linspace(-0.5, 0.5, 15) * size for size in PALM))))
     approach, closing = np.array(contact.approach), np.array(contact.closing)
     middle = np.array(contact.position) - (PALM_OFFSET + PALM[2] / 2) * approach

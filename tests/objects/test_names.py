@@ -1,4 +1,4 @@
-"""How well words name a kind: all of them count."""
+"""Matching of words with the name of a kind: every word counts."""
 
 from __future__ import annotations
 

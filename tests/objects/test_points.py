@@ -1,4 +1,4 @@
-"""What is wrong between an annotation and its model is found where the model is first made."""
+"""Misfits of an annotation and its model are found when the model is first built."""
 
 from __future__ import annotations
 

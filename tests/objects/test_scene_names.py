@@ -1,4 +1,4 @@
-"""Which objects the words of a sentence may mean."""
+"""Objects of a scene that a sentence names."""
 
 from __future__ import annotations
 

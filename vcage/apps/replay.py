@@ -196,13 +196,13 @@ def compare_pictures(reader: EpisodeReader, drawn: Iterator[Mapping[str, np.ndar
         reader: the file.
         drawn: (H, W, 3) uint8 by camera, for each frame.
     """
-    kept = {name: reader.images(name) for name in reader.cameras if reader.holds_pictures(name)}
+    stored = {name: reader.images(name) for name in reader.cameras if reader.holds_pictures(name)}
     digests = {name: hashlib.sha256() for name in reader.cameras}
-    differences: dict[str, list[tuple[int, int]]] = {name: [] for name in kept}
+    differences: dict[str, list[tuple[int, int]]] = {name: [] for name in stored}
     for index, pictures in enumerate(drawn):
         for name, digest in digests.items():
             digest.update(np.ascontiguousarray(pictures[name]).tobytes())
-        for name, images in kept.items():
+        for name, images in stored.items():
             if index >= len(images):
                 continue  # the states tell of it
             gap = int(np.abs(images[index].astype(np.int16) - pictures[name]).max())
@@ -212,7 +212,7 @@ def compare_pictures(reader: EpisodeReader, drawn: Iterator[Mapping[str, np.ndar
         recorded, of = reader.recorded_digest(name), f"the picture of {name}"
         if differences.get(name):
             found[name] = Difference(of, differences[name][0][0], max(gap for _, gap in differences[name]))
-        elif recorded is None and name not in kept:
+        elif recorded is None and name not in stored:
             found[name] = "not kept"
         else:
             found[name] = "equal" if recorded in (None, digest.hexdigest()) else Difference(of)

@@ -1,4 +1,4 @@
-"""Commands that are told to whoever reads: as they stand they run in any shell, from any folder, with any PATH."""
+"""Commands for messages: they run as printed, in any shell, from any folder, with any PATH."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from contextvars import ContextVar
 from pathlib import Path
 
 CALLED: ContextVar[str] = ContextVar("called", default="")
-"""The command that this process carries out, as it can be given again; empty in programs of others."""
+"""The command that this process runs, as a user can repeat it; empty in other programs."""
 
 
 def vcage_command(*words: object) -> str:
-    """A command of ours, by the path of this environment's program: agents' shells rarely have it on their PATH.
+    """Return a command of ours with the full path of the program: agents' shells rarely have it on their PATH.
 
     Args:
         words: of the command; paths must be absolute.
@@ -52,10 +52,10 @@ def goes_on_with(command: str, run: Path, subcommands: Collection[str]) -> bool:
 
 
 def joined(words: Iterable[object]) -> str:
-    """Words as a shell takes them; what is no text, as a file's name may be, cannot be told."""
+    """Quote words for a shell; a part of a file name that is no text becomes a question mark."""
     return shlex.join(map(str, words)).encode(errors="replace").decode()
 
 
 def pip_command(*words: str) -> str:
-    """The command with which pip installs something into this environment."""
+    """Return the command that installs something with pip into this environment."""
     return shlex.join([sys.executable, "-m", "pip", "install", *words])

@@ -26,17 +26,17 @@ def distinct_colours(count: int) -> list[Colour]:
 
 
 VIEW, EDGE, CAPTION = 640, 16, 30
-"""Of a contact sheet: usual width of a view, space around it, and height of the line above it, pixels."""
+"""Of a contact sheet, pixels: default width of a view, space around it, and height of the caption above it."""
 
 WORDS = 20
-"""Height of its words, pixels."""
+"""Text height of a contact sheet, pixels."""
 
 
 def contact_sheet(views: Sequence[tuple[str, np.ndarray]], columns: int = 2, view: int = VIEW) -> np.ndarray:
-    """Captions and pictures, (H, W, 3) uint8, side by side at one width.
+    """Arrange captions and pictures, (H, W, 3) uint8, side by side at one width.
 
     Args:
-        views: what they are called, and they.
+        views: caption and picture of each.
         columns: how many to a row.
         view: width of each, pixels.
 
@@ -62,7 +62,7 @@ def _at_width(picture: np.ndarray, view: int) -> np.ndarray:
 
 
 class Canvas:
-    """A picture to draw on, which remembers where labels are.
+    """A picture to draw on; it remembers the places of labels.
 
     Args:
         picture: (H, W, 3) uint8.
@@ -82,7 +82,7 @@ class Canvas:
         return np.array(self.image.convert("RGB"))
 
     def text(self, at: tuple[float, float], words: str, fill: Colour = INK, size: int | None = None) -> None:
-        """Words with their upper left corner at ``at``.
+        """Write words with their upper left corner at ``at``.
 
         Args:
             at: (u, v) of the corner, pixels.
@@ -93,11 +93,11 @@ class Canvas:
         self.draw.text(at, words, fill=fill, font=ImageFont.load_default(size) if size else self.font)
 
     def paste(self, at: tuple[int, int], picture: np.ndarray) -> None:
-        """A (H, W, 3) uint8 picture with its upper left corner at ``at``, (u, v) in pixels."""
+        """Paste a (H, W, 3) uint8 picture with its upper left corner at ``at``, (u, v) in pixels."""
         self.image.paste(Image.fromarray(picture), at)
 
     def arrow(self, start: Sequence[float], end: Sequence[float], colour: Colour, width: int = 3) -> None:
-        """An arrow with a light rim, from ``start`` to ``end`` in pixels; nothing where they meet.
+        """Draw an arrow with a light rim from ``start`` to ``end``; none where they nearly meet.
 
         Args:
             start, end: (u, v), pixels.
@@ -117,12 +117,12 @@ class Canvas:
             self.draw.polygon([tuple(p) for p in head], fill=fill)
 
     def keep_clear(self, box: Sequence[float]) -> None:
-        """Ask later labels not to cover ``box`` (u0, v0, u1, v1) if they can help it."""
+        """Make later labels avoid ``box`` (u0, v0, u1, v1) where possible."""
         u0, v0, u1, v1 = box
         self._things.append((u0, v0, u1, v1))
 
     def label(self, box: Sequence[float], words: str, colour: Colour) -> None:
-        """A filled label beside ``box`` (u0, v0, u1, v1), where it covers no other label if there is such a place.
+        """Draw a filled label beside ``box`` (u0, v0, u1, v1), clear of other labels where possible.
 
         Args:
             box: that it names, pixels.
@@ -140,7 +140,7 @@ class Canvas:
         self.draw.text((corner[0] + pad - left, corner[1] + pad - top), words, fill=(255, 255, 255), font=self.font)
 
     def _covered(self, corner: np.ndarray, size: np.ndarray) -> float:
-        """Area of other labels, and a quarter as bad of things, under a label whose upper left corner is there."""
+        """Area of labels, and a quarter of that of boxes to keep clear, under a label with this upper left corner."""
         area = 0.0
         for boxes, weight in ((self._labels, 4.0), (self._things, 1.0)):
             for u0, v0, u1, v1 in boxes:

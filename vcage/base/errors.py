@@ -136,8 +136,8 @@ class UnreadInstruction(UsageError):
             why: what is wrong with it.
             understood: the clauses that were.
         """
-        told = "; ".join(repr(clause) for clause in understood)
-        rest = f"understood is {told}; say the rest otherwise, or leave it out" if told else ""
+        clauses = "; ".join(repr(clause) for clause in understood)
+        rest = f"understood is {clauses}; say the rest otherwise, or leave it out" if clauses else ""
         return cls(
             f"{words!r} in {instruction!r} is not understood: {why}",
             hint=rest or "write it like 'Put the blocks on the plate'",

@@ -1,4 +1,4 @@
-"""Folders of others: which names in them count, in which order, and where links lead.
+"""Walk folders of users: visible names in natural order, with links followed.
 
 Names that begin with a dot belong to the system or to tools (``._episode_0.hdf5``, ``.DS_Store``, ``.cache``) and are
 passed over. Links to folders are followed; a folder that lies in itself is entered once.

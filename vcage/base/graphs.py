@@ -9,7 +9,7 @@ Edge = tuple[str, str]
 
 
 def circles(edges: Iterable[Edge]) -> list[list[str]]:
-    """Circles that share no node, each in the order of its edges, until there is none without a node of these."""
+    """Find circles without common nodes, each in the order of its edges, until every other circle touches them."""
     left, found = list(dict.fromkeys(edges)), []
     while True:
         try:
@@ -31,7 +31,7 @@ def _sorter(edges: Iterable[Edge]) -> TopologicalSorter[str]:
 
 
 def longest_path(lengths: Mapping[Edge, float], ends: Mapping[str, float]) -> tuple[float, list[str]]:
-    """Length and nodes of the longest path in a graph without circles; 0 and none where there are no edges.
+    """Find the longest path in a graph without circles: length and nodes; 0 and none without edges.
 
     Args:
         lengths: of the edges.

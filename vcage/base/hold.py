@@ -1,4 +1,4 @@
-"""A folder for one process alone: refused to others while it is worked in, or waited for while it is made."""
+"""Exclusive use of a folder: other processes are refused, or wait."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from vcage.base.errors import FolderInUse, OutputFolderError
 from vcage.base.leftovers import sweep_scratch
 
 IN_USE = "in-use"
-"""File in a folder in which a process works: says which."""
+"""File that names the process that works in its folder."""
 
 
 @contextlib.contextmanager
 def held(folder: Path) -> Iterator[None]:
-    """Keep a folder to work in for this process alone; the system lets go of it however the process ends.
+    """Lock a folder for this process; the system releases the lock however the process ends.
 
     Raises:
         FolderInUse: another process holds it; says which.
@@ -50,6 +50,6 @@ def held(folder: Path) -> Iterator[None]:
 
 @contextlib.contextmanager
 def one_at_a_time(folder: Path) -> Iterator[None]:
-    """Wait while another process is in such a block about the same folder of the cache, which both would make."""
+    """Wait while another process makes the same folder of the cache in such a block."""
     with FileLock(f"{folder}.lock"):
         yield

@@ -1,4 +1,4 @@
-"""Packages that another package imports and that nothing here needs."""
+"""Skip slow imports of other packages that nothing here needs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Finished work, known again by what it was made from: stages, episodes, packed recordings, proofs, clips."""
+"""Records of finished work, compared by their inputs: stages, episodes, packed recordings, proofs, clips."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class WorkRecord(Protocol):
 
     @property
     def made_from(self) -> Any:
-        """Everything that the work depends on; two that are equal gave the same work."""
+        """Everything that the work depends on; equal inputs give the same work."""
 
     @classmethod
     def read(cls, path: Path) -> Self:
@@ -45,7 +45,7 @@ class Keeper(Generic[K]):
     made_from: Any
 
     def found(self) -> K:
-        """The record that is there, whatever it was made from.
+        """Read the record, whatever its inputs.
 
         Raises:
             MissingStage: there is none.
@@ -58,7 +58,7 @@ class Keeper(Generic[K]):
         return record.made_from == self.made_from
 
     def kept(self) -> K | None:
-        """The record if the work need not be done again; None where it is missing, damaged, or made from another."""
+        """Return the record of work with the same inputs; None where it is missing, damaged, or has other inputs."""
         with contextlib.suppress(InputFileError):
             record = self.found()
             return record if self.knows(record) else None

@@ -62,10 +62,10 @@ _remembering: WeakSet[functools._lru_cache_wrapper] = WeakSet()
 
 
 def remembered(most: int) -> Callable[[Callable[P, R]], Callable[P, R]]:
-    """A decorator like :func:`functools.lru_cache`, for answers about one scene: :func:`forget` drops them.
+    """Decorate like :func:`functools.lru_cache`, for results about one scene, which :func:`forget` drops.
 
     Args:
-        most: answers that are remembered.
+        most: results in the cache.
     """
 
     def remembering(function: Callable[P, R]) -> Callable[P, R]:
@@ -77,6 +77,6 @@ def remembered(most: int) -> Callable[[Callable[P, R]], Callable[P, R]]:
 
 
 def forget() -> None:
-    """Drop all answers that are remembered, once the scene that they are about is done with: the next differs."""
+    """Drop all remembered results when a scene is finished: the next one differs."""
     for cached in list(_remembering):
         cached.cache_clear()

@@ -1,4 +1,4 @@
-"""Names of work that is being written, and how to mend what a killed process left under them."""
+"""Names of partial work, and its repair after a killed process."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ import shutil
 from pathlib import Path
 
 PARTIAL = ".partial-"
-"""Marks what is being written; anything so named may be deleted when nothing runs."""
+"""Marks partial work; it may be deleted when nothing runs."""
 
 REPLACED = ".replaced-"
-"""Marks a finished folder that is being replaced; restored if the replacement never came."""
+"""Marks a finished folder under replacement; it is restored if the replacement failed."""
 
 
 def is_written(part: Path) -> bool:

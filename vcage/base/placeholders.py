@@ -1,4 +1,4 @@
-"""Files that stand for others: pointers of Git LFS, git-annex and Xet, links without a target, shadows of macOS."""
+"""Placeholders of files: pointers of Git LFS, git-annex and Xet, links without a target, AppleDouble files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Begin processes: forked from one that has imported what they need, without this program's script."""
+"""Start processes: forked from one with the needed imports, without this program's script."""
 
 from __future__ import annotations
 

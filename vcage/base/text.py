@@ -1,4 +1,4 @@
-"""Words of others in a line of ours, and lists of them."""
+"""Foreign text in our messages: one line, visible characters, lists."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""An end to what takes too long."""
+"""A time limit for a block of code."""
 
 from __future__ import annotations
 
@@ -56,9 +56,9 @@ def time_limit(seconds: float, repeat_s: float = 1.0) -> Iterator[None]:
 
 @contextmanager
 def undisturbed() -> Iterator[None]:
-    """Keep :class:`TimeIsUp` back until the end of what must not be left half done (a block or a decorated function).
+    """Delay :class:`TimeIsUp` to the end of a block or decorated function that must not stop halfway.
 
-    So is drawing: a world that goes away while the driver still draws it takes the whole process with it.
+    Drawing is one: destroying a world that the driver still draws kills the process.
     """
     if threading.current_thread() is not threading.main_thread():
         yield

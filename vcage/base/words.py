@@ -1,4 +1,4 @@
-"""Words: lemmas, number words, colours, kinds of kinds, and how alike two words are spelled."""
+"""Words: lemmas, number words, colours, categories, and similarity of spelling."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ NO_PLURAL = frozenset(
     ["scissors", "pliers", "tongs", "tweezers", "headphones", "glasses", "cutlery", "stationery", "bus", "gas",
      "chess", "electronics"]
 )  # fmt: skip
-"""Words that end like a plural and are none."""
+"""Words that end like a plural and are singular."""
 
 NUMBERS = {
     "a": 1, "an": 1, "one": 1, "two": 2, "both": 2, "couple": 2, "pair": 2, "three": 3, "few": 3, "several": 3,
@@ -110,7 +110,7 @@ SIDES = {
     "left": "left", "leftmost": "left", "right": "right", "rightmost": "right", "front": "front", "back": "back",
     "rear": "back", "middle": "middle", "central": "middle", "centre": "middle", "center": "middle",
 }  # fmt: skip
-"""Words that tell one object from its likes by where it stands, as the robot sees it → the side in one spelling."""
+"""Words for the side on which an object stands, as the robot sees it → the side in one spelling."""
 
 HIGHEST = ("top", "upper", "uppermost", "topmost", "highest")
 LOWEST = ("bottom", "lower", "bottommost", "lowest")
@@ -165,7 +165,7 @@ def colour_of(text: str) -> str | None:
 
 
 def look_words(text: str) -> frozenset[str]:
-    """The words of a text that may tell a look, colours in one spelling: ``black and gray`` → {``black``, ``grey``}."""
+    """Return the words of a text that may describe a look: ``black and gray`` → {``black``, ``grey``}."""
     return frozenset(colour_of(word) or lemma(word) for word in tokens(text) if word not in _JOINING)
 
 

@@ -1,4 +1,4 @@
-"""The work of a worker process: it answers each task, and ends with the process that began it."""
+"""A worker process: it answers each task, and ends with its parent."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""The machine's cores: work in processes of their own, and how many threads the numerical libraries take.
+"""Worker processes, and the number of threads of numerical libraries.
 
-Processes end with the one that started them, however it ends.
+Worker processes end with their parent, however it ends.
 """
 
 from __future__ import annotations
@@ -51,10 +51,10 @@ def cores() -> int:
 
 
 def load_ahead(module: str) -> None:
-    """Begin to import a module that processes will need, in a process of its own, beside what this one does meanwhile.
+    """Begin to import a module for later processes, in a separate process and in parallel to this one.
 
-    To be called before any process is begun: all are then forked from the one that has imported it. With one core there
-    is nothing beside, and nothing happens.
+    To be called before any process is started: all are then forked from the one with the import. With one core nothing
+    happens.
 
     Args:
         module: its name. An ImportError is left to whoever needs it; with another error no process can be begun.
@@ -64,9 +64,9 @@ def load_ahead(module: str) -> None:
 
 
 def in_processes(work: Callable[[T], R], tasks: Sequence[T], workers: int) -> Iterator[R]:
-    """Results of ``work`` as they are finished, not in the order of the tasks.
+    """Yield results of ``work`` as they are finished, not in the order of the tasks.
 
-    With one worker or one task it happens in this process. An error of a task ends the others and is raised here;
+    With one worker or one task the work happens in this process. An error of a task ends the others and is raised here;
     so does leaving the iterator.
 
     Args:
@@ -85,7 +85,7 @@ def in_processes(work: Callable[[T], R], tasks: Sequence[T], workers: int) -> It
 
 
 class ThisProcess(Generic[T, R]):
-    """Does what :class:`Processes` does, in this process: one task after the other, when a result is asked for.
+    """Replacement of :class:`Processes` in this process: one task after the other, when a result is asked for.
 
     Args:
         work: a function.
@@ -102,7 +102,7 @@ class ThisProcess(Generic[T, R]):
         self._waiting.clear()
 
     def submit(self, task: T) -> None:
-        """Something to work on."""
+        """Add a task."""
         self._waiting.append(task)
 
     def results(self) -> Iterator[R]:
@@ -113,7 +113,7 @@ class ThisProcess(Generic[T, R]):
 
 @dataclass(eq=False)
 class _Process:
-    """A process, the way to it, and what it works on since when (:func:`time.monotonic`)."""
+    """A process, the connection to it, its task, and the task's start (:func:`time.monotonic`)."""
 
     process: BaseProcess
     connection: Connection
@@ -121,7 +121,7 @@ class _Process:
     since: float
 
     def dismiss(self) -> None:
-        """Let a process that has nothing to do end by itself, so that it leaves nothing behind."""
+        """Let an idle process end by itself, so that it cleans up."""
         self.connection.close()
         self.process.join(SETTINGS.end_s)
         self.process.kill()
@@ -160,7 +160,7 @@ class Processes(Generic[T, R]):
             process.end()
 
     def submit(self, task: T) -> None:
-        """Something to work on, begun as soon as a process is free."""
+        """Add a task; it begins as soon as a process is free."""
         self._waiting.append((task, 1))
         self._begin()
 
@@ -194,7 +194,7 @@ class Processes(Generic[T, R]):
                 self._lost(process, f"gave no answer for {self._limit_s:.0f} s")
 
     def _begin(self) -> None:
-        """Give free processes, or new ones while there may be more, what waits."""
+        """Give waiting tasks to free processes, or to new ones up to the limit."""
         while self._waiting and len(self._busy) < self._workers:
             process = self._idle.pop() if self._idle else self._started()
             process.task, process.since = self._waiting.popleft(), time.monotonic()

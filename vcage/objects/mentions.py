@@ -1,7 +1,7 @@
-"""Names in a sentence, found without a grammar: the longest that begins at a word, and the nouns that name kinds.
+"""Find names and nouns of kinds in a sentence, without a grammar.
 
-Nouns serve checks that must not object to a sentence that was read right: where a word may be something else, it is
-passed over.
+The nouns serve checks that must accept a sentence that was read correctly: a word that may be something else does not
+count.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ class Noun:
         return self.number not in (None, 1) or is_plural(head) or head in MASS_KINDS
 
     def may_mean(self, entry: CatalogueEntry) -> bool:
-        """Check if an object of this kind may be called so, its colour aside."""
+        """True if the noun may name an object of this kind, its colour aside."""
         if not self.name:
             return True
         names, head = names_of(entry), self.name[-1]
@@ -85,7 +85,7 @@ class Noun:
 
 
 def nouns(sentence: str, entries: Iterable[CatalogueEntry]) -> list[Noun]:
-    """The nouns of a sentence that name kinds among the entries, in its order."""
+    """Find the nouns that name kinds among the entries, in the order of the sentence."""
     words, known = marked_tokens(sentence), _vocabulary(entries)
     found, at, last = list[Noun](), 0, 0
     while at < len(words):
@@ -100,13 +100,13 @@ def nouns(sentence: str, entries: Iterable[CatalogueEntry]) -> list[Noun]:
 
 
 def full_names(entries: Iterable[CatalogueEntry]) -> frozenset[Name]:
-    """The names and synonyms of some kinds that name them by themselves."""
+    """Return the names and synonyms that name a kind without more words."""
     named = {tuple(name) for names in map(names_of, entries) for name in (names.words, *names.synonyms)}
     return frozenset(name for name in named if len(name) > 1 or name[0] not in NO_NAMES)
 
 
 def names_in(said: Sequence[str], names: Collection[Name], taken: Collection[int]) -> list[str]:
-    """Words of a sentence that are one of some names.
+    """Find the names in a sentence.
 
     Args:
         said: the sentence's tokens.
@@ -155,7 +155,7 @@ def exact_count(word: str) -> int | None:
 
 
 def _vocabulary(entries: Iterable[CatalogueEntry]) -> frozenset[Name]:
-    """Names of kinds, the heads of their proper names, and words for the kinds of things that they are."""
+    """Collect the names of kinds, the heads of these names, and words for categories."""
     found: set[Name] = {(word,) for word in (*KINDS, *CATEGORIES)}
     for entry in entries:
         names = names_of(entry)
@@ -165,7 +165,7 @@ def _vocabulary(entries: Iterable[CatalogueEntry]) -> frozenset[Name]:
 
 
 def _is_something_else(words: Sequence[str], at: int, end: int, last: int, known: Collection[Name]) -> bool:
-    """Check if the words may be a verb, or say what kind of another thing is meant.
+    """True if the words may be a verb, or qualify another noun.
 
     Args:
         words: of the sentence.
@@ -184,7 +184,7 @@ def _is_something_else(words: Sequence[str], at: int, end: int, last: int, known
 
 
 def _is_noun(word: str) -> bool:
-    """Check if a word after a noun may make it part of a longer name that is not known."""
+    """True if a word after a noun may continue it to a longer, unknown name."""
     return word.isalpha() and word not in _KNOWN | PARTS | AFTER_A_NOUN and not word.endswith(("s", "ing"))
 
 
@@ -199,7 +199,7 @@ def _noun(words: Sequence[str], at: int, end: int, name: Name, last: int) -> Nou
 
 
 def _describes(words: Sequence[str], at: int) -> bool:
-    """Check if a word before a noun is an adjective of it: a colour, "and" between colours, or no word that we know."""
+    """True if a word before a noun is its adjective: a colour, "and" between colours, or an unknown word."""
     if words[at] == "and":
         return at > 0 and words[at - 1] in COLOURS and words[at + 1] in COLOURS
     return words[at].isalpha() and words[at] not in _KNOWN
@@ -219,7 +219,7 @@ def _number(before: Sequence[str]) -> int | None:
 
 
 def _all_said(words: Name, entry: CatalogueEntry) -> bool:
-    """Check if all words are in what an entry says of the kind."""
+    """True if the texts of an entry contain all words."""
     said = [word for text in texts_of(entry) for word in lemmas(text)]
     return all(any(_akin(word, other) for other in said) for word in words)
 

@@ -1,6 +1,6 @@
-"""From a built object to files: one GLB for the eye, convex OBJs for physics, and a short description.
+"""Write a built object to files, and read them: a GLB to render, convex OBJs for physics, and a short description.
 
-SAPIEN reads a GLB's coordinates as they are, so files are written z up although glTF calls y up. A moving part has
+SAPIEN reads a GLB's coordinates unchanged, so files are z up although glTF is y up. A moving part has
 its files in a sub-folder of its name.
 """
 
@@ -75,19 +75,17 @@ def read_model(folder: Path) -> PhysicalModel:
     data = read_json(path)
     with schema_errors(path):
         model = _ModelFile.model_validate(data)
-        return PhysicalModel(
-            **_meshes(folder, model.hulls),
-            lower=model.lower,
-            upper=model.upper,
-            mass=model.mass,
-            friction=model.friction,
-            links=[_read_link(link, folder) for link in model.links],
-        )
+        links = [
+            MovingLink(**_meshes(folder / link.name, link.hulls), **link.model_dump(exclude={"hulls"}))
+            for link in model.links
+        ]
+        known = model.model_dump(exclude={"hulls", "links"})
+        return PhysicalModel(**_meshes(folder, model.hulls), **known, links=links)
 
 
 @contextlib.contextmanager
 def schema_errors(path: Path) -> Iterator[None]:
-    """Turn what a record refuses into an error that names the file it is made from.
+    """Turn the refusal of a record into an error that names its file.
 
     Raises:
         SchemaMismatch: names file, field, the value, and what was expected.
@@ -116,11 +114,6 @@ def _write_link(part: MovingPart, origin: np.ndarray, folder: Path) -> dict[str,
         "mass": part.mass,
         "joint": part.joint.model_copy(update={"origin": shifted}).model_dump(),
     }
-
-
-def _read_link(link: _LinkFile, folder: Path) -> MovingLink:
-    meshes = _meshes(folder / link.name, link.hulls)
-    return MovingLink(name=link.name, parent=link.parent, joint=link.joint, mass=link.mass, **meshes)
 
 
 def _write_meshes(parts: Sequence[Part], hulls: Sequence[trimesh.Trimesh], origin: np.ndarray, folder: Path) -> None:

@@ -1,4 +1,4 @@
-"""Names of the catalogue's kinds: what each is called, whether a word or phrase may mean it, and which look alike."""
+"""Names of the catalogue's kinds: matching of words and phrases, and kinds that look alike."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ LOOK_ALIKE = frozenset(("bread", "pastry", "fruit", "vegetable", "cutlery"))
 """Kinds whose members resemble each other."""
 
 EXACT, SYNONYM, HEAD, KIND = 4, 3, 2, 1
-"""Words are a kind's name, another of its names, the head and more of a name, or a word for a kind of kinds."""
+"""Quality of a match: a kind's name, a synonym, the head and more of a name, or a word for a category."""
 
 _LIKE_COLOURS = (
     {"grey", "silver"},
@@ -22,7 +22,7 @@ _LIKE_COLOURS = (
     {"navy", "blue"},
     {"pink", "magenta", "purple"},
 )
-"""Colours that people take for one another."""
+"""Colours that people confuse."""
 
 _JOINTS = ("of", "with", "a", "an")
 
@@ -31,8 +31,8 @@ _PLACE_CATEGORIES = frozenset(("container", "furniture", "fixture", "appliance",
 
 
 class Names(NamedTuple):
-    """Lemmas of what an entry is called, the head of each name last. No name is empty: what has no Latin word gives
-    way to the entry's own name, and as a synonym it is dropped."""
+    """Lemmas of what an entry is called, the head of each name last. No name is empty: one without a
+    Latin word is replaced by the entry's own name, and dropped as a synonym."""
 
     words: list[str]
     plural: list[str]
@@ -85,19 +85,19 @@ def how_named(words: Sequence[str], entry: CatalogueEntry, look: Variant) -> int
     looks = {*lemmas(look.id), *lemmas(look.colour)} - COLOURS
     made_of = {f"{word}{end}" for word in looks if len(word) > 3 for end in ("en", "y")}
     rest = [word for word in words if word not in looks | made_of]
-    level = max(_name_level(told, name, names) for told in (words, rest) for name in names.all)
+    level = max(_name_level(stated, name, names) for stated in (words, rest) for name in names.all)
     if not level and len(words) == 1 and is_of_kind(words[0], entry, names):
         return KIND
     return level
 
 
 def _name_level(words: Sequence[str], name: Sequence[str], names: Names) -> int:
-    told, own = ([word for word in several if word not in _JOINTS] for several in (words, name))
-    if not told or not own:
+    stated, own = ([word for word in several if word not in _JOINTS] for several in (words, name))
+    if not stated or not own:
         return 0
-    if sorted(told) == sorted(own) or "".join(told) == "".join(own):
+    if sorted(stated) == sorted(own) or "".join(stated) == "".join(own):
         return EXACT if name in (names.words, names.plural, names.own) else SYNONYM
-    return HEAD if told[-1] == own[-1] and set(told) <= set(own) else 0
+    return HEAD if stated[-1] == own[-1] and set(stated) <= set(own) else 0
 
 
 def is_of_kind(word: str, entry: CatalogueEntry, names: Names) -> bool:
@@ -124,25 +124,25 @@ def head_means(head: str, entry: CatalogueEntry) -> bool:
 
 
 def texts_of(entry: CatalogueEntry) -> list[str]:
-    """All that an entry says of the kind."""
+    """Return the texts of an entry about the kind."""
     words = entry.words
     return [entry.name, words.name, words.plural, *words.synonyms, words.category, words.description]
 
 
 def look_texts(entry: CatalogueEntry) -> list[str]:
-    """All that an entry says of its looks."""
+    """Return the texts of an entry about its looks."""
     return [text for look in entry.variants for text in (look.id, look.colour, look.description)]
 
 
 def has_colour(entry: CatalogueEntry, colour: str) -> bool:
-    """Check if the object's look, or its name, has the colour or one that people take for it."""
+    """True if the object's look or name has the colour, or one that people confuse with it."""
     texts = [*look_texts(entry), *texts_of(entry)]
     known = {found for text in texts for word in tokens(text) if (found := colour_of(word))}
     return not known.isdisjoint({colour}.union(*(group for group in _LIKE_COLOURS if colour in group)))
 
 
 def confusable(entry: CatalogueEntry, other: CatalogueEntry) -> bool:
-    """Check if the two are called alike or are foods of one kind, which look alike."""
+    """True if the two have the same head noun, or are foods of one kind, which look alike."""
     a, b = names_of(entry).words[-1], names_of(other).words[-1]
     kinds = kinds_of(a, entry.words.category) & kinds_of(b, other.words.category)
     return a == b or bool(kinds & LOOK_ALIKE)

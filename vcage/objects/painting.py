@@ -15,7 +15,7 @@ from vcage.base.pictures import read_picture, write_picture
 from vcage.objects.modelling import materials, noise
 
 Painters = Mapping[str, Callable[[np.random.Generator], np.ndarray]]
-"""Name → what paints an (H, W, 3) uint8 picture."""
+"""Name → painter of an (H, W, 3) uint8 picture."""
 
 
 def painted(what: str, name: str, painters: Painters, source: str) -> np.ndarray:
@@ -32,10 +32,10 @@ def painted(what: str, name: str, painters: Painters, source: str) -> np.ndarray
     """
     if name not in painters:
         raise UnknownName(what, name, painters)
-    kept = cache_dir("textures") / f"{name}-{_hash_of(source)}.png"
-    if not kept.is_file():
-        write_picture(kept, painters[name](np.random.default_rng(len(name))))
-    picture = read_picture(kept)
+    cached = cache_dir("textures") / f"{name}-{_hash_of(source)}.png"
+    if not cached.is_file():
+        write_picture(cached, painters[name](np.random.default_rng(len(name))))
+    picture = read_picture(cached)
     picture.flags.writeable = False
     return picture
 

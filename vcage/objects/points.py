@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from vcage.base.errors import DamagedFile, SchemaMismatch
 from vcage.base.placeholders import require_fetched
 from vcage.objects.asset import Asset
-from vcage.objects.textures import tell_textures
+from vcage.objects.textures import report_unseen_textures
 from vcage.schema.asset import IMPORTED, Annotation
 
 logger = logging.getLogger(__name__)
@@ -89,7 +89,7 @@ def check_meshes(asset: Asset) -> None:
         if not whole:
             raise _broken(visual, "expected a whole binary glTF file")
         if asset.annotation.source in IMPORTED:
-            tell_textures(Path(visual), logger.warning)
+            report_unseen_textures(Path(visual), logger.warning)
     for link in (None, *(link.name for link in asset.model.links)):
         asset.pieces_of(link)  # reads them
 

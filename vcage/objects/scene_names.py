@@ -1,6 +1,6 @@
 """Find the objects of a scene that a sentence names: by names, synonyms, kinds, colours, sides and counts.
 
-A check of names, not a reader: it knows no verbs, and where a word may mean several objects it says so.
+It checks names and reads no grammar. Where a word may mean several objects, the mention has them all.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ class SceneNames:
         self._names |= self._in_full
 
     def mentions(self, sentence: str) -> list[Mention]:
-        """All words of a sentence that name objects, in its order; the longest names first."""
+        """Find the mentions of objects in a sentence, in its order; of overlapping names the longest."""
         said = words_of(sentence)
         found, at = list[Mention](), 0
         while at < len(said):
@@ -82,12 +82,14 @@ class SceneNames:
         return [self._lying_there(said, m, found[n + 1]) if n + 1 < len(found) else m for n, m in enumerate(found)]
 
     def means(self, name: str, ids: Collection[str]) -> bool:
-        """Check if a name means exactly these objects, whatever else is there."""
+        """True if a name means exactly these objects of the scene."""
         found = self.mentions(f"Take {name}")
         return len(found) == 1 and found[0].ids == frozenset(ids) and found[0].plural == (len(ids) > 1)
 
     def calls(self, ids: Collection[str], every: bool = False) -> list[str]:
-        """Names with an article that mean exactly these objects, the fullest first; several as one only if alike.
+        """Return names with an article that mean exactly these objects, the longest first.
+
+        Several objects have one name only if they are alike.
 
         Args:
             ids: one object, or several that shall have one name.
@@ -113,7 +115,7 @@ class SceneNames:
         return {name for name, entry in self._things.items() if names_of(entry).words[-1] in kinds}
 
     def _mention(self, said: Sequence[str], at: int, begun: int) -> Mention | None:
-        """The mention whose name begins here, if one does."""
+        """Return the mention whose name begins at a token, if any."""
         end = longest_name(said, at, self._names)
         start = self._start(said, at, begun)
         if end == at or (end == at + 1 and start == at and is_verb(said, at)):
@@ -130,7 +132,7 @@ class SceneNames:
         return at
 
     def _narrowed(self, said: Sequence[str], mention: Mention, name: int, full: bool) -> Mention:
-        """A mention with the objects that have its colour and side, and its count."""
+        """Keep of a mention the objects with its colour and side, and set its count."""
         ids, before = set(mention.ids), said[mention.start : name]
         colours = look_words(" ".join(word for word in before if word in COLOURS))
         ids = {i for i in ids if full or colours <= look_words(self._things[i].variants[0].colour)}
@@ -145,22 +147,21 @@ class SceneNames:
         return replace(mention, ids=frozenset(ids), count=count)
 
     def _is_at(self, ids: Collection[str], side: str, among: Collection[str]) -> bool:
-        """Check if the object is described so that a side tells it from its likes."""
+        """True if the descriptions place the object on this side of its likes."""
         (name,) = ids
         others = {*among} - {name}
         if not others:
-            told = {_SIDE_OF[d.relation] for d in self._descriptions if d.subject == name and d.relation in _SIDE_OF}
-            return side in told
+            return any(d.subject == name and _SIDE_OF.get(d.relation) == side for d in self._descriptions)
         placed = {word: others & self._placed.get((name, word), set()) for word in _INVERSE}
         if side == "middle":
             pairs = (("left_of", "right_of"), ("in_front_of", "behind"))
             return len(others) == 2 and any(
                 placed[a] and placed[b] and placed[a] | placed[b] == others for a, b in pairs
             )
-        return any(others == placed[word] for word, told in _SIDE_OF.items() if told == side and word in placed)
+        return any(others == placed[word] for word, at in _SIDE_OF.items() if at == side and word in placed)
 
     def _lying_there(self, said: Sequence[str], mention: Mention, after: Mention) -> Mention:
-        """A mention with those of its objects that lie in or on what is named right after it: the mug on the tray."""
+        """Keep of a mention the objects in or on the next mention: the mug on the tray."""
         between = said[mention.end : after.start]
         if len(mention.ids) < 2 or len(after.ids) != 1 or not between or not _WHERE.issuperset(between):
             return mention
@@ -169,7 +170,7 @@ class SceneNames:
 
 
 def _called(entry: CatalogueEntry) -> Iterator[Name]:
-    """All that an object of a kind may be called: its names, their endings, and words for the kinds of things it is."""
+    """Yield the names of a kind of objects: its own, their endings, and words for its categories."""
     names = names_of(entry)
     for name in names.all:
         yield from _endings(tuple(name))
@@ -185,13 +186,13 @@ def _gathered(named: Iterable[tuple[Name, str]]) -> dict[Name, set[str]]:
 
 
 def words_of(sentence: str) -> list[str]:
-    """The tokens of a sentence that mentions count; a bar code is no bar."""
+    """Return the tokens of a sentence as mentions count them; a bar code is no bar."""
     text = sentence.lower().replace("’", "'").replace("'s", "")
     return tokens(text.replace("bar code", "code").replace("barcode of", "code of"))
 
 
 def _endings(name: Name) -> Iterator[Name]:
-    """The name itself, and each of its endings that may stand for it: "pen" for "marker pen"."""
+    """Yield the name, and each of its endings that may replace it: "pen" for "marker pen"."""
     yield from [name] if len(name) > 1 or name[0] not in NO_NAMES else []
     yield from (name[n:] for n in range(1, len(name)) if not {name[n], name[-1]} & NO_NAMES)
 
@@ -214,7 +215,7 @@ def _side_after(said: Sequence[str], end: int) -> str | None:
 
 
 def _closure(descriptions: Sequence[Description]) -> dict[tuple[str, str], set[str]]:
-    """(object, relation) → the objects that it has this relation to, as far as it follows from the descriptions."""
+    """Map (object, relation) to the related objects, as far as the descriptions imply them."""
     pairs = {(d.subject, d.relation, d.reference) for d in descriptions if d.relation in _INVERSE}
     pairs |= {(b, _INVERSE[word], a) for a, word, b in pairs}
     while new := {(a, w, d) for a, w, b in pairs for c, v, d in pairs if b == c and w == v and a != d} - pairs:

@@ -1,4 +1,4 @@
-"""Pictures that a mesh file names, looked at before the mesh is read: trimesh passes over those it cannot open."""
+"""Check the textures that a mesh file names before it is read: trimesh ignores those it cannot open."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ Source = tuple[str, Path | bytes | None]
 """Name of a texture, and its file or content; None where the object has no such file, or the mesh no such content."""
 
 
-def tell_textures(path: Path, tell: Callable[[str], None], root: Path | None = None) -> None:
-    """Tell of each colour texture that cannot be seen on a mesh: its plain colour is seen in its place.
+def report_unseen_textures(path: Path, report: Callable[[str], None], root: Path | None = None) -> None:
+    """Report each colour texture of a mesh that cannot be shown; the plain colour of its material replaces it.
 
     Args:
         path: of the mesh: glTF, binary glTF, or OBJ with its materials.
-        tell: takes a sentence about each.
+        report: called with a sentence about each.
         root: folder of the object; by default the mesh's own.
 
     Raises:
@@ -37,7 +37,7 @@ def tell_textures(path: Path, tell: Callable[[str], None], root: Path | None = N
     for name, source in dict.fromkeys(_sources(path, MeshFiles(path, root))):
         why = "is missing" if source is None else _why_not(source, f"{path}: the texture {name!r}")
         if why:
-            tell(f"{path}: the texture {name!r} {why}; the plain colour of its material is seen")
+            report(f"{path}: the texture {name!r} {why}; the plain colour of its material is shown")
 
 
 def _why_not(source: Path | bytes, name: str) -> str:
@@ -51,7 +51,7 @@ def _why_not(source: Path | bytes, name: str) -> str:
 
 
 def _sources(path: Path, files: MeshFiles) -> Iterator[Source]:
-    """The colour textures that a mesh file names; none of a file that is no mesh, which whoever reads it refuses."""
+    """Yield the colour textures that a mesh file names; none for a file that is no mesh: reading it raises."""
     try:
         if path.suffix.lower() == ".obj":
             yield from _of_obj(path, files)

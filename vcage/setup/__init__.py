@@ -1,4 +1,4 @@
-"""Packages of others, fetched through the machine's own configuration: its apt sources and its pip index.
+"""Fetch packages through the machine's own configuration: its apt sources and its pip index.
 
-No address is written here, nothing needs root, and nothing outside the folder given is changed.
+This package contains no address, needs no root, and changes nothing outside the given folder.
 """

@@ -15,7 +15,7 @@ TOOLS = ("apt-get", "dpkg-deb")
 
 
 class AptMirror:
-    """The machine's mirrors, with package lists of our own in a scratch folder.
+    """The machine's mirrors, with separate package lists in a scratch folder.
 
     Args:
         work: an existing, empty folder; packages are downloaded into its sub-folder ``packages``.
@@ -35,21 +35,20 @@ class AptMirror:
         self._options = apt_sources.private_options(work, root)
         self._packages = work / "packages"
         self._packages.mkdir()
-        # A suite that is not there (a release without backports) does not matter as long as the packages are found;
-        # where they are not, it is the reason.
+        # A missing suite (a release without backports) matters only where a package is not found.
         command = ["apt-get", *self._options, "update", "-q"]
         self._complaint = subprocess.run(command, capture_output=True, text=True).stderr
 
     def download(self, names: Iterable[str]) -> list[Path]:
-        """The .deb files of packages, in the order of their file names.
+        """Download packages; returns their .deb files in the order of the names.
 
         Raises:
             FetchFailed: the mirrors do not answer or do not hold one of them.
         """
-        known = set(self._packages.glob("*.deb"))
+        before = set(self._packages.glob("*.deb"))
         command = ["apt-get", *self._options, "download", "-q", *sorted(names)]
         run(command, cwd=self._packages, context=self._complaint)
-        return sorted(set(self._packages.glob("*.deb")) - known)
+        return sorted(set(self._packages.glob("*.deb")) - before)
 
 
 def unpack_deb(package: Path, folder: Path) -> None:
@@ -62,7 +61,7 @@ def unpack_deb(package: Path, folder: Path) -> None:
 
 
 def field_of(package: Path, name: str) -> str:
-    """A field of a .deb file's description, such as ``Version`` or ``Depends``; empty where it has none.
+    """Return a field of a .deb file's description, such as ``Version``; empty where it has none.
 
     Raises:
         FetchFailed: the file is damaged.

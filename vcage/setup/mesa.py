@@ -23,10 +23,10 @@ ICD_NAME = "lvp_icd.json"
 DRIVER_PACKAGE = "mesa-vulkan-drivers"
 DRIVER_LIBRARY = "libvulkan_lvp.so"
 SAPIEN_NEEDS = ("libx11-6",)
-"""Packages whose libraries the wheel of SAPIEN links to without bringing them."""
+"""Packages whose libraries the wheel of SAPIEN links to and does not contain."""
 
 NEVER_FETCHED = ("libc6", "libvulkan1")
-"""The C library cannot be exchanged, and SAPIEN brings its own Vulkan loader."""
+"""The C library cannot be replaced, and SAPIEN has its own Vulkan loader."""
 
 BY_HAND = (
     "check that the mirror answers, or install your distribution's Mesa Vulkan drivers (24.3 or newer, with "
@@ -62,7 +62,7 @@ def install(folder: Path) -> Path:
 
 
 def _install_driver(part: Path, folder: Path) -> None:
-    """Make what was unpacked into ``part`` a driver that will lie in ``folder``."""
+    """Turn the packages unpacked into ``part`` into a driver that will lie in ``folder``."""
     drivers = sorted(part.glob(f"usr/lib/*/{DRIVER_LIBRARY}"))
     if not drivers:
         raise NoRenderer(f"{DRIVER_PACKAGE} of this machine's mirror holds no lavapipe", hint=BY_HAND)
@@ -71,7 +71,7 @@ def _install_driver(part: Path, folder: Path) -> None:
 
 
 def libraries(folder: Path) -> list[Path]:
-    """The shared libraries that came with the driver, without the driver itself; empty if nothing is there."""
+    """Return the shared libraries fetched with the driver, without the driver; empty where there is none."""
     found = [path for pattern in ("lib/*/*.so.*", "usr/lib/*/*.so.*") for path in sorted(folder.glob(pattern))]
     return [path for path in found if not path.is_symlink()]
 
@@ -110,7 +110,7 @@ def _download(work: Path) -> list[Path]:
 
 
 def _lacking(package: Path) -> set[str]:
-    """Names of the libraries that a package depends on and the machine has not, or not new enough."""
+    """Return the libraries that a package depends on and the machine lacks, or has in too old a version."""
     depends = apt.field_of(package, "Depends")
     lacking = set()
     for group in filter(None, (part.strip() for part in depends.split(","))):

@@ -1,4 +1,4 @@
-"""Draws one small picture with SAPIEN and says on stdout, as JSON, what came of it.
+"""Draw one small picture with SAPIEN and print the result as JSON.
 
 Run as a process of its own (``python -m vcage.setup.render_probe``), because a Vulkan driver that does not suit
 SAPIEN may abort instead of raising. :func:`vcage.setup.vulkan.probe` does that.
@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 
-WIDTH, HEIGHT = 64, 48
 MIN_CONTRAST = 0.05
 """Standard deviation of the colour values in [0, 1] that a lit red box before a grey background exceeds by far."""
 
@@ -24,7 +23,7 @@ def draw() -> dict[str, str | bool]:
     box = scene.create_actor_builder()
     box.add_box_visual(half_size=(0.1, 0.1, 0.1), material=(0.8, 0.1, 0.1))
     box.build_static()
-    camera = scene.add_camera("probe", WIDTH, HEIGHT, fovy=1.0, near=0.01, far=10)
+    camera = scene.add_camera("probe", width=64, height=48, fovy=1.0, near=0.01, far=10)
     camera.set_entity_pose(sapien.Pose([-0.5, 0, 0]))
     scene.update_render()
     camera.take_picture()

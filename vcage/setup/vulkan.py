@@ -1,14 +1,13 @@
 """The Vulkan driver that SAPIEN draws with: found on the machine, or taken from the user's cache.
 
 Not every driver that ``vulkaninfo`` lists suits SAPIEN (Mesa before 24.3 does not), so a driver counts only
-when it has drawn a picture. Drawing one takes seconds, so the decision is kept in the cache for as long as the
-machine's drivers stay the same.
+when it has drawn a picture. Drawing one takes seconds, so the decision is stored in the cache and holds as long
+as the machine's drivers stay the same.
 """
 
 from __future__ import annotations
 
 import ctypes
-import fcntl
 import json
 import logging
 import os
@@ -25,6 +24,7 @@ from typing import Literal
 from vcage.base import files
 from vcage.base.commands import vcage_command
 from vcage.base.errors import DamagedFile, NoRenderer, OutputFolderError
+from vcage.base.hold import one_at_a_time
 from vcage.setup import mesa
 
 logger = logging.getLogger(__name__)
@@ -84,8 +84,8 @@ def install_driver() -> Driver:
     Raises:
         NoRenderer: it cannot be fetched, or does not draw either.
     """
-    with open(files.cache_dir("vulkan") / "lock", "w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
+    files.cache_dir("vulkan")  # the folder of the lock
+    with one_at_a_time(_mesa_folder()):
         mesa.install(_mesa_folder())
     return _choose()
 
@@ -122,7 +122,7 @@ def probe(icd: Path | None = None) -> RenderProbe:
 
 
 def find_gpu() -> str:
-    """The NVIDIA GPUs as ``nvidia-smi`` lists them, or an empty text."""
+    """Return the NVIDIA GPUs as ``nvidia-smi`` lists them, or an empty text."""
     tool = shutil.which("nvidia-smi")
     if tool is None:
         return ""
@@ -133,8 +133,8 @@ def find_gpu() -> str:
 def prepare_import() -> None:
     """Make ``import sapien`` work and be quiet; ``vcage.sim`` calls this before anything imports SAPIEN.
 
-    Libraries in the cache are those that the machine lacks (libX11 is one: SAPIEN links to it), and the dynamic
-    linker only finds them by being handed them. They may need each other: load until nothing more loads.
+    The cache holds libraries that the machine lacks (SAPIEN links to libX11, for one), which the dynamic linker only
+    finds when they are loaded by path. They may need each other: load until nothing more loads.
     """
     # SAPIEN warns that it falls back to the Vulkan loader of its own wheel, which is what we want.
     warnings.filterwarnings("ignore", message="Failed to find system libvulkan")
@@ -155,18 +155,18 @@ def _load(library: Path) -> bool:
     return True
 
 
-# --- the decision, and how it is kept ------------------------------------------------------------------
+# --- the decision, and its record ------------------------------------------------------------------
 
 
 def _choose() -> Driver:
-    """Try every driver in order of preference; the first that draws is kept."""
+    """Try every driver in order of preference; choose and remember the first that draws."""
     complaints = []
     for kind, icd in _candidates():
         logger.info("Vulkan: trying the driver of the %s (takes some seconds)", kind)
         result = probe(icd)
         if result.ok:
             driver = Driver(kind, icd, result.device)
-            _keep(driver)
+            _remember(driver)
             return driver
         complaints.append(f"{kind}: {result.message}")
     raise NoRenderer(
@@ -212,7 +212,7 @@ def _decision_file() -> Path:
     return files.cache_path("vulkan", "driver.json")
 
 
-def _keep(driver: Driver) -> None:
+def _remember(driver: Driver) -> None:
     record = {
         "kind": driver.kind,
         "icd": str(driver.icd) if driver.icd else None,
@@ -222,11 +222,11 @@ def _keep(driver: Driver) -> None:
     try:
         files.write_json(_decision_file(), record)
     except OutputFolderError as error:
-        logger.warning("the choice of a Vulkan driver is not kept for next time: %s", error)
+        logger.warning("the choice of a Vulkan driver is not stored for next time: %s", error)
 
 
 def _recall() -> Driver | None:
-    """The kept decision, unless the machine has changed since."""
+    """Return the remembered driver, unless the machine has changed since."""
     if not _decision_file().is_file():
         return None
     try:
@@ -236,6 +236,6 @@ def _recall() -> Driver | None:
         icd = Path(record["icd"]) if record["icd"] else None
         driver = Driver(record["kind"], icd, record["name"])
     except (DamagedFile, KeyError, TypeError) as error:
-        logger.warning("choosing a Vulkan driver anew: %s does not say one (%s)", _decision_file(), error)
+        logger.warning("choosing a Vulkan driver again: %s names none (%s)", _decision_file(), error)
         return None
     return driver if icd is None or icd.is_file() else None

@@ -9,7 +9,7 @@ import pytest
 
 import vcage
 from vcage.apps.proof.prove import METHOD, Prover, Trial
-from vcage.apps.proof.validate import prove_or_refuse, validate
+from vcage.apps.proof.validate import proof_or_failure, validate
 from vcage.base.errors import InputFileError, UnknownName
 from vcage.objects.library import Library
 from vcage.schema.proof import ObjectProof, Proof
@@ -87,6 +87,6 @@ def test_an_object_that_cannot_be_loaded_fails_with_the_reason(monkeypatch: pyte
 
     prover = Prover(Library.load(), QUICK)
     monkeypatch.setattr(prover.library, "asset", broken)
-    proof = prove_or_refuse(prover, "block")
+    proof = proof_or_failure(prover, "block")
     assert proof.variants[0].failed == ["block/red: mesh"]
     assert "contact_points.0.position" in proof.variants[0].checks[0].reasons[0]

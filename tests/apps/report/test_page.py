@@ -24,7 +24,7 @@ from vcage.stages import verify
 
 
 class Page(HTMLParser):
-    """What a browser would load, show, and find open or closed."""
+    """The elements of a page that a browser would load, show, and find open or closed."""
 
     VOID = {"meta", "img", "br", "hr", "input", "link"}
 

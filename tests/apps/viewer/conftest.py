@@ -42,7 +42,7 @@ class ReadBack:
         return {time: value[0] for time, value in zip(times, values, strict=True) if value}
 
     def fixed(self, entity: str, component: str) -> Any:
-        """What holds at all times."""
+        """The components that hold at all times."""
         table = self._recording.view(index="timestep", contents=entity).select_static().read_all()
         return table[f"{entity}:{component}"].to_pylist()[0][0]
 

@@ -112,7 +112,7 @@ def test_the_viewer_is_not_opened_on_videos_that_it_cannot_decode(episode_file, 
 
 @pytest.fixture
 def viewer(tmp_path, monkeypatch) -> Iterator[socket.socket]:
-    """What listens like a viewer, and a file that gets what one would be told."""
+    """A socket that listens like a viewer, and the file of what it receives."""
     listening = socket.create_server(("127.0.0.1", 0))
     monkeypatch.setattr(show, "PORT", listening.getsockname()[1])
     monkeypatch.setenv("DISPLAY", ":0")

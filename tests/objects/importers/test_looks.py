@@ -1,4 +1,4 @@
-"""What is seen of a mesh file: pictures, colours, normals, and the word for a colour."""
+"""The look of a mesh file: pictures, colours, normals, and the word for a colour."""
 
 from __future__ import annotations
 

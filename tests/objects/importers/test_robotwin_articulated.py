@@ -10,7 +10,7 @@ from vcage.objects.importers.robotwin import import_robotwin
 from vcage.objects.library import Library
 
 QUARTER_TURN = quat_to_rotation([0.707106781, 0, 0, 0.707106781])
-"""How RoboTwin's tasks stand a cabinet before the robot."""
+"""Rotation with which RoboTwin's tasks place a cabinet before the robot."""
 
 
 def imported(cabinet, into):

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-import jinja2
 import numpy as np
 
 from vcage.apps.gallery.renders import VIEWS, portrait
+from vcage.apps.html import rendered
 from vcage.base.files import RunFolder, write_text
 from vcage.base.pictures import write_picture
 from vcage.base.progress import Progress, silent
@@ -99,9 +98,3 @@ def _side_by_side(views: Mapping[str, np.ndarray]) -> np.ndarray:
     height = max(len(picture) for picture in views.values())
     padded = [np.pad(x, ((height - len(x), 0), (0, 0), (0, 0)), mode="edge") for x in views.values()]
     return np.hstack(padded)
-
-
-def rendered(template: Path, shown: Mapping[str, Any]) -> str:
-    """The HTML of a page from its Jinja template and what that names."""
-    environment = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
-    return environment.from_string(template.read_text(encoding="utf-8")).render(shown)

@@ -5,7 +5,8 @@ from __future__ import annotations
 from itertools import groupby
 from pathlib import Path
 
-from vcage.apps.gallery.page import Picture, draw_variant, rendered
+from vcage.apps.gallery.page import Picture, draw_variant
+from vcage.apps.html import rendered
 from vcage.base.files import write_text
 from vcage.base.progress import Progress, silent
 from vcage.objects.library import Library

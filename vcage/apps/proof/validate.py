@@ -56,12 +56,12 @@ def validate(
         done += 1
         proof.write(folder / "objects" / f"{name}.json")
         proofs[name] = proof
-    proof = summed_up([variant for name in names for variant in proofs[name].variants], prover)
+    proof = summary_of([variant for name in names for variant in proofs[name].variants], prover)
     proof.write(folder / PROOF)
     return proof
 
 
-def summed_up(results: list[VariantProof], prover: Prover) -> Proof:
+def summary_of(results: list[VariantProof], prover: Prover) -> Proof:
     """The counts over all variants; what a variant shares with another is counted once where it was simulated."""
     checks = [check for result in results for check in result.checks]
     counts = Counter(check.check for check in checks)
@@ -96,12 +96,12 @@ def _kept(prover: Prover, names: Sequence[str], folder: Path) -> dict[str, Objec
 def _proven(prover: Prover, names: Sequence[str], workers: int) -> Iterator[tuple[str, ObjectProof]]:
     """Proofs as they are finished."""
     if workers <= 1 or len(names) < 2:  # with what is loaded here
-        yield from ((name, prove_or_refuse(prover, name)) for name in names)
+        yield from ((name, proof_or_failure(prover, name)) for name in names)
         return
     yield from in_processes(partial(_prove_in_worker, prover.trial), names, workers)
 
 
-def prove_or_refuse(prover: Prover, name: str) -> ObjectProof:
+def proof_or_failure(prover: Prover, name: str) -> ObjectProof:
     """The proof of an object; one that cannot even be loaded has failed."""
     try:
         return prover.prove(name)
@@ -116,7 +116,7 @@ def prove_or_refuse(prover: Prover, name: str) -> ObjectProof:
 
 
 def _prove_in_worker(trial: Trial, name: str) -> tuple[str, ObjectProof]:
-    return name, prove_or_refuse(_worker_prover(trial), name)
+    return name, proof_or_failure(_worker_prover(trial), name)
 
 
 @cache

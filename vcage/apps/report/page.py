@@ -9,15 +9,14 @@ import base64
 import logging
 from collections import Counter
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
 import cv2
-import jinja2
 from pydantic import ValidationError
 
 from vcage.apps.asking import ASKED_BY
+from vcage.apps.html import rendered
 from vcage.apps.report.previews import previews
 from vcage.base.drawing import distinct_colours
 from vcage.base.errors import DamagedFile, InputFileError, MissingStage, StaleStage
@@ -42,6 +41,8 @@ from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
 
 logger = logging.getLogger(__name__)
+
+TEMPLATE = Path(__file__).with_name("page.html.jinja")
 
 D = TypeVar("D", bound=StageDocument)
 
@@ -78,7 +79,7 @@ def write_report(run: RunFolder) -> Path:
             f"{run} holds no run: {run.scene} does not exist", hint="run select_place first", maker="select_place"
         )
     recover(run.report)
-    page = _template().render(**_context(run))
+    page = rendered(TEMPLATE, _context(run))
     return write_bytes(run.report, page.encode(errors="replace"))  # JSON may hold halves of characters
 
 
@@ -262,23 +263,6 @@ def _verdict_card(run: RunFolder, verdict: Verdict, subtask: str) -> dict[str, A
 
 def _difference_card(run: RunFolder, found: Difference) -> dict[str, Any]:
     return {"difference": found, "url": _picture_url(run.file(found.picture, "verify"))}
-
-
-@cache
-def _template() -> jinja2.Template:
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("vcage.apps.report", package_path=""),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["percent"] = _percent
-    return environment.get_template("page.html.jinja")
-
-
-def _percent(share: float) -> str:
-    return f"{100 * share:.2f} %"
 
 
 # --- pictures as data URLs, so that the page is one file ------------------------------------

@@ -79,8 +79,8 @@ def _ending(segment: Segment) -> str:
 
 def _verdict(segment: Segment) -> str:
     verdict = segment.verdict
-    said = "accepted" if verdict.accepted else "refused"
-    return f"Critic {said} ({verdict.provider}, {verdict.confidence:.2f}): {verdict.reason}"
+    outcome = "accepted" if verdict.accepted else "refused"
+    return f"Critic {outcome} ({verdict.provider}, {verdict.confidence:.2f}): {verdict.reason}"
 
 
 def _truth(segment: Segment) -> str:

@@ -68,9 +68,9 @@ def log_motion(log: RerunLog, clock: Clock, recording: Recording) -> list[Plot]:
     """
     motion, state = recording.motion, recording.state
     values = {} if state is None else dict(zip(recording.state_names, state.T, strict=True))
-    told = recording.action_names
-    commands = {} if motion is None else dict(zip(told, motion.action.T, strict=True))
-    driven = [] if motion is None else [told[column] for column in motion.grippers]
+    names_of_action = recording.action_names
+    commands = {} if motion is None else dict(zip(names_of_action, motion.action.T, strict=True))
+    driven = [] if motion is None else [names_of_action[column] for column in motion.grippers]
     names = list(dict.fromkeys([*values, *commands]))
     paths = {
         name: _log_joint(log, clock, name, _colour(column), values.get(name), commands.get(name))

@@ -92,19 +92,19 @@ def _is_object(folder: Path) -> bool:
     return bool(robotwin_rigid.variant_numbers(folder)) or any(folder.glob("*/mobility.urdf"))
 
 
-def _import(source: Path, into: Path, names: TakenNames, tell: Callable[[str], None]) -> list[str]:
+def _import(source: Path, into: Path, names: TakenNames, report: Callable[[str], None]) -> list[str]:
     """Write the objects that a folder becomes; returns their names.
 
     Args:
         source: the folder.
         into: where the objects go.
         names: that are taken.
-        tell: takes a sentence about what is left out or assumed.
+        report: called with a sentence about each part that is left out or assumed.
     """
     name = identifier(source)
     names.claim(name, source)
     named: dict[str, list[Converted]] = {}
-    for group in _by_points(_variants(source, tell)):
+    for group in _by_points(_variants(source, report)):
         other = f"{name}_{group[0].variant.id.removeprefix('base')}"
         named[unique(other, named) if named else name] = group
     for own in named:
@@ -115,16 +115,16 @@ def _import(source: Path, into: Path, names: TakenNames, tell: Callable[[str], N
     for own, group in named.items():
         if own != name:
             ids = ", ".join(one.variant.id for one in group)
-            tell(f"{source}: variant {ids} has other points than the first: imported as {own}")
+            report(f"{source}: variant {ids} has other points than the first: imported as {own}")
     return list(named)
 
 
-def _variants(source: Path, tell: Callable[[str], None]) -> list[Converted]:
+def _variants(source: Path, report: Callable[[str], None]) -> list[Converted]:
     """All variants that can be used, with different ids; the others are told of."""
-    info = _points_info(source, tell)
+    info = _points_info(source, report)
     done: dict[str, Converted] = {}
     errors = []
-    for path, convert in _converters(source, info, tell):
+    for path, convert in _converters(source, info, report):
         try:
             with schema_errors(path):
                 one = convert()
@@ -136,7 +136,7 @@ def _variants(source: Path, tell: Callable[[str], None]) -> list[Converted]:
     if errors and not done:
         raise errors[0]
     for error in errors:
-        tell(f"{error.message}: this variant is left out")
+        report(f"{error.message}: this variant is left out")
     if not done:
         raise InputFileError(
             f"{source} is empty; expected visual/base0.glb and model_data0.json, or <id>/mobility.urdf",
@@ -147,29 +147,29 @@ def _variants(source: Path, tell: Callable[[str], None]) -> list[Converted]:
 
 
 def _converters(
-    source: Path, info: dict[str, Any], tell: Callable[[str], None]
+    source: Path, info: dict[str, Any], report: Callable[[str], None]
 ) -> list[tuple[Path, Callable[[], Converted]]]:
     """For each variant the file that annotates it, and what converts it."""
     folders = sorted((path.parent for path in source.glob("*/mobility.urdf")), key=lambda p: (len(p.name), p.name))
     if folders:  # base{K}.glb beside them are pictures of the same thing
         return [
-            (folder / "model_data.json", partial(robotwin_articulated.convert, folder, info, tell))
+            (folder / "model_data.json", partial(robotwin_articulated.convert, folder, info, report))
             for folder in folders
         ]
     return [
-        (source / f"model_data{number}.json", partial(robotwin_rigid.convert, source, number, info, tell))
+        (source / f"model_data{number}.json", partial(robotwin_rigid.convert, source, number, info, report))
         for number in robotwin_rigid.variant_numbers(source)
     ]
 
 
-def _points_info(source: Path, tell: Callable[[str], None]) -> dict[str, Any]:
+def _points_info(source: Path, report: Callable[[str], None]) -> dict[str, Any]:
     path = source / "points_info.json"
     if not os.path.lexists(path):
         return {}
     try:
         return read_object(path)
     except InputFileError as error:
-        tell(f"{error.message}: not used")
+        report(f"{error.message}: not used")
         return {}
 
 

@@ -33,7 +33,7 @@ from vcage.objects.importers.robotwin_names import unique
 from vcage.objects.importers.robotwin_points import Placed, contact_points, functional_points, scaled_point
 from vcage.objects.importers.urdf import Shape, Urdf, UrdfJoint, read_urdf
 from vcage.objects.modelling.parts import BuiltObject, MovingPart, Part
-from vcage.objects.textures import tell_textures
+from vcage.objects.textures import report_unseen_textures
 from vcage.schema.asset import Joint, Variant
 
 FACING_US = Rotation.from_euler("z", 90, degrees=True).as_matrix()
@@ -63,18 +63,18 @@ class RestPose:
     names: dict[str, str]
 
 
-def convert(folder: Path, info: dict[str, Any], tell: Callable[[str], None]) -> Converted:
+def convert(folder: Path, info: dict[str, Any], report: Callable[[str], None]) -> Converted:
     """One variant of an articulated object.
 
     Args:
         folder: that holds ``mobility.urdf``.
         info: of ``points_info.json``.
-        tell: takes a sentence about what is left out or assumed.
+        report: called with a sentence about each part that is left out or assumed.
 
     Raises:
         InputFileError: the URDF or a mesh cannot be used, or a field that nothing works without is wrong.
     """
-    model = read_model_data(folder / "model_data.json", info, tell)
+    model = read_model_data(folder / "model_data.json", info, report)
     if np.ptp(model.scale) > 1e-9:
         raise mismatch(
             model.file.path, "scale", f"got {model.scale.tolist()}; expected one scale for all axes of a URDF"
@@ -82,7 +82,7 @@ def convert(folder: Path, info: dict[str, Any], tell: Callable[[str], None]) -> 
     urdf = read_urdf(folder / "mobility.urdf")
     for file in dict.fromkeys(shape.source for shapes in urdf.visuals.values() for shape in shapes):
         if isinstance(file, Path):
-            tell_textures(file, tell, folder)
+            report_unseen_textures(file, report, folder)
     pose = _at_rest(urdf, model)
     built, origin = centred(_built(urdf, model, pose))
     check_scale(model.file.path, built, model.scale_assumed)
@@ -139,7 +139,7 @@ def _rest(urdf: Urdf, model: ModelData) -> dict[str, float]:
     for joint, start in zip(moving, model.init_qpos or [0.0] * len(moving), strict=True):
         lower, upper = _limits(urdf, joint, model)
         if upper - lower < 1e-9:
-            model.file.tell(f"{urdf.path}: field joint {joint.name}.limit: no range, the part does not move")
+            model.file.report(f"{urdf.path}: field joint {joint.name}.limit: no range, the part does not move")
             continue
         if not lower - 1e-6 <= start <= upper + 1e-6:
             model.file.warn(
@@ -200,7 +200,7 @@ def _our_joint(urdf: Urdf, joint: UrdfJoint, model: ModelData, pose: RestPose) -
     lower, upper = _limits(urdf, joint, model)
     kind = "slide" if joint.kind == "prismatic" else "turn"
     if joint.kind == "continuous":
-        model.file.tell(f"{urdf.path}: field joint {joint.name}: turns without end; half a turn each way is kept")
+        model.file.report(f"{urdf.path}: field joint {joint.name}: turns without end; half a turn each way is kept")
     axis = frame[:3, :3] @ joint.axis
     return Joint(
         kind=kind,
@@ -230,12 +230,12 @@ def _geometry(urdf: Urdf, lead: str, model: ModelData, pose: RestPose) -> tuple[
             vertices, faces = joined(shape.surfaces())
             hulls += component_hulls(vertices @ linear.T + shift, faces)
     if not hulls and parts:
-        model.file.tell(f"{urdf.path}: field link {lead}.collision: missing; it is made from what is seen")
+        model.file.report(f"{urdf.path}: field link {lead}.collision: missing; it is made from the visible mesh")
         hulls = hulls_of_surface(*trimesh.util.append_faces([p.vertices for p in parts], [p.faces for p in parts]))
     if not hulls:
         raise mismatch(urdf.path, f"link {lead}", "no solid part; expected a visual or collision mesh")
     if not parts:
-        model.file.tell(f"{urdf.path}: field link {lead}.visual: missing; the collision shape is seen")
+        model.file.report(f"{urdf.path}: field link {lead}.visual: missing; the collision shape is shown")
         parts = parts_of(hulls, np.eye(3), np.zeros(3))
     return parts, hulls
 

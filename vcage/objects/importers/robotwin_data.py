@@ -70,17 +70,17 @@ class AnnotationFile:
 
     Args:
         path: of the file.
-        tell: takes a sentence about what is left out or assumed.
+        report: called with a sentence about each part that is left out or assumed.
         data: its fields; none when it is missing.
     """
 
     path: Path
-    tell: Callable[[str], None]
+    report: Callable[[str], None]
     data: dict[str, Any] = field(default_factory=dict)
 
     def warn(self, name: str, message: str) -> None:
         """Tell what is wrong with a field."""
-        self.tell(f"{self.path}: field {name}: {message}")
+        self.report(f"{self.path}: field {name}: {message}")
 
 
 @dataclass(frozen=True)
@@ -138,23 +138,23 @@ def read_object(path: Path) -> dict[str, Any]:
     return data
 
 
-def read_model_data(path: Path, info: dict[str, Any], tell: Callable[[str], None]) -> ModelData:
+def read_model_data(path: Path, info: dict[str, Any], report: Callable[[str], None]) -> ModelData:
     """The annotation of a variant; without the file, nothing but a warning.
 
     Args:
         path: of the file.
         info: of ``points_info.json``; its texts stand in for missing ones.
-        tell: takes a sentence about what is left out or assumed.
+        report: called with a sentence about each part that is left out or assumed.
 
     Raises:
         DamagedFile: the file is not JSON.
         SchemaMismatch: the scale, or another field that nothing works without, is not what it should be.
     """
     if not os.path.lexists(path):
-        tell(f"{path}: missing; expected scale and points: scale 1 is assumed, and there are no points")
-        return ModelData(AnnotationFile(path, tell), np.ones(3), scale_assumed=True)
+        report(f"{path}: missing; expected scale and points: scale 1 is assumed, and there are no points")
+        return ModelData(AnnotationFile(path, report), np.ones(3), scale_assumed=True)
     data = read_object(path)
-    file = AnnotationFile(path, tell, data)
+    file = AnnotationFile(path, report, data)
     scale, init_qpos = read_scale(path, data), _numbers(file, "init_qpos")  # what is refused comes before warnings
     _warn_about_unknown(file)
     contacts = "contact_points_pose" if "contact_points_pose" in data else "contact_points"

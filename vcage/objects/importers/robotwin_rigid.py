@@ -31,7 +31,7 @@ from vcage.objects.importers.robotwin_data import ModelData, read_model_data
 from vcage.objects.importers.robotwin_points import contact_points, functional_points, scaled_point
 from vcage.objects.modelling.parts import BuiltObject
 from vcage.objects.packages.surfaces import Y_UP_TO_Z_UP
-from vcage.objects.textures import tell_textures
+from vcage.objects.textures import report_unseen_textures
 from vcage.schema.asset import Variant
 
 NUMBERED = re.compile(r"(?:base(\d*)\.glb|textured(\d*)\.obj|model_data(\d*)\.json)")
@@ -44,21 +44,21 @@ def variant_numbers(folder: Path) -> list[str]:
     return sorted({next(g for g in m.groups() if g is not None) for m in matches}, key=lambda k: (len(k), k))
 
 
-def convert(folder: Path, number: str, info: dict[str, Any], tell: Callable[[str], None]) -> Converted:
+def convert(folder: Path, number: str, info: dict[str, Any], report: Callable[[str], None]) -> Converted:
     """One variant of a rigid object.
 
     Args:
         number: its K.
         info: of ``points_info.json``.
-        tell: takes a sentence about what is left out or assumed.
+        report: called with a sentence about each part that is left out or assumed.
 
     Raises:
         InputFileError: no mesh can be read, or a field that nothing works without is wrong.
     """
-    model = read_model_data(folder / f"model_data{number}.json", info, tell)
+    model = read_model_data(folder / f"model_data{number}.json", info, report)
     linear = Y_UP_TO_Z_UP * model.scale
     visual = _visual(folder, number, model)
-    tell_textures(visual, tell, folder)
+    report_unseen_textures(visual, report, folder)
     surfaces = load_surfaces(visual, folder)
     parts = parts_of(surfaces, linear, np.zeros(3))
     hulls = _collision(folder, number, linear, surfaces, model)
@@ -96,7 +96,7 @@ def _visual(folder: Path, number: str, model: ModelData) -> Path:
             hint="download the object again",
             details={"path": str(wanted[0])},
         )
-    model.file.tell(f"{wanted[0]}: missing; {solid} is seen in its place")
+    model.file.report(f"{wanted[0]}: missing; {solid} is shown in its place")
     return solid
 
 
@@ -107,7 +107,7 @@ def _collision(
     found = next(filter(os.path.lexists, wanted), None)
     hulls: list[trimesh.Trimesh] = []
     if found is None:
-        model.file.tell(f"{wanted[0]}: missing; the collision shape is made from what is seen")
+        model.file.report(f"{wanted[0]}: missing; the collision shape is made from the visible mesh")
     else:
         hulls = _read_hulls(found, folder, linear, model)
     if not hulls:
@@ -116,7 +116,7 @@ def _collision(
         raise InputFileError(f"{folder}: variant {number or 'base'} has no solid part", hint="export its mesh again")
     if len(hulls) > SETTINGS.max_fast_pieces:
         most = SETTINGS.max_fast_pieces
-        model.file.tell(f"{found}: {len(hulls)} convex pieces; more than {most} make the simulation slow")
+        model.file.report(f"{found}: {len(hulls)} convex pieces; more than {most} make the simulation slow")
     return hulls
 
 
@@ -124,10 +124,10 @@ def _read_hulls(path: Path, root: Path, linear: np.ndarray, model: ModelData) ->
     try:
         hulls = component_hulls(*_in_metres(load_surfaces(path, root), linear))
     except DamagedFile as error:
-        model.file.tell(f"{error.message}: the collision shape is made from what is seen")
+        model.file.report(f"{error.message}: the collision shape is made from the visible mesh")
         return []
     if not hulls:
-        model.file.tell(f"{path}: no solid component; the collision shape is made from what is seen")
+        model.file.report(f"{path}: no solid component; the collision shape is made from the visible mesh")
     return hulls
 
 
