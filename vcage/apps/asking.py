@@ -32,7 +32,7 @@ ASKED_BY = {
     "word_task": "search_subtasks",
     "judge_subtask": "verify",
 }
-"""Prompt → the stage that asks it (collecting asks the last one, too)."""
+"""Prompt → the stage that asks it (``collect`` asks the last one, too)."""
 
 _READ = tuple(folder for folder in PRODUCERS if folder not in ("compress", "export"))
 _HEAVY = ("*.hdf5", "*.mp4", "*.mkv")
@@ -40,7 +40,7 @@ _HEAVY = ("*.hdf5", "*.mp4", "*.mkv")
 
 
 class _Asked(Exception):
-    """The question was reached."""
+    """Raised instead of asking the question."""
 
     def __init__(self, question: Question):
         super().__init__(question.name)
@@ -48,7 +48,7 @@ class _Asked(Exception):
 
 
 class _Showing:
-    """Implements :class:`vcage.models.exchange.Answerer`: stops at a prompt, and answers others as was kept."""
+    """Implements :class:`vcage.models.exchange.Answerer`: stops at one prompt, and answers others from the record."""
 
     provider = "nobody"
 
@@ -62,9 +62,9 @@ class _Showing:
 
 
 def question_of(name: str, run: RunFolder, options: StageOptions) -> Question:
-    """The first question with a prompt that a stage would ask, its first round.
+    """Return the first question with a prompt that a stage would ask, its first round.
 
-    What comes before it in the stage is answered as the run's models did, or by rules where these answered.
+    Earlier questions of the stage are answered from the run's record, or by the rules that answered them.
 
     Args:
         name: of the prompt, one of :data:`ASKED_BY`.

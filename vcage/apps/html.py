@@ -11,7 +11,7 @@ import jinja2
 
 
 def rendered(template: Path, values: Mapping[str, Any]) -> str:
-    """Fill a template; a name that ``values`` lacks is an error of ours."""
+    """Fill a template; a name missing from ``values`` raises."""
     return _compiled(template).render(values)
 
 

@@ -1,4 +1,4 @@
-"""Replaying an episode from its file alone: the same physics, the same pictures, or what differs."""
+"""Replay an episode from its file alone, and compare physics and pictures."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ class Replayed:
         return {"states": states, "pictures": pictures, "versions": {k: list(v) for k, v in self.versions.items()}}
 
     def error(self, path: Path, details: dict[str, Any]) -> NotReproduced:
-        """The error of an episode that differs.
+        """Make the error of an episode that differs.
 
         Args:
             path: of the episode.
@@ -86,7 +86,7 @@ class Replayed:
 
 
 def episodes_at(path: Path) -> list[Path]:
-    """The episode's file itself, or those of the episodes of a run that count.
+    """Return the episode's file itself, or the files of a run's accepted episodes.
 
     Raises:
         MissingStage: there is none.
@@ -135,7 +135,7 @@ def replay_episode(path: Path, context: StageContext) -> Replayed:
 
 
 def first_difference(recorded: EpisodeData, again: EpisodeData) -> Difference | None:
-    """The first frame in which two recordings differ by a bit, and what differs most in it; None where none does."""
+    """Find the first frame in which two recordings differ by a bit, and the largest difference in it, if any."""
     ours, theirs = dict(_columns(recorded)), dict(_columns(again))
     frames = min(recorded.frames, again.frames)
     found = []
@@ -152,7 +152,7 @@ def first_difference(recorded: EpisodeData, again: EpisodeData) -> Difference | 
 
 
 def _columns(episode: EpisodeData) -> Iterator[tuple[str, np.ndarray]]:
-    """(T, k) numbers by what they are of."""
+    """Yield (T, k) numbers with a description of each."""
     for name, poses in episode.object_poses.items():
         yield f"the position of {name}", poses[:, :3]
         yield f"the orientation of {name}", poses[:, 3:]
@@ -188,9 +188,9 @@ def _pictures(reader: EpisodeReader, start: Recorded, log: StateLog) -> dict[str
 
 
 def compare_pictures(reader: EpisodeReader, drawn: Iterator[Mapping[str, np.ndarray]]) -> dict[str, Difference | str]:
-    """By camera whether pictures that were drawn again are those that were recorded, bit for bit.
+    """Compare redrawn pictures with the recorded ones, bit for bit, by camera.
 
-    Where the file refers to videos, or was unpacked from them, the SHA-256 of what was recorded tells.
+    Where the file refers to videos, or was unpacked from them, the SHA-256 of the recorded pictures decides.
 
     Args:
         reader: the file.

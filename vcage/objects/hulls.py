@@ -96,7 +96,7 @@ def _footed(points: np.ndarray) -> np.ndarray:
 
 
 def _grown(points: np.ndarray) -> np.ndarray:
-    """Corners of a piece moved outwards by ``growth_m``."""
+    """Move the corners of a piece outwards by ``growth_m``."""
     outwards = points - points.mean(axis=0)
     return points + SETTINGS.growth_m * outwards / np.maximum(np.linalg.norm(outwards, axis=1, keepdims=True), 1e-9)
 
@@ -160,7 +160,7 @@ def _samples(mesh: trimesh.Trimesh, spacing: float) -> np.ndarray:
 
 
 def _distinct(parts: Sequence[np.ndarray]) -> list[np.ndarray]:
-    """Of parts in the order of their size, those that stand out of the ones before."""
+    """Drop parts, in the order of their size, that earlier parts cover."""
     kept: list[np.ndarray] = []
     solids: list[Convex] = []
     for part in parts:
@@ -211,7 +211,7 @@ def _spread(points: np.ndarray, count: int) -> np.ndarray:
 
 
 def _thickened(points: np.ndarray) -> np.ndarray:
-    """Points, joined by copies shifted along the direction in which they are flat, if they are."""
+    """Thicken flat points with copies shifted along the flat direction."""
     centred = points - points.mean(axis=0)
     axes = np.linalg.svd(centred, full_matrices=False)[2]
     extents = np.ptp(centred @ axes.T, axis=0)

@@ -1,4 +1,4 @@
-"""The library: every annotation whose model can be had, built on demand into the user's cache."""
+"""The library: every annotation with a model, built on demand into the user's cache."""
 
 from __future__ import annotations
 
@@ -210,7 +210,7 @@ def _make_one(task: tuple[Annotation, Variant, Path]) -> str:
 
 
 def package_models() -> dict[str, list[str]]:
-    """Ids of the models that the annotations take from packages, by the package's name, fetched or not.
+    """Return the ids of models that annotations take from packages, by package, fetched or not.
 
     Raises:
         DamagedFile, SchemaMismatch: an annotation is damaged; names file and field.

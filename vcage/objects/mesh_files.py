@@ -29,7 +29,7 @@ LIMITS = MeshFileLimits()
 
 
 class MeshFiles(FilePathResolver):
-    """Find and read what a mesh names; trimesh asks it for each file.
+    """Find and read files that a mesh names, for trimesh.
 
     trimesh passes over what it cannot read, so :meth:`require_regular` tells afterwards.
 
@@ -45,7 +45,7 @@ class MeshFiles(FilePathResolver):
         self._refused: list[InputFileError] = []
 
     def find(self, name: str) -> Path | None:
-        """The file that a name means, or None where none of the object's is called so.
+        """Return the object's file of this name, or None.
 
         A name that leads elsewhere, as on the machine that wrote it, means the file of its last part beside the mesh.
         """

@@ -1,4 +1,4 @@
-"""Objects that are built: the ``model.py`` beside an annotation is imported by its path when it is first needed.
+"""Parametric objects: the ``model.py`` beside an annotation is imported by its path on first use.
 
 It defines ``build(variant: str) -> BuiltObject``, made with ``vcage.objects.modelling``. What several objects are made
 from it imports from ``assets.shapes`` and ``assets.textures``, where ``assets`` is the folder of the project's data,
@@ -103,7 +103,7 @@ def _imported(name: str, path: Path) -> ModuleType:
 
 @contextlib.contextmanager
 def _our_assets() -> Iterator[None]:
-    """Let ``import assets.shapes.…`` find the project's data, and leave what is imported as it was."""
+    """Let ``import assets.shapes.…`` find the project's data, and restore ``sys.modules`` afterwards."""
     with _lock:
         if not _modules:
             spec = importlib.machinery.ModuleSpec("assets", None, is_package=True)

@@ -39,7 +39,7 @@ GLB_HEADER = struct.Struct("<4sII")
 
 
 def check_points(asset: Asset, path: Path) -> None:
-    """Check an annotation against what its model says of itself.
+    """Check an annotation against its model.
 
     Args:
         asset: with its model.
@@ -70,7 +70,7 @@ def check_points(asset: Asset, path: Path) -> None:
 
 
 def check_meshes(asset: Asset) -> None:
-    """Read all collision pieces, and the first bytes of what is seen: whole files would take too long.
+    """Read all collision pieces, and the first bytes of the visual meshes: whole files would take too long.
 
     Of what was imported the pictures' sizes are read too, as others may have changed it since.
 
@@ -95,7 +95,7 @@ def check_meshes(asset: Asset) -> None:
 
 
 def check_size(annotation: Annotation, variant: str, path: Path) -> None:
-    """Check the size that a package's model is brought to, before it is.
+    """Check the target size of a package's model before it is scaled.
 
     Args:
         variant: id.
@@ -119,7 +119,7 @@ def outside_by(bounds: np.ndarray, position: ArrayLike) -> float:
 
 
 def range_text(bounds: np.ndarray, position: ArrayLike) -> str:
-    """A point and where it was expected, for a complaint."""
+    """Describe a point and its expected range, for an error."""
     value = ", ".join(f"{x:.3f}" for x in np.asarray(position))
     ranges = ", ".join(
         f"{lower - SETTINGS.max_outside_m:.3f} … {upper + SETTINGS.max_outside_m:.3f}" for lower, upper in bounds.T

@@ -1,4 +1,4 @@
-"""The room at the functional points of an asset as a catalogue shows it, measured once and kept in the user's cache."""
+"""The room at the functional points of an asset, for the catalogue; measured once and cached."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class _RoomsFile(Record):
 def rooms_of(measured: Asset) -> list[PointRoom]:
     """The room at each functional point that has any, in the order of the points.
 
-    A point without room, or a mesh that does not load, is no matter of the catalogue: whoever uses the object is told.
+    Points without room and meshes that do not load are left out; using the object raises.
     """
     if not measured.annotation.functional_points:
         return []

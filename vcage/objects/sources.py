@@ -20,7 +20,7 @@ from vcage.schema.asset import FETCHED, IMPORTED, Annotation, PhysicalModel, Var
 
 
 def missing(annotation: Annotation) -> str | None:
-    """Why no model of an annotation can be had, or None."""
+    """Return the reason for which an annotation has no model, or None."""
     if annotation.source not in FETCHED:
         return None
     folders = [model_folder(annotation, variant, Path()) for variant in annotation.variants]
@@ -36,7 +36,7 @@ def missing(annotation: Annotation) -> str | None:
 
 
 def model(annotation: Annotation, variant: Variant, folder: Path) -> PhysicalModel:
-    """The model of a variant, from the cache or made into it.
+    """Return the model of a variant, from the cache or made into it.
 
     Args:
         folder: of the annotation.
@@ -97,7 +97,7 @@ def _make(annotation: Annotation, variant: Variant, folder: Path, made: Path) ->
 
 @functools.cache
 def _converter_hash() -> str:
-    """Hash of the sources that decide what becomes of a package's model."""
+    """Hash of the sources that decide the conversion of a package's model."""
     here = Path(__file__).parent
     shared = [here / "model.py", here / "hulls.py", here / "modelling" / "parts.py"]
     return _hash_of([*shared, *sorted(here.glob("packages/*.py"))])

@@ -82,7 +82,7 @@ def portrait(asset: Asset, *, opened: bool = False, points: bool = True) -> dict
 
 
 def _bounds(asset: Asset, joints: tuple[float, ...]) -> np.ndarray:
-    """(2, 3) bounding box with the joints there, object frame."""
+    """(2, 3) bounding box at these joint positions, object frame."""
     poses = link_poses(asset.model, joints)
     corners = [pose.apply(piece.vertices) for link, pose in poses.items() for piece in asset.pieces_of(link)]
     points = np.concatenate([*corners, asset.bounds] if not any(joints) else corners)

@@ -1,1 +1,1 @@
-"""Proof by use: every object of the library is measured, stood, grasped, filled and opened in the simulator."""
+"""Proof by use: objects are measured, placed, grasped, filled and opened in the simulator."""

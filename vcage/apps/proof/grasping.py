@@ -97,7 +97,7 @@ def _blocked_part(asset: Asset, contact: ContactPoint, gripper: Gripper) -> str 
 
 
 def _try(asset: Asset, contact: ContactPoint, pose: Pose, places: TrialPlaces) -> str | None:
-    """Why no arm can hold the object there, or None when one held it to the end.
+    """Return the reason for which no arm can hold the object, or None if one held it to the end.
 
     The far arm is tried only where the near one finds no way; a grasp that fails is a failure.
     """
@@ -128,7 +128,7 @@ class _Shaking:
     contact: ContactPoint
 
     def run(self, support: float) -> str | None:
-        """Why the object was lost, or None.
+        """Return the reason for which the object was lost, or None.
 
         Raises:
             MotionFailed: the arm cannot lift so high.
@@ -151,7 +151,7 @@ class _Shaking:
         control.move(planner.fastest(planner.move(control.command[:-1], up, load)))
 
     def _shake(self) -> None:
-        """To and fro in joint space, where no arm meets the end of its reach."""
+        """Swing to and fro in joint space, where no arm meets the end of its reach."""
         control = self.world.arms[self.arm]
         middle = control.command[:-1]
         kinematics = CollisionScene.of_world(self.world, self.arm).kinematics

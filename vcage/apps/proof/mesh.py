@@ -1,4 +1,4 @@
-"""Check 1: the picture's mesh is light, the hulls cover it, containers stay open, volume and mass are plausible."""
+"""Check 1: the visual mesh is light, the hulls cover it, containers stay open, volume and mass are plausible."""
 
 from __future__ import annotations
 

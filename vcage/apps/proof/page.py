@@ -1,4 +1,4 @@
-"""The page of a validation: every object with its pictures and what was found."""
+"""The page of a validation: every object with its pictures and results."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ TEMPLATE = Path(__file__).with_name("page.html.jinja")
 
 
 def write_page(proof: Proof, library: Library, folder: Path, progress: Progress = silent) -> Path:
-    """Write ``proof.html`` and ``pictures/``: the first variant of each object, and what each check found.
+    """Write ``proof.html`` and ``pictures/``: the first variant of each object, and the results.
 
     Args:
         proof: what was found.

@@ -69,7 +69,7 @@ class Prover:
         return TrialPlaces(template, load_robot(template.robot))
 
     def prove(self, name: str) -> ObjectProof:
-        """All checks of an object's variants; a variant of the same shape as an earlier one shares its tries."""
+        """Run all checks of an object's variants; a variant of the same shape as an earlier one shares its tries."""
         variants = [v.id for v in self.library.annotation(name).variants]
         proofs: list[VariantProof] = []
         tried: dict[str, VariantProof] = {}
@@ -81,7 +81,7 @@ class Prover:
         return ObjectProof(key=self.key(name), variants=proofs)
 
     def key(self, name: str) -> str:
-        """Hash of everything that the proof of an object depends on."""
+        """Hash everything that the proof of an object depends on."""
         annotation = self.library.annotation(name)
         template = load_template(self.trial.template, self.trial.robot)
         assets = [self.library.asset(name, v.id) for v in annotation.variants]
@@ -116,7 +116,7 @@ class Prover:
 
 
 def shape_hash(asset: Asset) -> str:
-    """Equal for variants that physics cannot tell apart: hulls, mass, friction and joints, but not looks."""
+    """Hash hulls, mass, friction and joints, but not looks: equal for variants with the same physics."""
     model = asset.model
     digest = hashlib.sha256(f"{model.lower} {model.upper} {model.mass} {model.friction}".encode())
     for path in model.hulls:
@@ -134,7 +134,7 @@ def _visuals(asset: Asset) -> list[str]:
 
 @functools.cache
 def _method() -> str:
-    """Hash of how things are tried: the checks, and the planning and physics under them."""
+    """Hash the code of the checks, and of the planning and physics under them."""
     package = Path(__file__).parents[2]
     digest = hashlib.sha256()
     sources = [path for folder in METHOD for path in sorted((package / folder).glob("*.py"))]

@@ -136,7 +136,7 @@ def _try(
 
 
 def _out_of_the_way(asset: Asset, point: FunctionalPoint) -> tuple[float, ...]:
-    """Joint positions in which nothing covers the point.
+    """Return joint positions in which nothing covers the point.
 
     A drawer that holds is pulled out alone; before the body's inside everything is opened; a surface is at rest.
     """

@@ -79,7 +79,7 @@ class TrialPlaces:
         return np.array([self.template.workspace.lower, self.template.workspace.upper])
 
     def for_carrying(self, asset: Asset, contact: ContactPoint, rng: np.random.Generator) -> Pose:
-        """A pose on the table from which the asset may have to be picked up at a contact point.
+        """Draw a pose on the table from which an arm could pick the asset up at a contact point.
 
         Any place and heading where the kinematics of an arm reach the grasp and the lifted object, as the search for
         sub-tasks asks for before anything is simulated; an approach from the side must come from where the robot
@@ -120,7 +120,7 @@ class TrialPlaces:
         return Pose.from_yaw([at.x, at.y, self.template.table.height], at.yaw)
 
     def for_operating(self, asset: Asset, rng: np.random.Generator) -> Pose:
-        """A pose on the table where the asset's moving parts have room and its front faces the robot."""
+        """Draw a pose on the table with room for the asset's moving parts and its front towards the robot."""
         item = table_item(asset.name, asset)
         yaw = float(rng.uniform(min(item.yaws), max(item.yaws)))
         at = self._placed(replace(item, yaws=(yaw,)), (0.0,), rng)
@@ -135,7 +135,7 @@ class TrialPlaces:
 
 
 def scene_object(asset: Asset, pose: Pose, object_id: str = OBJECT, role: Role = "content") -> SceneObject:
-    """An asset as the planner sees it.
+    """Make the planner's object of an asset.
 
     Args:
         asset: what it is.
@@ -156,7 +156,7 @@ def scene_object(asset: Asset, pose: Pose, object_id: str = OBJECT, role: Role =
 
 
 def world_with(asset: Asset, pose: Pose, places: TrialPlaces) -> World:
-    """The table with the robot and the asset, for physics only.
+    """Make a world of table, robot and asset, for physics only.
 
     Args:
         asset: what stands there.
@@ -179,7 +179,7 @@ class Tally:
     reasons: list[str] = field(default_factory=list)
 
     def add(self, reason: str | None) -> None:
-        """Count a try: None for a success, or why it failed."""
+        """Count a try: None for a success, or the reason of its failure."""
         if reason is None:
             self.succeeded += 1
         elif reason not in self.reasons:

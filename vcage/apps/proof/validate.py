@@ -1,4 +1,4 @@
-"""The validation of a library: objects in parallel processes, each proof kept as soon as it is there."""
+"""The validation of a library: objects in parallel processes, each proof stored as soon as it is finished."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def validate(
     force: bool = False,
     progress: Progress = silent,
 ) -> Proof:
-    """Prove objects and write ``proof.json``; proofs of an earlier call that still hold are kept.
+    """Prove objects and write ``proof.json``; earlier proofs that still hold are reused.
 
     Args:
         names: of the objects; all of the library when empty.
@@ -62,7 +62,7 @@ def validate(
 
 
 def summary_of(results: list[VariantProof], prover: Prover) -> Proof:
-    """The counts over all variants; what a variant shares with another is counted once where it was simulated."""
+    """Count over all variants; tries that variants share count once."""
     checks = [check for result in results for check in result.checks]
     counts = Counter(check.check for check in checks)
     handles = sum(int(check.measured.get("handles", 0)) for check in checks)
@@ -83,7 +83,7 @@ def summary_of(results: list[VariantProof], prover: Prover) -> Proof:
 
 
 def _kept(prover: Prover, names: Sequence[str], folder: Path) -> dict[str, ObjectProof]:
-    """Earlier proofs that need not be made again."""
+    """Return earlier proofs that still hold."""
     kept = {}
     for name in names:
         with contextlib.suppress(InputFileError):  # an object that cannot be loaded is tried again, and that says why
@@ -94,7 +94,7 @@ def _kept(prover: Prover, names: Sequence[str], folder: Path) -> dict[str, Objec
 
 
 def _proven(prover: Prover, names: Sequence[str], workers: int) -> Iterator[tuple[str, ObjectProof]]:
-    """Proofs as they are finished."""
+    """Yield proofs as they are finished."""
     if workers <= 1 or len(names) < 2:  # with what is loaded here
         yield from ((name, proof_or_failure(prover, name)) for name in names)
         return
@@ -102,7 +102,7 @@ def _proven(prover: Prover, names: Sequence[str], workers: int) -> Iterator[tupl
 
 
 def proof_or_failure(prover: Prover, name: str) -> ObjectProof:
-    """The proof of an object; one that cannot even be loaded has failed."""
+    """Prove an object; one that cannot be loaded has failed."""
     try:
         return prover.prove(name)
     except VcageError as error:

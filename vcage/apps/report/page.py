@@ -190,7 +190,7 @@ def _starts(scene: Scene, episodes: Episodes | None) -> dict[str, Any]:
 
 
 def _world_ranges(episodes: Episodes) -> WorldRanges:
-    """Summarise how the worlds of a collection differed.
+    """Read the ranges of the worlds of a collection.
 
     Raises:
         DamagedFile: its provenance does not say so.

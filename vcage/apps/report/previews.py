@@ -29,7 +29,7 @@ ENCODING: dict[str, object] = {
 
 
 def previews(episodes: Sequence[tuple[Path, float]]) -> list[str | None]:
-    """All cameras of each episode side by side, as data URLs; None of an episode that was kept without pictures.
+    """Show all cameras of each episode side by side, as data URLs; None for an episode without pictures.
 
     Args:
         episodes: the file of each, and its frames per second.

@@ -35,7 +35,7 @@ class Contents:
 
 
 def blueprint(contents: Contents) -> rrb.Blueprint:
-    """The layout that the viewer begins with; what is not there takes no room."""
+    """Return the initial layout of the viewer; missing parts take no room."""
     seen: list[rrb.Container | rrb.View] = []
     if contents.scene:
         seen.append(rrb.Spatial3DView(origin=WORLD, name="Scene"))

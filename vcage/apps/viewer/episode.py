@@ -145,7 +145,7 @@ def log_recording(
 
 
 def episode_summary(path: Path, episode: EpisodeData) -> rr.TextDocument:
-    """The instruction, and the facts that travel in the file; the scene is left to be looked at."""
+    """The instruction, and the facts that travel in the file; without the scene."""
     facts = {name: value for name, value in episode.meta.items() if name not in ("instruction", "scene")}
     length = f"{episode.frames} frames, {episode.fps:g} a second"
     return _page(episode.instruction, {"file": path.name, "length": length, **facts})

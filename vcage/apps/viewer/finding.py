@@ -35,7 +35,7 @@ def find_episodes(path: Path) -> dict[int, Path | Recording]:
 
 
 def choose(found: dict[int, Path | Recording], number: int | None, path: Path) -> int:
-    """``number`` if it is there, by default the first.
+    """Return ``number`` if that episode exists, by default the first.
 
     Args:
         found: as :func:`find_episodes` found them.

@@ -1,4 +1,4 @@
-"""Sub-tasks on the timeline: where each begins and ends, what the critic said, and what was true."""
+"""Sub-tasks on the timeline: begin and end of each, verdict and truth."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ MARGIN = 0.5
 
 
 def log_segments(log: RerunLog, clock: Clock, episode: EpisodeData) -> list[Plot]:
-    """The sub-tasks in all these ways.
+    """Log the sub-tasks.
 
     Args:
         log: where it is written.
@@ -88,5 +88,5 @@ def _truth(segment: Segment) -> str:
 
 
 def _level(segment: Segment) -> str:
-    """Louder where the critic was wrong."""
+    """Warn where the critic was wrong."""
     return "INFO" if segment.verdict.accepted == segment.truth.success else "WARN"

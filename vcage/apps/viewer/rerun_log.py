@@ -29,7 +29,7 @@ TIME, STEP = "time", "timestep"
 
 @dataclass(frozen=True)
 class Clock:
-    """When rows are.
+    """Times of rows.
 
     Args:
         frames: (N,) indices of frames.
@@ -72,7 +72,7 @@ class RerunLog:
         self._stream = stream
 
     def always(self, entity: str, what: rr.AsComponents) -> None:
-        """Say something of an entity that holds at all times."""
+        """Log a component of an entity that holds at all times."""
         self._stream.log(entity, what, static=True)
 
     def rows(self, entity: str, clock: Clock, columns: rr.ComponentColumnList) -> None:
