@@ -19,7 +19,8 @@ from vcage.datasets.lerobot.formats import FORMATS, open_writer
 from vcage.datasets.lerobot.meta import INFO, appendable_info, data_set_info
 from vcage.datasets.lerobot.places import placed
 from vcage.datasets.lerobot.repack import VIDEO_PATHS
-from vcage.runs.accepted import accepted_episodes, decided_by
+from vcage.runs.accepted import decided_by
+from vcage.runs.raw_pictures import EpisodeFile, accepted_files
 from vcage.schema.export import Export
 from vcage.stages.export import Footage, lerobot_episodes
 
@@ -64,31 +65,31 @@ def append_to(root: Path, run: RunFolder, progress: Progress = silent) -> dict[s
     sets = {one.format: run.file(one.path) for one in export.datasets if one.format in FORMATS}
     if not sets:
         raise UsageError("only LeRobot data sets can be added to", hint=f"give --formats {' '.join(FORMATS)}")
-    episodes = {str(record.file): export.provenance.inputs[str(record.file)] for record in accepted_episodes(run)}
+    episodes = {export.provenance.inputs[file.name]: file for file in accepted_files(run)}
     RunFolder(root).make()
     with held(root):
         for name, exported in sets.items():
-            _append(root, name, run, episodes, _footage_of(exported, list(episodes)), progress)
+            footage = _footage_of(exported, [file.name for file in episodes.values()])
+            if not _append(root, name, episodes, footage, progress):
+                logger.info("%s holds the episodes of %s already", root / name, run)
     return {name: root / name for name in sets}
 
 
-def _append(
-    root: Path, name: str, run: RunFolder, episodes: Mapping[str, str], footage: Footage, progress: Progress
-) -> None:
-    """Add those of the episodes, file → SHA-256, that a data set does not hold."""
+def _append(root: Path, name: str, episodes: Mapping[str, EpisodeFile], footage: Footage, progress: Progress) -> bool:
+    """Add those of the episodes, by the SHA-256 of their files, that a data set lacks; True if there were any."""
     recover(root / name)
     count = appendable_info(root / name, {})["total_episodes"] if (root / name / INFO).is_file() else 0
     added = _read_added(root / ADDED)
-    held = {digest: number for digest, number in added.get(name, {}).items() if number < count}
-    new = [file for file, digest in episodes.items() if digest not in held]
+    stored = {digest: number for digest, number in added.get(name, {}).items() if number < count}
+    new = {digest: file for digest, file in episodes.items() if digest not in stored}
     if not new:
-        logger.info("%s holds the episodes of %s already", root / name, run)
-        return
-    coming = {episodes[file]: number for number, file in enumerate(new, start=count)}
+        return False
+    coming = {digest: number for number, digest in enumerate(new, start=count)}
     with open_writer(name, root / name, footage.facts, append=count > 0) as writer:
-        for episode in lerobot_episodes(run, new, footage, progress):
+        for episode in lerobot_episodes(list(new.values()), footage, progress):
             writer.add(episode)
-        write_json(root / ADDED, {**added, name: {**held, **coming}})
+        write_json(root / ADDED, {**added, name: {**stored, **coming}})
+    return True
 
 
 def _read_added(path: Path) -> dict[str, dict[str, int]]:

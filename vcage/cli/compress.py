@@ -23,6 +23,7 @@ from vcage.datasets.packing.inspecting import as_lines, inspect, totals
 from vcage.datasets.packing.output import TARGETS, OutputSpec, omitted_in
 from vcage.datasets.packing.pack import Order, pack
 from vcage.datasets.recordings.colours import AUTO, CHOICES, as_json
+from vcage.runs.raw_pictures import accepted_files, clips_of
 from vcage.stages import compress
 
 
@@ -136,7 +137,7 @@ class Compress(Command):
         done = execute_stage("compress", StageCommand(run=run, stage=self.stage, dry_run=self.dry_run))
         if not self.dry_run:
             return done
-        clips, _ = compress.clips_of(RunFolder(run))
+        clips = clips_of(accepted_files(RunFolder(run)))
         if not clips:  # all were compressed before
             return done
         with progress("estimate") as show:

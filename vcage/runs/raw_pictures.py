@@ -1,4 +1,4 @@
-"""What the files of accepted episodes hold: raw pictures, or links to the videos that these were compressed to.
+"""Files of accepted episodes, which hold raw pictures or links to the videos of their compression.
 
 The videos lie beside the episodes' files (hard links to those of the compression, where the file system has them), so
 that the folder of episodes can be read, copied and added to by itself. A file is replaced as a whole, after its videos:
@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
-from functools import partial
-from itertools import chain
+from dataclasses import dataclass
+from itertools import chain, groupby
 from pathlib import Path
+from typing import Any
 
 from vcage.base.errors import DamagedFile, InputFileError, MissingStage, StaleStage
 from vcage.base.files import RunFolder, atomic_path, sha256_file
@@ -22,14 +23,43 @@ from vcage.base.videos import decoded_count
 from vcage.base.workers import cores
 from vcage.datasets.hdf5_files import damage, open_hdf5_file
 from vcage.datasets.packed import write_packed
+from vcage.datasets.packing.clips import Clip
 from vcage.datasets.packing.writing import link_to
 from vcage.datasets.picture_links import find_links
 from vcage.datasets.recordings.opening import open_hdf5
-from vcage.schema.compression import Compression, VideoStream
+from vcage.runs.accepted import accepted_episodes
+from vcage.runs.stage import differences
+from vcage.schema.base import Provenance
+from vcage.schema.compression import Compression, SetAside, VideoStream
+
+
+@dataclass(frozen=True)
+class EpisodeFile:
+    """The file of an episode that counts.
+
+    Args:
+        name: its path, relative to the run folder.
+        path: the same, whole.
+        frames: number of frames.
+    """
+
+    name: str
+    path: Path
+    frames: int
+
+    @property
+    def holds_links(self) -> bool:
+        """True if its pictures lie in videos beside it; raises as :func:`holds_links`."""
+        return holds_links(self.path)
+
+
+def accepted_files(run: RunFolder) -> list[EpisodeFile]:
+    """Return the files of the episodes that count; raises as :func:`vcage.runs.accepted.accepted_episodes`."""
+    return [EpisodeFile(str(one.file), run.file(str(one.file)), one.frames) for one in accepted_episodes(run)]
 
 
 def holds_links(path: Path) -> bool:
-    """Whether the pictures of an episode lie in videos beside its file.
+    """True if the pictures of an episode lie in videos beside its file.
 
     Raises:
         DamagedFile: it cannot be read.
@@ -38,13 +68,13 @@ def holds_links(path: Path) -> bool:
         return bool(find_links(file))
 
 
-def require_raw(paths: Iterable[Path]) -> None:
-    """Nothing, if these episodes hold their raw pictures.
+def require_raw(files: Iterable[EpisodeFile]) -> None:
+    """Require that episodes hold their raw pictures.
 
     Raises:
         MissingStage: some do not; says how to have them again.
     """
-    gone = [path for path in paths if holds_links(path)]
+    gone = [file.path for file in files if file.holds_links]
     if gone:
         raise MissingStage(
             f"{gone[0]}{f' and {len(gone) - 1} more' if gone[1:] else ''} holds no raw pictures any more: they were "
@@ -56,8 +86,10 @@ def require_raw(paths: Iterable[Path]) -> None:
 
 
 def originals(run: RunFolder) -> dict[str, str]:
-    """SHA-256 of episodes that refer to videos → that of the same with raw pictures, which the run's other files were
-    made from; none where the run was not compressed."""
+    """Map the SHA-256 of episodes that refer to videos to that of the same files with raw pictures.
+
+    The run's other files were made from the latter. The mapping is empty where the run was not compressed.
+    """
     with suppress(InputFileError):
         record = Compression.read(run.compression)
         counted = {now: record.provenance.inputs[file] for file, now in record.packed.items()}
@@ -65,17 +97,84 @@ def originals(run: RunFolder) -> dict[str, str]:
     return {}
 
 
-def packed_hash(run: RunFolder, streams: Iterable[VideoStream], scratch: Path) -> str:
-    """SHA-256 that an episode's file will have once it refers to its videos.
+def clips_of(files: Iterable[EpisodeFile]) -> list[Clip]:
+    """Return every camera of the episodes that hold raw pictures.
+
+    Raises:
+        DamagedFile: an episode cannot be read.
+    """
+    clips = []
+    for file in files:
+        if not file.holds_links:
+            recording = open_hdf5(file.path)
+            rate = float(recording.fps or 0)
+            clips += [Clip(file.path.stem, recording, camera.name, rate) for camera in recording.cameras]
+    return clips
+
+
+def made_with(run: RunFolder, options: Mapping[str, Any]) -> Compression | None:
+    """Return the run's compression if it was made with these options."""
+    record = _compression(run)
+    return record if record and record.provenance.options == options else None
+
+
+def _compression(run: RunFolder) -> Compression | None:
+    return Compression.read(run.compression) if run.compression.exists() else None
+
+
+def earlier_videos(
+    run: RunFolder, files: Iterable[EpisodeFile], now: Provenance
+) -> dict[tuple[str, str], tuple[Path, VideoStream]]:
+    """Return the videos, by episode and camera, of episodes without raw pictures.
+
+    They stay as they are while other episodes come or go.
+
+    Raises:
+        MissingStage: the videos would have to be made again: more than the set of episodes has changed.
+    """
+    gone = {file.name: file for file in files if file.holds_links}
+    if not gone:
+        return {}
+    record = _compression(run)
+    known = [*record.streams, *chain(*(one.streams for one in record.set_aside.values()))] if record else []
+    streams = [stream for stream in known if stream.episode in gone]
+    changed = differences(record.provenance, now) if record else []
+    others = changed and all(what.startswith("input ") for what in changed)
+    if not others or {stream.episode for stream in streams} != gone.keys():
+        require_raw(gone.values())
+    return {(s.episode, s.camera): (gone[s.episode].path.with_name(Path(s.file).name), s) for s in streams}
+
+
+def set_aside(run: RunFolder, record: Compression, files: Iterable[EpisodeFile]) -> dict[str, SetAside]:
+    """Return the packed episodes of a compression that do not count any more.
+
+    Without raw pictures, they need their videos to count again.
+    """
+    known = dict(record.set_aside)
+    for file, packed in record.packed.items():
+        streams = [stream for stream in record.streams if stream.episode == file]
+        known[file] = SetAside(original=record.provenance.inputs[file], packed=packed, streams=streams)
+    left = {file: run.file(file) for file in sorted(known.keys() - {file.name for file in files})}
+    return {
+        file: known[file] for file, path in left.items() if path.is_file() and sha256_file(path) == known[file].packed
+    }
+
+
+def packed_hashes(files: Iterable[EpisodeFile], streams: Iterable[VideoStream], scratch: Path) -> dict[str, str]:
+    """Return the SHA-256 that each episode's file will have once it refers to its videos.
 
     Args:
-        run: its run.
-        streams: its videos, all of one episode.
-        scratch: a folder for what is written meanwhile.
+        files: of the episodes.
+        streams: their videos, sorted by episode.
+        scratch: a folder for temporary files.
     """
-    digest = sha256_file(target := _packed(run, list(streams), scratch))
-    target.unlink()
-    return digest
+    paths = {file.name: file.path for file in files}
+    hashes = {}
+    for episode, own in groupby(streams, key=lambda stream: stream.episode):
+        packed = _packed(paths[episode], list(own), scratch)
+        hashes[episode] = sha256_file(packed)
+        packed.unlink()
+    return hashes
 
 
 def refer_to_videos(run: RunFolder, record: Compression, scratch: Path) -> None:
@@ -84,55 +183,48 @@ def refer_to_videos(run: RunFolder, record: Compression, scratch: Path) -> None:
     Args:
         run: the run.
         record: of its compression.
-        scratch: a folder on the same file system for what is written meanwhile.
+        scratch: a folder on the same file system for temporary files.
 
     Raises:
         DamagedFile: a video does not hold what it should; then all episodes keep their pictures.
         DiskFull, OutputFolderError: the episodes cannot be written.
     """
+    paths = {file: run.file(file) for file in record.packed}
     waiting = {
-        file: [stream for stream in record.streams if stream.episode == file]
-        for file in record.packed
-        if not holds_links(run.file(file))
+        file: [(run.file(stream.file), stream) for stream in record.streams if stream.episode == file]
+        for file, path in paths.items()
+        if not holds_links(path)
     }
     with ThreadPoolExecutor(cores()) as pool:  # FFmpeg releases the interpreter
-        list(pool.map(partial(_verify, run), chain(*waiting.values())))
-    for file, streams in waiting.items():
-        path = run.file(file)
-        for stream in streams:
-            _beside(run.file(stream.file), path)
-        packed = _packed(run, streams, scratch)
+        list(pool.map(lambda video: _verify(*video), chain(*waiting.values())))
+    for file, videos in waiting.items():
+        for video, _ in videos:
+            _link_beside(video, paths[file])
+        packed = _packed(paths[file], [stream for _, stream in videos], scratch)
         if sha256_file(packed) != record.packed[file]:
             raise StaleStage(
                 f"{run.compression} was made with another version of HDF5, which stores {file} in other bytes",
                 hint="leave the raw pictures with --keep-raw",
             )
-        os.replace(packed, path)
+        os.replace(packed, paths[file])
 
 
-def _packed(run: RunFolder, streams: list[VideoStream], scratch: Path) -> Path:
-    path = run.file(streams[0].episode)
-    recording = open_hdf5(path)
-    return write_packed(path, scratch / path.name, [link_to(recording, stream) for stream in streams])
+def _packed(episode: Path, streams: Sequence[VideoStream], scratch: Path) -> Path:
+    recording = open_hdf5(episode)
+    return write_packed(episode, scratch / episode.name, [link_to(recording, stream) for stream in streams])
 
 
-def _verify(run: RunFolder, stream: VideoStream) -> None:
-    """Decode all of a video.
-
-    Raises:
-        DamagedFile: it does not hold what was written.
-    """
-    video = run.file(stream.file)
-    frames = decoded_count(video)
-    if frames != stream.frames or video.stat().st_size != stream.bytes:
+def _verify(video: Path, stream: VideoStream) -> None:
+    """Raise DamagedFile where a video, of which all is decoded, does not hold what was written."""
+    frames, size = decoded_count(video), video.stat().st_size
+    if (frames, size) != (stream.frames, stream.bytes):
         raise DamagedFile(
-            f"{video} holds {frames} frames in {video.stat().st_size} bytes, {stream.frames} in {stream.bytes} were "
-            "written",
+            f"{video} holds {frames} frames in {size} bytes, {stream.frames} in {stream.bytes} were written",
             maker="compress",
         )
 
 
-def _beside(video: Path, episode: Path) -> None:
+def _link_beside(video: Path, episode: Path) -> None:
     """Give a video a second name in the folder of its episode."""
     with atomic_path(episode.with_name(video.name)) as part:
         try:

@@ -1,4 +1,4 @@
-"""Stage 9: the accepted episodes as data sets that others read: LeRobot v2.1, v3.0 and v3.1, and RoboTwin's HDF5.
+"""Stage 9: export the accepted episodes as LeRobot v2.1, v3.0 and v3.1, and as RoboTwin's HDF5.
 
 LeRobot gets the compressed videos as they are; another codec is encoded from the episodes' own pictures.
 """
@@ -29,15 +29,14 @@ from vcage.datasets.packing.writing import lerobot_episode
 from vcage.datasets.reader import EpisodeReader
 from vcage.datasets.recordings.opening import open_hdf5
 from vcage.datasets.robotwin import export_robotwin
-from vcage.runs.accepted import accepted_episodes, decided_by, none_counts, withdraw
+from vcage.runs.accepted import decided_by, none_counts, withdraw
 from vcage.runs.context import StageContext
 from vcage.runs.edits import refuse
-from vcage.runs.raw_pictures import originals, require_raw
+from vcage.runs.raw_pictures import EpisodeFile, accepted_files, clips_of, originals, require_raw
 from vcage.runs.stage import Job, StageOptions, StageResult, stage_seed
 from vcage.schema.base import Provenance
 from vcage.schema.compression import Compression
 from vcage.schema.export import Export, ExportedDataset
-from vcage.stages.compress import clips_of
 from vcage.video.choices import LOSSLESS
 from vcage.video.encoders import CODECS
 
@@ -56,7 +55,7 @@ class Footage:
 
     Args:
         files: (episode file, camera) → video.
-        facts: camera → what ``info.json`` says of its encoding beyond the stream itself.
+        facts: camera → facts for ``info.json`` about its encoding that the stream itself does not tell.
     """
 
     files: Mapping[tuple[str, str], Path]
@@ -78,11 +77,10 @@ class Options(StageOptions):
 
 
 def job(run: RunFolder, options: Options, _context: StageContext) -> Job:
-    """What the stage has to do."""
-    videos = []
-    if run.compression.exists():
-        videos = [run.file(stream.file) for stream in Compression.read(run.compression).streams]
-    episodes = [run.file(str(episode.file)) for episode in accepted_episodes(run)]
+    """Return the inputs, options and output of the stage."""
+    streams = Compression.read(run.compression).streams if run.compression.exists() else []
+    videos = [run.file(stream.file) for stream in streams]
+    episodes = [file.path for file in accepted_files(run)]
     return Job(
         run=run,
         output=run.export,
@@ -94,7 +92,7 @@ def job(run: RunFolder, options: Options, _context: StageContext) -> Job:
 
 
 def summary(record: Export) -> dict[str, Any]:
-    """A few facts for whoever ran the stage."""
+    """Return a few facts for whoever ran the stage."""
     return {dataset.format: dataset.model_dump(exclude={"format"}) for dataset in record.datasets}
 
 
@@ -115,12 +113,23 @@ def execute(
     stage = job(run, options, context)
 
     def make(folder: Path, provenance: Provenance) -> Export:
+        files = accepted_files(run)
         versions = [name for name in options.formats if name in FORMATS]
         if versions:
-            _write_lerobot(run, versions, folder, find_footage(run, options, progress), progress)
+            _write_lerobot(files, versions, folder, find_footage(run, files, options, progress), progress)
         if ROBOTWIN in options.formats:
-            _write_robotwin(run, folder / ROBOTWIN, progress)
-        datasets = [_describe(run, name, folder / name, stage.inside(name)) for name in options.formats]
+            _write_robotwin(files, folder / ROBOTWIN, progress)
+        frames = sum(file.frames for file in files)
+        datasets = [
+            ExportedDataset(
+                format=name,
+                path=stage.inside(name),
+                episodes=len(files),
+                frames=frames,
+                bytes=sum(file.stat().st_size for file in (folder / name).rglob("*") if file.is_file()),
+            )
+            for name in options.formats
+        ]
         return Export(provenance=provenance, datasets=datasets)
 
     result = stage.do(Export, make, force=options.force)
@@ -129,7 +138,7 @@ def execute(
 
 
 def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: StageContext) -> Export:
-    """Nothing: the record tells what was made, and there is nothing in it to decide.
+    """Refuse an edit: the record states facts, and there is nothing in it to decide.
 
     Raises:
         InputFileError: always.
@@ -137,29 +146,31 @@ def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: St
     refuse(run.export, "(any)", f"{', '.join(edited)} was changed by hand", "what export wrote there")
 
 
-def find_footage(run: RunFolder, options: Options, progress: Progress = silent) -> Footage:
-    """The compressed videos; where another codec or CRF is asked for, others that are made now.
+def find_footage(
+    run: RunFolder, episodes: Sequence[EpisodeFile], options: Options, progress: Progress = silent
+) -> Footage:
+    """Return the compressed videos; where another codec or CRF is asked for, encode others now.
 
     Raises:
         MissingStage: nothing was compressed yet; or the raw pictures that another encoding takes are gone.
         UsageError: the codec cannot stay under the loss that the compression allowed; or the compression had a CRF
-            given, which tells nothing to another codec.
+            given, which says nothing about another codec.
     """
     compression = Compression.read(run.compression)
     wanted = _other_encoding(CompressionSettings(**compression.provenance.options), options)
     if wanted is None:
         files = {(stream.episode, stream.camera): run.file(stream.file) for stream in compression.streams}
         return Footage(files, encodings(compression.streams, compression.encoding.preset))
-    require_raw(run.file(str(episode.file)) for episode in accepted_episodes(run))
-    clips, names = clips_of(run)
-    videos = search_data_set(clips, wanted, run.root / WORKING, workers=options.workers, progress=progress)
+    require_raw(episodes)
+    names = {file.path.stem: file.name for file in episodes}
+    videos = search_data_set(clips_of(episodes), wanted, run.root / WORKING, workers=options.workers, progress=progress)
     streams = [video.stream for video in videos.values()]
     files = {(names[name], camera): video.file for (name, camera), video in videos.items()}
     return Footage(files, encodings(streams, wanted.choices().settings().preset))
 
 
 def _other_encoding(compressed: CompressionSettings, options: Options) -> CompressionSettings | None:
-    """How to encode again, or None where the compressed videos are what is asked for."""
+    """Return the settings to encode with again; None where the compressed videos will do."""
     codec, crf = options.codec or compressed.codec, options.crf
     if codec == compressed.codec:
         return None if crf in (None, compressed.crf) else replace(compressed, crf=crf)
@@ -169,7 +180,7 @@ def _other_encoding(compressed: CompressionSettings, options: Options) -> Compre
 
 
 def _same_quality(compressed: CompressionSettings, codec: str) -> int | None:
-    """The CRF at which another codec does what was asked of the compression; None for one to be searched."""
+    """Return the CRF at which another codec keeps the quality of the compression; None to search for it."""
     if compressed.crf is None:
         return None
     if compressed.crf != LOSSLESS:
@@ -186,59 +197,47 @@ def _same_quality(compressed: CompressionSettings, codec: str) -> int | None:
 
 
 def lerobot_episodes(
-    run: RunFolder, files: Sequence[str], footage: Footage, progress: Progress = silent
+    files: Sequence[EpisodeFile], footage: Footage, progress: Progress = silent
 ) -> Iterator[LeRobotEpisode]:
-    """Episodes with their videos, one after the other.
+    """Yield episodes with their videos, one after the other.
 
     Args:
-        run: their run.
-        files: theirs, relative to the run folder.
+        files: the episodes.
         footage: videos of all of their cameras.
-        progress: told of every episode.
+        progress: called for every episode.
 
     Raises:
         MissingStage: a camera of an episode has no video.
         DamagedFile: an episode cannot be read.
     """
     with ThreadPoolExecutor(cores()) as pool:  # nearly all of it is decoding, which threads do side by side
-        for number, episode in enumerate(pool.map(partial(_lerobot_episode, run, footage), files)):
-            progress(Path(files[number]).stem, number, len(files))
+        for number, episode in enumerate(pool.map(partial(_lerobot_episode, footage), files)):
+            progress(files[number].path.stem, number, len(files))
             yield episode
 
 
-def _lerobot_episode(run: RunFolder, footage: Footage, file: str) -> LeRobotEpisode:
-    recording = open_hdf5(run.file(file))
+def _lerobot_episode(footage: Footage, file: EpisodeFile) -> LeRobotEpisode:
+    recording = open_hdf5(file.path)
     cameras = [camera.name for camera in recording.cameras]
-    missing = [camera for camera in cameras if (file, camera) not in footage.files]
+    missing = [camera for camera in cameras if (file.name, camera) not in footage.files]
     if missing:
-        raise MissingStage(f"{file} has no compressed video of {', '.join(missing)}", maker="compress")
-    return lerobot_episode(recording, {camera: footage.files[file, camera] for camera in cameras}, OutputSpec())
+        raise MissingStage(f"{file.name} has no compressed video of {', '.join(missing)}", maker="compress")
+    return lerobot_episode(recording, {camera: footage.files[file.name, camera] for camera in cameras}, OutputSpec())
 
 
-def _write_lerobot(run: RunFolder, versions: Sequence[str], folder: Path, footage: Footage, progress: Progress) -> None:
-    files = [str(record.file) for record in accepted_episodes(run)]
+def _write_lerobot(
+    files: Sequence[EpisodeFile], versions: Sequence[str], folder: Path, footage: Footage, progress: Progress
+) -> None:
     with ExitStack() as stack:
         writers = [stack.enter_context(open_writer(name, folder / name, footage.facts)) for name in versions]
-        for episode in lerobot_episodes(run, files, footage, progress):
+        for episode in lerobot_episodes(files, footage, progress):
             for writer in writers:
                 writer.add(episode)
 
 
-def _write_robotwin(run: RunFolder, out: Path, progress: Progress) -> None:
-    accepted = accepted_episodes(run)
+def _write_robotwin(files: Sequence[EpisodeFile], out: Path, progress: Progress) -> None:
     out.mkdir(parents=True)
-    for number, record in enumerate(accepted):
-        progress(f"episode{number}.hdf5", number, len(accepted))
-        with EpisodeReader(run.file(str(record.file))) as reader:
+    for number, file in enumerate(files):
+        progress(f"episode{number}.hdf5", number, len(files))
+        with EpisodeReader(file.path) as reader:
             export_robotwin(reader, out / f"episode{number}.hdf5")
-
-
-def _describe(run: RunFolder, name: str, path: Path, relative: str) -> ExportedDataset:
-    accepted = accepted_episodes(run)
-    return ExportedDataset(
-        format=name,
-        path=relative,
-        episodes=len(accepted),
-        frames=sum(record.frames for record in accepted),
-        bytes=sum(file.stat().st_size for file in path.rglob("*") if file.is_file()),
-    )
