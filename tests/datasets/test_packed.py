@@ -156,7 +156,7 @@ def test_a_packed_file_is_read_like_its_source(source, packed):
         assert after.stored_bytes == (packed.parent / f"source.{after.name}.mp4").stat().st_size
         assert np.array_equal(new.pictures(after.name), old.pictures(after.name))
         assert np.array_equal(new.pictures(after.name, [1, 4]), old.pictures(after.name, [1, 4]))
-    assert np.array_equal(new.motion.action, old.motion.action)
+    assert np.array_equal(new.motion.values, old.motion.values)
     assert np.array_equal(new.state, old.state)
 
 

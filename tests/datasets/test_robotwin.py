@@ -30,7 +30,7 @@ def test_the_file_is_read_as_a_recording_of_robotwins_with_nothing_lost_but_by_j
     (recording,) = open_recordings(file)
     assert (recording.LAYOUT, recording.fps, recording.task) == ("robotwin", FPS, INSTRUCTION)
     assert recording.robot == "dual_panda"
-    assert np.array_equal(recording.motion.action, episode(FRAMES).action)
+    assert np.array_equal(recording.motion.values, episode(FRAMES).action)
     assert np.array_equal(recording.state, episode(FRAMES).qpos)
     assert recording.motion.grippers == (2, 5)
     assert [camera.name for camera in recording.cameras] == ["head_camera", "left_camera", "right_camera"]

@@ -1,6 +1,6 @@
-"""HDF5 files of whatever layout: damage in what is read, and a full disk in what is written, are errors like any other.
+"""HDF5 files of any layout, read and written with errors that name the file.
 
-HDF5 itself does not survive a write that the system refuses: what cannot be flushed when a dataset or the file is
+HDF5 itself does not survive a write that the system refuses: data that cannot be flushed when a dataset or the file is
 closed ends the process (a segmentation fault, seen with HDF5 2.0), or is lost without an error. So it writes through
 an object of Python that accepts everything, and remembers the first refusal until HDF5 is done.
 """
@@ -22,9 +22,9 @@ from vcage.base.placeholders import require_fetched
 from vcage.datasets.hdf5_contents import require_own_contents
 from vcage.datasets.picture_links import require_own_videos
 
-_LOOKED_AT: set[tuple[Path, int, int, int]] = set()
-"""Path, inode, bytes and time of the last change in ns of files that were found to hold their own data alone, and
-links to their own videos."""
+_CHECKED: set[tuple[Path, int, int, int]] = set()
+"""Path, inode, bytes and time of the last change in ns of files that hold their own data alone, and links to their own
+videos."""
 
 
 def open_hdf5_file(path: Path, **options: Any) -> h5py.File:
@@ -49,9 +49,9 @@ def open_hdf5_file(path: Path, **options: Any) -> h5py.File:
         try:
             found = path.stat()
             state = (path, found.st_ino, found.st_size, found.st_mtime_ns)
-            if state not in _LOOKED_AT:
+            if state not in _CHECKED:
                 require_own_videos(require_own_contents(file))
-                _LOOKED_AT.add(state)
+                _CHECKED.add(state)
         except BaseException:
             file.close()
             raise
@@ -59,12 +59,19 @@ def open_hdf5_file(path: Path, **options: Any) -> h5py.File:
 
 
 @contextmanager
+def read_hdf5(path: Path, **options: Any) -> Iterator[h5py.File]:
+    """Open a file as :func:`open_hdf5_file`; errors inside the block become :class:`DamagedFile` too."""
+    with damage(path), open_hdf5_file(path, **options) as file:
+        yield file
+
+
+@contextmanager
 def damage(path: Path, *, writing: bool = False) -> Iterator[None]:
-    """Turn what a broken file makes h5py raise into :class:`DamagedFile`.
+    """Turn h5py's errors on a broken file into :class:`DamagedFile`.
 
     Args:
         path: the file that is read.
-        writing: whether another is written meanwhile; what the system refuses, which has a number, may be its fault.
+        writing: true if another is written meanwhile; errors of the system, which have a number, may be its fault.
     """
     try:
         yield
@@ -82,14 +89,14 @@ WRITTEN = "already open for write"
 """Part of HDF5's message about a file that is marked as being written."""
 
 SIGNATURE, FLAGS_AT = b"\x89HDF\r\n\x1a\n", 11
-"""Begins a superblock; and where its consistency flags are, bytes from there on."""
+"""First bytes of a superblock, and the offset of its consistency flags."""
 
 SWMR_WRITTEN = 0x4
 """Bit of the marks in a file's superblock: others may read while it is written, and so it has no lock."""
 
 
 def _busy(path: Path, error: Exception) -> VcageError | None:
-    """The error of a file that is being written, or that its writer never closed; None for any other."""
+    """Return the error of a file that is being written, or that its writer never closed; None for any other."""
     if isinstance(error, BlockingIOError):
         return FileInUse(
             f"{path} is open for writing in another process", hint="wait until its writer has closed it, then repeat"
@@ -103,7 +110,7 @@ def _busy(path: Path, error: Exception) -> VcageError | None:
 
 
 def _marks(path: Path) -> int:
-    """The consistency flags of a superblock of version 3, which alone has any; it lies behind a user's block."""
+    """Return the consistency flags of a superblock of version 3, which alone has any, behind any user's block."""
     with open(path, "rb") as handle:
         start = handle.read(2**16)
     place = start.find(SIGNATURE) + FLAGS_AT
@@ -136,11 +143,11 @@ class _Target(io.FileIO):
 
 @contextmanager
 def new_hdf5(path: Path, *, track_order: bool = False) -> Iterator[h5py.File]:
-    """An HDF5 file to be filled; it takes its name when it is whole, and is not there if anything fails.
+    """Open a new HDF5 file; it takes its name when it is whole, and does not appear if anything fails.
 
     Args:
         path: the file; one that is there is replaced.
-        track_order: whether groups remember in what order they were filled.
+        track_order: true if groups remember the order in which they were filled.
 
     Raises:
         OutputFolderError, DiskFull: it cannot be written.
@@ -154,7 +161,7 @@ def new_hdf5(path: Path, *, track_order: bool = False) -> Iterator[h5py.File]:
                 raise target.refused
 
 
-# --- bytes of lengths that are not known yet -----------------------------------------------------------
+# --- pieces of unknown lengths ---------------------------------------------------------------------------
 
 
 class Spool:
@@ -188,6 +195,6 @@ class Spool:
 
 @contextmanager
 def spooled(pieces: Iterable[bytes], folder: Path) -> Iterator[Spool]:
-    """All of ``pieces`` in a file without a name in ``folder``, which is gone afterwards."""
+    """Write ``pieces`` into a file without a name in ``folder``, which is gone afterwards."""
     with tempfile.TemporaryFile(dir=folder) as file:
         yield Spool(file, pieces)

@@ -187,7 +187,7 @@ def test_its_state_and_commands_are_curves_under_their_names(tmp_path):
     seen = ReadBack(tmp_path / "look.rrd")
     assert seen.under("/joints") == set(recording.action_names)
     name = recording.action_names[0]
-    assert list(seen.rows(f"/joints/{name}/commanded", "Scalar").values()) == recording.motion.action[:, 0].tolist()
+    assert list(seen.rows(f"/joints/{name}/commanded", "Scalar").values()) == recording.motion.values[:, 0].tolist()
 
 
 def test_a_trajectory_with_a_picture_after_the_last_command_is_shown_whole(tmp_path):

@@ -33,7 +33,7 @@ def test_a_folder_of_files_offers_them_by_name(tmp_path):
 
 def test_a_file_of_demonstrations_offers_them_by_their_place(tmp_path):
     found = find_episodes(robomimic(tmp_path / "lift.hdf5"))
-    assert [found[place].demo for place in range(3)] == [*DEMOS]
+    assert [found[place].part for place in range(3)] == [*DEMOS]
 
 
 def test_an_episode_whose_pictures_lie_in_videos_is_a_recording(tmp_path):

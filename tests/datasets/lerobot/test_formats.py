@@ -191,7 +191,7 @@ def test_a_vector_of_one_number_is_a_column_of_numbers(version, episodes, tmp_pa
     root = write(version, tmp_path / "set", [one])
     (table,) = (root / "data").rglob("*.parquet")
     assert pq.read_schema(table).field("action").type == pa.float32()
-    assert open_recordings(root)[0].motion.action.tolist() == [[number] for number in range(9)]
+    assert open_recordings(root)[0].motion.values.tolist() == [[number] for number in range(9)]
     write(version, root, [one], append=True)
 
 

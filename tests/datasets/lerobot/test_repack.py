@@ -286,7 +286,7 @@ def test_pictures_leave_the_tables_and_become_videos(with_pictures, films, tmp_p
     for recording in open_recordings(tmp_path / "out"):
         assert recording.camera("cam_high").storage == "h264"
         assert np.array_equal(recording.pictures("cam_high"), decode(films[CAM][recording.number]))
-        assert recording.motion.action.shape == (LENGTHS[recording.number], 6)
+        assert recording.motion.values.shape == (LENGTHS[recording.number], 6)
 
 
 def test_info_says_that_pictures_became_videos(with_pictures, films, tmp_path):

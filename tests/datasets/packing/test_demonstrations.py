@@ -194,7 +194,7 @@ def test_demonstrations_become_episodes_in_the_order_of_their_numbers(path, tmp_
     episodes = open_recordings(tmp_path / "out")
     for old, new in zip(open_recordings(path), episodes, strict=True):
         assert (new.fps, new.task, new.state_names) == (RATE, "lift the cube", old.state_names)
-        assert np.array_equal(new.motion.action, old.motion.action)
+        assert np.array_equal(new.motion.values, old.motion.values)
         assert np.allclose(new.state, old.state)
         for camera in CAMERAS:
             assert np.array_equal(new.pictures(camera), old.pictures(camera))

@@ -92,7 +92,7 @@ def test_hdf5_files_become_episodes_of_a_data_set(tmp_path, source, target):
     for recording, old in zip(new, open_recordings(source), strict=True):
         assert (recording.LAYOUT, recording.task, recording.fps) == (target, "open the jar", FPS)
         assert np.array_equal(recording.pictures("cam_high"), old.pictures("cam_high"))
-        assert np.allclose(recording.motion.action, old.motion.action)
+        assert np.allclose(recording.motion.values, old.motion.values)
 
 
 def test_an_episode_of_ours_that_was_compressed_becomes_one_of_a_data_set(tmp_path):

@@ -76,7 +76,7 @@ def test_every_layout_comes_out_as_it_was_with_its_pictures_in_videos(recording,
     )
     for camera in old.cameras:
         assert np.array_equal(new.pictures(camera.name), old.pictures(camera.name))
-    assert np.array_equal(new.motion.action, old.motion.action)
+    assert np.array_equal(new.motion.values, old.motion.values)
     assert done.fresh and all(stream.lossless for stream in done.record.streams)
     shutil.rmtree(tmp_path / "out")
     assert digests(tmp_path) == before

@@ -42,7 +42,7 @@ def test_a_libero_file_becomes_episodes_with_state_task_and_rate(tmp_path):
     assert (episode.task, episode.fps, episode.frames) == ("put the bowl on the plate", 20, FRAMES)
     assert np.allclose(episode.state, np.concatenate([ramp(7, 10), ramp(2, 20), ramp(6, 30)], axis=1))
     assert episode.state_names[:8:7] == ["joint_states_0", "gripper_states_0"]
-    assert np.allclose(episode.motion.action, ramp(7))
+    assert np.allclose(episode.motion.values, ramp(7))
     assert set(done.record.left_out) == {
         *("dones", "obs/agentview_depth", "obs/ee_ori", "obs/ee_pos", "rewards", "robot_states", "states")
     }
@@ -89,7 +89,7 @@ def test_a_failed_demonstration_of_isaac_lab_is_left_out_and_counted(tmp_path):
     path = isaac_lab(tmp_path / "stack.hdf5", (True, False, None, True))
     done = packed(path, fps=20, task="stack the cubes")
     episodes = open_recordings(tmp_path / "out")
-    assert [episode.motion.action[0, 0] for episode in episodes] == [0, 2, 3]
+    assert [episode.motion.values[0, 0] for episode in episodes] == [0, 2, 3]
     assert list(done.record.failed) == ["stack.demo_1"]
     assert np.allclose(episodes[0].state, np.concatenate([ramp(9, 10), ramp(2, 20)], axis=1))
     assert {"initial_state", "obs/datagen_info", "obs/joint_vel", "obs/table_cam_segmentation"} < set(
@@ -149,7 +149,7 @@ def test_a_trajectory_gives_a_frame_for_each_action(tmp_path):
     (episode,) = open_recordings(tmp_path / "out")
     assert (episode.task, episode.fps, episode.frames) == ("Pick cube", 25, FRAMES)
     assert np.array_equal(episode.pictures("base_camera"), rooms(FRAMES + 1)[:-1])
-    assert np.allclose(episode.state, ramp(9, 10)) and np.allclose(episode.motion.action, ramp(8))
+    assert np.allclose(episode.state, ramp(9, 10)) and np.allclose(episode.motion.values, ramp(8))
     assert {"env_states", "obs/agent/qvel", "obs/extra", "rewards", "success", "the last picture"} < set(
         done.record.left_out
     )
@@ -179,7 +179,7 @@ def test_a_trajectory_stays_whole_as_hdf5_beside_its_description(tmp_path):
 def test_failed_trajectories_are_left_out_and_counted(tmp_path):
     done = packed(maniskill(tmp_path / "a.h5", (False, True, None)), fps=20)
     assert list(done.record.failed) == ["a.traj_0"]
-    assert [one.motion.action[0, 0] for one in open_recordings(tmp_path / "out")] == [1, 2]
+    assert [one.motion.values[0, 0] for one in open_recordings(tmp_path / "out")] == [1, 2]
 
 
 def test_labels_tell_failures_only_where_some_trajectory_succeeds(tmp_path):
@@ -236,7 +236,7 @@ def test_instructions_beside_the_data_are_the_tasks(tmp_path):
     done = packed(robotwin_tree(tmp_path / "clean"), fps=16.67)
     episodes = open_recordings(tmp_path / "out")
     assert [episode.task for episode in episodes] == ["Beat block 0", "Beat block 1"]
-    assert np.allclose(episodes[1].motion.action[:, :6], ramp(6, 1))
+    assert np.allclose(episodes[1].motion.values[:, :6], ramp(6, 1))
     assert "instructions/unseen" in done.record.left_out
     written = [path for path in (tmp_path / "out").rglob("*") if path.suffix in (".json", ".parquet")]
     assert not any(b"Strike" in path.read_bytes() for path in written)

@@ -36,7 +36,7 @@ def test_robotwins_second_layout_is_read_in_true_colours(tmp_path, swapped):
     recording = open_hdf5(robotwin_vision(tmp_path / "a.hdf5", swapped=swapped))
     assert (recording.LAYOUT, [camera.name for camera in recording.cameras]) == ("robotwin-1.0", ["cam_head"])
     assert far(recording.pictures("cam_head")) < 3
-    assert recording.motion.action.shape == (FRAMES, 7)
+    assert recording.motion.values.shape == (FRAMES, 7)
     assert recording.motion.grippers == (6,)
 
 
@@ -52,8 +52,8 @@ def test_acts_layout_holds_arrays_or_padded_jpeg(tmp_path, encoded):
 
 def test_an_arm_and_a_gripper_at_a_time_make_robotwins_commands(tmp_path):
     motion = open_hdf5(robotwin(tmp_path / "a.hdf5")).motion
-    assert (motion.action.shape, motion.grippers) == ((FRAMES, 14), (6, 13))
-    assert motion.action[0, 6] == 1 and motion.action[-1, 13] == 0
+    assert (motion.values.shape, motion.grippers) == ((FRAMES, 14), (6, 13))
+    assert motion.values[0, 6] == 1 and motion.values[-1, 13] == 0
 
 
 def test_an_episode_of_ours_is_known_and_says_what_it_is(tmp_path):
@@ -112,7 +112,7 @@ def test_acts_state_is_the_joints_with_names_made_up(tmp_path):
 
 def test_robotwin_knows_no_state_but_its_commands_and_says_so(tmp_path):
     recording = open_hdf5(robotwin(tmp_path / "a.hdf5"))
-    assert np.array_equal(recording.state, recording.motion.action)
+    assert np.array_equal(recording.state, recording.motion.values)
     assert recording.state_names[5:8] == ["left_arm_5", "left_gripper", "right_arm_0"]
     assert len(recording.state_notes) == 1 and "measured" in recording.state_notes[0]
 
@@ -122,7 +122,7 @@ def test_robotwins_vector_alone_is_enough(tmp_path):
         del file["joint_action"]
         file["joint_action/vector"] = np.zeros((FRAMES, 14))
     motion = open_hdf5(tmp_path / "a.hdf5").motion
-    assert (motion.action.shape, motion.grippers) == ((FRAMES, 14), (6, 13))
+    assert (motion.values.shape, motion.grippers) == ((FRAMES, 14), (6, 13))
 
 
 def test_robotwins_second_layout_has_a_state_of_its_own(tmp_path):
@@ -178,7 +178,7 @@ def test_a_recording_goes_to_another_process_before_and_after_it_was_read(tmp_pa
     for _ in range(2):
         again = pickle.loads(pickle.dumps(recording))
         assert np.array_equal(again.pictures("head_camera"), recording.pictures("head_camera"))
-        assert np.array_equal(again.motion.action, recording.motion.action)
+        assert np.array_equal(again.motion.values, recording.motion.values)
         assert (again.notes, again.cameras) == (recording.notes, recording.cameras)
 
 
@@ -204,7 +204,7 @@ def test_commands_of_one_number_and_commands_in_a_group_are_read(tmp_path):
         file["action"] = np.arange(FRAMES)
         file["observations/qpos/left_arm"] = np.zeros((FRAMES, 6))
     recording = open_hdf5(tmp_path / "a.hdf5")
-    assert recording.motion.action.shape == (FRAMES, 1)
+    assert recording.motion.values.shape == (FRAMES, 1)
     assert recording.state_names == [f"left_arm_{joint}" for joint in range(6)]
 
 

@@ -40,7 +40,7 @@ def test_every_episode_of_a_data_set_is_a_recording_with_its_pictures_and_comman
         )
         assert recording.fps == FPS
         assert {camera.name: camera.frames for camera in recording.cameras} == dict.fromkeys(CAMERAS, length)
-        assert np.allclose(recording.motion.action, episode(length).action, atol=1e-6)
+        assert np.allclose(recording.motion.values, episode(length).action, atol=1e-6)
         assert np.allclose(recording.state, episode(length).qpos, atol=1e-6)
         for number, camera in enumerate(CAMERAS):
             true = clip(length, number).astype(int)
@@ -79,7 +79,7 @@ def test_a_missing_video_is_named(dataset, tmp_path):
 
 def test_a_video_that_is_shorter_than_its_episode_is_named(v21, tmp_path):
     copy = shutil.copytree(v21, tmp_path / "copy")
-    first, second = (recording._clip("observation.images.cam_high").file for recording in open_recordings(copy))
+    first, second = (recording._files.clip("observation.images.cam_high").file for recording in open_recordings(copy))
     shutil.copy(second, first)
     with pytest.raises(DamagedFile, match=r"episode 0 is longer than its video: .*\.mp4 has 9 frames"):
         open_recordings(copy)[0].pictures("cam_high")
@@ -143,7 +143,7 @@ def test_an_episode_without_frames_is_refused_alone(dataset, tmp_path):
     empty, whole = open_recordings(copy)
     with pytest.raises(DamagedFile, match="episode 0 holds no frame"):
         _ = empty.motion
-    assert len(whole.motion.action) == LENGTHS[1]
+    assert len(whole.motion.values) == LENGTHS[1]
 
 
 def test_an_episode_with_other_frames_than_the_list_says_is_refused(dataset, tmp_path):
@@ -161,7 +161,7 @@ def without_cameras(info: dict) -> None:
 def test_a_data_set_of_numbers_alone_has_frames_but_no_camera(dataset, tmp_path):
     recording = open_recordings(changed(dataset, tmp_path / "copy", without_cameras))[0]
     assert (recording.cameras, recording.frames) == ([], LENGTHS[0])
-    assert recording.motion.action.shape == (LENGTHS[0], 6)
+    assert recording.motion.values.shape == (LENGTHS[0], 6)
 
 
 @pytest.mark.parametrize("names", [{"motors": STATE_NAMES}, {name: index for index, name in enumerate(STATE_NAMES)}])
@@ -217,7 +217,7 @@ def test_pictures_in_the_tables_of_a_data_set_are_read(with_picture_files):
         assert 0 < camera.stored_bytes < camera.raw_bytes
         assert np.array_equal(recording.pictures("cam_high"), clip(length))
         assert np.array_equal(recording.pictures("cam_high", [1, 5]), clip(length)[[1, 5]])
-        assert recording.motion.action.shape == (length, 6)
+        assert recording.motion.values.shape == (length, 6)
 
 
 def with_entries(source: Path, copy: Path, **entries: object) -> Path:
@@ -252,7 +252,7 @@ def test_hidden_files_of_other_systems_are_passed_over(dataset, tmp_path):
     for file in [path for path in copy.rglob("*") if path.is_file()]:
         file.with_name(f"._{file.name}").write_bytes(b"\0\5\26\7")
     recordings = open_recordings(copy)
-    assert [recording.motion.action.shape[0] for recording in recordings] == list(LENGTHS)
+    assert [recording.motion.values.shape[0] for recording in recordings] == list(LENGTHS)
     assert not [file for file in recordings[0].files if file.name.startswith(".")]
 
 
@@ -336,7 +336,7 @@ def test_version_2_0_is_read_like_2_1(v20, v21):
     for old, new in zip(open_recordings(v20), open_recordings(v21), strict=True):
         assert (old.LAYOUT, old.fps, old.task, old.robot) == ("lerobot-v2.0", new.fps, new.task, new.robot)
         assert np.array_equal(old.state, new.state) and old.state_names == new.state_names
-        assert np.array_equal(old.motion.action, new.motion.action)
+        assert np.array_equal(old.motion.values, new.motion.values)
         assert np.array_equal(old.pictures("cam_high"), new.pictures("cam_high"))
 
 
@@ -347,7 +347,7 @@ def test_version_2_0_stays_one_or_becomes_another(v20, tmp_path):
         pack(Order(v20, out, settings, OutputSpec(target), ("cam_high",)), workers=1)
         for old, new in zip(open_recordings(v20), open_recordings(out), strict=True):
             assert (new.LAYOUT, new.task, new.fps) == (version, old.task, old.fps)
-            assert np.array_equal(new.state, old.state) and np.array_equal(new.motion.action, old.motion.action)
+            assert np.array_equal(new.state, old.state) and np.array_equal(new.motion.values, old.motion.values)
     assert (tmp_path / "lerobot-v2.0/meta/stats.json").read_bytes() == (v20 / "meta/stats.json").read_bytes()
     assert (tmp_path / "lerobot-v2.1/meta/episodes_stats.jsonl").is_file()
 

@@ -61,7 +61,7 @@ def test_the_times_of_a_clock_are_counted_from_the_first(clock):
         (EVEN * [1, 1, np.nan, 1, 1, 1], "NaN"),
     ],
 )
-def test_times_that_leave_a_doubt_are_refused_with_their_size(timestamps, said):
+def test_uncertain_times_are_refused_with_their_size(timestamps, said):
     with pytest.raises(Unclear, match=said):
         row_times(timestamps, 10 if len(timestamps) == 10 else FPS)
 
@@ -224,7 +224,7 @@ def test_the_times_of_a_clock_become_those_of_frames_in_another_version_alone(v2
     record, written = compressed(v21, "lerobot-v3.0")
     require_own_frames(written)
     assert "taken for a clock's" in record.notes["episode_000001"][0]
-    assert written[1]._row_times.off_s == 0
+    assert written[1]._rows.times.off_s == 0
 
 
 def test_jitter_is_said_once_and_leaves_the_data_set_of_another_version_even(v21):
@@ -232,7 +232,7 @@ def test_jitter_is_said_once_and_leaves_the_data_set_of_another_version_even(v21
     record, written = compressed(v21, "lerobot-v3.0")
     require_own_frames(written)
     assert [len(notes) for notes in record.notes.values()] == [1]
-    assert written[1]._row_times.off_s == 0
+    assert written[1]._rows.times.off_s == 0
 
 
 def test_times_that_are_no_numbers_are_named(v21):

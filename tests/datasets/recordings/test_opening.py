@@ -116,7 +116,7 @@ def test_pictures_and_numbers_behind_soft_links_are_read(tmp_path, make, key):
     linked = open_hdf5(path)
     assert [camera.name for camera in linked.cameras] == [camera.name for camera in straight.cameras]
     assert np.array_equal(linked.pictures(linked.cameras[0].name), straight.pictures(linked.cameras[0].name))
-    assert np.array_equal(linked.motion.action, straight.motion.action)
+    assert np.array_equal(linked.motion.values, straight.motion.values)
 
 
 def test_a_picture_too_large_to_decode_is_refused_before_that(tmp_path, monkeypatch):

@@ -31,7 +31,7 @@ def test_every_demonstration_is_a_recording_in_the_order_of_their_numbers(path):
     opened = open_recordings(path)
     assert [str(recording) for recording in opened] == [f"{path}:{demo}" for demo in DEMOS]
     assert {recording.LAYOUT for recording in opened} == {"robomimic"}
-    assert [recording.motion.action[0, 0] for recording in opened] == [0, 2, 10]
+    assert [recording.motion.values[0, 0] for recording in opened] == [0, 2, 10]
 
 
 def test_demonstrations_of_several_files_follow_each_other(path):

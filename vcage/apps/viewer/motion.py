@@ -69,7 +69,7 @@ def log_motion(log: RerunLog, clock: Clock, recording: Recording) -> list[Plot]:
     motion, state = recording.motion, recording.state
     values = {} if state is None else dict(zip(recording.state_names, state.T, strict=True))
     names_of_action = recording.action_names
-    commands = {} if motion is None else dict(zip(names_of_action, motion.action.T, strict=True))
+    commands = {} if motion is None else dict(zip(names_of_action, motion.values.T, strict=True))
     driven = [] if motion is None else [names_of_action[column] for column in motion.grippers]
     names = list(dict.fromkeys([*values, *commands]))
     paths = {

@@ -30,8 +30,8 @@ CAMERA = "observation.images."
 ENCODER = ("video.crf", "video.g", "video.lossless", "video.pix_fmt", "video.preset")
 """Facts of a video in which those that are added to a data set may differ from those that are there."""
 
-TIME_TOLERANCE = 1e-4
-"""Seconds by which LeRobot lets a picture's time differ from its frame's, as its ``tolerance_s`` has it."""
+TIME_TOLERANCE_S = 1e-4
+"""Largest difference between a picture's time and its frame's, LeRobot's ``tolerance_s``."""
 
 ENCODE_AGAIN = "encode it again (in a run, by its stage compress)"
 
@@ -39,6 +39,11 @@ ENCODE_AGAIN = "encode it again (in a run, by its stage compress)"
 def video_key(camera: str) -> str:
     """LeRobot's name of a camera's feature."""
     return f"{CAMERA}{camera}"
+
+
+def video_keys(features: Mapping[str, Mapping[str, Any]], dtype: str = "video") -> list[str]:
+    """Return the names of features with videos, or of another type."""
+    return [key for key, feature in features.items() if feature["dtype"] == dtype]
 
 
 def other_columns(features: Mapping[str, Mapping[str, Any]]) -> list[str]:
@@ -187,8 +192,8 @@ def video_info(path: Path, frames: int, fps: float) -> dict[str, Any]:
     if len(times) != frames:
         raise DamagedFile(f"{path} has {len(times)} frames, its episode {frames}", hint=ENCODE_AGAIN)
     late = np.abs(times - np.arange(frames) / fps)
-    if late.max() > TIME_TOLERANCE:
-        worst = int(np.argmax(late > TIME_TOLERANCE))
+    if late.max() > TIME_TOLERANCE_S:
+        worst = int(np.argmax(late > TIME_TOLERANCE_S))
         raise DamagedFile(
             f"{path} shows frame {worst} at {times[worst]:.4f} s, its episode has {fps} frames per second, "
             f"which is {worst / fps:.4f} s",

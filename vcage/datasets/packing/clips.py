@@ -71,7 +71,7 @@ class Clip:
         motion = self.recording.motion
         if motion is None:
             return picture_keyframes(pictures, count)
-        action = motion.action
+        action = motion.values
         if spare := self.recording.SPARE_PICTURES:  # what the last command led to
             action = np.concatenate([action, np.repeat(action[-1:], spare, axis=0)])
         return keyframes(action if self.window is None else action[self.window], motion.grippers, count)

@@ -13,9 +13,10 @@ from vcage.base.folders import natural_key
 from vcage.base.text import listed
 from vcage.datasets.packing.output import failures
 from vcage.datasets.packing.sources import sound_notes
+from vcage.datasets.recordings.cameras import RecordedCamera
 from vcage.datasets.recordings.colours import AUTO, as_json, colour_orders
 from vcage.datasets.recordings.opening import open_all
-from vcage.datasets.recordings.recording import HDF5, VIDEOS, RecordedCamera, Recording
+from vcage.datasets.recordings.recording import HDF5, VIDEOS, Recording
 
 MIB = 2**20
 
@@ -98,7 +99,7 @@ def _lines(found: Inspected) -> list[str]:
         return [f"{found.name}: DAMAGED: {found.damage}"]
     rate = f"{recording.fps:g} fps" if recording.fps else "fps not said"
     motion = recording.motion
-    numbers = f"{motion.action.shape[1]} numbers in a command" if motion is not None else "no commands"
+    numbers = f"{motion.values.shape[1]} numbers in a command" if motion is not None else "no commands"
     lines = [f"{found.name}: {recording.LAYOUT}, {rate}, {numbers}"]
     lines += [f"  {_camera(camera)}" for camera in recording.cameras]
     if found.failed is not None:

@@ -18,7 +18,6 @@ from vcage.datasets.lerobot.formats import FORMATS
 from vcage.datasets.lerobot.repack import require_whole
 from vcage.datasets.packing.clips import Clip
 from vcage.datasets.packing.sources import SourceRecording, Sources, rate_of
-from vcage.datasets.recordings.lerobot import LeRobotV20
 from vcage.datasets.recordings.recording import HDF5, VIDEOS, Recording
 from vcage.schema.compression import Compression, OtherStream
 
@@ -43,7 +42,7 @@ class OutputSpec:
     @property
     def lerobot(self) -> bool:
         """Whether it is a LeRobot data set."""
-        return self.target in FORMATS or self.target == LeRobotV20.TARGET
+        return (self.target or "").startswith("lerobot-")
 
 
 def resolve_output(wanted: OutputSpec, sources: Sequence[SourceRecording]) -> OutputSpec:
@@ -209,7 +208,7 @@ def require_alike(clips: Sequence[Clip], output: OutputSpec) -> None:
 def _require_float32(recording: Recording) -> None:
     """Raise DamagedFile where a LeRobot data set, which takes 32-bit floats, could not hold a number."""
     motion = recording.motion
-    for what, values in (("state", recording.state), ("action", None if motion is None else motion.action)):
+    for what, values in (("state", recording.state), ("action", None if motion is None else motion.values)):
         if values is not None and (beyond := np.abs(values) > LIMITS.max_value).any():
             row, column = np.argwhere(beyond)[0]
             raise DamagedFile(

@@ -181,7 +181,7 @@ def lerobot_episode(recording: Recording, videos: Mapping[str, Path], output: Ou
         subtasks=subtasks,
         state=recording.state,
         state_names=recording.state_names,
-        action=None if motion is None else motion.action,
+        action=None if motion is None else motion.values,
         action_names=recording.action_names,
         frames=frames,
         randomisation=recording.randomisation,

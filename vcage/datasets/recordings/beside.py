@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -11,23 +10,11 @@ from vcage.base.errors import DamagedFile, OversizedFile
 from vcage.base.placeholders import require_fetched
 from vcage.base.reading import read_json
 
-
-@dataclass(frozen=True)
-class BesideLimits:
-    """The largest file that is read.
-
-    Args:
-        max_bytes: of the file.
-    """
-
-    max_bytes: int = 64 << 20
-
-
-LIMITS = BesideLimits()
+MAX_BYTES = 64 << 20
 
 
 def read_beside(path: Path) -> Any:
-    """The content of a JSON file beside a recording; None where there is none, or a link in its place.
+    """Return the content of a JSON file beside a recording; None where there is none, or a link in its place.
 
     Raises:
         DamagedFile: it was not fetched, is no regular file, or is no JSON.
@@ -38,18 +25,18 @@ def read_beside(path: Path) -> Any:
         return None
     require_fetched(path)
     stat = path.stat()
-    if stat.st_size > LIMITS.max_bytes:
+    if stat.st_size > MAX_BYTES:
         raise OversizedFile(
-            f"{path} has {stat.st_size:,} bytes; at most {LIMITS.max_bytes:,} are read", hint="leave its recordings out"
+            f"{path} has {stat.st_size:,} bytes; at most {MAX_BYTES:,} are read", hint="leave its recordings out"
         )
     try:
-        return _kept_content(path, stat.st_size, stat.st_mtime_ns)
+        return _cached_content(path, stat.st_size, stat.st_mtime_ns)
     except DamagedFile as error:
         hint = "mend the file, or remove it and give with options what it says"
         raise DamagedFile(error.message, hint=hint, details=error.details) from error
 
 
 @lru_cache(maxsize=8)
-def _kept_content(path: Path, _size: int, _changed: int) -> Any:
-    """The content of a file that describes many recordings, each of which asks for it."""
+def _cached_content(path: Path, _size: int, _changed: int) -> Any:
+    """Return the content of a file that describes many recordings, each of which asks for it."""
     return read_json(path, nan=True)

@@ -50,25 +50,25 @@ class Clocks:
         return next((clock.nominal_rate for clock in self.found if clock.nominal_rate), None)
 
     def fault(self, fps: float) -> str | None:
-        """Say why the times of one are not those of frames at a rate; None where those of all are."""
+        """Return why the times of one are not those of frames at a rate; None where those of all are."""
         return next((fault for clock in self.found if (fault := clock.fault(fps)) is not None), None)
 
     def notes(self, fps: float | None) -> list[str]:
-        """Say what a user must know of them, where the recording states ``fps`` itself or nothing."""
+        """Return notes for the user, of a recording that states ``fps`` itself, or nothing."""
         rate = fps or self.rate
         notes = [note for clock in self.found if (note := clock.note(rate)) is not None]
-        told = [f"its frame rate is that of {clock.key}, {rate:g} Hz" for clock in self.found if clock.nominal_rate]
+        stated = [f"its frame rate is that of {clock.key}, {rate:g} Hz" for clock in self.found if clock.nominal_rate]
         unknown = ", ".join(f"{key} ({what})" for key, what in self.unknown.items())
         named = f"named like times of frames, and not understood, so that they are not checked: {unknown}"
-        return notes + told[: fps is None] + [named] * bool(unknown)
+        return notes + stated[: fps is None] + [named] * bool(unknown)
 
 
 def find_clocks(part: h5py.Group, frames: int, cameras: Collection[str] = (), spare: int = 0) -> Clocks:
-    """The clocks in a recording's part of an open file, in whatever group they lie.
+    """Return the clocks in a recording's part of an open file, in any group.
 
     Args:
         part: of the file.
-        frames: how many pictures a camera has; a clock has as many times, or those of the commands.
+        frames: pictures of a camera; a clock has as many times, or those of the commands.
         cameras: keys of pictures, from the root of the file.
         spare: pictures after the last command.
     """
@@ -87,7 +87,7 @@ def find_clocks(part: h5py.Group, frames: int, cameras: Collection[str] = (), sp
 
 
 def _named(key: str) -> tuple[bool, bool]:
-    """Tell whether a key holds a word of points in time, and one of times or durations."""
+    """Tell if a key holds a word of points in time, and if it holds one of times or durations."""
     split = re.sub(r"([a-z])([A-Z])", r"\1_\2", key).lower()
     words = [word for word in re.split(r"[^a-z]+", split) if word]
     stamp, time, other = (any(re.fullmatch(p, word) for word in words) for p in (STAMP, TIME, DURATION))
@@ -96,7 +96,7 @@ def _named(key: str) -> tuple[bool, bool]:
 
 
 def _columns(key: str, dataset: h5py.Dataset, lengths: Collection[int]) -> Iterator[tuple[str, NDArray[np.generic]]]:
-    """Name → (T,) numbers of each clock in a dataset; nothing where its shape or its type is none of a clock's."""
+    """Yield name and (T,) numbers of each clock in a dataset; nothing where its shape or type is none of a clock's."""
     half = re.fullmatch(PART, key.rpartition("/")[2].lower())
     if dataset.dtype.kind not in "fiu" or half:
         return
@@ -113,7 +113,7 @@ def _columns(key: str, dataset: h5py.Dataset, lengths: Collection[int]) -> Itera
 
 
 def _seconds_and_rest(values: NDArray[np.generic]) -> NDArray[np.int64] | None:
-    """(T,) nanoseconds of (T, 2) whole seconds and nano- or microseconds, as ROS has them; None of other numbers."""
+    """Return (T,) nanoseconds of (T, 2) whole seconds and nano- or microseconds, as ROS has them; None otherwise."""
     numbers = values.astype(np.float64)
     if numbers.shape[1] != 2 or not np.all(np.isfinite(numbers)) or np.any(numbers != np.round(numbers)):
         return None
@@ -127,7 +127,7 @@ def _seconds_and_rest(values: NDArray[np.generic]) -> NDArray[np.int64] | None:
 
 
 def _grows(values: NDArray[np.generic]) -> bool:
-    """Check that numbers grow from each to the next."""
+    """True if numbers grow from each to the next."""
     with np.errstate(invalid="ignore"):
         return bool(np.all(np.diff(values.astype(np.float64)) > 0))
 

@@ -1,4 +1,4 @@
-"""Times beside the frames of a recording: their rate, and whether frames are evenly spaced."""
+"""Times beside the frames of a recording: their rate and spacing."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ UNITS: Mapping[float, str] = {1.0: "s", 1e-3: "ms", 1e-6: "us", 1e-9: "ns"}
 
 @dataclass(frozen=True)
 class ClockSettings:
-    """When numbers are times, and when times agree with evenly spaced frames.
+    """Limits by which numbers are times, and times agree with evenly spaced frames.
 
     Args:
         within_frames: distance from the even grid that still leaves no doubt which frame is meant.
@@ -56,7 +56,7 @@ class Clock:
         return next((rate for rate in rates if self.fault(rate) is None), None)
 
     def fault(self, fps: float) -> str | None:
-        """Say why these are not the times of frames at a rate; None where each is within half a frame of the even grid.
+        """Return why these are not the times of frames at a rate; None if each is within half a frame of the even grid.
 
         Where several units are plausible, the one that is nearest to the rate counts.
         """
@@ -79,10 +79,10 @@ class Clock:
         )
 
     def note(self, fps: float | None) -> str | None:
-        """Say what a user must know; None where nothing is odd.
+        """Return a note for the user; None where nothing is odd.
 
         Args:
-            fps: what the recording states.
+            fps: rate that the recording states.
         """
         rate = fps or self.nominal_rate or self._usual_rate
         fault = self.fault(rate)
@@ -117,7 +117,7 @@ class Clock:
 
 
 def clock_of(key: str, values: NDArray[np.generic]) -> Clock:
-    """The clock of (T,) numbers, T ≥ 2; what they count is told by their usual step."""
+    """Return the clock of (T,) numbers, T ≥ 2; their usual step tells the unit."""
     with np.errstate(invalid="ignore"):
         first = values - values[0] if values.dtype.kind == "f" else values.astype(np.int64) - values.astype(np.int64)[0]
     ticks = first.astype(np.float64)

@@ -1,13 +1,14 @@
-"""In which order stored pictures hold red and blue, and how that is known.
+"""Order of red and blue in stored pictures, and how it is known.
 
 Nothing in a JPEG says that red and blue changed places in it, and a blue cube looks like a red one then. So whoever
-calls decides (``--colours``), else the file or its pictures say it, else the layout's own convention holds. What the
-pictures show overrules a convention only where large parts of most of them have the colour of wood, which is that of
-no blue object with red and blue changed; and it is said.
+calls decides (``--colours``), else the file or its pictures say it, else the layout's own convention holds. The content
+of pictures overrules a convention only where large parts of most of them have the colour of wood. No blue object has
+that colour with red and blue changed. The user is told.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -29,7 +30,7 @@ MARK = b"\xff\xfe\x00\x0aXPL-RGB1"
 
 @dataclass(frozen=True)
 class ColourSettings:
-    """When pictures say in which order their colours are; tried on drawn scenes, see ``test_colours.py``."""
+    """Thresholds to recognise the order of colours by content; tested on drawn scenes, see ``test_colours.py``."""
 
     lowest_hue_deg: float = 18.0
     highest_hue_deg: float = 50.0
@@ -61,9 +62,9 @@ class Colours:
     """The order of red and blue in stored pictures.
 
     Args:
-        swapped: whether they changed places.
-        source: how it is known: a user said so, the file or its pictures are marked, it is the layout's convention, or
-            the pictures show it against that convention.
+        swapped: true if they changed places.
+        source: a user's option, a mark of the file or its pictures, the layout's convention, or the content of the
+            pictures against that convention.
         sure: false where it may be otherwise.
     """
 
@@ -86,11 +87,11 @@ class Colours:
 
 
 def settle(convention: bool, votes: Sequence[int]) -> Colours:
-    """The order of colours that neither a user nor the files state.
+    """Return the order of colours where neither a user nor the files state it.
 
     Args:
-        convention: whether the layout's own writer swaps red and blue.
-        votes: of the pictures that were looked at, see :func:`leaning`.
+        convention: true if the layout's own writer swaps red and blue.
+        votes: of some pictures, see :func:`leaning`.
     """
     seen = verdict(votes)
     if seen is None:
@@ -99,7 +100,7 @@ def settle(convention: bool, votes: Sequence[int]) -> Colours:
 
 
 def verdict(votes: Sequence[int]) -> bool | None:
-    """Judge by pictures whether red and blue changed places; None if they do not show it clearly.
+    """True if pictures show that red and blue changed places; None if they do not show it clearly.
 
     Args:
         votes: one of each picture, see :func:`leaning`.
@@ -112,7 +113,7 @@ def verdict(votes: Sequence[int]) -> bool | None:
 
 
 def leaning(picture: NDArray[np.uint8]) -> int:
-    """1 where a (H, W, 3) uint8 picture has the colours of a room with red and blue changed, -1 as it is, else 0."""
+    """Return 1 if a (H, W, 3) uint8 picture looks like a room with red and blue changed, -1 if as it is, else 0."""
     hsv = cv2.cvtColor(np.ascontiguousarray(picture, np.float32) / 255, cv2.COLOR_RGB2HSV)
     hue, saturation, value = hsv[..., 0], hsv[..., 1], hsv[..., 2]
     coloured = (saturation >= SETTINGS.least_saturation) & (value >= SETTINGS.least_value)
@@ -127,16 +128,13 @@ def leaning(picture: NDArray[np.uint8]) -> int:
 
 
 def is_marked(data: bytes) -> bool:
-    """Check for a JPEG file that states that red and blue are where they belong."""
+    """True for a JPEG file that states that red and blue are where they belong."""
     return MARK in data[: SETTINGS.mark_within_bytes]
 
 
 def colour_orders(found: Iterable[Colours | None]) -> list[ColourOrder]:
-    """How the colours of recordings were understood, and of how many; None of a recording says nothing of it."""
-    counts: dict[Colours, int] = {}
-    for one in found:
-        if one is not None:
-            counts[one] = counts.get(one, 0) + 1
+    """Return how the colours of recordings were understood, with numbers of recordings; None says nothing."""
+    counts = Counter(one for one in found if one is not None)
     return [
         ColourOrder(stored=BGR if one.swapped else RGB, source=one.source, sure=one.sure, recordings=count)
         for one, count in counts.items()
@@ -144,5 +142,5 @@ def colour_orders(found: Iterable[Colours | None]) -> list[ColourOrder]:
 
 
 def as_json(records: Sequence[Record]) -> list[dict[str, Any]]:
-    """Records for a summary."""
+    """Return records for a summary."""
     return [record.model_dump() for record in records]

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-ARM_JOINTS = 6
-"""Joints of an arm in ACT's 7- and 14-number commands; each arm's gripper follows them."""
+ACT_ARM = 7
+"""Numbers of an arm in ACT's commands: six joints, then the gripper."""
 
 
 @dataclass(frozen=True)
@@ -17,8 +17,8 @@ class Columns:
 
     Args:
         values: (T, D).
-        names: of the D numbers; none where nobody says.
-        notes: what a user must know about how they were understood.
+        names: of the D numbers; empty if unknown.
+        notes: for the user, on how the numbers were understood.
         sources: keys of the datasets that they were read from, from the root of their file.
     """
 
@@ -27,30 +27,21 @@ class Columns:
     notes: tuple[str, ...] = ()
     sources: tuple[str, ...] = ()
 
+    def numbered(self, prefix: str) -> tuple[str, ...]:
+        """Return ``prefix_0``… for the D numbers."""
+        return tuple(f"{prefix}_{column}" for column in range(self.values.shape[1]))
+
     def all_names(self) -> list[str]:
-        """Names of the D numbers: ``joint_0``… where nobody says."""
-        if len(self.names) == self.values.shape[1]:
-            return list(self.names)
-        return [f"joint_{column}" for column in range(self.values.shape[1])]
-
-
-@dataclass(frozen=True)
-class Motion(Columns):
-    """Commands of a recording: joint positions, or poses.
-
-    Args:
-        grippers: columns that open and close a gripper.
-    """
-
-    grippers: tuple[int, ...] = ()
+        """Return names of the D numbers; ``joint_0``… if unknown."""
+        return list(self.names if len(self.names) == self.values.shape[1] else self.numbered("joint"))
 
     @property
-    def action(self) -> NDArray[np.float64]:
-        """(T, D) commands."""
-        return self.values
+    def grippers(self) -> tuple[int, ...]:
+        """Columns that open and close a gripper, by their names or by ACT's order."""
+        named = tuple(column for column, name in enumerate(self.names) if "gripper" in name)
+        return named or act_grippers(self.values.shape[1])
 
 
 def act_grippers(numbers: int) -> tuple[int, ...]:
-    """Columns of the grippers in commands of arms with six joints and a gripper each; none for other commands."""
-    per_arm = ARM_JOINTS + 1
-    return tuple(range(ARM_JOINTS, numbers, per_arm)) if numbers % per_arm == 0 else ()
+    """Return the columns of grippers in commands of arms with six joints and a gripper each; none for other sizes."""
+    return tuple(range(ACT_ARM - 1, numbers, ACT_ARM)) if numbers % ACT_ARM == 0 else ()

@@ -1,4 +1,4 @@
-"""In which order the encoded pictures of HDF5 recordings have red and blue."""
+"""Order of red and blue in the encoded pictures of HDF5 recordings."""
 
 from __future__ import annotations
 
@@ -12,8 +12,9 @@ import h5py
 import numpy as np
 
 from vcage.base.errors import DamagedFile, UsageError
+from vcage.datasets.recordings.cameras import RecordedCamera
 from vcage.datasets.recordings.colours import SETTINGS, Colours, is_marked, leaning, settle
-from vcage.datasets.recordings.recording import RecordedCamera, Recording
+from vcage.datasets.recordings.recording import Recording
 from vcage.datasets.stored_pictures import ENCODED, encoded_bytes, stored_picture
 
 COLOURS = "jpeg_colours"
@@ -24,7 +25,7 @@ STORED = (*ENCODED, "raw")
 
 
 class Hdf5Colours(Recording):
-    """Settle the order of colours of a recording in an open file; a subclass opens it."""
+    """Settles the order of colours of a recording in an open file; a subclass opens it."""
 
     SWAPPED: ClassVar[bool] = False
     """The layout's own writer swaps red and blue of encoded pictures."""
@@ -44,7 +45,8 @@ class Hdf5Colours(Recording):
         return storage in (STORED if colours.source == "option" else ENCODED)
 
     def put_back_swapped(self, camera: str) -> bool:
-        return self.swapped(camera) or (self.SWAPPED and self._marked(self.camera(camera)))
+        marked = any(self._marks.get(self.camera(camera).key, ())) if self.SWAPPED else False
+        return self.swapped(camera) or marked  # PNG cannot carry a mark
 
     @cached_property
     def colours(self) -> Colours | None:
@@ -57,7 +59,7 @@ class Hdf5Colours(Recording):
         return self.stated_colours() or settle(self.SWAPPED, self.colour_votes())
 
     def stated_colours(self) -> Colours | None:
-        """The order of colours as it is known without a look at them; None where it is not.
+        """Return the order of colours as it is stated; None where the content of the pictures must show it.
 
         Raises:
             DamagedFile: some pictures are marked, and others are not.
@@ -80,7 +82,7 @@ class Hdf5Colours(Recording):
         return Colours(False, "file", sure=True) if every else None
 
     def colour_votes(self) -> list[int]:
-        """Judge the order of red and blue by some pictures of each camera with encoded pictures."""
+        """Return the votes of some pictures of each camera with encoded pictures."""
         votes = []
         with self._file() as file:
             for camera in self._encoded:
@@ -91,20 +93,16 @@ class Hdf5Colours(Recording):
 
     @property
     def has_encoded_pictures(self) -> bool:
-        """Check whether the order of red and blue is in question."""
+        """True if the order of red and blue is in question."""
         return bool(self._encoded)
 
     @property
     def _encoded(self) -> list[RecordedCamera]:
         return [camera for camera in self.cameras if camera.storage in ENCODED]
 
-    def _marked(self, camera: RecordedCamera) -> bool:
-        """Check for a picture that states that red and blue are where they belong."""
-        return any(self._marks.get(camera.key, ()))
-
     @cached_property
     def _marks(self) -> dict[str, list[bool]]:
-        """Key of a camera with JPEG → whether each of its pictures says that."""
+        """Key of a camera with JPEG → true for each picture that states that red and blue are where they belong."""
         keys = {camera.key: camera.frames for camera in self._encoded if camera.storage == "jpeg"}
         with self._file() as file:
             return {
@@ -129,4 +127,4 @@ class Hdf5Colours(Recording):
 
     @abstractmethod
     def _file(self) -> AbstractContextManager[h5py.File]:
-        """The file, open for reading."""
+        """Open the file for reading."""

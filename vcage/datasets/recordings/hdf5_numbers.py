@@ -15,7 +15,7 @@ from vcage.datasets.recordings.columns import Columns
 
 
 def numbers_of(part: h5py.Group, key: str, names: tuple[str, ...] = ()) -> Columns | None:
-    """The numbers of a dataset, or of all in a group; None where there is none.
+    """Return the numbers of a dataset, or of all in a group; None where there is none.
 
     Args:
         part: of a file.
@@ -37,7 +37,7 @@ def numbers_of(part: h5py.Group, key: str, names: tuple[str, ...] = ()) -> Colum
 
 
 def columns(group: h5py.Group | None, wanted: Sequence[str] | None = None) -> Columns | None:
-    """The numbers of several datasets of a group side by side, named after them; None where there is none.
+    """Return the numbers of several datasets of a group side by side, named after them; None where there is none.
 
     Args:
         group: the group, if it is there.
@@ -48,39 +48,29 @@ def columns(group: h5py.Group | None, wanted: Sequence[str] | None = None) -> Co
     """
     if group is None:
         return None
-    found = _wanted_in(group, wanted)
-    parts: list[NDArray[np.float64]] = []
+    every = datasets_in(group) if wanted is None else {name: group.get(name) for name in wanted}
+    found = {key: one for key, one in every.items() if _are_numbers(one)}
+    parts = {key: _rows(dataset) for key, dataset in found.items()}
     names: list[str] = []
-    sources: list[str] = []
-    for key, dataset in found.items():
-        if not _are_numbers(dataset):
-            continue
-        values = _rows(dataset)
-        if parts and len(values) != len(parts[0]):
+    for key, values in parts.items():
+        if len(values) != (first := len(next(iter(parts.values())))):
             raise DamagedFile(
-                f"{group.file.filename}:{group.name}/{key} has {len(values)} rows, those before it {len(parts[0])}",
+                f"{group.file.filename}:{group.name}/{key} has {len(values)} rows, those before it {first}",
                 hint="frames are missing; leave the episode out",
             )
-        parts.append(values)
-        sources.append(dataset.name.lstrip("/"))
-        width = values.shape[1]
-        names += [key.replace("/", "_")] if width == 1 else [f"{key.replace('/', '_')}_{i}" for i in range(width)]
-    return Columns(np.concatenate(parts, axis=1), tuple(names), sources=tuple(sources)) if parts else None
+        name, width = key.replace("/", "_"), values.shape[1]
+        names += [name] if width == 1 else [f"{name}_{column}" for column in range(width)]
+    sources = tuple(dataset.name.lstrip("/") for dataset in found.values())
+    return Columns(np.concatenate([*parts.values()], axis=1), tuple(names), sources=sources) if parts else None
 
 
-def _wanted_in(group: h5py.Group, wanted: Sequence[str] | None) -> dict[str, h5py.Dataset]:
-    if wanted is None:
-        return datasets_in(group)
-    return {name: one for name in wanted if isinstance(one := group.get(name), h5py.Dataset)}
-
-
-def _are_numbers(dataset: h5py.Dataset) -> bool:
-    """Check for a number, or a row of numbers, for each point in time."""
-    return dataset.dtype.kind in "fiu" and dataset.ndim in (1, 2)
+def _are_numbers(one: object) -> bool:
+    """True for a dataset with a number, or a row of numbers, for each point in time."""
+    return isinstance(one, h5py.Dataset) and one.dtype.kind in "fiu" and one.ndim in (1, 2)
 
 
 def _rows(dataset: h5py.Dataset) -> NDArray[np.float64]:
-    """(T, D) numbers, D = 1 where there is one for each point in time.
+    """Return (T, D) numbers, D = 1 where there is one for each point in time.
 
     Raises:
         DamagedFile: T is 0.

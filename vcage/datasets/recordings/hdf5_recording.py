@@ -1,4 +1,4 @@
-"""HDF5 files that hold recordings: what their layouts have in common.
+"""HDF5 files that hold recordings: the common part of their layouts.
 
 A layout says where its pictures, its commands and its state are. Any of them may be packed: its pictures lie in videos
 beside the file (:mod:`vcage.datasets.packed`).
@@ -6,8 +6,8 @@ beside the file (:mod:`vcage.datasets.packed`).
 
 from __future__ import annotations
 
+import math
 import re
-from abc import abstractmethod
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cached_property
@@ -22,17 +22,19 @@ from vcage.base.errors import DamagedFile
 from vcage.base.folders import natural_key, natural_path
 from vcage.base.videos import codec_name, decode, frame_rate
 from vcage.datasets.hdf5_contents import datasets_in, require_utf8_text
-from vcage.datasets.hdf5_files import damage, open_hdf5_file
+from vcage.datasets.hdf5_files import read_hdf5
 from vcage.datasets.hdf5_limits import require_pictures_fit
 from vcage.datasets.picture_encoding import digests_beside
 from vcage.datasets.picture_lengths import unknown_sizes
-from vcage.datasets.picture_links import Link, find_links, read_link
+from vcage.datasets.picture_links import find_links, read_link
+from vcage.datasets.recordings.cameras import RecordedCamera
 from vcage.datasets.recordings.clock_search import Clocks, find_clocks
 from vcage.datasets.recordings.columns import Columns
 from vcage.datasets.recordings.hdf5_colours import COLOURS, Hdf5Colours
+from vcage.datasets.recordings.hdf5_numbers import numbers_of
 from vcage.datasets.recordings.leftovers import leftovers
 from vcage.datasets.recordings.other_streams import MeasuredStream, measured_stream, measured_streams
-from vcage.datasets.recordings.recording import HDF5, RecordedCamera
+from vcage.datasets.recordings.recording import HDF5
 from vcage.datasets.recordings.success import stated_failure
 from vcage.datasets.stored_pictures import (
     VLEN,
@@ -43,31 +45,52 @@ from vcage.datasets.stored_pictures import (
     stored_picture,
 )
 
-CHUNK_CACHE = 64 << 20
-"""Bytes of decompressed chunks that are kept: those of arrays often span many pictures."""
+CHUNK_CACHE_BYTES = 64 << 20
+"""Decompressed chunks that are cached: those of arrays often span many pictures."""
 
 ATTRIBUTES = ("fps", "instruction", "task", "robot", "state_names", COLOURS)
 
 
 class Hdf5Recording(Hdf5Colours):
-    """What the layouts have in common; each says where its pictures, its commands and its state are."""
+    """A recording in an HDF5 file, alone or as one of many groups.
+
+    Args:
+        path: the file.
+        part: name of its group, such as ``demo_0``; empty where the file holds one recording.
+    """
 
     PICTURES: ClassVar[str]
     """Pattern of the keys of its pictures; its group is the camera's name."""
+
+    PARTS: ClassVar[str] = ""
+    """Group in which the groups of recordings lie, with a slash behind it."""
+
+    COMMANDS: ClassVar[str] = ""
+    """Key of the dataset or group of its commands."""
 
     LEFT_OUT: ClassVar[Mapping[str, str]] = {}
     """Pattern of the keys that an export leaves out → reason, where the layout knows better than their names say."""
 
     TARGET = HDF5
 
+    def __init__(self, path: Path, part: str = ""):
+        super().__init__(path, int(part.rpartition("_")[2]) if part else 0)
+        self.part = part
+
+    def __str__(self) -> str:
+        return f"{self.path}:{self.part}" if self.part else str(self.path)
+
+    def name(self, root: Path) -> str:
+        return f"{super().name(root)}.{self.part}" if self.part else super().name(root)
+
     @classmethod
     def found_in(cls, path: Path, file: h5py.File, keys: Collection[str]) -> list[Self]:
-        """The recordings of this layout in a file; none where it has another.
+        """Return the recordings of this layout in a file; none where it has another.
 
         Args:
             path: the file.
             file: the same, open.
-            keys: of all that it holds.
+            keys: of everything in it.
         """
         return [cls(path)] if any(re.fullmatch(cls.PICTURES, key) for key in keys) else []
 
@@ -75,8 +98,8 @@ class Hdf5Recording(Hdf5Colours):
     def cameras(self) -> list[RecordedCamera]:
         with self._file() as file:
             found = self._picture_datasets(self._part(file))
-            seen = [name for name in sorted(found, key=natural_key) if measured_stream(name, found[name]) is None]
-            return [self._camera(name, found[name]) for name in seen]
+            names = [name for name in sorted(found, key=natural_key) if measured_stream(name, found[name]) is None]
+            return [self._camera(name, found[name]) for name in names]
 
     @cached_property
     def other_streams(self) -> list[MeasuredStream]:
@@ -86,11 +109,18 @@ class Hdf5Recording(Hdf5Colours):
 
     @property
     def fps(self) -> float | None:
+        if self._stated_rate is not None:
+            return self._stated_rate[0]
         found = self._attributes.get("fps")
         if isinstance(found, np.number) and found > 0:
             return float(found)
         videos = self.videos
         return frame_rate(next(iter(videos.values()))) if videos else None
+
+    @property
+    def _stated_rate(self) -> tuple[float, str] | None:
+        """Frames per second by the layout's own description, and the place that states it."""
+        return None
 
     @property
     def rate_guess(self) -> float | None:
@@ -111,7 +141,11 @@ class Hdf5Recording(Hdf5Colours):
 
     @property
     def notes(self) -> list[str]:
-        return super().notes + self._clocks.notes(self.fps)
+        notes = super().notes + self._clocks.notes(self.fps)
+        if self._stated_rate is not None:
+            rate, place = self._stated_rate
+            notes.append(f"its frame rate is {place}, {rate:g} Hz")
+        return notes
 
     @property
     def files(self) -> list[Path]:
@@ -127,7 +161,7 @@ class Hdf5Recording(Hdf5Colours):
 
     @cached_property
     def videos(self) -> dict[str, Path]:
-        """Key → the video beside the file that holds its pictures; none where the file holds them itself."""
+        """Key → the video beside the file that holds its pictures; empty where the file holds them itself."""
         with self._file() as file:
             return {key: link.video(self.path) for key, link in find_links(self._part(file)).items()}
 
@@ -148,32 +182,33 @@ class Hdf5Recording(Hdf5Colours):
             return leftovers(self._part(file), self._taken(), self.LEFT_OUT)
 
     def _taken(self) -> set[str]:
-        """Keys of the datasets that an export uses: of pictures, commands and state, from the root of the file."""
+        """Return keys of the datasets that an export uses: pictures, commands and state, from the root of the file."""
         numbers = (self._read_commands(), self._read_state())
         used = {source for found in numbers if found is not None for source in found.sources}
         return used | {camera.key for camera in self.cameras}
 
     @cached_property
     def _clocks(self) -> Clocks:
-        """The times of its pictures; none without pictures."""
+        """The times of its pictures; empty without pictures."""
         cameras = {camera.key for camera in self.cameras}
         with self._file() as file:
             part = self._part(file)
             return find_clocks(part, self.frames, cameras, self.SPARE_PICTURES) if cameras else Clocks((), {})
 
     def _part(self, file: h5py.File) -> h5py.Group:
-        """Where the recording is in the open file."""
-        return file
+        """Return the group of the recording in the open file."""
+        return file[f"{self.PARTS}{self.part}"] if self.part else file
 
     def _picture_datasets(self, part: h5py.Group) -> dict[str, h5py.Dataset]:
-        """Camera → its pictures, or the link to them."""
+        """Return camera → its pictures, or the link to them."""
         return {re.sub(self.PICTURES, r"\1", key): one for key, one in datasets_in(part, self.PICTURES).items()}
 
     def _camera(self, name: str, dataset: h5py.Dataset) -> RecordedCamera:
-        key = dataset.name.lstrip("/")
-        link = read_link(dataset)
+        key, link = dataset.name.lstrip("/"), read_link(dataset)
         if link is not None:
-            return _packed_camera(name, key, link, self.path)
+            video, stream = link.whole_video(self.path), link.stream
+            size = video.stat().st_size
+            return RecordedCamera(name, key, stream.frames, stream.width, stream.height, codec_name(video), size)
         what = f"{self.path}:{dataset.name}"
         if not dataset.shape or len(dataset) == 0:
             raise DamagedFile(f"{what} holds no frame", hint="leave the episode out")
@@ -187,7 +222,7 @@ class Hdf5Recording(Hdf5Colours):
 
     @contextmanager
     def _file(self) -> Iterator[h5py.File]:
-        with damage(self.path), open_hdf5_file(self.path, rdcc_nbytes=CHUNK_CACHE) as file:
+        with read_hdf5(self.path, rdcc_nbytes=CHUNK_CACHE_BYTES) as file:
             yield file
 
     @cached_property
@@ -220,18 +255,17 @@ class Hdf5Recording(Hdf5Colours):
         with self._file() as file:
             return self._measured(self._part(file))
 
-    @abstractmethod
     def _commands(self, part: h5py.Group) -> Columns | None:
-        """What the robot was told, as the recording's part of the open file says."""
+        """Return the commands in the recording's part of the open file."""
+        return numbers_of(part, self.COMMANDS)
 
-    @abstractmethod
     def _measured(self, part: h5py.Group) -> Columns | None:
-        """What was measured of the robot, as the recording's part of the open file says."""
+        """Return the measured state in the recording's part of the open file."""
+        raise NotImplementedError
 
 
-def _packed_camera(name: str, key: str, link: Link, path: Path) -> RecordedCamera:
-    """The camera of pictures that lie in a video."""
-    video, stream = link.whole_video(path), link.stream
-    return RecordedCamera(
-        name, key, stream.frames, stream.width, stream.height, codec_name(video), video.stat().st_size
-    )
+def number_at(stated: Any, *names: str) -> float | None:
+    """Return the positive finite number under nested keys of a JSON value; None where there is none."""
+    for name in names:
+        stated = stated.get(name) if isinstance(stated, dict) else None
+    return float(stated) if isinstance(stated, int | float) and 0 < stated < math.inf else None

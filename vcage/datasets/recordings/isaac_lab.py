@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection, Mapping
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import h5py
 
 from vcage.datasets.recordings.columns import Columns
 from vcage.datasets.recordings.hdf5_numbers import columns
+from vcage.datasets.recordings.hdf5_recording import number_at
 from vcage.datasets.recordings.robomimic import RobomimicDemo
 
 STATE = ("joint_pos", "gripper_pos")
@@ -30,7 +30,7 @@ MARKS = (
 
 
 class IsaacLabDemo(RobomimicDemo):
-    """One demonstration of a file of Isaac Lab's; ``success`` says whether it is one."""
+    """One demonstration of a file of Isaac Lab's, with a label of success."""
 
     LAYOUT = "isaac-lab"
 
@@ -46,27 +46,15 @@ class IsaacLabDemo(RobomimicDemo):
         return any(mark in first for mark in MARKS)
 
     @property
-    def fps(self) -> float | None:
-        return super().fps or self._simulated_rate
+    def _stated_rate(self) -> tuple[float, str] | None:
+        step_s, decimation = (number_at(self._env_args, "sim_args", name) for name in ("dt", "decimation"))
+        if super()._stated_rate or step_s is None or decimation is None:
+            return super()._stated_rate
+        return round(1 / (step_s * decimation), 6), "1 / (dt · decimation) of env_args"
 
     @property
     def rate_hint(self) -> str:
         return "give --fps N: 1 / (sim.dt · decimation) of the task's configuration, which the file does not hold"
-
-    @property
-    def notes(self) -> list[str]:
-        rate = self._simulated_rate
-        told = [] if rate is None else [f"its frame rate is 1 / (dt · decimation) of env_args, {rate:g} Hz"]
-        return super().notes + told
-
-    @property
-    def _simulated_rate(self) -> float | None:
-        """Steps per second of newer files; None where they do not say."""
-        args = self._env_args.get("sim_args")
-        step: Any = [args.get("dt"), args.get("decimation")] if isinstance(args, dict) else [None]
-        if not all(isinstance(one, int | float) and 0 < one < math.inf for one in step):
-            return None
-        return round(1 / (step[0] * step[1]), 6)
 
     def _measured(self, part: h5py.Group) -> Columns | None:
         obs = part["obs"]

@@ -28,7 +28,7 @@ REASONS: Mapping[str, str] = {
 
 
 def leftovers(part: h5py.Group, taken: Collection[str], reasons: Mapping[str, str] | None = None) -> dict[str, str]:
-    """Key relative to ``part`` → reason, of all datasets in it that hold something and are not taken.
+    """Return key relative to ``part`` → reason, of all non-empty datasets in it that are not taken.
 
     A group of which nothing is taken is one entry.
 
@@ -40,22 +40,18 @@ def leftovers(part: h5py.Group, taken: Collection[str], reasons: Mapping[str, st
     prefix = part.name.strip("/")
     used = {key.removeprefix(f"{prefix}/") if prefix else key for key in taken}
     places = {address(part.file[key]) for key in taken if key in part.file}
-    kept_groups = {parent for key in used for parent in _parents(key)}
-    found: list[str] = []
-
-    for key, dataset in datasets_in(part).items():
-        if dataset.size and address(dataset) not in places:
-            found.append(next((parent for parent in _parents(key) if parent not in kept_groups), key))
+    used_groups = {parent for key in used for parent in _parents(key)}
+    left = [key for key, one in datasets_in(part).items() if one.size and address(one) not in places]
+    shown = (next((parent for parent in _parents(key) if parent not in used_groups), key) for key in left)
     every = {**(reasons or {}), **REASONS}
-    return {key: reason_for(key, every) for key in dict.fromkeys(found)}
+    return {key: _reason_for(key, every) for key in dict.fromkeys(shown)}
 
 
-def reason_for(key: str, reasons: Mapping[str, str] = REASONS) -> str:
-    """The reason of the first pattern that a key matches."""
+def _reason_for(key: str, reasons: Mapping[str, str]) -> str:
+    """Return the reason of the first pattern that a key matches."""
     return next((reason for pattern, reason in reasons.items() if re.search(pattern, key)), UNKNOWN)
 
 
 def _parents(key: str) -> list[str]:
-    """The groups that a key lies in, the outermost first."""
-    parts = key.split("/")[:-1]
-    return ["/".join(parts[: number + 1]) for number in range(len(parts))]
+    """Return the groups that a key lies in, the outermost first."""
+    return ["/".join(key.split("/")[:end]) for end in range(1, key.count("/") + 1)]

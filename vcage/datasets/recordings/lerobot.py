@@ -2,55 +2,62 @@
 
 from __future__ import annotations
 
-import math
-from abc import abstractmethod
 from collections.abc import Collection, Mapping, Sequence
+from contextlib import suppress
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
-import pyarrow as pa
-import pyarrow.compute as pc
 from numpy.typing import NDArray
 
-from vcage.base.errors import DamagedFile, UsageError
+from vcage.base.errors import DamagedFile, InputFileError, UsageError
 from vcage.base.folders import natural_key, natural_path
 from vcage.base.pictures import picture_header
 from vcage.base.placeholders import require_fetched
 from vcage.base.videos import decode
 from vcage.datasets.lerobot.episode import ACTION, STATE
-from vcage.datasets.lerobot.features import CAMERA, OF_SUBTASKS, number_names, other_columns, require_rgb, video_facts
+from vcage.datasets.lerobot.features import (
+    CAMERA,
+    OF_SUBTASKS,
+    number_names,
+    other_columns,
+    require_rgb,
+    video_facts,
+    video_keys,
+)
 from vcage.datasets.lerobot.language import LANGUAGE
-from vcage.datasets.lerobot.meta import data_set_info, episode_rows
-from vcage.datasets.lerobot.parquet import MEND, read_table
-from vcage.datasets.lerobot.places import inside, own_file, own_files, placed
+from vcage.datasets.lerobot.meta import PER_EPISODE, data_set_info, episode_rows
+from vcage.datasets.lerobot.parquet import MEND
+from vcage.datasets.lerobot.places import inside, own_file, own_files
+from vcage.datasets.recordings.cameras import RecordedCamera
 from vcage.datasets.recordings.colours import Colours
 from vcage.datasets.recordings.columns import Columns
-from vcage.datasets.recordings.lerobot_rows import OUTCOME, Clip, TimedRows
-from vcage.datasets.recordings.lerobot_sizes import file_size, picture_size, video_seconds
-from vcage.datasets.recordings.lerobot_times import Share, shares
+from vcage.datasets.recordings.lerobot_files import EpisodeFiles, OwnFiles, SharedFiles
+from vcage.datasets.recordings.lerobot_rows import OUTCOME, EpisodeRows
+from vcage.datasets.recordings.lerobot_times import shares
 from vcage.datasets.recordings.other_streams import MeasuredStream, measured_file
-from vcage.datasets.recordings.recording import RecordedCamera, Recording
+from vcage.datasets.recordings.recording import Recording
 from vcage.datasets.stored_pictures import channels_of, decode_picture, stacked, storage_of
 
+CHANNELS = (1, 3, 4)
+"""Sizes of a picture's axis of channels, which tell it from height and width."""
 
-class LeRobotRecording(TimedRows, Recording):
+
+class LeRobotRecording(Recording):
     """One episode of a data set.
 
     Args:
-        root: folder of the data set; it is the recording's path.
-        info: its ``meta/info.json``.
-        row: what the data set says of the episode.
-        shares: key of a camera → the episode's part of a video that holds several.
+        files: of the episode.
+        layout: name of the data set's version.
     """
 
-    def __init__(
-        self, root: Path, info: Mapping[str, Any], row: Mapping[str, Any], shares: Mapping[str, Share] | None = None
-    ):
-        super().__init__(root, int(row["episode_index"]))
-        self._info, self._row, self._shares = info, row, shares or {}
-        self._placed: dict[str, tuple[Sequence[int], str]] = {}
+    def __init__(self, files: EpisodeFiles, layout: str):
+        super().__init__(files.root, int(files.row["episode_index"]))
+        self.LAYOUT = self.TARGET = layout
+        self._info, self._row, self._files = files.info, files.row, files
+        self._rows = EpisodeRows(str(self), files)
+        self._labelled = True
 
     def __str__(self) -> str:
         return f"{self.path} episode {self.number}"
@@ -60,7 +67,7 @@ class LeRobotRecording(TimedRows, Recording):
 
     @property
     def fps(self) -> float | None:
-        return float(self._info["fps"])
+        return self._rows.fps
 
     @property
     def task(self) -> str | None:
@@ -72,12 +79,35 @@ class LeRobotRecording(TimedRows, Recording):
 
     @property
     def frames(self) -> int:
-        return int(self._row["length"])
+        return len(self._rows)
 
     @property
     def notes(self) -> list[str]:
         never = f"no episode of its data set has a true {OUTCOME}, so nobody seems to have recorded that"
         return super().notes + [never] * (not self._labelled)
+
+    @property
+    def failed(self) -> str | None:
+        if OUTCOME not in self._info["features"]:
+            return None
+        labels = self._rows.labels()
+        never = self._labelled and False in labels and True not in labels
+        return f"its {OUTCOME} is never true" if never else None
+
+    def set_unlabelled(self) -> None:
+        """Note that no episode of its data set succeeds, so that nobody recorded outcomes."""
+        self._labelled = False
+
+    def succeeds(self) -> bool:
+        """True for a true outcome, and for one that cannot be read, which is named where the episode is read."""
+        with suppress(InputFileError):
+            return True in self._rows.labels()
+        return True
+
+    def time_fault(self, target: str, fps: float) -> str | None:
+        del fps
+        note = self._rows.times.note
+        return f"{note}; a data set of the same version keeps them" if note and target == self.TARGET else None
 
     def left_out(self) -> dict[str, str]:
         features = self._info["features"]
@@ -103,37 +133,34 @@ class LeRobotRecording(TimedRows, Recording):
     @cached_property
     def cameras(self) -> list[RecordedCamera]:
         measured = {stream.key for stream in self.other_streams}
-        keys = [key for key in (*self._keys_of("video"), *self._keys_of("image")) if key not in measured]
+        keys = [key for key in (*self._video_keys, *self._image_keys) if key not in measured]
         return sorted((self._camera(key) for key in keys), key=lambda camera: natural_key(camera.name))
 
     @cached_property
     def other_streams(self) -> list[MeasuredStream]:
-        keys = sorted(self._keys_of("image"), key=natural_key)
-        found = [measured_file(key, self._stored(self._column(key)[0].as_py())) for key in keys]
+        found = [measured_file(key, self._stored(self._rows.column(key)[0].as_py())) for key in self._image_keys]
         return [stream for stream in found if stream is not None]
 
     @property
     def files(self) -> list[Path]:
         """The data set's own description, and the episode's table and videos."""
         described = [self.path / file for file in own_files(self.path, Path("meta"))]
-        videos = {self._clip(key).file for key in self._keys_of("video")}
-        return [*described, self._data_file, *sorted(videos, key=natural_path)]
+        videos = {self._files.clip(key).file for key in self._video_keys}
+        return [*described, self._files.table, *sorted(videos, key=natural_path)]
 
     def pictures(self, camera: str, indices: Sequence[int] | None = None) -> NDArray[np.uint8]:
         one = self.camera(camera)
         wanted = list(range(one.frames) if indices is None else indices)
-        if self._info["features"][one.key]["dtype"] == "video":
-            frames, _ = self._frames_in_video(one.key)
-            return decode(self._clip(one.key).file, [frames[index] for index in wanted])
-        stored = self._column(one.key)
-        what = f"{self} {one.key}"
-        return stacked(
-            [decode_picture(self._stored(stored[index].as_py()), f"{what}[{index}]") for index in wanted], what
-        )
+        if one.key in self._video_keys:
+            frames, _ = self._rows.frames_in_video(one.key)
+            return decode(self._files.clip(one.key).file, [frames[index] for index in wanted])
+        stored, what = self._rows.column(one.key), f"{self} {one.key}"
+        found = [decode_picture(self._stored(stored[index].as_py()), f"{what}[{index}]") for index in wanted]
+        return stacked(found, what)
 
     def _camera_notes(self) -> list[str]:
-        found = [(key, self._frames_in_video(key)[1]) for key in sorted(self._keys_of("video"), key=natural_key)]
-        times = self._row_times.note
+        found = [(key, self._rows.frames_in_video(key)[1]) for key in self._video_keys]
+        times = self._rows.times.note
         notes = super()._camera_notes() + [times] * bool(times) + [f"{key}: {note}" for key, note in found if note]
         for camera in self.cameras:
             try:
@@ -152,21 +179,16 @@ class LeRobotRecording(TimedRows, Recording):
         feature = self._info["features"].get(key)
         if feature is None:
             return None
-        values = np.array(self._column(key).to_pylist(), np.float64)
+        values = np.array(self._rows.column(key).to_pylist(), np.float64)
         return Columns(values.reshape(len(values), -1), tuple(number_names(feature.get("names"))))
 
-    def _keys_of(self, dtype: str) -> list[str]:
-        """The features of a type."""
-        return [key for key, feature in self._info["features"].items() if feature["dtype"] == dtype]
+    @property
+    def _video_keys(self) -> list[str]:
+        return sorted(video_keys(self._info["features"]), key=natural_key)
 
-    def _column(self, key: str) -> pa.ChunkedArray:
-        """A column of the episode's frames, of at least one."""
-        found = read_table(self._data_file, [key], pc.field("episode_index") == self.number)[key]
-        if len(found) == 0:
-            raise DamagedFile(f"{self} holds no frame", hint="leave the episode out")
-        if len(found) != self.frames:
-            raise DamagedFile(f"{self} has {len(found)} frames in {self._data_file}, not {self.frames}", hint=MEND)
-        return found
+    @property
+    def _image_keys(self) -> list[str]:
+        return sorted(video_keys(self._info["features"], "image"), key=natural_key)
 
     def _camera(self, key: str) -> RecordedCamera:
         feature, frames = self._info["features"][key], self.frames
@@ -174,18 +196,19 @@ class LeRobotRecording(TimedRows, Recording):
         name = key.removeprefix(CAMERA)
         if feature["dtype"] == "video":
             storage = str(video_facts(feature).get("video.codec", "video"))
-            return RecordedCamera(name, key, frames, width, height, storage, self._video_bytes(key))
-        stored = self._column(key)
+            return RecordedCamera(name, key, frames, width, height, storage, self._files.clip(key).bytes)
+        stored, what = self._rows.column(key), f"{self} {key}[0]"
         first = self._stored(stored[0].as_py())
-        storage, channels = storage_of(first, f"{self} {key}[0]"), channels_of(first, f"{self} {key}[0]")
+        storage, channels = storage_of(first, what), channels_of(first, what)
         size = sum(len(self._stored(value.as_py())) for value in stored)
         return RecordedCamera(name, key, frames, width, height, storage, size, channels)
 
     def _stored(self, value: Mapping[str, Any]) -> bytes:
+        """Return the picture file that a table holds, or names."""
         data = value.get("bytes")
         if data is not None:
             return data
-        where = f"{self._data_file}: path"
+        where = f"{self._files.table}: path"
         file = own_file(self.path, inside(str(value.get("path") or ""), where), where)
         require_fetched(file)
         picture_header(file)
@@ -194,83 +217,19 @@ class LeRobotRecording(TimedRows, Recording):
         except OSError as error:
             raise DamagedFile(f"{file} cannot be read: {error.strerror}", hint=MEND) from error
 
-    @abstractmethod
-    def _video_bytes(self, key: str) -> int:
-        """What the pictures of a camera take; a share of a video that holds other episodes too."""
 
-
-class LeRobotV21(LeRobotRecording):
-    """A file per episode and camera."""
-
-    LAYOUT = TARGET = "lerobot-v2.1"
-
-    @property
-    def _data_file(self) -> Path:
-        return self._file("data_path")
-
-    def _clip(self, key: str) -> Clip:
-        return Clip(self._file("video_path", video_key=key), 0.0, Share(0, self.frames))
-
-    def _video_bytes(self, key: str) -> int:
-        file = self._clip(key).file
-        video_seconds(file)  # which shows that it is a video
-        return file_size(file)
-
-    def _file(self, pattern: str, **names: int | str) -> Path:
-        chunk = self.number // int(self._info["chunks_size"])
-        names |= {"episode_chunk": chunk, "episode_index": self.number}
-        return placed(self.path, pattern, self._info[pattern], **names)
-
-
-class LeRobotV20(LeRobotV21):
-    """The same with statistics of all episodes together."""
-
-    LAYOUT = TARGET = "lerobot-v2.0"
-
-
-class LeRobotV30(LeRobotRecording):
-    """Many episodes in a file."""
-
-    LAYOUT = TARGET = "lerobot-v3.0"
-
-    @property
-    def _data_file(self) -> Path:
-        return self._file("data_path", "data")
-
-    def _clip(self, key: str) -> Clip:
-        begin = float(self._said(f"videos/{key}/from_timestamp"))
-        return Clip(self._file("video_path", f"videos/{key}", video_key=key), begin, self._shares.get(key))
-
-    def _video_bytes(self, key: str) -> int:
-        file = self._clip(key).file
-        clip = [float(self._said(f"videos/{key}/{end}_timestamp")) for end in ("from", "to")]
-        return round(file_size(file) * min(1.0, (clip[1] - clip[0]) / max(video_seconds(file), 1e-9)))
-
-    def _file(self, pattern: str, prefix: str, **names: str) -> Path:
-        numbers = {name: int(self._said(f"{prefix}/{name}")) for name in ("chunk_index", "file_index")}
-        return placed(self.path, pattern, self._info[pattern], **numbers, **names)
-
-    def _said(self, name: str) -> Any:
-        """What the list of episodes says of the episode."""
-        value, listed = self._row.get(name), f"the list of episodes of {self.path}"
-        if value is None:
-            raise DamagedFile(f"{listed} does not say {name} of {self.number}", hint=MEND)
-        if not (isinstance(value, int | float) and math.isfinite(value)):
-            raise DamagedFile(f"{listed} says that {name} of {self.number} is {value!r}, not a number", hint=MEND)
-        return value
-
-
-class LeRobotV31(LeRobotV30):
-    """The same with the sub-tasks in words."""
-
-    LAYOUT = TARGET = "lerobot-v3.1"
+def picture_size(shape: Sequence[int]) -> tuple[int, int]:
+    """Return height and width of pictures whose channels come last, as LeRobot has them, or first."""
+    first = len(shape) == 3 and shape[0] in CHANNELS and shape[2] not in CHANNELS
+    height, width = shape[1:] if first else shape[:2]
+    return height, width
 
 
 def open_lerobot(root: Path) -> list[LeRobotRecording]:
-    """The episodes of a LeRobot data set, in order; at least one.
+    """Return the episodes of a LeRobot data set, in order; at least one.
 
     Raises:
-        DamagedFile: what describes it is missing or damaged, or it is of a version that is not known.
+        DamagedFile: a file of its description is missing or damaged, or it is of an unknown version.
     """
     info = data_set_info(root)
     episodes = _opened(root, info, episode_rows(root, info))
@@ -281,17 +240,15 @@ def open_lerobot(root: Path) -> list[LeRobotRecording]:
 
 
 def _opened(root: Path, info: Mapping[str, Any], rows: Sequence[Mapping[str, Any]]) -> list[LeRobotRecording]:
-    """The episodes of these rows, in the class of the data set's version."""
+    """Return the episodes of these rows, by the data set's version."""
+    version = info["codebase_version"]
+    if version in PER_EPISODE:
+        return [LeRobotRecording(OwnFiles(root, info, row), f"lerobot-{version}") for row in rows]
     in_words = not set(LANGUAGE).isdisjoint(info["features"])
-    old: dict[str, type[LeRobotRecording]] = {"v2.0": LeRobotV20, "v2.1": LeRobotV21}
-    if info["codebase_version"] in old:
-        return [old[info["codebase_version"]](root, info, row) for row in rows]
-    kind = LeRobotV31 if in_words else LeRobotV30
-    videos = [key for key, feature in info["features"].items() if feature["dtype"] == "video"]
-    parts = {key: shares(rows, key, float(info["fps"])) for key in videos}
-    return [kind(root, info, row, _own(parts, row["episode_index"])) for row in rows]
-
-
-def _own(parts: Mapping[str, Mapping[int, Share]], episode: int) -> dict[str, Share]:
-    """Camera → the part of its video that an episode has."""
-    return {key: own[episode] for key, own in parts.items() if episode in own}
+    layout = "lerobot-v3.1" if in_words else "lerobot-v3.0"
+    parts = {key: shares(rows, key, float(info["fps"])) for key in video_keys(info["features"])}
+    episodes = []
+    for row in rows:
+        own = {key: found[row["episode_index"]] for key, found in parts.items() if row["episode_index"] in found}
+        episodes.append(LeRobotRecording(SharedFiles(root, info, row, own), layout))
+    return episodes

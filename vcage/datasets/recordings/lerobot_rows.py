@@ -1,24 +1,22 @@
-"""The rows of a LeRobot episode in time, and the frames of its videos that belong to them."""
+"""The rows of a LeRobot episode, and the frames of its videos that belong to them."""
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
-from contextlib import suppress
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 
-from vcage.base.errors import DamagedFile, InputFileError
-from vcage.datasets.lerobot.features import TIME_TOLERANCE
-from vcage.datasets.lerobot.parquet import MEND
+from vcage.base.errors import DamagedFile
+from vcage.datasets.lerobot.features import TIME_TOLERANCE_S
+from vcage.datasets.lerobot.parquet import MEND, read_table
+from vcage.datasets.recordings.lerobot_files import EpisodeFiles
 from vcage.datasets.recordings.lerobot_times import (
     RowTimes,
-    Share,
     TooShort,
     Unclear,
     frames_of_rows,
@@ -31,126 +29,93 @@ OUTCOME = "next.success"
 """Column that says after which frame the task is done."""
 
 
-@dataclass(frozen=True)
-class Clip:
-    """Where an episode's pictures of one camera are: in a video that may hold other episodes too.
+@dataclass
+class EpisodeRows:
+    """The rows of an episode in its table.
 
     Args:
-        file: the video.
-        begin: when the episode begins in it, seconds.
-        share: which of its frames are the episode's, where the lengths of all episodes say so.
+        name: of the episode, for messages.
+        files: of the episode.
     """
 
-    file: Path
-    begin: float
-    share: Share | None
+    name: str
+    files: EpisodeFiles
+    _frames: dict[str, tuple[Sequence[int], str]] = field(default_factory=dict)
 
-
-class TimedRows(ABC):
-    """Times and outcome of an episode, from its table and its videos."""
-
-    TARGET: ClassVar[str]
-    path: Path
-    number: int
-    _info: Mapping[str, Any]
-    _placed: dict[str, tuple[Sequence[int], str]]
-
-    _labelled: bool = True
-    """Its data set's column of outcomes tells anything: some episode of it succeeds."""
+    def __len__(self) -> int:
+        return int(self.files.row["length"])
 
     @property
-    @abstractmethod
-    def frames(self) -> int:
-        """How many rows it has."""
+    def fps(self) -> float:
+        """Frames per second of the data set."""
+        return float(self.files.info["fps"])
 
-    @property
-    @abstractmethod
-    def _data_file(self) -> Path:
-        """The table that holds the episode's rows."""
+    def column(self, key: str) -> pa.ChunkedArray:
+        """Return a column of the episode's rows.
 
-    @abstractmethod
-    def _clip(self, key: str) -> Clip:
-        """Where the pictures of a camera are."""
+        Raises:
+            DamagedFile: there is no row, or other than the list of episodes says.
+        """
+        table = self.files.table
+        found = read_table(table, [key], pc.field("episode_index") == int(self.files.row["episode_index"]))[key]
+        if len(found) == 0:
+            raise DamagedFile(f"{self.name} holds no frame", hint="leave the episode out")
+        if len(found) != len(self):
+            raise DamagedFile(f"{self.name} has {len(found)} frames in {table}, not {len(self)}", hint=MEND)
+        return found
 
-    @abstractmethod
-    def _column(self, key: str) -> pa.ChunkedArray:
-        """A column of the episode's rows."""
-
-    @property
-    def failed(self) -> str | None:
-        if OUTCOME not in self._info["features"]:
-            return None
-        labels = self._labels()
-        never = self._labelled and False in labels and True not in labels
-        return f"its {OUTCOME} is never true" if never else None
-
-    def set_unlabelled(self) -> None:
-        """Note that no episode of its data set succeeds, so that its outcomes tell nothing."""
-        self._labelled = False
-
-    def succeeds(self) -> bool:
-        """Check for a true outcome; what is not understood or damaged is named where the episode is read."""
-        with suppress(InputFileError):
-            return True in self._labels()
-        return True
-
-    def _labels(self) -> set[bool | None]:
-        """The outcomes of its rows.
+    def labels(self) -> set[bool | None]:
+        """Return the outcomes of the rows.
 
         Raises:
             UnclearLabel: one says neither true nor false.
         """
-        where = f"{self}, {self._data_file}: {OUTCOME}"
-        return {label_of(value, where, OUTCOME) for value in self._column(OUTCOME).to_pylist()}
-
-    def time_fault(self, target: str, fps: float) -> str | None:
-        times = self._row_times
-        kept = f"{times.note}; a data set of the same version keeps them"
-        return kept if times.note and target == self.TARGET else None
+        where = f"{self.name}, {self.files.table}: {OUTCOME}"
+        return {label_of(value, where, OUTCOME) for value in self.column(OUTCOME).to_pylist()}
 
     @cached_property
-    def _row_times(self) -> RowTimes:
-        """When its rows were recorded.
+    def times(self) -> RowTimes:
+        """Times of the rows.
 
         Raises:
-            DamagedFile: their times leave it open which pictures are theirs.
+            DamagedFile: they do not tell which pictures belong to the rows.
         """
-        fps = float(self._info["fps"])
-        if "timestamp" not in self._info["features"]:
-            return RowTimes(np.arange(self.frames) / fps)
-        stored = self._column("timestamp")
+        if "timestamp" not in self.files.info["features"]:
+            return RowTimes(np.arange(len(self)) / self.fps)
+        stored = self.column("timestamp")
         single = pa.types.is_float32(stored.type)
         try:
             values = np.array(stored.to_pylist(), np.float32 if single else np.float64)
-            return row_times(values.reshape(len(stored), -1)[:, 0], fps)
+            return row_times(values.reshape(len(stored), -1)[:, 0], self.fps)
         except (TypeError, ValueError) as error:
-            raise DamagedFile(f"{self}, {self._data_file}: its timestamps are no numbers", hint=MEND) from error
+            message = f"{self.name}, {self.files.table}: its timestamps are no numbers"
+            raise DamagedFile(message, hint=MEND) from error
         except Unclear as error:
-            raise self._unclear(error, self._data_file) from error
+            raise self._unclear(error, self.files.table) from error
 
-    def _frames_in_video(self, key: str) -> tuple[Sequence[int], str]:
-        """The frame of a camera's video for each row, and what must be said of how they were found.
+    def frames_in_video(self, key: str) -> tuple[Sequence[int], str]:
+        """Return the frame of a camera's video for each row, and a note on how they were found.
 
         Raises:
-            DamagedFile: that is not certain.
+            DamagedFile: they are not certain.
         """
-        if key not in self._placed:
-            clip = self._clip(key)
+        if key not in self._frames:
+            clip = self.files.clip(key)
             try:
                 shown = shown_times(clip.file)
-                self._placed[key] = frames_of_rows(
-                    shown, clip.begin, self._row_times, float(self._info["fps"]), clip.share
-                )
+                self._frames[key] = frames_of_rows(shown, clip.begin_s, self.times, self.fps, clip.share)
             except TooShort as error:
-                raise DamagedFile(f"{self} is longer than its video: {clip.file} {error.message}", hint=MEND) from error
+                message = f"{self.name} is longer than its video: {clip.file} {error.message}"
+                raise DamagedFile(message, hint=MEND) from error
             except Unclear as error:
                 raise self._unclear(error, clip.file) from error
-        return self._placed[key]
+        return self._frames[key]
 
     def _unclear(self, error: Unclear, file: Path) -> DamagedFile:
+        number = int(self.files.row["episode_index"])
         return DamagedFile(
-            f"{self}, {file.relative_to(self.path)}: {error.message}",
+            f"{self.name}, {file.relative_to(self.files.root)}: {error.message}",
             hint="where row k belongs to frame k, set timestamp to frame_index / fps, from_timestamp to the frames "
             "before it / fps, and fps of meta/info.json to the true rate; or leave the episode out",
-            details={"episode": self.number, "file": str(file), "off_s": error.off_s, "tolerance_s": TIME_TOLERANCE},
+            details={"episode": number, "file": str(file), "off_s": error.off_s, "tolerance_s": TIME_TOLERANCE_S},
         )

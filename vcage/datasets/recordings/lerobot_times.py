@@ -1,4 +1,4 @@
-"""Which frame of a video belongs to which row of a LeRobot table.
+"""Lookup of the video frame that belongs to each row of a LeRobot table.
 
 LeRobot looks pictures up by time: the video's frame nearest to ``from_timestamp + timestamp``, which may not be further
 away than ``tolerance_s`` (https://huggingface.co/docs/lerobot/lerobot-dataset-v3). Where that succeeds, its answer
@@ -19,13 +19,13 @@ from numpy.typing import NDArray
 
 from vcage.base.errors import DamagedFile
 from vcage.base.videos import frame_times
-from vcage.datasets.lerobot.features import TIME_TOLERANCE
+from vcage.datasets.lerobot.features import TIME_TOLERANCE_S
 from vcage.datasets.lerobot.parquet import MEND
 
 
 @dataclass(frozen=True)
 class LookupSettings:
-    """How far times may be off.
+    """Limits on how far times may be off.
 
     Args:
         tolerance_s: of LeRobot's own lookup.
@@ -34,7 +34,7 @@ class LookupSettings:
         rounding_share: share of a limit by which double precision may exceed it.
     """
 
-    tolerance_s: float = TIME_TOLERANCE
+    tolerance_s: float = TIME_TOLERANCE_S
     counted_frames: float = 0.5
     alone_frames: float = 0.25
     rounding_share: float = 1e-6
@@ -47,7 +47,7 @@ class Unclear(Exception):
     """Times that leave it open which frame is meant.
 
     Args:
-        message: what is off, and by how much.
+        message: the deviation.
         off_s: the largest distance, seconds.
     """
 
@@ -62,12 +62,12 @@ class TooShort(Unclear):
 
 @dataclass(frozen=True)
 class RowTimes:
-    """When the rows of an episode were recorded.
+    """Times of the rows of an episode.
 
     Args:
         seconds: (T,) from the episode's begin, as its pictures are looked up.
         off_s: the largest distance from evenly spaced rows; 0 within the tolerance.
-        note: how they were understood where they are off; empty else.
+        note: for the user, where they are off; empty else.
     """
 
     seconds: NDArray[np.float64]
@@ -76,7 +76,7 @@ class RowTimes:
 
 
 def row_times(timestamps: NDArray[Any], fps: float) -> RowTimes:
-    """The times of rows that are meant to be evenly spaced from 0 on.
+    """Return the times of rows that should be evenly spaced from 0 on.
 
     Args:
         timestamps: (T,) seconds as stored, T ≥ 1.
@@ -144,52 +144,56 @@ class Share:
 
 
 def frames_of_rows(
-    shown: NDArray[np.float64], begin: float, times: RowTimes, fps: float, share: Share | None
+    shown: NDArray[np.float64], begin_s: float, times: RowTimes, fps: float, share: Share | None
 ) -> tuple[Sequence[int], str]:
-    """The frame of a video for each row, and how they were found where LeRobot's lookup would fail.
+    """Return the frame of a video for each row, and a note where LeRobot's lookup would fail.
 
     Args:
-        shown: when each frame of the video is shown, seconds, increasing.
-        begin: when the episode begins in it, seconds.
+        shown: (N,) times of the video's frames, seconds, increasing.
+        begin_s: begin of the episode in it.
         times: of its rows.
         fps: of the data set.
-        share: where frames say that it begins; None where nothing but ``begin`` does.
+        share: first frame of the episode by the lengths of all; None where nothing but ``begin_s`` says it.
 
     Raises:
-        Unclear: it is not certain which frames are meant.
+        Unclear: the frames are not certain.
     """
-    rows = len(times.seconds)
-    counted = share is not None and share.total == len(shown)
-    nearest, off = _looked_up(shown, begin + times.seconds)
+    rows, counted = len(times.seconds), share if share is not None and share.total == len(shown) else None
+    nearest, off = _looked_up(shown, begin_s + times.seconds)
     if off.max() <= _tolerance(times.seconds) and np.all(np.diff(nearest) > 0):
-        if counted and share is not None and nearest[0] != share.start:
-            gap = abs(int(nearest[0]) - share.start)
-            raise Unclear(
-                f"it begins at frame {nearest[0]} of the video by its time, and at frame {share.start} by the lengths "
-                f"of the episodes before it: {gap} frames off",
-                gap / fps,
-            )
+        if counted is not None:
+            _require_start(counted, int(nearest[0]), fps)
         return _compact(nearest), _remark(shown, rows, share)
-    start = share.start if counted and share is not None else int(nearest[0])
+    start = int(nearest[0]) if counted is None else counted.start
     if start + rows > len(shown):
         raise TooShort(f"has {len(shown)} frames, and {rows} are asked for from frame {start} on", float(off.max()))
-    off = np.abs(shown[start : start + rows] - begin - times.seconds)
-    limit = SETTINGS.counted_frames if counted else SETTINGS.alone_frames
-    worst = int(off.argmax())
+    own = shown[start : start + rows] - begin_s
+    off = np.abs(own - times.seconds)
+    limit, worst = SETTINGS.alone_frames if counted is None else SETTINGS.counted_frames, int(off.argmax())
     words = (
         f"{1000 * off[worst]:.2g} ms off the video's frame {start + worst}, {off[worst] * fps:.2f} of a frame "
         f"(LeRobot's tolerance is {1000 * SETTINGS.tolerance_s:g} ms)"
     )
     if not off[worst] * fps <= limit * (1 + SETTINGS.rounding_share):  # which NaN is not either
         raise Unclear(f"its frame {worst} is looked up {words}", float(off[worst]))
-    even = np.abs(shown[start : start + rows] - begin - np.arange(rows) / fps).max() <= SETTINGS.tolerance_s
-    if times.note and even:  # which says it already
-        return range(start, start + rows), ""
-    return range(start, start + rows), f"its times are up to {words}: its frames are counted"
+    even = np.abs(own - np.arange(rows) / fps).max() <= SETTINGS.tolerance_s
+    noted = times.note and even  # by the note on the rows
+    return range(start, start + rows), "" if noted else f"its times are up to {words}: its frames are counted"
+
+
+def _require_start(share: Share, first: int, fps: float) -> None:
+    """Raise Unclear unless the lengths of the episodes before it put an episode's first frame where its time does."""
+    gap = abs(first - share.start)
+    if gap:
+        raise Unclear(
+            f"it begins at frame {first} of the video by its time, and at frame {share.start} by the lengths "
+            f"of the episodes before it: {gap} frames off",
+            gap / fps,
+        )
 
 
 def _remark(shown: NDArray[np.float64], rows: int, share: Share | None) -> str:
-    """Say what is odd about an episode that LeRobot's lookup finds; empty if nothing is."""
+    """Return a note on an episode that LeRobot's lookup finds; empty if nothing is odd."""
     if share is None:
         return ""
     if share.overlaps is not None:
@@ -201,7 +205,7 @@ def _remark(shown: NDArray[np.float64], rows: int, share: Share | None) -> str:
 def _looked_up(
     shown: NDArray[np.float64], wanted: NDArray[np.float64]
 ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """The frame nearest to each time, and how far away it is."""
+    """Return the frame nearest to each time, and its distance."""
     after = np.clip(np.searchsorted(shown, wanted), 0, len(shown) - 1)
     before = np.maximum(after - 1, 0)
     nearest = np.where(np.abs(shown[before] - wanted) <= np.abs(shown[after] - wanted), before, after)
@@ -209,19 +213,19 @@ def _looked_up(
 
 
 def _tolerance(times: NDArray[Any]) -> float:
-    """LeRobot's tolerance, and what times in single precision are rounded by."""
+    """Return LeRobot's tolerance plus the rounding of times in single precision."""
     largest = np.float32(np.max(np.abs(times)))
     return SETTINGS.tolerance_s + (float(np.spacing(largest)) if np.isfinite(largest) and largest < 1e5 else 0.0)
 
 
 def _compact(frames: NDArray[np.int64]) -> Sequence[int]:
-    """Frames that follow each other as a range."""
+    """Return frames that follow each other as a range."""
     first, last = int(frames[0]), int(frames[-1])
     return range(first, last + 1) if last - first + 1 == len(frames) else frames.tolist()
 
 
 def shown_times(video: Path) -> NDArray[np.float64]:
-    """When each frame of a video is shown, seconds; that of the last few videos is kept, as episodes share them.
+    """Return the times of a video's frames, seconds; cached for the last few videos, as episodes share them.
 
     Raises:
         DamagedFile: it cannot be read.
@@ -230,46 +234,38 @@ def shown_times(video: Path) -> NDArray[np.float64]:
         stat = video.stat()
     except OSError as error:
         raise DamagedFile(f"{video} cannot be read: {error.strerror}", hint=MEND) from error
-    return _kept_times(video, stat.st_size, stat.st_mtime_ns)
+    return _cached_times(video, stat.st_size, stat.st_mtime_ns)
 
 
 @lru_cache(maxsize=16)
-def _kept_times(video: Path, _size: int, _changed: int) -> NDArray[np.float64]:
+def _cached_times(video: Path, _size: int, _changed: int) -> NDArray[np.float64]:
     return np.array(frame_times(video))
 
 
 def shares(rows: Sequence[Mapping[str, Any]], key: str, fps: float) -> dict[int, Share]:
-    """Number of an episode → its part of the video of a camera, of a v3.0 list of episodes.
+    """Return number of an episode → its part of a camera's video, of a v3.0 list of episodes.
 
     Args:
         rows: the list.
         key: feature of the camera.
         fps: of the data set.
 
-    Returns:
-        Nothing of episodes whose video, or place in it, the list does not say.
+    Episodes whose video, or place in it, the list does not state are left out.
     """
-    files: dict[tuple[Any, Any], list[Mapping[str, Any]]] = {}
+    files: dict[tuple[Any, Any], list[tuple[Any, int, int]]] = {}
     for row in rows:
-        files.setdefault((row.get(f"videos/{key}/chunk_index"), row.get(f"videos/{key}/file_index")), []).append(row)
+        file = row.get(f"videos/{key}/chunk_index"), row.get(f"videos/{key}/file_index")
+        own = row.get(f"videos/{key}/from_timestamp"), int(row["episode_index"]), int(row["length"])
+        files.setdefault(file, []).append(own)
     found: dict[int, Share] = {}
     for own in files.values():
-        stated = [row.get(f"videos/{key}/from_timestamp") for row in own]
-        begins = [float(begin) for begin in stated if isinstance(begin, int | float)]
-        if len(begins) < len(own):
+        if not all(isinstance(begin_s, int | float) for begin_s, _, _ in own):
             continue
-        total, start, end, before = sum(row["length"] for row in own), 0, 0.0, None
-        for begin, number, length in sorted(zip(begins, map(_number, own), map(_length, own), strict=True)):
-            overlaps = before if begin * fps < end - SETTINGS.counted_frames - SETTINGS.rounding_share else None
+        total, start, end, before = sum(length for _, _, length in own), 0, 0.0, None
+        for begin_s, number, length in sorted(own):
+            begin = float(begin_s) * fps
+            overlaps = before if begin < end - SETTINGS.counted_frames - SETTINGS.rounding_share else None
             found[number] = Share(start, total, overlaps)
-            start, before = start + length, number if begin * fps + length > end else before
-            end = max(end, begin * fps + length)
+            start, before = start + length, number if begin + length > end else before
+            end = max(end, begin + length)
     return found
-
-
-def _number(row: Mapping[str, Any]) -> int:
-    return int(row["episode_index"])
-
-
-def _length(row: Mapping[str, Any]) -> int:
-    return int(row["length"])

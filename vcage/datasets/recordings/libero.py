@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from typing import Any, ClassVar
 
 import h5py
@@ -11,7 +10,7 @@ import h5py
 from vcage.datasets.lerobot.episode import SubtaskSpan
 from vcage.datasets.recordings.columns import Columns
 from vcage.datasets.recordings.hdf5_numbers import columns
-from vcage.datasets.recordings.robomimic import RobomimicDemo
+from vcage.datasets.recordings.robomimic import DATA, RobomimicDemo
 
 STATE = ("joint_states", "gripper_states", "ee_states")
 """The joints (7), the two fingers, and the end effector as position and axis-angle (6)."""
@@ -55,12 +54,11 @@ class LiberoDemo(RobomimicDemo):
     @property
     def notes(self) -> list[str]:
         with self._file() as file:
-            convention = file["data"].attrs.get("macros_image_convention")
-        upside_down = (
-            "its pictures are stored upside down (macros_image_convention is opengl) and stay so; turn them when they "
-            "are read"
+            upside_down = file[DATA].attrs.get("macros_image_convention") == "opengl"
+        note = (
+            "its pictures are stored upside down (macros_image_convention is opengl) and stay so; turn them when they"
         )
-        return super().notes + [upside_down] * (convention == "opengl")
+        return super().notes + [f"{note} are read"] * upside_down
 
     @property
     def _instructions(self) -> list[str]:
@@ -73,9 +71,9 @@ class LiberoDemo(RobomimicDemo):
 
 
 def instructions_of(stated: Any) -> list[str]:
-    """The instructions in a text, in a list of them, or in a list of the words of one; none in anything else."""
-    texts: Sequence[Any] = [stated] if isinstance(stated, str) else stated if isinstance(stated, list) else []
-    tidy = [re.sub(r"\s+", " ", text).strip().strip('"') for text in texts if isinstance(text, str)]
+    """Return the instructions in a text, in a list of them, or in a list of the words of one; none in other values."""
+    texts = [stated] if isinstance(stated, str) else stated if isinstance(stated, list) else []
+    tidy = [" ".join(text.split()).strip('"') for text in texts if isinstance(text, str)]
     tidy = [text for text in tidy if text]
     if len(tidy) > 1 and not any(" " in text for text in tidy):
         return [" ".join(tidy)]

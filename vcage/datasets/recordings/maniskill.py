@@ -7,9 +7,8 @@ https://maniskill.readthedocs.io/en/latest/user_guide/datasets/demos.html.
 
 from __future__ import annotations
 
-import math
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
@@ -22,7 +21,7 @@ from vcage.base.errors import DamagedFile
 from vcage.datasets.recordings.beside import read_beside
 from vcage.datasets.recordings.columns import Columns
 from vcage.datasets.recordings.hdf5_numbers import numbers_of
-from vcage.datasets.recordings.hdf5_recording import Hdf5Recording
+from vcage.datasets.recordings.hdf5_recording import Hdf5Recording, number_at
 from vcage.datasets.recordings.success import FAIL, SUCCESS, label_of, stated_failure, stored_label
 
 TRAJECTORY = r"traj_(\d+)"
@@ -38,12 +37,13 @@ class ManiSkillTrajectory(Hdf5Recording):
 
     Args:
         path: of the file.
-        trajectory: its name, as in ``traj_0``.
-        labelled: whether the file's ``success`` tells anything: some trajectory of it ends with true.
+        part: its name, as in ``traj_0``.
+        labelled: true if the file's ``success`` is recorded: some trajectory of it ends with true.
     """
 
     LAYOUT = "maniskill"
     PICTURES = r"obs/(?:sensor_data|image)/([^/]+)/rgb"
+    COMMANDS = "actions"
     SPARE_PICTURES = 1
     COLOURS_SURE = False
 
@@ -52,36 +52,33 @@ class ManiSkillTrajectory(Hdf5Recording):
         r"^obs/state$": "all numbers of the simulation in one row",
     }
 
-    def __init__(self, path: Path, trajectory: str, labelled: bool = True):
-        super().__init__(path, int(trajectory.removeprefix("traj_")))
-        self.trajectory, self._labelled = trajectory, labelled
-
-    def __str__(self) -> str:
-        return f"{self.path}:{self.trajectory}"
+    def __init__(self, path: Path, part: str, labelled: bool = True):
+        super().__init__(path, part)
+        self._labelled = labelled
 
     @classmethod
     def found_in(cls, path: Path, file: h5py.File, keys: Collection[str]) -> list[Self]:
-        """The trajectories by their numbers; none where there is none.
+        """Return the trajectories by their numbers.
 
         Raises:
-            DamagedFile: there are, but without pictures.
+            DamagedFile: there are some, but without pictures.
         """
-        matches = sorted((match for name in file if (match := re.fullmatch(TRAJECTORY, name))), key=_number)
-        if matches and not any(re.fullmatch(f"{TRAJECTORY}/{cls.PICTURES}", key) for key in keys):
+        names = sorted((name for name in file if re.fullmatch(TRAJECTORY, name)), key=lambda name: int(name[5:]))
+        if names and not any(re.fullmatch(f"{TRAJECTORY}/{cls.PICTURES}", key) for key in keys):
             raise DamagedFile(
                 f"{path} holds ManiSkill's trajectories without pictures",
                 hint="let ManiSkill draw them: python -m mani_skill.trajectory.replay_trajectory "
                 f"--traj-path {path} --save-traj --obs-mode rgb --use-env-states",
             )
-        labelled = any(_succeeds(file[match[0]]) for match in matches)
-        return [cls(path, match[0], labelled) for match in matches]
-
-    def name(self, root: Path) -> str:
-        return f"{super().name(root)}.{self.trajectory}"
+        labelled = any(_succeeds(file[name]) for name in names)
+        return [cls(path, name, labelled) for name in names]
 
     @property
-    def fps(self) -> float | None:
-        return self._control_rate or super().fps
+    def _stated_rate(self) -> tuple[float, str] | None:
+        places = (("env_kwargs", "sim_config"), ("env_kwargs",), ())
+        rates = (number_at(self._environment, *place, "control_freq") for place in places)
+        rate = next((rate for rate in rates if rate is not None), None)
+        return None if rate is None else (rate, "the control_freq of its environment")
 
     @property
     def rate_hint(self) -> str:
@@ -107,21 +104,23 @@ class ManiSkillTrajectory(Hdf5Recording):
 
     @property
     def notes(self) -> list[str]:
-        notes = super().notes
-        rate, steps, motion = self._control_rate, self._episode.get("elapsed_steps"), self.motion
-        if rate is not None:
-            notes.append(f"its frame rate is the control_freq of its environment, {rate:g} Hz")
+        return [*super().notes, *self._label_notes(), *self._length_notes()]
+
+    def _label_notes(self) -> Iterator[str]:
+        file = self._description_file.name
         undescribed = bool(self.companions) and not self._episode
         if not self._labelled and self._episode.get(SUCCESS) in (None, []) and not undescribed:
-            notes.append("no trajectory of its file ends with success, so nobody seems to have recorded that")
+            yield "no trajectory of its file ends with success, so nobody seems to have recorded that"
         if not self.companions:
-            notes.append(f"there is no {self._description_file.name}, which would describe it")
+            yield f"there is no {file}, which would describe it"
         if undescribed:
             what = "names no episodes" if "episodes" not in self._description else "does not describe it"
-            notes.append(f"{self._description_file.name} {what}, so it does not say whether it succeeded")
+            yield f"{file} {what}, so it does not say whether it succeeded"
+
+    def _length_notes(self) -> Iterator[str]:
+        steps, motion = self._episode.get("elapsed_steps"), self.motion
         if isinstance(steps, int) and motion is not None and steps != len(motion.values):
-            notes.append(f"it has {len(motion.values)} actions, its elapsed_steps are {steps}")
-        return notes
+            yield f"it has {len(motion.values)} actions, its elapsed_steps are {steps}"
 
     def left_out(self) -> dict[str, str]:
         last = {"the last picture": "it follows the last action, so that no action belongs to it"}
@@ -134,11 +133,12 @@ class ManiSkillTrajectory(Hdf5Recording):
     @cached_property
     def _environment(self) -> dict[str, Any]:
         """``env_info`` of the file's description; empty where nothing says."""
-        return _as_dict(self._description.get("env_info"))
+        found = self._description.get("env_info")
+        return found if isinstance(found, dict) else {}
 
     @cached_property
     def _episode(self) -> dict[str, Any]:
-        """The row of the description for this trajectory; empty where it has none.
+        """Row of the description for this trajectory; empty where it has none.
 
         Raises:
             DamagedFile: the description is not understood.
@@ -159,14 +159,14 @@ class ManiSkillTrajectory(Hdf5Recording):
 
     @cached_property
     def _description(self) -> dict[str, Any]:
-        """The file's description; empty where there is none."""
+        """Description of the file; empty where there is none."""
         found = read_beside(self._description_file)
         if found is not None and not isinstance(found, dict):
             raise self._not_understood("its content", found, "an object with env_info and episodes")
         return found or {}
 
     def _episode_id(self, row: int, stated: Any) -> int:
-        """The number of the trajectory that a row of the description belongs to."""
+        """Return the number of the trajectory that a row of the description belongs to."""
         if type(stated) is int:
             return stated
         digits = re.fullmatch(r"\s*(?:traj_)?(\d+)(?:\.0)?\s*", str(stated))
@@ -175,58 +175,36 @@ class ManiSkillTrajectory(Hdf5Recording):
         return int(digits[1])
 
     def _described(self, name: str) -> bool | None:
-        """A label of the description's row of this trajectory."""
+        """Return a label of the description's row of this trajectory."""
         where = f"{self._description_file}: {name} of episode {self.number}"
         return label_of(self._episode.get(name), where, name)
 
     def _not_understood(self, field: str, found: Any, wanted: str) -> DamagedFile:
         return DamagedFile(f"{self._description_file}: {field} is {type(found).__name__}, not {wanted}", hint=MEND)
 
-    @property
-    def _control_rate(self) -> float | None:
-        """Actions per second; None where the description does not say."""
-        kwargs = _as_dict(self._environment.get("env_kwargs"))
-        places = (_as_dict(kwargs.get("sim_config")), kwargs, self._environment)
-        rates = [rate for place in places if isinstance(rate := place.get("control_freq"), int | float)]
-        return next((float(rate) for rate in rates if 0 < rate < math.inf), None)
-
-    def _part(self, file: h5py.File) -> h5py.Group:
-        return file[self.trajectory]
-
     def _commands(self, part: h5py.Group) -> Columns | None:
-        found = numbers_of(part, "actions")
-        if found is None:
-            return None
-        return replace(found, names=tuple(f"action_{column}" for column in range(found.values.shape[1])))
+        found = super()._commands(part)
+        return None if found is None else replace(found, names=found.numbered("action"))
 
     def _measured(self, part: h5py.Group) -> Columns | None:
         flat = STATE not in part
         found = numbers_of(part, FLAT if flat else STATE)
         if found is None:
             return None
-        name = "state" if flat else "qpos"
-        names = tuple(f"{name}_{column}" for column in range(found.values.shape[1]))
         notes = ("its state is obs/state, all numbers of the simulation in one row",) * flat
+        names = found.numbered("state" if flat else "qpos")
         return replace(found, values=found.values[:-1], names=names, notes=notes)
 
 
 def words_of(environment: str) -> str:
-    """The name of an environment as words: ``PickCube-v1`` is "Pick cube"."""
+    """Return the name of an environment as words: ``PickCube-v1`` is "Pick cube"."""
     plain = re.sub(r"-v\d+$", "", environment)
     parts = re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+", plain)
     return " ".join(parts).capitalize()
 
 
 def _succeeds(part: h5py.Group) -> bool:
-    """Check for a label of success; one that is not understood is named where the trajectory is read."""
+    """True for a label of success, and for one that is not understood, which is named where the trajectory is read."""
     with suppress(DamagedFile):
         return bool(stored_label(part, SUCCESS))
     return True
-
-
-def _number(match: re.Match[str]) -> int:
-    return int(match[1])
-
-
-def _as_dict(found: Any) -> dict[str, Any]:
-    return found if isinstance(found, dict) else {}

@@ -1,4 +1,4 @@
-"""Which recordings a path holds, whatever their layout."""
+"""All recordings at a path, of any known layout."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import os.path
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +15,7 @@ from vcage.base.folders import entries, files_below, require_utf8
 from vcage.base.placeholders import require_fetched
 from vcage.base.text import listed
 from vcage.datasets.hdf5_contents import walk
-from vcage.datasets.hdf5_files import damage, open_hdf5_file
+from vcage.datasets.hdf5_files import read_hdf5
 from vcage.datasets.lerobot.meta import INFO, refuse_first_versions
 from vcage.datasets.recordings.act import ActEpisode, VcageEpisode
 from vcage.datasets.recordings.colours import AUTO, BGR, CHOICES, Colours, settle
@@ -42,20 +41,20 @@ HDF5_LAYOUTS: tuple[type[Hdf5Recording], ...] = (
     RoboTwinVisionEpisode,
     ActEpisode,
 )
-"""In this order a file is taken for the first that it fits."""
+"""A file has the first layout that it fits."""
 
 VOTERS = 20
-"""Recordings that are asked for their colours when many must agree."""
+"""Recordings whose colours are looked at when many must agree."""
 
 
 @dataclass(frozen=True)
 class Opened:
-    """What a path holds.
+    """Content of a path.
 
     Args:
         recordings: in natural order of their names.
-        damaged: file of a folder → what is wrong with it.
-        passed_over: file or folder, relative to the path, that is not read beside these → what it is.
+        damaged: file of a folder → the error.
+        passed_over: file or folder, relative to the path, that is not read beside these → description.
     """
 
     recordings: Sequence[Recording]
@@ -64,11 +63,11 @@ class Opened:
 
 
 def open_recordings(path: Path) -> list[Recording]:
-    """As :func:`open_all`, where nothing is damaged.
+    """Return the recordings at a path where nothing is damaged; see :func:`open_all`.
 
     Raises:
-        InputFileError: there is nothing at the path, or nothing that is known.
-        DamagedFile: a file is damaged, or in no layout that is known; names it.
+        InputFileError: there is nothing at the path, or nothing known.
+        DamagedFile: a file is damaged, or in no known layout; names it.
     """
     opened = open_all(path)
     for error in opened.damaged.values():
@@ -77,8 +76,10 @@ def open_recordings(path: Path) -> list[Recording]:
 
 
 def open_all(path: Path, colours: str = AUTO) -> Opened:
-    """The recordings in a file or a folder: an HDF5 file or the demonstrations in it, the episodes of a LeRobot data
-    set, all HDF5 files below a folder, or the pictures of a folder or of its folders.
+    """Open the recordings in a file or a folder.
+
+    They are an HDF5 file or the demonstrations in it, the episodes of a LeRobot data set, all HDF5 files below a
+    folder, or the pictures of a folder or of its folders.
 
     Args:
         path: the file or the folder.
@@ -86,9 +87,9 @@ def open_all(path: Path, colours: str = AUTO) -> Opened:
 
     Raises:
         UnknownName: there is no such order.
-        UsageError: what is there has its colours in one order only, and another is asked for.
-        InputFileError: there is nothing at the path, or nothing that is known.
-        DamagedFile: the file is damaged, or in no layout that is known; or what describes the data set is.
+        UsageError: the data set has its colours in one order only, and another is asked for.
+        InputFileError: there is nothing at the path, or nothing known.
+        DamagedFile: the file or the data set's description is damaged, or in no known layout.
     """
     if colours not in CHOICES:
         raise UnknownName("order of colours", colours, CHOICES)
@@ -123,7 +124,7 @@ def _open(path: Path) -> Opened:
 
 
 def _nothing_read(path: Path, below: Sequence[Path], folders: Sequence[Path]) -> InputFileError:
-    """The error for a folder in which nothing is read; names what it holds instead."""
+    """Return the error for a folder in which nothing is read; names its content."""
     if passed := passed_over(path, below):
         named = listed(f"{name} ({what.partition(';')[0]})" for name, what in passed.items())
         sets = [printable(path, one) for one in data_sets_in(path, below)]
@@ -141,21 +142,21 @@ def _nothing_read(path: Path, below: Sequence[Path], folders: Sequence[Path]) ->
 
 
 def open_hdf5(path: Path) -> Hdf5Recording:
-    """The recording in an HDF5 file that holds one, or the first.
+    """Return the recording in an HDF5 file that holds one, or the first.
 
     Raises:
-        DamagedFile: it is no HDF5, is cut off, or holds no pictures in a layout that is known.
+        DamagedFile: it is no HDF5, is cut off, or holds no pictures in a known layout.
     """
     return _recordings_in(path)[0]
 
 
 def hdf5_files(folder: Path) -> list[Path]:
-    """All HDF5 files below a folder, in natural order; see :func:`vcage.base.folders.files_below`."""
+    """Return all HDF5 files below a folder, in natural order; see :func:`vcage.base.folders.files_below`."""
     return _hdf5_among(files_below(folder))
 
 
 def _hdf5_among(below: Sequence[Path]) -> list[Path]:
-    """The HDF5 files among others."""
+    """Return the HDF5 files among others."""
     files = [file for file in below if is_hdf5_by_name(file)]
     for file in files:
         require_utf8(file)
@@ -174,8 +175,8 @@ def _open_files(files: Sequence[Path]) -> Opened:
 
 
 def _recordings_in(path: Path) -> list[Hdf5Recording]:
-    """The recordings in an HDF5 file, at least one, by what the file holds."""
-    with damage(path), open_hdf5_file(path) as file:
+    """Return the recordings in an HDF5 file, at least one, by its content."""
+    with read_hdf5(path) as file:
         keys = [key for key, _ in walk(file)]
         for layout in HDF5_LAYOUTS:
             if found := layout.found_in(path, file, keys):
@@ -189,20 +190,22 @@ def _recordings_in(path: Path) -> list[Hdf5Recording]:
 
 
 def _with_colours_settled(recordings: Sequence[Hdf5Recording]) -> list[Hdf5Recording]:
-    """Recordings of one layout that lie together are taken for made alike: whether red and blue are swapped is settled
-    for all. Only some are looked at, and those that say themselves how their colours are, are believed."""
+    """Settle for all recordings of one layout, which were probably made alike, if red and blue are swapped.
+
+    Only some vote. A recording that states its own order keeps it.
+    """
     settled: dict[type[Hdf5Recording], Colours] = {}
     for layout in {type(recording) for recording in recordings if not recording.COLOURS_SURE}:
         own = [one for one in recordings if type(one) is layout]
         some = np.unique(np.linspace(0, len(own) - 1, min(len(own), VOTERS)).astype(int))
-        votes = list(chain.from_iterable(_colour_votes(own[index]) for index in some))
+        votes = [vote for index in some for vote in _colour_votes(own[index])]
         if votes:
             settled[layout] = settle(layout.SWAPPED, votes)
     return [_settled(one, settled.get(type(one))) for one in recordings]
 
 
 def _settled(recording: Hdf5Recording, colours: Colours | None) -> Hdf5Recording:
-    with suppress(DamagedFile):  # which is complained of where the recording is read
+    with suppress(DamagedFile):  # the error comes where the recording is read
         if colours is not None and recording.has_encoded_pictures and recording.stated_colours() is None:
             return recording.with_colours(colours)
     return recording

@@ -1,4 +1,4 @@
-"""Depth, labels, normals and the like beside a recording's pictures: found, so that none of it is encoded as one."""
+"""Depth, labels and normals beside a recording's pictures: found, so that none of them is encoded as a picture."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ UNNAMED = "depth or other numbers"
 """Content assumed of pictures of other than 8 bits whose name says nothing."""
 
 NO_FILES = "no picture files"
-"""How bytes are stored that are no pictures in a format that is known."""
+"""Storage of bytes that are no pictures in a known format."""
 
 LEAST_SIDE = 8
 """Pixels of the side of a picture: what has fewer is a matrix."""
@@ -36,8 +36,8 @@ class MeasuredStream:
     """A stream of a recording that no 8-bit video keeps.
 
     Args:
-        key: where in the recording it is: of a demonstration in a file of many, from its group on.
-        shows: what it shows, in words.
+        key: in the recording: of a demonstration in a file of many, from its group on.
+        shows: content, in words.
         stored: type of its numbers, or of its picture files.
     """
 
@@ -50,7 +50,7 @@ class MeasuredStream:
 
 
 def shown_by_name(name: str) -> str | None:
-    """``depth``, ``labels`` or ``directions``, where the last part of a name says so; None of what may be a camera."""
+    """Return ``depth``, ``labels`` or ``directions`` if the last part of a name says so; None if it may be a camera."""
     words = re.findall(r"[a-z]+", re.sub(r"([a-z])([A-Z])", r"\1_\2", name.rsplit("/", 1)[-1]).lower())
     for pattern, shows in ((COLOUR, None), (DEPTH, "depth"), (LABELS, "labels"), (VECTORS, "directions")):
         if any(re.fullmatch(pattern, word) for word in words):
@@ -94,7 +94,7 @@ def measured_file(name: str, data: bytes) -> MeasuredStream | None:
 
 
 def _first_file(dataset: h5py.Dataset) -> bytes:
-    """The first picture file of a dataset; nothing where it holds no such file, or none that can be read."""
+    """Return the first picture file of a dataset; nothing where it holds no such file, or none that can be read."""
     try:
         require_pictures_fit(dataset)
         data = encoded_bytes(dataset, 0)
@@ -105,13 +105,14 @@ def _first_file(dataset: h5py.Dataset) -> bytes:
 
 
 def measured_streams(part: h5py.Group, cameras: Collection[str], places: Collection[str]) -> list[MeasuredStream]:
-    """All such streams of a recording's part of an open file, in natural order: those with a telling name, and those
-    where pictures are.
+    """Return all such streams of a recording's part of an open file, in natural order.
+
+    They are datasets with a telling name, and datasets in the place of pictures.
 
     Args:
         part: of the file.
-        cameras: keys of what is read as pictures.
-        places: keys of what lies where the layout has pictures.
+        cameras: keys of pictures.
+        places: keys of all datasets in the place of pictures.
     """
     beside = {key.rpartition("/")[0] for key in places}
     taken = {address(part.file[key]) for key in cameras}

@@ -1,4 +1,4 @@
-"""Name what a folder holds besides the recordings that are read: other kinds of them, and files that nothing reads."""
+"""Other content of a folder of recordings: recordings of other kinds, and files in unknown formats."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ SIGNATURES = {SIGNATURE: "HDF5", b"\x0e\x03\x13\x01": "HDF4"}
 """First bytes of a file → its format."""
 
 OTHERS = {"HDF5": "HDF5 under another name; rename it to .hdf5", "HDF4": "HDF4, which is not read"}
-"""Format of a file whose name does not tell it → what is said of it."""
+"""Format of a file whose name does not tell it → description."""
 
 NOT_HDF5 = (*PICTURES, ".json", ".jsonl", ".parquet", ".mp4", ".txt", ".md", ".yaml", ".yml")
-"""Ends of the names of files that are not looked into."""
+"""Ends of the names of files that are not opened."""
 
 LEAST_PICTURES = 2
 """In a folder that may be a recording of its own."""
 
 
 def is_hdf5_by_name(file: Path) -> bool:
-    """Check that a file is read as HDF5, by the end of its name; HDF4 may have the same one, and is not read."""
+    """True if a file is read as HDF5, by the end of its name; HDF4 may have the same one, and is not read."""
     return file.suffix.lower() in SUFFIXES and _format(file) != "HDF4"
 
 
@@ -41,7 +41,7 @@ def data_sets_in(root: Path, files: Iterable[Path]) -> list[Path]:
 def passed_over(
     root: Path, files: Collection[Path], *, whole: bool = False, folders: Collection[Path] = ()
 ) -> dict[str, str]:
-    """Name what lies below a folder and is not read: data sets, folders of pictures, HDF5 files of other names.
+    """Return what lies below a folder and is not read: data sets, folders of pictures, HDF5 files of other names.
 
     Args:
         root: the folder.
@@ -64,7 +64,7 @@ def passed_over(
 
 
 def _pictures(root: Path, files: Iterable[Path], read: Collection[Path]) -> dict[Path, str]:
-    """Entry of the folder → how many folders with pictures lie in it, of those that are not read."""
+    """Return entry of the folder → number of folders with pictures in it that are not read, in words."""
     counts = Counter(file.parent for file in files if file.suffix.lower() in PICTURES)
     more = [folder for folder, count in counts.items() if count >= LEAST_PICTURES and folder not in read]
     tops = Counter(root if folder == root else root / folder.relative_to(root).parts[0] for folder in more)
@@ -72,12 +72,12 @@ def _pictures(root: Path, files: Iterable[Path], read: Collection[Path]) -> dict
 
 
 def printable(root: Path, path: Path) -> str:
-    """The path from the root on, with escapes where it is not UTF-8."""
+    """Return the path from the root on, with escapes where it is not UTF-8."""
     return os.fsencode(path.relative_to(root)).decode(errors="backslashreplace")
 
 
 def _format(file: Path) -> str | None:
-    """The format of a regular file that is not told by its name; None where its first bytes are of neither."""
+    """Return the format of a regular file by its first bytes, where its name does not tell it; None if unknown."""
     if file.suffix.lower() in NOT_HDF5 or not file.is_file():
         return None
     try:

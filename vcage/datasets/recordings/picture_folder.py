@@ -14,9 +14,10 @@ from vcage.base.errors import DamagedFile
 from vcage.base.folders import entries, require_utf8
 from vcage.base.pictures import picture_header
 from vcage.base.placeholders import require_fetched
+from vcage.datasets.recordings.cameras import RecordedCamera
 from vcage.datasets.recordings.columns import Columns
 from vcage.datasets.recordings.other_streams import UNNAMED, MeasuredStream, shown_by_name
-from vcage.datasets.recordings.recording import RecordedCamera, Recording
+from vcage.datasets.recordings.recording import Recording
 from vcage.datasets.stored_pictures import (
     UNREADABLE,
     channels_of,
@@ -31,7 +32,7 @@ UNREAD = (
     *(".gif", ".exr", ".hdr", ".ppm", ".pgm", ".pnm", ".heic", ".heif", ".avif", ".jp2", ".tga", ".dng"),
     *(".npy", ".npz"),
 )
-"""Formats of pictures and arrays that are named where they are passed over."""
+"""Formats of pictures and arrays that are not read, and are named in notes."""
 
 LEAVE_OUT = "remove it, or leave the recording out"
 ONLY = "camera"
@@ -90,7 +91,7 @@ class PictureFolder(Recording):
 
     @cached_property
     def _folders(self) -> dict[str, list[Path]]:
-        """Folder with pictures of whatever kind → these, in order."""
+        """Folder with pictures of any kind → the pictures, in order."""
         own = pictures_in(self.path)
         if own:
             return {ONLY: own}
@@ -103,15 +104,13 @@ class PictureFolder(Recording):
         height, width = decode_picture(first, str(files[0])).shape[:2]
         size = sum(path.stat().st_size for path in files)
         key = "." if name == ONLY and files[0].parent == self.path else name
-        look = _header(files[0])[0]
-        for file in files:
-            _require_like_first(file, look)
+        _require_alike(files)
         channels = channels_of(first, str(files[0]))
         return RecordedCamera(name, key, len(files), width, height, storage_of(first, str(files[0])), size, channels)
 
 
 def _measured(name: str, files: Sequence[Path]) -> MeasuredStream | None:
-    """Name the kind of a folder's pictures, by its name and first file, if 8-bit videos cannot hold them."""
+    """Return the stream of a folder's pictures, by its name and first file, if 8-bit videos cannot hold them."""
     folder = files[0].parent.name
     named = folder == name or folder.isalpha()  # the name of a whole recording may hold such a word, too
     shows = (shown_by_name(folder) if named else None) or shown_by_name(files[0].stem)
@@ -122,7 +121,7 @@ def _measured(name: str, files: Sequence[Path]) -> MeasuredStream | None:
 
 
 def _header(file: Path) -> tuple[tuple[int, int], int]:
-    """Width and height of a picture file, which is not decoded, and bits of a channel where these are more than 8.
+    """Return width and height of a picture file, which is not decoded, and bits a channel where they exceed 8.
 
     Raises:
         DamagedFile: it is no picture, or several.
@@ -137,24 +136,25 @@ def _header(file: Path) -> tuple[tuple[int, int], int]:
     return (header.width, header.height), bits if bits > 8 else 0
 
 
-def _require_like_first(file: Path, size: tuple[int, int]) -> None:
-    """Raise DamagedFile unless the head of a picture file says this width and height, and 8 bits a channel."""
-    found, deep = _header(file)
-    if found != size:
-        raise DamagedFile(
-            f"{file} is {found[0]}x{found[1]}, the first of its folder {size[0]}x{size[1]}", hint=LEAVE_OUT
-        )
-    if deep:
-        raise DamagedFile(
-            f"{file} has {deep} bits a channel, the first of its folder 8", hint="put depth into a folder of its own"
-        )
+def _require_alike(files: Sequence[Path]) -> None:
+    """Raise DamagedFile unless the heads of all picture files give one width and height, and 8 bits a channel."""
+    first = _header(files[0])[0]
+    for file in files:
+        size, deep = _header(file)
+        if size != first:
+            raise DamagedFile(
+                f"{file} is {size[0]}x{size[1]}, the first of its folder {first[0]}x{first[1]}", hint=LEAVE_OUT
+            )
+        if deep:
+            hint = "put depth into a folder of its own"
+            raise DamagedFile(f"{file} has {deep} bits a channel, the first of its folder 8", hint=hint)
 
 
 # --- names of files ------------------------------------------------------------------------------------
 
 
 def _series(files: Sequence[Path]) -> dict[str, dict[tuple[int, ...], Path]]:
-    """Name with ``*`` for each number → these numbers → the file.
+    """Return name with ``*`` for each number → these numbers → the file.
 
     Raises:
         DamagedFile: two files have one name and number; names both.
@@ -185,7 +185,7 @@ def _require_one_series(files: Sequence[Path]) -> None:
 
 
 def _gap(camera: str, files: Sequence[Path]) -> str | None:
-    """A note where numbers are missing between frames that else follow in even steps."""
+    """Return a note where numbers are missing between frames that else follow in even steps."""
     series = list(_series(files).values())
     numbers = list(series[0]) if len(series) == 1 else []
     if len(numbers) < 3 or len({one[:-1] for one in numbers}) != 1 or not numbers[0]:
@@ -193,9 +193,10 @@ def _gap(camera: str, files: Sequence[Path]) -> str | None:
     last = sorted(one[-1] for one in numbers)
     steps = np.diff(last)
     values, counts = np.unique(steps, return_counts=True)
-    even = 1 in values or (counts.max() > 1 and 2 * counts.max() >= len(steps))  # else they are times, not numbers
-    wide = np.flatnonzero(steps > (1 if 1 in values else values[counts.argmax()]))
-    if not even or len(wide) == 0:
+    usual = 1 if 1 in values else values[counts.argmax()]
+    is_numbered = 1 in values or (counts.max() > 1 and 2 * counts.max() >= len(steps))  # else the numbers are times
+    wide = np.flatnonzero(steps > usual)
+    if not is_numbered or len(wide) == 0:
         return None
     return (
         f"{camera}: frames are missing, first between the numbers {last[wide[0]]} and {last[wide[0] + 1]}; "
@@ -204,12 +205,12 @@ def _gap(camera: str, files: Sequence[Path]) -> str | None:
 
 
 def unread_in(folder: Path) -> list[str]:
-    """Names of a folder's files that hold pictures or arrays in a format that is not read, in natural order."""
+    """Return names of a folder's files with pictures or arrays in unknown formats, in natural order."""
     return [path.name for path in entries(folder) if path.suffix.lower() in UNREAD]
 
 
 def pictures_in(folder: Path) -> list[Path]:
-    """The picture files of a folder, by the numbers in their names.
+    """Return the picture files of a folder, by the numbers in their names.
 
     Raises:
         DamagedFile: one was not fetched.

@@ -1,11 +1,10 @@
-"""What every recording offers, whatever its layout: cameras with pictures in RGB, commands to the robot, its state."""
+"""A recording of any layout: cameras with pictures in RGB, commands to the robot, its state."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Sequence
 from copy import copy
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import ClassVar, Self
@@ -15,90 +14,58 @@ from numpy.typing import NDArray
 
 from vcage.base.errors import DamagedFile, UnknownName
 from vcage.datasets.lerobot.episode import SubtaskSpan
+from vcage.datasets.recordings.cameras import RecordedCamera
 from vcage.datasets.recordings.colours import Colours
-from vcage.datasets.recordings.columns import Columns, Motion, act_grippers
-from vcage.datasets.recordings.exporting import Exportable
+from vcage.datasets.recordings.columns import Columns
 from vcage.datasets.recordings.other_streams import MeasuredStream
+from vcage.datasets.recordings.success import UnclearLabel
 
 HDF5, VIDEOS = "hdf5", "videos"
-"""What recordings are packed as, besides LeRobot data sets: HDF5 files with videos beside them, or videos alone."""
-
-
-@dataclass(frozen=True)
-class RecordedCamera:
-    """The pictures of one camera as they lie in the file.
-
-    Args:
-        name: short name, as in ``cam_high``.
-        key: where in the file they are.
-        frames: how many there are.
-        width, height: of the first picture, pixels.
-        storage: ``raw``, a kind of picture file such as ``jpeg``, or the codec of a video, such as ``hevc``.
-        stored_bytes: what they take now.
-        channels: of the pictures in the file: 1 grey, 3 RGB, 4 RGBA; they are read as RGB.
-    """
-
-    name: str
-    key: str
-    frames: int
-    width: int
-    height: int
-    storage: str
-    stored_bytes: int
-    channels: int = 3
-
-    @property
-    def raw_bytes(self) -> int:
-        """Size of the pictures as uint8 RGB."""
-        return self.frames * self.width * self.height * 3
-
-    @property
-    def notes(self) -> list[str]:
-        """What a user must know where the pictures are not RGB in the file."""
-        if self.channels == 1:
-            return [f"{self.name} is grey; it is read as RGB"]
-        return [f"{self.name} has an alpha channel; it is laid over white"] if self.channels == 4 else []
+"""Outputs of recordings besides LeRobot data sets: HDF5 files with videos beside them, or videos alone."""
 
 
 def relative_name(path: Path, root: Path) -> str:
-    """A path without suffix, relative to the file or the folder ``root``."""
+    """Return a path without suffix, relative to the file or the folder ``root``."""
     return path.stem if path == root else path.relative_to(root).with_suffix("").as_posix()
 
 
-class Recording(Exportable, ABC):
+class Recording(ABC):
     """One episode of somebody's data set; nothing is read before it is asked for.
 
-    A recording can be pickled and read in another process.
+    A recording can be pickled and read in another process. A property is None or empty where it does not say.
 
     Attributes:
         path: the file or the folder.
         number: of the recording in its file or data set.
     """
 
-    LAYOUT: ClassVar[str]
+    LAYOUT: str
     """Name of the layout, for people."""
 
-    TARGET: ClassVar[str] = VIDEOS
-    """What recordings of the kind are packed as unless something else is asked for: their own kind of files."""
+    TARGET: str = VIDEOS
+    """Default output of recordings of the kind: their own kind of files."""
+
+    SPARE_PICTURES: ClassVar[int] = 0
+    """Pictures after the last command: simulators also record the state after it."""
 
     _settled: Colours | None = None
-    """The order of colours, once somebody settled it: a user, or all recordings that lie together."""
+    """The order of colours that a user states, or that recordings in one folder share."""
 
     def __init__(self, path: Path, number: int = 0):
         self.path = Path(path)
         self.number = number
 
     def __str__(self) -> str:
-        """How messages name it."""
+        """Return its name in messages."""
         return str(self.path)
 
     def name(self, root: Path) -> str:
-        """Its name among the recordings found at ``root``: the path from there, without suffix."""
+        """Return its name among the recordings found at ``root``: the path from there, without suffix."""
         return relative_name(self.path, root)
 
     @property
     def notes(self) -> list[str]:
-        """What a user must know about how commands, cameras and times were understood, which are read for it.
+        """Notes for the user on how commands, cameras and times were understood, which are read for it.
 
         Raises:
             DamagedFile: as :attr:`motion` and :attr:`cameras`.
@@ -108,8 +75,8 @@ class Recording(Exportable, ABC):
 
     @property
     def state_notes(self) -> list[str]:
-        """What a user must know about how the state was understood, which is read for it."""
-        found = self._checked_state()
+        """Notes for the user on how the state was understood, which is read for it."""
+        found = self._checked("state", self._read_state())
         return [] if found is None else list(found.notes)
 
     @property
@@ -119,42 +86,35 @@ class Recording(Exportable, ABC):
 
     @property
     def frames(self) -> int:
-        """How many frames it has; of the camera that has most where they differ, of the commands without a camera."""
+        """Number of frames: of the longest camera, or of the commands where there is no camera."""
         if not self.cameras:
             motion = self.motion
             return 0 if motion is None else len(motion.values)
         return max(camera.frames for camera in self.cameras)
 
     @property
-    def motion(self) -> Motion | None:
-        """What the robot was told; None where the recording holds pictures only. Not kept, as :attr:`state`: the
-        numbers of a data set's thousands of recordings fill the memory.
+    def motion(self) -> Columns | None:
+        """(T, D) commands to the robot; not cached, nor is :attr:`state`, as many recordings would fill the memory.
 
         Raises:
             DamagedFile: a command is no finite number, or there are not as many as pictures; names the camera.
         """
-        found = self._read_commands()
-        if found is None:
-            return None
-        self._check("action", found.values)
-        grippers = tuple(column for column, name in enumerate(found.names) if "gripper" in name)
-        return Motion(found.values, found.names, found.notes, grippers=grippers or act_grippers(found.values.shape[1]))
+        return self._checked("action", self._read_commands())
 
     @property
     def state(self) -> NDArray[np.float64] | None:
-        """(T, D) what was measured of the robot; None where the recording does not say.
+        """(T, D) measured numbers of the robot.
 
         Raises:
             DamagedFile: as :attr:`motion`.
         """
-        found = self._checked_state()
+        found = self._checked("state", self._read_state())
         return None if found is None else found.values
 
     @cached_property
     def state_names(self) -> list[str]:
-        """Names of the D numbers of a state, ``joint_0``… where the recording does not say; none without a state. They
-        are kept, unlike the numbers."""
-        found = self._checked_state()
+        """Names of the D numbers of a state, ``joint_0``… if unknown; empty without a state."""
+        found = self._checked("state", self._read_state())
         return [] if found is None else found.all_names()
 
     @cached_property
@@ -169,33 +129,78 @@ class Recording(Exportable, ABC):
         return [self.path]
 
     @property
+    def companions(self) -> list[Path]:
+        """Files beside the recording's own that describe it; an HDF5 output gets copies of them."""
+        return []
+
+    @property
     def fps(self) -> float | None:
-        """Frames per second; None where the recording does not say."""
+        """Frames per second."""
+        return None
+
+    @property
+    def rate_guess(self) -> float | None:
+        """Frames per second by the timestamps, for recordings whose rate neither they nor a user states."""
+        return None
+
+    @property
+    def rate_hint(self) -> str:
+        """Advice on how to find the frame rate of a recording that does not state it."""
+        return "give --fps N"
+
+    def time_fault(self, target: str, fps: float) -> str | None:
+        """Return why its times are not those that a data set of the version ``target`` states for ``fps``."""
+        del target, fps
         return None
 
     @property
     def task(self) -> str | None:
-        """The instruction that the robot followed; None where the recording does not say."""
+        """The instruction that the robot followed."""
         return None
 
     @property
-    def robot(self) -> str | None:
-        """Name of the robot; None where the recording does not say."""
-        return None
-
-    @property
-    def randomisation(self) -> str | None:
-        """What was drawn for it, as JSON text; None where nobody says."""
+    def task_guess(self) -> str | None:
+        """A task for a recording without an instruction, such as the name of its environment."""
         return None
 
     @property
     def subtasks(self) -> list[SubtaskSpan]:
-        """Parts of the task in order; none where the recording does not say."""
+        """Parts of the task in order."""
         return []
 
     @property
+    def robot(self) -> str | None:
+        """Name of the robot."""
+        return None
+
+    @property
+    def randomisation(self) -> str | None:
+        """Random draws of its world and look, as JSON text."""
+        return None
+
+    @property
+    def failed(self) -> str | None:
+        """Why the recording is no demonstration of its task; None where it is one, or nothing says.
+
+        Raises:
+            UnclearLabel: its label says neither true nor false.
+        """
+        return None
+
+    def outcome(self) -> tuple[str | None, UnclearLabel | None]:
+        """Return why the recording failed, if it says so, or the error of a label that is neither true nor false.
+
+        Raises:
+            DamagedFile: its labels cannot be read.
+        """
+        try:
+            return self.failed, None
+        except UnclearLabel as error:
+            return None, error
+
+    @property
     def colours(self) -> Colours | None:
-        """In which order the stored pictures have red and blue; None where there is no question."""
+        """Order of red and blue in the stored pictures; None where there is no question."""
         return self._settled
 
     @property
@@ -203,13 +208,17 @@ class Recording(Exportable, ABC):
         """Streams that 8-bit videos cannot hold: depth, labels."""
         return ()
 
+    def left_out(self) -> dict[str, str]:
+        """Return recorded data that a LeRobot data set of another version does not get: key → reason."""
+        return {}
+
     @property
     def commanded(self) -> range | None:
         """The frames that have a command, and are exported; None for all."""
         return range(self.frames - self.SPARE_PICTURES) if self.SPARE_PICTURES else None
 
     def require_rgb(self, cameras: Collection[str]) -> None:
-        """Nothing, if a video in RGB keeps what these cameras show.
+        """Require that a video in RGB can hold the pictures of these cameras.
 
         Raises:
             UnknownName: there is no such camera.
@@ -220,7 +229,7 @@ class Recording(Exportable, ABC):
 
     @abstractmethod
     def pictures(self, camera: str, indices: Sequence[int] | None = None) -> NDArray[np.uint8]:
-        """(N, H, W, 3) uint8 RGB at increasing ``indices`` (None: all), whatever way they are stored.
+        """Return (N, H, W, 3) uint8 RGB at increasing ``indices`` (None: all), from any storage.
 
         Raises:
             UnknownName: there is no such camera.
@@ -228,73 +237,62 @@ class Recording(Exportable, ABC):
         """
 
     def with_colours(self, colours: Colours) -> Self:
-        """The same, with another order of red and blue in its stored pictures.
+        """Return a copy with another order of red and blue in its stored pictures.
 
         Raises:
-            UsageError: a user asks for what cannot be of such a recording.
+            UsageError: the order that a user asks for cannot hold for such a recording.
         """
         other = copy(self)
         other._settled = colours
         return other
 
     def swapped(self, camera: str) -> bool:
-        """Whether red and blue have changed places in the camera's pictures as they are stored.
-
-        Raises:
-            UnknownName: there is no such camera.
-        """
+        """True if red and blue have changed places in the camera's stored pictures; raises as :meth:`camera`."""
         self.camera(camera)
         return self.colours is not None and self.colours.swapped
 
     def put_back_swapped(self, camera: str) -> bool:
-        """Check whether red and blue change places in PNG files that replace the stored pictures: where they had, and
-        where only a mark said that they had not, which PNG cannot carry. So readers of the layout see the same.
-
-        Raises:
-            UnknownName: there is no such camera.
-        """
+        """True if red and blue change places in PNG files that replace the stored pictures."""
         return self.swapped(camera)
 
     def camera(self, name: str) -> RecordedCamera:
-        """The camera of that name.
+        """Return the camera of that name.
 
         Raises:
             UnknownName: there is none.
         """
-        for one in self.cameras:
-            if one.name == name:
-                return one
-        raise UnknownName("camera", name, [one.name for one in self.cameras])
+        cameras = {one.name: one for one in self.cameras}
+        if name not in cameras:
+            raise UnknownName("camera", name, list(cameras))
+        return cameras[name]
 
     def _camera_notes(self) -> list[str]:
         return [note for camera in self.cameras for note in camera.notes]
 
     @abstractmethod
     def _read_commands(self) -> Columns | None:
-        """What the robot was told, unchecked."""
+        """Return the commands to the robot, unchecked."""
 
     def _read_state(self) -> Columns | None:
-        """What was measured of the robot, unchecked."""
+        """Return the measured state of the robot, unchecked."""
         return None
 
-    def _checked_state(self) -> Columns | None:
-        found = self._read_state()
-        if found is not None:
-            self._check("state", found.values)
-        return found
-
-    def _check(self, what: str, values: NDArray[np.float64]) -> None:
+    def _checked(self, what: str, found: Columns | None) -> Columns | None:
         """Raise DamagedFile where numbers are not finite or not one row for each picture."""
-        bad = np.argwhere(~np.isfinite(values))
+        if found is None:
+            return None
+        bad = np.argwhere(~np.isfinite(found.values))
         if len(bad):
             raise DamagedFile(
                 f"{self}: the {what} of frame {bad[0][0]} holds NaN or infinity",
                 hint=f"leave the episode out, or mend the {what}",
             )
+        rows, spare = len(found.values), self.SPARE_PICTURES
         for camera in self.cameras:
-            if camera.frames - self.SPARE_PICTURES != len(values):
+            if camera.frames - spare != rows:
+                fewer = f", not {spare} fewer" if spare else ""
                 raise DamagedFile(
-                    f"{self}: {camera.name} has {camera.frames} pictures, the {what} {len(values)} rows"
-                    + (f", not {self.SPARE_PICTURES} fewer" if self.SPARE_PICTURES else ""),
+                    f"{self}: {camera.name} has {camera.frames} pictures, the {what} {rows} rows{fewer}",
                     hint="frames are missing; leave the episode out",
                 )
+        return found

@@ -9,7 +9,6 @@ LIBERO and Isaac Lab write the same tree with other names: :mod:`.libero`, :mod:
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Collection, Mapping
 from dataclasses import replace
@@ -24,8 +23,8 @@ from vcage.base.errors import DamagedFile
 from vcage.base.reading import parse_json
 from vcage.datasets.picture_links import read_link
 from vcage.datasets.recordings.columns import Columns, act_grippers
-from vcage.datasets.recordings.hdf5_numbers import columns, numbers_of
-from vcage.datasets.recordings.hdf5_recording import Hdf5Recording
+from vcage.datasets.recordings.hdf5_numbers import columns
+from vcage.datasets.recordings.hdf5_recording import Hdf5Recording, number_at
 from vcage.datasets.recordings.leftovers import UNKNOWN
 
 DATA = "data"
@@ -34,20 +33,19 @@ SUFFIX = "_image"
 """Ends the names of pictures; a camera's name goes without it."""
 
 STATE = r"robot(\d+)_(joint_pos|gripper_qpos)"
-"""What is taken for the state: joints of every robot in radians, then those of its gripper."""
+"""Keys of the state: joints of every robot in radians, then those of its gripper."""
 
 
 class RobomimicDemo(Hdf5Recording):
     """One demonstration of a file.
 
-    Commands of 7 numbers an arm are taken for robosuite's OSC_POSE: six of a pose, then the gripper, which is all that
-    is known of grippers.
-
-    Attributes:
-        demo: its name, as in ``demo_0``.
+    Commands of 7 numbers an arm are taken for robosuite's OSC_POSE: six of a pose, then the gripper. Nothing else says
+    which numbers are a gripper's.
     """
 
     LAYOUT = "robomimic"
+    PARTS = f"{DATA}/"
+    COMMANDS = "actions"
 
     LEFT_OUT: ClassVar[Mapping[str, str]] = {
         r"^obs/object": "where objects are in the simulator",
@@ -55,42 +53,26 @@ class RobomimicDemo(Hdf5Recording):
         r"joint_pos_(cos|sin)$": "the joints once more",
     }
 
-    def __init__(self, path: Path, demo: str):
-        super().__init__(path, int(demo.removeprefix("demo_")))
-        self.demo = demo
-
-    def __str__(self) -> str:
-        return f"{self.path}:{self.demo}"
-
     @classmethod
     def found_in(cls, path: Path, file: h5py.File, keys: Collection[str]) -> list[Self]:
-        """The demonstrations by their numbers; none where none has pictures."""
+        """Return the demonstrations by their numbers; none where none has pictures."""
         data = file.get(DATA)
         if not isinstance(data, h5py.Group):
             return []
-        matches = [match for name in data if (match := re.fullmatch(DEMO, name))]
-        demos = [match[0] for match in sorted(matches, key=lambda match: int(match[1]))]
+        demos = sorted((name for name in data if re.fullmatch(DEMO, name)), key=lambda name: int(name[len("demo_") :]))
         seen = any(_pictures_in(data.get(f"{demo}/obs")) for demo in demos)
         return [cls(path, demo) for demo in demos] if seen and cls.wrote(data, demos) else []
 
     @classmethod
     def wrote(cls, data: h5py.Group, demos: Collection[str]) -> bool:
-        """Check that the group of these demonstrations is of this layout, of those that share the tree."""
+        """True if the group of these demonstrations is of this layout, of those that share the tree."""
         del data, demos
         return True
 
-    def name(self, root: Path) -> str:
-        return f"{super().name(root)}.{self.demo}"
-
     @property
-    def fps(self) -> float | None:
-        return self._control_rate or super().fps
-
-    @property
-    def notes(self) -> list[str]:
-        rate = self._control_rate
-        told = [] if rate is None else [f"its frame rate is the control_freq of env_args, {rate:g} Hz"]
-        return super().notes + told
+    def _stated_rate(self) -> tuple[float, str] | None:
+        rate = number_at(self._env_args, "env_kwargs", "control_freq")
+        return None if rate is None else (rate, "the control_freq of env_args")
 
     def left_out(self) -> dict[str, str]:
         with self._file() as file:
@@ -100,28 +82,18 @@ class RobomimicDemo(Hdf5Recording):
         return super().left_out() | {name: groups if name == "mask" else UNKNOWN for name in sorted(beside)}
 
     @cached_property
-    def _control_rate(self) -> float | None:
-        """How often the robot was told something, and a picture taken, Hz; None where nothing says."""
-        kwargs = self._env_args.get("env_kwargs")
-        rate = kwargs.get("control_freq") if isinstance(kwargs, dict) else None
-        return float(rate) if isinstance(rate, (int, float)) and 0 < rate < math.inf else None
-
-    @cached_property
     def _env_args(self) -> dict[str, Any]:
         """Description of the simulation in the file; empty if there is none."""
         return self._described("env_args")
 
     def _described(self, attribute: str) -> dict[str, Any]:
-        """The JSON object in an attribute of the group of all demonstrations; empty where there is none."""
+        """Return the JSON object in an attribute of the group of all demonstrations; empty where there is none."""
         with self._file() as file:
             try:
                 found = parse_json(file[DATA].attrs[attribute], nan=True)
             except (KeyError, TypeError, AttributeError, ValueError):
                 return {}
         return found if isinstance(found, dict) else {}
-
-    def _part(self, file: h5py.File) -> h5py.Group:
-        return file[f"{DATA}/{self.demo}"]
 
     def _picture_datasets(self, part: h5py.Group) -> dict[str, h5py.Dataset]:
         found = _pictures_in(part.get("obs"))
@@ -137,7 +109,7 @@ class RobomimicDemo(Hdf5Recording):
         return [note] * repeated + super()._camera_notes()
 
     def _commands(self, part: h5py.Group) -> Columns | None:
-        found = numbers_of(part, "actions")
+        found = super()._commands(part)
         if found is None:
             return None
         numbers = found.values.shape[1]
@@ -145,7 +117,7 @@ class RobomimicDemo(Hdf5Recording):
         note = f"of the {numbers} numbers of a command none is known to move a gripper"
         if grippers:
             note = f"of the {numbers} numbers of a command, counted from 0, {grippers} is taken for a gripper's"
-        return replace(found, names=tuple(f"action_{column}" for column in range(numbers)), notes=(note,))
+        return replace(found, names=found.numbered("action"), notes=(note,))
 
     def _measured(self, part: h5py.Group) -> Columns | None:
         obs = part["obs"]
@@ -155,7 +127,7 @@ class RobomimicDemo(Hdf5Recording):
 
 
 def _pictures_in(group: Any) -> dict[str, h5py.Dataset]:
-    """Name → pictures, (T, H, W, C) uint8, or the link to them; none where it is no group."""
+    """Return name → pictures, (T, H, W, C) uint8, or the link to them; empty where it is no group."""
     items = group.items() if isinstance(group, h5py.Group) else ()
     return {name: item for name, item in items if isinstance(item, h5py.Dataset) and _are_pictures(item)}
 

@@ -54,8 +54,11 @@ class _Instructed(Hdf5Recording):
     def _wordings(self) -> list[str]:
         return wordings_of(self._instructions())
 
+    def left_out(self) -> dict[str, str]:
+        return super().left_out() | left_out_wordings(self._instructions())
+
     def _instructions(self) -> Any:
-        """Content that holds the wordings of the episode's task; None if there is none."""
+        """Return the content that holds the wordings of the episode's task; None if there is none."""
         raise NotImplementedError
 
 
@@ -73,9 +76,6 @@ class RoboTwinEpisode(_Instructed):
     def companions(self) -> list[Path]:
         found = self._instruction_file
         return [] if found is None else [found]
-
-    def left_out(self) -> dict[str, str]:
-        return super().left_out() | left_out_wordings(self._instructions())
 
     @property
     def _instruction_file(self) -> Path | None:
@@ -133,9 +133,6 @@ class RoboTwinVisionEpisode(_Instructed):
         note = f"its {FREQUENCY}, {steps}, counts steps of the simulation between frames and is no frame rate"
         return super().notes + [note] * (steps is not None)
 
-    def left_out(self) -> dict[str, str]:
-        return super().left_out() | left_out_wordings(self._instructions())
-
     def _taken(self) -> set[str]:
         return super()._taken() | {INSTRUCTIONS}
 
@@ -157,7 +154,7 @@ class RoboTwinVisionEpisode(_Instructed):
 
 
 def wordings_of(stated: Any) -> list[str]:
-    """The instructions for training in RoboTwin's ``{"seen": […], "unseen": […]}``, or in a list or a text of them."""
+    """Return the training instructions in RoboTwin's ``{"seen": […], "unseen": […]}``, or in a list or text of them."""
     seen = stated.get("seen") if isinstance(stated, dict) else stated
     texts = [seen] if isinstance(seen, str) else seen if isinstance(seen, list) else []
     tidy = [" ".join(text.split()) for text in texts if isinstance(text, str)]
@@ -165,13 +162,13 @@ def wordings_of(stated: Any) -> list[str]:
 
 
 def left_out_wordings(stated: Any) -> dict[str, str]:
-    """The instructions that are for evaluation alone, as an entry of what an export leaves out."""
+    """Return the instructions for evaluation alone, as an entry of what an export leaves out."""
     unseen = stated.get("unseen") if isinstance(stated, dict) else None
     return {f"{INSTRUCTIONS}/unseen": "wordings that are kept for evaluation"} if unseen else {}
 
 
 def _decoded(stored: Any) -> Any:
-    """Instructions in a dataset or an attribute: JSON, a text, or an array of either."""
+    """Return the instructions in a dataset or an attribute: JSON, a text, or an array of either."""
     values = stored.tolist() if hasattr(stored, "tolist") else stored
     values = values if isinstance(values, list) else [values]
     texts = [value.decode("utf-8", "replace") if isinstance(value, bytes) else value for value in values]
@@ -184,5 +181,5 @@ def _decoded(stored: Any) -> Any:
 
 
 def _joints(group: h5py.Group | None) -> Columns | None:
-    """RoboTwin's numbers of a robot's joints."""
+    """Return RoboTwin's numbers of a robot's joints."""
     return columns(group, ARM_PARTS) or columns(group, ("vector",))

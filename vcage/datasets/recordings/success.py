@@ -1,4 +1,4 @@
-"""Labels of recordings that say whether the robot did its task: how every layout writes them, and what they mean."""
+"""Labels of success and failure, as every layout writes them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ SUCCESS, FAIL = "success", "fail"
 
 TRUE = ("true", "1", "1.0", "yes", "success", "succeeded")
 FALSE = ("false", "0", "0.0", "-0.0", "no", "failure", "failed")
-"""How a label is written, in lower case."""
+"""Spellings of a label, in lower case."""
 
 
 class UnclearLabel(DamagedFile):
@@ -70,7 +70,7 @@ def stored_label(part: h5py.Group, name: str) -> bool | None:
 
 
 def stated_failure(part: h5py.Group, labelled: bool = True) -> str | None:
-    """Why a recording says of itself that it failed; None where it says nothing of the kind.
+    """Return why a recording says of itself that it failed; None where it says nothing of the kind.
 
     Args:
         part: of an open file.
