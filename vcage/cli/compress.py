@@ -20,7 +20,7 @@ from vcage.cli.stage import StageCommand, execute_stage
 from vcage.datasets.packing.estimating import estimate, estimate_clips
 from vcage.datasets.packing.frames import FRAMES, as_text, show_frames
 from vcage.datasets.packing.inspecting import as_lines, inspect, totals
-from vcage.datasets.packing.output import TARGETS, OutputSpec, omitted_in
+from vcage.datasets.packing.output import TARGETS, OutputSpec, omitted
 from vcage.datasets.packing.pack import Order, pack
 from vcage.datasets.recordings.colours import AUTO, CHOICES, as_json
 from vcage.runs.raw_pictures import accepted_files, clips_of
@@ -126,7 +126,7 @@ class Compress(Command):
             "other_streams": as_json(record.other_streams),
             "frames_picture": str(shown) if shown.is_file() else None,
             "notes": record.notes,
-            **omitted_in(record),
+            **omitted(record.left_out, record.failed),
         }
         return Result(output=done.path, schema=record.SCHEMA, summary=told)
 

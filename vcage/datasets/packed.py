@@ -1,7 +1,7 @@
-"""HDF5 recordings whose pictures lie in videos beside them: written from any HDF5 file, and put back.
+"""HDF5 recordings whose pictures lie in videos beside them: written from any HDF5 file, and unpacked.
 
-Everything but the pictures stays as it is, bit for bit: :mod:`vcage.datasets.hdf5_copy`. What stands for the pictures
-is described in :mod:`vcage.datasets.picture_links`.
+Everything but the pictures stays as it is, bit for bit: :mod:`vcage.datasets.hdf5_copy`. Links replace the pictures:
+:mod:`vcage.datasets.picture_links`.
 """
 
 from __future__ import annotations
@@ -19,28 +19,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vcage.base.errors import DamagedFile, InputFileError, UsageError
-from vcage.base.placeholders import require_fetched
 from vcage.base.videos import pictures
 from vcage.datasets.hdf5 import GZIP_LEVEL
 from vcage.datasets.hdf5_contents import require_not_virtual
 from vcage.datasets.hdf5_copy import Replacement, copy_attributes, copy_file
 from vcage.datasets.hdf5_files import damage, new_hdf5, open_hdf5_file, spooled
 from vcage.datasets.picture_encoding import update_encoding
-from vcage.datasets.picture_lengths import LengthsPlace, find_lengths, update_lengths
+from vcage.datasets.picture_lengths import AGAIN, LengthsPlace, find_lengths, update_lengths
 from vcage.datasets.picture_links import OURS, Link, Original, Stream, find_links, read_link, write_link
 from vcage.datasets.stored_pictures import ARRAY, FIXED, VLEN
 
 
 def write_packed(source: Path, target: Path, streams: Sequence[Stream]) -> Path:
-    """Write ``target``: all that ``source`` holds, with links to videos in place of pictures.
+    """Write a copy of ``source`` with links to videos in place of pictures.
 
     The videos are to lie beside ``target``; they may be written later. The source is only read.
 
     Args:
-        source: any HDF5 file. One that is packed itself gets other videos; what they are unpacked to stays the same.
+        source: any HDF5 file. One that is packed itself gets other videos, and is unpacked as before.
         target: the file to write; it appears when it is whole.
-        streams: the videos; their keys are datasets of the source with as many pictures. How these were stored is
-            taken from a packed source, not from the stream.
+        streams: the videos; their keys are datasets of the source with as many pictures. A packed source, not the
+            stream, states how these were stored.
 
     Raises:
         UsageError: ``target`` is ``source``.
@@ -58,17 +57,17 @@ def write_packed(source: Path, target: Path, streams: Sequence[Stream]) -> Path:
 
 
 def unpack(packed: Path, target: Path, storage: Literal["same", "raw"] = "same") -> Path:
-    """Write ``target``: a packed file with its pictures put back from the videos, as many, in order, in their places.
+    """Write a copy of a packed file with its pictures put back from the videos, as many, in order, in their places.
 
     Arrays of pixels come back in the same type, chunks and compression. Encoded pictures come back as PNG, since a
     second JPEG would lose again, in the same kind of dataset, with red and blue swapped where they were, so that
-    whoever reads the layout sees what was seen before. What the file says of their lengths and encoding is made true
-    of them. Grey pictures come back grey; alpha does not come back.
+    readers of the layout see the same. Their lengths and encoding in the file are updated. Grey pictures come back
+    grey; alpha does not come back.
 
     One picture is in memory at a time, or as many as share a chunk of an array.
 
     Args:
-        packed: what :func:`write_packed` wrote, with the videos beside it.
+        packed: output of :func:`write_packed`, with the videos beside it.
         target: the file to write; it appears when it is whole.
         storage: ``raw`` puts arrays of RGB in place of encoded pictures too.
 
@@ -100,10 +99,9 @@ def unpack(packed: Path, target: Path, storage: Literal["same", "raw"] = "same")
 
 @contextmanager
 def _rebuilt(source: Path, target: Path) -> Iterator[tuple[h5py.File, h5py.File]]:
-    """Both files, open; the second is new and appears when the block succeeds."""
+    """Open both files; the second is new and appears when the block succeeds."""
     source, target = Path(source), Path(target)
-    require_fetched(source)
-    if not source.is_file():
+    if not source.exists() and not source.is_symlink():
         raise InputFileError(f"{source} does not exist", hint="check the path")
     if target.exists() and target.samefile(source):
         raise UsageError(f"{target} is the file that is read", hint="give another file to write")
@@ -117,7 +115,7 @@ def _rebuilt(source: Path, target: Path) -> Iterator[tuple[h5py.File, h5py.File]
 
 
 def _is_own(dataset: h5py.Dataset | h5py.Group | None) -> bool:
-    """Check for a dataset that holds pictures itself."""
+    """True for a dataset that holds pictures itself."""
     return isinstance(dataset, h5py.Dataset) and bool(dataset.shape and dataset.size) and read_link(dataset) is None
 
 
@@ -126,7 +124,8 @@ def _pack(file: h5py.File, stream: Stream, lengths: Sequence[LengthsPlace]) -> R
     link = read_link(dataset) if isinstance(dataset, h5py.Dataset) else None
     if link is not None:
         stream = replace(stream, storage=link.stream.storage, swapped=link.stream.swapped)
-    if not isinstance(dataset, h5py.Dataset) or _held(dataset, link) != stream.frames:
+    count = link.stream.frames if link else len(dataset) if isinstance(dataset, h5py.Dataset) and dataset.shape else 0
+    if count != stream.frames:
         raise DamagedFile(
             f"{file.filename}:{stream.key} does not hold {stream.frames} pictures", hint="compress the recording again"
         )
@@ -138,18 +137,11 @@ def _pack(file: h5py.File, stream: Stream, lengths: Sequence[LengthsPlace]) -> R
     return put
 
 
-def _held(dataset: h5py.Dataset, link: Link | None) -> int:
-    """How many pictures a dataset stands for."""
-    if link is not None:
-        return link.stream.frames
-    return len(dataset) if dataset.shape else 0
-
-
 # --- unpacking -----------------------------------------------------------------------------------------
 
 
 def _restored(group: h5py.Group, name: str, link: Link, video: Path, storage: str, scratch: Path) -> h5py.Dataset:
-    """The dataset of pictures that a link stood for; ``scratch`` is a folder for what is written meanwhile."""
+    """Return the dataset of pictures that a link stood for; ``scratch`` is a folder for temporary files."""
     if link.original.kind == ARRAY:
         return _restored_array(group, name, link, video)
     if storage == "raw":
@@ -163,7 +155,7 @@ def _restored(group: h5py.Group, name: str, link: Link, video: Path, storage: st
 
 
 def _restored_array(group: h5py.Group, name: str, link: Link, video: Path) -> h5py.Dataset:
-    """Pixels, stored as they were, with red and blue swapped where they were; RGB where they had alpha."""
+    """Return pixels, stored as they were, with red and blue swapped where they were; RGB where they had alpha."""
     original = link.original
     shape = (*original.shape[:3], *([min(original.shape[3], 3)] if len(original.shape) == 4 else []))
     dataset = _alike(group, name, original, shape, np.uint8)
@@ -176,7 +168,7 @@ def _restored_array(group: h5py.Group, name: str, link: Link, video: Path) -> h5
 
 
 def _array_of_encoded(group: h5py.Group, name: str, link: Link, video: Path) -> h5py.Dataset:
-    """RGB pixels of pictures that were encoded, a compressed chunk for each."""
+    """Return RGB pixels of pictures that were encoded, a compressed chunk for each."""
     shape = (link.stream.height, link.stream.width, 3)
     dataset = group.create_dataset(
         name,
@@ -193,7 +185,7 @@ def _array_of_encoded(group: h5py.Group, name: str, link: Link, video: Path) -> 
 
 
 def _restored_padded(group: h5py.Group, name: str, link: Link, video: Path, scratch: Path) -> h5py.Dataset:
-    """Encoded pictures of one length, that of the longest."""
+    """Return encoded pictures of one length, that of the longest."""
     with spooled(_files(link, video), scratch) as files:
         fixed, longest = link.original.kind == FIXED, files.longest
         shape = (len(files),) if fixed else (len(files), longest)
@@ -204,7 +196,7 @@ def _restored_padded(group: h5py.Group, name: str, link: Link, video: Path, scra
 
 
 def _alike(group: h5py.Group, name: str, original: Original, shape: tuple[int, ...], dtype: Any) -> h5py.Dataset:
-    """An empty dataset stored as the original was: chunks and limits that reached its end reach the new end."""
+    """Return an empty dataset stored as the original was: chunks and limits at its end move to the new end."""
     options: dict[str, Any] = {}
     try:
         if original.chunks is not None:
@@ -215,13 +207,11 @@ def _alike(group: h5py.Group, name: str, original: Original, shape: tuple[int, .
             )
         return group.create_dataset(name, shape, dtype, track_times=False, **options, **original.filters())
     except (TypeError, ValueError) as error:
-        raise DamagedFile(
-            f"{name} cannot be stored as its link says: {error}", hint="compress the recording again"
-        ) from error
+        raise DamagedFile(f"{name} cannot be stored as its link says: {error}", hint=AGAIN) from error
 
 
 def _files(link: Link, video: Path) -> Iterator[bytes]:
-    """The pictures as PNG, grey where they were, swapped where they were."""
+    """Yield the pictures as PNG, grey where they were, swapped where they were."""
     for picture in _pictures(link, video):
         if link.original.channels == 1:
             pixels = _grey(picture)
@@ -231,14 +221,14 @@ def _files(link: Link, video: Path) -> Iterator[bytes]:
 
 
 def _pictures(link: Link, video: Path) -> Iterator[NDArray[np.uint8]]:
-    """The pictures of the video, as many and as large as they were."""
+    """Yield the pictures of the video, as many and as large as they were."""
     stream = link.stream
     for index, picture in enumerate(pictures(video)):
         if picture.shape[:2] != (stream.height, stream.width):
             raise DamagedFile(
                 f"{video}: frame {index} is {picture.shape[1]}x{picture.shape[0]}, the pictures were "
                 f"{stream.width}x{stream.height}",
-                hint="compress the recording again",
+                hint=AGAIN,
             )
         yield picture
 

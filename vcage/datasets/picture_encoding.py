@@ -1,4 +1,4 @@
-"""How files say that their pictures are encoded, and how it stays true when the pictures change."""
+"""Statements of files on the encoding of their pictures, updated when the pictures change."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from vcage.datasets.picture_lengths import around, words_of
 from vcage.datasets.stored_pictures import ARRAY, picture_kind
 
 ENCODING_NAMES = ("encoding", "format", "compression", "codec", "image_encoding", "image_format", "img_format")
-"""Attributes that say how pictures are encoded, where their text is one of the next."""
+"""Attributes that state an encoding, where their text is one of :data:`JPEG_WORDS`."""
 
 JPEG_WORDS = {"jpeg": "png", "jpg": "png", ".jpeg": ".png", ".jpg": ".png", "image/jpeg": "image/png"}
 
@@ -23,33 +23,40 @@ FLAG = "compress"
 
 
 def update_encoding(file: h5py.File, keys: Collection[str], *, raw: bool) -> None:
-    """Let the attributes of pictures, and of the groups around them, say how these are encoded now.
+    """Update the encoding in the attributes of pictures and of the groups around them.
 
     Args:
         file: open for writing.
         keys: of datasets whose pictures were encoded before.
-        raw: whether they are arrays of pixels now; PNG otherwise.
+        raw: true if they are arrays of pixels now; PNG otherwise.
     """
     for name in {group for key in keys for group in around(key)}:
         attributes = file[name].attrs
         for attribute in ENCODING_NAMES:
-            said = attributes.get(attribute)
-            if isinstance(said, str) and said.lower() in JPEG_WORDS:
-                attributes[attribute] = "raw" if raw else JPEG_WORDS[said.lower()]
+            stated = attributes.get(attribute)
+            word = JPEG_WORDS.get(stated.lower()) if isinstance(stated, str) else None
+            if word is not None:
+                attributes[attribute] = "raw" if raw else word
+    if raw and not any(_holds_encoded(file, key) for key in keys):
+        _clear_flag(file)
+
+
+def _clear_flag(file: h5py.File) -> None:
     flag = file.attrs.get(FLAG)
-    if raw and isinstance(flag, (np.bool_, np.integer)) and flag and not any(_holds_encoded(file, key) for key in keys):
+    if isinstance(flag, (np.bool_, np.integer)) and flag:
         file.attrs.modify(FLAG, np.zeros((), np.asarray(flag).dtype))
 
 
 def _holds_encoded(file: h5py.File, key: str) -> bool:
-    """Check for encoded pictures beside a dataset: those of cameras that were not put back as arrays."""
+    """True if encoded pictures of other cameras lie beside a dataset."""
     beside = (item for item in file[key].parent.values() if isinstance(item, h5py.Dataset) and item.shape)
     return any(picture_kind(item) != ARRAY for item in beside)
 
 
 def digests_beside(file: h5py.File, keys: Iterable[str]) -> list[str]:
-    """Checksums of pictures, as their names say: attributes of the pictures and of the groups around them, and
-    datasets beside them. They hold for the pictures as they are, and for none that was encoded again.
+    """Return names of checksums of pictures: attributes of the pictures and of the groups around them, and datasets.
+
+    They hold for the pictures as they are, and for none that was encoded again.
 
     Args:
         file: open.

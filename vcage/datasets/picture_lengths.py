@@ -1,22 +1,24 @@
-"""How many bytes encoded pictures have, as files say beside them, and how it stays true when the pictures change.
+"""Lengths of encoded pictures that files state beside them, updated when the pictures change.
 
-ACT++ pads all JPEGs of an episode to one length and keeps how long each was: ``/compress_len``, a row for each camera.
-Its readers cut a picture there. Files that were made after its example have such numbers under other names, the other
-way round, as attributes, or as offsets, so they are known by their values.
+ACT++ pads all JPEGs of an episode to one length and stores their lengths: ``/compress_len``, a row for each camera.
+Its readers cut a picture there. Files made after its example have such numbers under other names, transposed, as
+attributes, or as offsets, so they are found by their values.
 """
 
 from __future__ import annotations
 
 import logging
 import re
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
+from typing import Annotated, Any, Literal
 
 import h5py
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import AfterValidator, ConfigDict
+from pydantic.dataclasses import dataclass
 
 from vcage.base.errors import DamagedFile, OversizedFile
 from vcage.datasets.hdf5_contents import datasets_in
@@ -31,7 +33,7 @@ SIZE_WORDS = {
     *("bytes", "largest", "len", "length", "lengths", "longest", "nbytes"),
     *("offset", "offsets", "padded", "padding", "size", "sizes"),
 }
-"""Words in names of sizes: a single number is taken for one only under such a name."""
+"""Words in names of sizes; a single number counts only under such a name."""
 
 FORMS: dict[str, Callable[[NDArray[np.int64], int], NDArray[np.int64]]] = {
     "lengths": lambda lengths, _: lengths,
@@ -42,17 +44,26 @@ FORMS: dict[str, Callable[[NDArray[np.int64], int], NDArray[np.int64]]] = {
     "longest": lambda lengths, _: lengths.max(),
     "total": lambda lengths, _: lengths.sum(),
 }
-"""Forms in which files keep the lengths (T,) of pictures, and the bytes of each with padding: offsets with and without
-the 0 before them, and single numbers."""
+"""Forms of the lengths (T,) of pictures, and of the bytes of each with padding: offsets with and without the 0 before
+them, and single numbers."""
 
 
-@dataclass(frozen=True)
+def _known_form(form: str) -> str:
+    if form not in FORMS:
+        raise ValueError(f"{form!r} is no form of lengths")
+    return form
+
+
+STRICT = ConfigDict(strict=True)
+
+
+@dataclass(frozen=True, config=STRICT)
 class LengthsPlace:
-    """Where a file keeps how many bytes each encoded picture of a dataset has.
+    """A place in a file with the lengths in bytes of a dataset's encoded pictures.
 
     Args:
         key: of a dataset of numbers; of any object where ``attribute`` is given.
-        axis: along which the pictures follow each other.
+        axis: of the pictures.
         index: on the other axis; None where there is none.
         attribute: its name; None where the numbers are those of a dataset.
         form: one of :data:`FORMS`.
@@ -62,30 +73,25 @@ class LengthsPlace:
     """
 
     key: str
-    axis: int = 0
+    axis: Literal[0, 1] = 0
     index: int | None = None
     attribute: str | None = None
-    form: str = "lengths"
-
-    def __post_init__(self) -> None:
-        texts = isinstance(self.key, str) and isinstance(self.attribute, str | None)
-        if not texts or self.form not in FORMS or self.axis not in (0, 1) or not isinstance(self.index, int | None):
-            raise ValueError(f"{self} is no place of lengths")
+    form: Annotated[str, AfterValidator(_known_form)] = "lengths"
 
     @property
     def label(self) -> str:
-        """The place as messages name it."""
+        """Name in messages."""
         return self.key if self.attribute is None else f"{self.key}@{self.attribute}"
 
     def part(self, values: NDArray) -> tuple[int | slice, ...]:
-        """The index of what belongs to the pictures in the values of the dataset or attribute."""
+        """Return the index of the pictures' part in the values of the dataset or attribute."""
         if self.index is None:
             return (Ellipsis,)  # type: ignore[return-value]
         return (slice(None), self.index) if self.axis == 0 else (self.index, slice(None))
 
 
 def picture_lengths(dataset: h5py.Dataset, count: int | None = None) -> NDArray[np.int64]:
-    """(T,) bytes of each picture of a dataset, or of the first few, without padding; of arrays, those of the pixels."""
+    """Return (T,) bytes of each picture of a dataset, or of the first few, without padding; of arrays, all pixels."""
     count = len(dataset) if count is None else count
     if picture_kind(dataset) == ARRAY:
         return np.full(count, int(np.prod(dataset.shape[1:])) * dataset.dtype.itemsize)
@@ -93,7 +99,7 @@ def picture_lengths(dataset: h5py.Dataset, count: int | None = None) -> NDArray[
 
 
 def padded_width(dataset: h5py.Dataset) -> int:
-    """Bytes that a dataset has for each picture, padding included; of lists of bytes, those of the longest."""
+    """Return the bytes of a dataset for each picture, padding included; of lists of bytes, of the longest."""
     kind = picture_kind(dataset)
     if kind == PADDED:
         return dataset.shape[1]
@@ -101,7 +107,7 @@ def padded_width(dataset: h5py.Dataset) -> int:
 
 
 def find_lengths(file: h5py.File, keys: Collection[str]) -> dict[str, list[LengthsPlace]]:
-    """Key of a dataset of encoded pictures → where the file keeps their lengths; none of those it keeps none of.
+    """Return key of a dataset of encoded pictures → places of their lengths in the file, where there are any.
 
     Args:
         file: open.
@@ -126,29 +132,37 @@ def find_lengths(file: h5py.File, keys: Collection[str]) -> dict[str, list[Lengt
 
 
 def unknown_sizes(file: h5py.File, keys: Collection[str]) -> list[str]:
-    """Names of what looks like sizes of encoded pictures and is in no form that is known, so that it stays as it is.
+    """Return names of values like sizes of encoded pictures, in no known form, so that they stay as they are.
 
     Args:
         file: open.
         keys: of datasets of pictures.
     """
-    known = {place for places in find_lengths(file, keys).values() for place in places}
-    labels, found = {place.label for place in known}, set()
-    for key in keys:
-        dataset = file[key]
-        if picture_kind(dataset) == ARRAY:
-            continue
-        beside = [(f"{name}@{one}", one, value) for name in around(key) for one, value in file[name].attrs.items()]
-        for place in {"", key.rpartition("/")[0]}:
-            near = file[place or "/"]
-            beside += [(f"{place}/{name}".lstrip("/"), name, near[name]) for name in near]
-        named = [(label, value) for label, name, value in beside if words_of(name) & SIZE_WORDS]
-        found |= {label for label, value in named if _may_tell(value, len(dataset)) and label not in {*labels, key}}
-    return sorted(found)
+    known = {place.label for places in find_lengths(file, keys).values() for place in places}
+    encoded = [key for key in keys if picture_kind(file[key]) != ARRAY]
+    return sorted(
+        label
+        for key in encoded
+        for label, value in _named_like_sizes(file, key)
+        if _may_tell(value, len(file[key])) and label not in {*known, key}
+    )
+
+
+def _named_like_sizes(file: h5py.File, key: str) -> Iterator[tuple[str, Any]]:
+    """Yield label and value of attributes of pictures and of the groups around them, and of datasets beside them."""
+    for name in around(key):
+        for attribute, value in file[name].attrs.items():
+            if words_of(attribute) & SIZE_WORDS:
+                yield f"{name}@{attribute}", value
+    for place in {"", key.rpartition("/")[0]}:
+        near = file[place or "/"]
+        for name in near:
+            if words_of(name) & SIZE_WORDS:
+                yield f"{place}/{name}".lstrip("/"), near[name]
 
 
 def _may_tell(value: Any, count: int) -> bool:
-    """Check for numbers in a shape that sizes of ``count`` pictures have, and that are not their number itself."""
+    """True for numbers in the shape of sizes of ``count`` pictures, other than their number itself."""
     if not isinstance(value, (h5py.Dataset, np.ndarray, np.generic)) or not _is_number(value):
         return False
     if value.shape == ():
@@ -157,7 +171,7 @@ def _may_tell(value: Any, count: int) -> bool:
 
 
 def words_of(name: str) -> set[str]:
-    """The words of a name, in lower case."""
+    """Return the words of a name, in lower case."""
     return set(re.findall(r"[a-z]+[0-9]*", name.lower()))
 
 
@@ -166,8 +180,10 @@ def _is_number(values: h5py.Dataset | np.ndarray | np.generic) -> bool:
 
 
 def _candidates(file: h5py.File, counts: set[int]) -> list[tuple[LengthsPlace, NDArray]]:
-    """Datasets with a number for each picture of one camera or of several, and single numbers that are named after
-    sizes; none that is too large for that."""
+    """Return datasets with a number for each picture of one camera or of several, and single numbers named after sizes.
+
+    Too large ones are left out.
+    """
     found = []
     for key, dataset in datasets_in(file).items():
         if not _is_number(dataset) or dataset.shape is None or dataset.ndim > 2:
@@ -181,7 +197,7 @@ def _candidates(file: h5py.File, counts: set[int]) -> list[tuple[LengthsPlace, N
 
 
 def _attributes(file: h5py.File, key: str, count: int) -> list[tuple[LengthsPlace, NDArray]]:
-    """The same of the attributes of pictures, and of the groups around them."""
+    """Return the same of the attributes of pictures, and of the groups around them."""
     found = []
     for name in around(key):
         for attribute, value in file[name].attrs.items():
@@ -194,7 +210,7 @@ def _attributes(file: h5py.File, key: str, count: int) -> list[tuple[LengthsPlac
 
 
 def _places(place: LengthsPlace, values: NDArray, lengths: NDArray[np.int64], width: int) -> list[LengthsPlace]:
-    """A place with the form and the index in which its values tell the lengths; none where they do not."""
+    """Return the places, with form and index, at which values are the lengths."""
     if values.ndim < 2:
         forms = [form for form, of in FORMS.items() if np.array_equal(of(lengths, width), values)]
         return [replace(place, form=form) for form in forms[:1]]
@@ -208,12 +224,12 @@ def _places(place: LengthsPlace, values: NDArray, lengths: NDArray[np.int64], wi
 
 
 def update_lengths(file: h5py.File, places: Mapping[str, Iterable[LengthsPlace]]) -> None:
-    """Write the lengths of the pictures that a file holds now where it keeps them.
+    """Write the lengths of a file's present pictures to their places.
 
     Args:
         file: open for writing.
-        places: key of a dataset of pictures → where its lengths are. A single number that tells of several datasets
-            becomes the largest of theirs.
+        places: key of a dataset of pictures → places of its lengths. A single number for several datasets becomes the
+            largest of theirs.
 
     Raises:
         DamagedFile: a place is not there, or holds no lengths.
@@ -231,7 +247,7 @@ def update_lengths(file: h5py.File, places: Mapping[str, Iterable[LengthsPlace]]
 
 
 def _put(file: h5py.File, place: LengthsPlace, new: NDArray) -> None:
-    """Write values in the type that was there, or in a wider one where they do not fit: PNG is longer than JPEG was."""
+    """Write values in the old type, or in a wider one where they do not fit: PNG is longer than JPEG."""
     owner = file.get(place.key)
     old = owner if place.attribute is None or owner is None else owner.attrs.get(place.attribute)
     values = np.asarray(old[()] if isinstance(old, h5py.Dataset) else old)
@@ -254,7 +270,7 @@ def _put(file: h5py.File, place: LengthsPlace, new: NDArray) -> None:
 
 
 def _holds_lengths(values: NDArray, place: LengthsPlace, new: NDArray) -> bool:
-    """Check that a place holds as many whole numbers, none below 0, as its link says."""
+    """True if a place holds as many whole numbers, none below 0, as its link says."""
     if values.ndim != new.ndim + (place.index is not None):
         return False
     if place.index is not None and not 0 <= place.index < values.shape[1 - place.axis]:
@@ -264,6 +280,6 @@ def _holds_lengths(values: NDArray, place: LengthsPlace, new: NDArray) -> bool:
 
 
 def around(key: str) -> list[str]:
-    """Names of a dataset and of the groups around it, from the root on."""
+    """Return names of a dataset and of the groups around it, from the root on."""
     parts = key.split("/")
     return ["/", *("/".join(parts[: end + 1]) for end in range(len(parts)))]

@@ -1,32 +1,35 @@
-"""What stands in an HDF5 file for pictures that were moved to a video beside it.
+"""Links that replace pictures in an HDF5 file, which were moved to a video beside it.
 
-In place of the dataset of pictures there is a scalar string, the video's file name, with attributes that say which
-stream it is and what the dataset was; the dataset's own attributes stay with it.
+In place of the dataset of pictures there is a scalar string, the video's file name, with attributes that describe the
+stream and the dataset; the dataset's own attributes stay with it.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import json
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
-from typing import Any, Self
+from typing import Annotated, Any, Self
 
 import h5py
 import numpy as np
+from pydantic import AfterValidator, Field, ValidationError
+from pydantic.dataclasses import dataclass
 
 from vcage.base.errors import DamagedFile
 from vcage.base.placeholders import require_fetched
 from vcage.base.video_files import frame_size
 from vcage.base.videos import frame_count
 from vcage.datasets.hdf5_contents import address, datasets_in
-from vcage.datasets.picture_lengths import AGAIN, LengthsPlace
-from vcage.datasets.stored_pictures import ARRAY, FIXED, PADDED, VLEN, picture_channels, picture_kind
+from vcage.datasets.picture_lengths import AGAIN, STRICT, LengthsPlace
+from vcage.datasets.stored_pictures import ARRAY, FIXED, PADDED, VLEN, PictureKind, picture_channels, picture_kind
 
 LINK_SCHEMA = "vcage.pictures_in_video/1"
 
 OURS = "vcage_"
-"""Begins the names of the attributes that describe the link; all others are the dataset's own."""
+"""Prefix of the attributes that describe the link; all others are the dataset's own."""
 
 RANKS = {ARRAY: (3, 4), FIXED: (1,), PADDED: (2,), VLEN: (1,)}
 """Numbers of axes that datasets of pictures have, by kind."""
@@ -36,47 +39,46 @@ RESTORE = f"restore the link, or {AGAIN}"
 MISSING = "keep the videos in the folder of their HDF5 file, under the names they were given; or compress again"
 
 
-@dataclass(frozen=True)
+def _bare_name(file: str) -> str:
+    if Path(file).name != file or file in ("", ".."):
+        raise ValueError(f"{file!r} is not the bare name of a file")
+    return file
+
+
+Count = Annotated[int, Field(gt=0)]
+
+
+@dataclass(frozen=True, config=STRICT)
 class Stream:
     """The pictures of one camera in a video.
 
     Args:
         camera: the camera's name.
-        key: the dataset that held the pictures.
+        key: of the dataset that held the pictures.
         file: name of the MP4 file in the folder of the HDF5 file.
-        frames: how many pictures there are.
+        frames: number of pictures.
         width, height: pixels.
-        storage: how the dataset held them: ``raw``, or a kind of picture file such as ``jpeg``.
-        swapped: whether red and blue change places in what is put back, as they had there for readers of the layout;
-            in the video they are right.
+        storage: of the pictures in the dataset: ``raw``, or a kind of picture file such as ``jpeg``.
+        swapped: true if red and blue change places in pictures that are put back, as they had there for readers of the
+            layout; in the video they are right.
 
     Raises:
-        ValueError: ``file`` is not the bare name of a file, or a number is not positive.
-        TypeError: a field has another type.
+        ValueError: a field has another type or value.
     """
 
     camera: str
     key: str
-    file: str
-    frames: int
-    width: int
-    height: int
+    file: Annotated[str, AfterValidator(_bare_name)]
+    frames: Count
+    width: Count
+    height: Count
     storage: str
     swapped: bool
 
-    def __post_init__(self) -> None:
-        if Path(self.file).name != self.file or self.file in ("", ".."):
-            raise ValueError(f"{self.file!r} is not the bare name of a file")
-        if not all(isinstance(text, str) for text in (self.camera, self.key, self.storage)):
-            raise TypeError("camera, key and storage must be text")
-        if not isinstance(self.swapped, bool):
-            raise TypeError(f"swapped must be true or false, not {self.swapped!r}")
-        _require_counts("frames, height and width", [self.frames, self.height, self.width])
 
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, config=STRICT)
 class Original:
-    """The dataset that held the pictures, as far as it takes to make it again.
+    """The properties of the dataset that held the pictures, to make it again.
 
     Args:
         kind: see :func:`vcage.datasets.stored_pictures.picture_kind`.
@@ -85,35 +87,28 @@ class Original:
         chunks, compression, compression_opts, shuffle, fletcher32: as h5py gives them.
 
     Raises:
-        ValueError, TypeError: no dataset of pictures has these values.
+        ValueError: no dataset of pictures has these values.
     """
 
-    kind: str
-    shape: list[int]
-    maxshape: list[int | None]
-    channels: int
-    chunks: list[int] | None
+    kind: PictureKind
+    shape: list[Count]
+    maxshape: list[Count | None]
+    channels: Count
+    chunks: list[Count] | None
     compression: str | None
     compression_opts: Any
     shuffle: bool
     fletcher32: bool
 
     def __post_init__(self) -> None:
-        if self.kind not in RANKS:
-            raise ValueError(f"original_kind is {self.kind!r}, expected one of {', '.join(RANKS)}")
-        _require_counts("original_shape", self.shape)
-        _require_counts("original_channels", [self.channels])
         if len(self.shape) not in RANKS[self.kind]:
             raise ValueError(f"original_shape is {self.shape}, which is not that of pictures of the kind {self.kind}")
-        if self.chunks is not None:
-            _require_counts("original_chunks", self.chunks)
-        _require_counts("original_maxshape", [most for most in self.maxshape if most is not None])
         if any(len(one) != len(self.shape) for one in (self.maxshape, self.chunks or self.shape)):
             raise ValueError("original_shape, original_maxshape and original_chunks differ in their number of axes")
 
     @classmethod
     def of(cls, dataset: h5py.Dataset) -> Self:
-        """That of a dataset of pictures with at least one.
+        """Return the properties of a dataset of pictures with at least one.
 
         Raises:
             DamagedFile: its first picture cannot be decoded.
@@ -131,23 +126,19 @@ class Original:
         )
 
     def filters(self) -> dict[str, Any]:
-        """What ``create_dataset`` takes to filter data the same way."""
-        return {
-            "compression": self.compression,
-            "compression_opts": self.compression_opts,
-            "shuffle": self.shuffle or None,
-            "fletcher32": self.fletcher32 or None,
-        }
+        """Return arguments of ``create_dataset`` to filter data the same way."""
+        filters = {name: getattr(self, name) for name in ("compression", "compression_opts", "shuffle", "fletcher32")}
+        return {name: value or None if name in ("shuffle", "fletcher32") else value for name, value in filters.items()}
 
 
-@dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True)
 class Link:
-    """A link as it stands in a file.
+    """A link in a file.
 
     Args:
         stream: the video.
         original: the dataset that held the pictures.
-        lengths: where the file keeps how many bytes each of them had.
+        lengths: places of the pictures' lengths in bytes.
 
     Raises:
         ValueError: the dataset had another shape than its pictures.
@@ -168,7 +159,7 @@ class Link:
             raise ValueError(f"original_shape is {shape}, original_channels {self.original.channels}")
 
     def video(self, path: Path) -> Path:
-        """The video of a link in the HDF5 file ``path``.
+        """Return the video of a link in the HDF5 file ``path``.
 
         Raises:
             DamagedFile: it is not there, was not fetched, or is no regular file.
@@ -180,7 +171,7 @@ class Link:
         return video
 
     def whole_video(self, path: Path) -> Path:
-        """As :meth:`video`, once it is sure that the video holds as many frames as there were pictures, as large.
+        """Return the video, which holds as many frames as there were pictures, of the same size.
 
         Raises:
             DamagedFile: it is not there or damaged, or holds another number of frames, or of another size.
@@ -188,10 +179,7 @@ class Link:
         video, stream = self.video(path), self.stream
         frames, (height, width) = frame_count(video), frame_size(video)
         if frames != stream.frames:
-            raise DamagedFile(
-                f"{video} holds {frames} frames, {path} had {stream.frames} pictures",
-                hint=AGAIN,
-            )
+            raise DamagedFile(f"{video} holds {frames} frames, {path} had {stream.frames} pictures", hint=AGAIN)
         if (height, width) != (stream.height, stream.width):
             raise DamagedFile(
                 f"{video}: frame 0 is {width}x{height}, the pictures were {stream.width}x{stream.height}",
@@ -201,12 +189,12 @@ class Link:
 
 
 def write_link(group: h5py.Group, name: str, link: Link) -> h5py.Dataset:
-    """Put a link under ``name``; returns its dataset.
+    """Put a link under ``name`` and return its dataset.
 
     Args:
-        group: of the file that is written.
+        group: of the new file.
         name: in the group.
-        link: what stands there.
+        link: to be written.
     """
     dataset = group.create_dataset(name, data=link.stream.file, dtype=h5py.string_dtype("utf-8"), track_times=False)
     dataset.attrs[f"{OURS}schema"] = LINK_SCHEMA
@@ -220,7 +208,7 @@ def write_link(group: h5py.Group, name: str, link: Link) -> h5py.Dataset:
 
 
 def read_link(dataset: h5py.Dataset) -> Link | None:
-    """The link that a dataset is; None where it is none.
+    """Return the link that a dataset is; None where it is none.
 
     Raises:
         DamagedFile: it is one, of another version or not whole.
@@ -233,12 +221,13 @@ def read_link(dataset: h5py.Dataset) -> Link | None:
         raise DamagedFile(f"{what} is a link {found!r}, expected {LINK_SCHEMA!r}", hint="update vcage")
     try:
         attributes = {name.removeprefix(OURS): value for name, value in dataset.attrs.items() if name.startswith(OURS)}
-        stream = {name: _plain(attributes[name]) for name in Stream.__dataclass_fields__}
-        original = {name: json.loads(attributes[f"original_{name}"]) for name in Original.__dataclass_fields__}
+        stream = {field.name: _plain(attributes[field.name]) for field in dataclasses.fields(Stream)}
+        original = {one.name: json.loads(attributes[f"original_{one.name}"]) for one in dataclasses.fields(Original)}
         lengths = tuple(LengthsPlace(**place) for place in json.loads(attributes.get("lengths", "[]")))
         return Link(Stream(**stream), Original(**original), lengths)
     except (KeyError, ValueError, TypeError) as error:
-        raise DamagedFile(f"{what} is not a whole link to a video: {error}", hint=AGAIN) from error
+        why = error.errors()[0]["msg"] if isinstance(error, ValidationError) else error
+        raise DamagedFile(f"{what} is not a whole link to a video: {why}", hint=AGAIN) from error
 
 
 def require_own_videos(scalars: Iterable[h5py.Dataset]) -> None:
@@ -268,18 +257,18 @@ def require_own_videos(scalars: Iterable[h5py.Dataset]) -> None:
 
 
 def _camera_names(key: str) -> list[str]:
-    """The end of a key, which tells cameras apart; the names before it may change when demonstrations are moved."""
+    """Return the end of a key, which tells cameras apart; the rest may change when demonstrations are moved."""
     return key.split("/")[-2:]
 
 
 def _is_same(dataset: h5py.Dataset, key: str) -> bool:
-    """Check whether ``key`` is another name of a dataset."""
+    """True if ``key`` is another name of a dataset."""
     other = dataset.file.get(key)
     return isinstance(other, h5py.Dataset) and address(other) == address(dataset)
 
 
 def find_links(part: h5py.Group) -> dict[str, Link]:
-    """All links of a file, or of a group of it: key in the file → link.
+    """Return all links of a file, or of a group of it: key in the file → link.
 
     Raises:
         DamagedFile: see :func:`read_link`.
@@ -288,12 +277,6 @@ def find_links(part: h5py.Group) -> dict[str, Link]:
     return {key: link for key, link in links if link is not None}
 
 
-def _require_counts(what: str, values: Any) -> None:
-    """Raise ValueError where values are not a list of whole numbers above 0."""
-    if not isinstance(values, list) or not all(type(value) is int and value > 0 for value in values):
-        raise ValueError(f"{what} must be whole numbers above 0, not {values!r}")
-
-
 def _plain(value: Any) -> Any:
-    """A Python value of what HDF5 gives."""
+    """Return a value from HDF5 as a Python value."""
     return value.item() if isinstance(value, np.generic) else value

@@ -1,11 +1,11 @@
-"""Pictures as files hold them: encoded, or arrays of pixels, one by one or in datasets of HDF5; read as 8-bit RGB."""
+"""Stored pictures, encoded or arrays of pixels, in files or in datasets of HDF5; read as 8-bit RGB."""
 
 from __future__ import annotations
 
 import io
 import struct
 from collections.abc import Sequence
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, Literal
 
 import cv2
 import h5py
@@ -30,18 +30,18 @@ ENCODED = ("jpeg", "png", "webp", "bmp", "tiff")
 """Storages that are picture files."""
 
 WITH_ALPHA = ("png", "webp", "tiff")
-"""Storages whose fourth channel is alpha. In a bitmap it is filling, and JPEG says in its EXIF data how it is to be
-turned, which OpenCV ignores where it is to leave a picture unchanged."""
+"""Storages whose fourth channel is alpha. In a bitmap it is filling. JPEG has none, and OpenCV ignores its EXIF
+orientation if a picture is read unchanged."""
 
 UNREADABLE = (OSError, EOFError, ValueError, KeyError, TypeError, SyntaxError, struct.error)
 """Errors of Pillow on the head of a damaged file."""
 
 PNG_HEAD = 26
-"""Bytes at the start of a PNG file, of which the one before the last says how many bits a channel has."""
+"""Bytes at the start of a PNG file; the last but one states the bits a channel."""
 
 
 def storage_of(data: bytes, what: str) -> str:
-    """One of :data:`ENCODED`.
+    """Return one of :data:`ENCODED`.
 
     Raises:
         DamagedFile: it is no such file; ``what`` names it.
@@ -55,15 +55,15 @@ def storage_of(data: bytes, what: str) -> str:
 
 
 def sixteen_bits(data: bytes) -> bool:
-    """Check a picture file for more than 8 bits a channel, as depth has, without decoding it."""
+    """True for a picture file with more than 8 bits a channel, as depth has; it is not decoded."""
     try:
         return picture_bits(io.BytesIO(data)) > 8
-    except UNREADABLE:  # which is complained of where it is decoded
+    except UNREADABLE:  # the error comes where it is decoded
         return False
 
 
 def picture_bits(file: BinaryIO) -> int:
-    """Bits a channel of a PNG or TIFF file, which is not decoded; 0 of another file.
+    """Return bits a channel of a PNG or TIFF file, which is not decoded; 0 of another file.
 
     Raises:
         UNREADABLE: its head is damaged.
@@ -78,7 +78,7 @@ def picture_bits(file: BinaryIO) -> int:
 
 
 def decode_picture(data: bytes | NDArray[np.uint8], what: str) -> NDArray[np.uint8]:
-    """(H, W, 3) uint8 RGB as any reader of picture files shows it; padding behind the file's end is ignored.
+    """Return (H, W, 3) uint8 RGB as any reader of picture files shows it; padding behind the file's end is ignored.
 
     Alpha is laid over white.
 
@@ -97,7 +97,7 @@ def decode_picture(data: bytes | NDArray[np.uint8], what: str) -> NDArray[np.uin
 
 
 def channels_of(data: bytes, what: str) -> int:
-    """Channels that a picture file has: 1 grey, 3 RGB, 4 RGBA.
+    """Return channels of a picture file: 1 grey, 3 RGB, 4 RGBA.
 
     Raises:
         DamagedFile: it is damaged; ``what`` names it.
@@ -109,12 +109,12 @@ def channels_of(data: bytes, what: str) -> int:
 
 
 def _decode(raw: NDArray[np.uint8], what: str, flags: int | None = None) -> NDArray[Any]:
-    """As the file has it where it may have alpha, else BGR."""
+    """Return channels as in the file where it may have alpha, else BGR."""
     if flags is None:
         keeps = len(raw) and storage_of(raw[:16].tobytes(), what) in WITH_ALPHA
         flags = cv2.IMREAD_UNCHANGED if keeps else cv2.IMREAD_COLOR
     try:
-        picture_header(raw.tobytes(), what)  # which refuses what would not fit in memory
+        picture_header(raw.tobytes(), what)  # refuses pictures that do not fit in memory
         picture = cv2.imdecode(raw, flags)
     except OversizedFile:
         raise
@@ -126,7 +126,7 @@ def _decode(raw: NDArray[np.uint8], what: str, flags: int | None = None) -> NDAr
 
 
 def to_rgb(picture: NDArray[np.uint8], what: str) -> NDArray[np.uint8]:
-    """(H, W, 3) of a grey (H, W) or (H, W, 1), RGB or RGBA picture; alpha is laid over white.
+    """Return (H, W, 3) of a grey (H, W) or (H, W, 1), RGB or RGBA picture; alpha is laid over white.
 
     Raises:
         DamagedFile: it is none of these.
@@ -141,7 +141,7 @@ def to_rgb(picture: NDArray[np.uint8], what: str) -> NDArray[np.uint8]:
 
 
 def stacked(pictures: Sequence[NDArray[np.uint8]], what: str) -> NDArray[np.uint8]:
-    """(N, H, W, 3) of pictures that must be of one size.
+    """Return (N, H, W, 3) of pictures that must be of one size.
 
     Raises:
         DamagedFile: they are not; names the first that differs.
@@ -158,28 +158,30 @@ def stacked(pictures: Sequence[NDArray[np.uint8]], what: str) -> NDArray[np.uint
 
 # --- datasets of HDF5 ----------------------------------------------------------------------------------
 
-ARRAY = "array"
+PictureKind = Literal["array", "fixed", "padded", "vlen"]
+
+ARRAY: PictureKind = "array"
 """(T, H, W) or (T, H, W, C) pixels."""
 
-FIXED = "fixed"
+FIXED: PictureKind = "fixed"
 """(T,) strings of one length, padded with NUL."""
 
-PADDED = "padded"
+PADDED: PictureKind = "padded"
 """(T, N) bytes, padded with 0."""
 
-VLEN = "vlen"
+VLEN: PictureKind = "vlen"
 """(T,) lists of bytes."""
 
 
-def picture_kind(dataset: h5py.Dataset) -> str:
-    """How a dataset holds pictures: :data:`ARRAY`, :data:`FIXED`, :data:`PADDED` or :data:`VLEN`."""
+def picture_kind(dataset: h5py.Dataset) -> PictureKind:
+    """Return how a dataset holds pictures: :data:`ARRAY`, :data:`FIXED`, :data:`PADDED` or :data:`VLEN`."""
     if dataset.dtype.kind in "SO":
         return FIXED if dataset.dtype.kind == "S" else VLEN
     return PADDED if dataset.dtype == np.uint8 and dataset.ndim == 2 else ARRAY
 
 
 def picture_storage(dataset: h5py.Dataset, what: str) -> str:
-    """``raw``, or one of :data:`ENCODED`, as the first picture is.
+    """Return ``raw``, or one of :data:`ENCODED`, by the first picture.
 
     Raises:
         DamagedFile: it is neither; ``what`` names the dataset.
@@ -188,7 +190,7 @@ def picture_storage(dataset: h5py.Dataset, what: str) -> str:
 
 
 def picture_channels(dataset: h5py.Dataset, what: str) -> int:
-    """Channels of the pictures, as the first has them.
+    """Return channels of the first picture.
 
     Raises:
         DamagedFile: that is encoded and damaged; ``what`` names the dataset.
@@ -199,13 +201,13 @@ def picture_channels(dataset: h5py.Dataset, what: str) -> int:
 
 
 def encoded_bytes(dataset: h5py.Dataset, index: int) -> bytes:
-    """The file of an encoded picture, perhaps with padding behind it."""
+    """Return the file of an encoded picture, perhaps with padding behind it."""
     value = dataset[index]
     return value if isinstance(value, bytes) else np.asarray(value, np.uint8).tobytes()
 
 
 def stored_picture(dataset: h5py.Dataset, index: int, what: str) -> NDArray[np.uint8]:
-    """(H, W, 3) as stored: encoded pictures as a reader of picture files shows them.
+    """Return (H, W, 3) as stored: encoded pictures as a reader of picture files shows them.
 
     Args:
         dataset: of pictures.

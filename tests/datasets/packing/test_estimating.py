@@ -9,7 +9,7 @@ from tests.datasets.recordings.layouts import FRAMES
 from tests.run_folders import digests
 from vcage.base.errors import DamagedFile, OutputFolderError, UnknownName, UsageError
 from vcage.datasets.packing import estimating
-from vcage.datasets.packing.estimating import estimate
+from vcage.datasets.packing.estimating import SampleSettings, estimate
 
 
 @pytest.fixture
@@ -32,7 +32,9 @@ def test_an_estimate_of_recordings_that_are_alike_is_what_comes_out(tmp_path, so
 
 
 def test_more_workers_take_less_time(tmp_path, source, monkeypatch):
-    monkeypatch.setattr(estimating, "WINDOW", FRAMES // 2)  # half of each of three clips of four
+    monkeypatch.setattr(
+        estimating, "SETTINGS", SampleSettings(frames=FRAMES // 2)
+    )  # half of each of three clips of four
     monkeypatch.setattr("time.perf_counter", iter([0.0, 300.0, 1000.0, 1300.0]).__next__)
     assert estimate(order(source, tmp_path / "out"), workers=1)["seconds"] == 800
     assert estimate(order(source, tmp_path / "out"), workers=4)["seconds"] == 200
@@ -59,7 +61,7 @@ def test_what_only_decoding_shows_to_be_damaged_is_left_out_if_that_is_allowed(t
 
 
 def test_only_the_middle_of_a_clip_is_searched(tmp_path, source, monkeypatch):
-    monkeypatch.setattr(estimating, "WINDOW", 4)
+    monkeypatch.setattr(estimating, "SETTINGS", SampleSettings(frames=4))
     told = estimate(order(source, tmp_path / "out", cameras=("cam_high",)))
     assert (told["sampled_frames"], told["cameras"]["cam_high"]["frames"]) == (3 * 4, 4 * FRAMES)
 

@@ -36,8 +36,8 @@ def stream(camera: str = "top", **changes) -> VideoStream:
     return VideoStream(**{**facts, **changes})
 
 
-def record(*streams: VideoStream, notes=None, **settings) -> Compression:
-    return compression_record(PROVENANCE, CompressionSettings(**settings), streams, notes)
+def record(*streams: VideoStream, **settings) -> Compression:
+    return compression_record(PROVENANCE, CompressionSettings(**settings), streams)
 
 
 def test_reductions_are_of_all_streams_together():
@@ -94,7 +94,3 @@ def test_the_encoding_names_the_encoder_its_effort_and_its_preset(codec):
     assert (encoding.encoder, encoding.effort) == (CODECS[codec].encoder, "default")
     assert encoding.preset == CODECS[codec].presets["default"]
     assert encoding.encoder_version
-
-
-def test_only_recordings_that_have_notes_are_noted():
-    assert record(stream(), notes={"a": [], "b": ["colours were swapped"]}).notes == {"b": ["colours were swapped"]}

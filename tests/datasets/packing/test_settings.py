@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from vcage.base.errors import UnknownName, UsageError
-from vcage.datasets.packing.settings import GOPS, CompressionSettings
+from vcage.datasets.packing.settings import CompressionSettings
 from vcage.video.choices import LOSSLESS
 
 
@@ -40,7 +40,7 @@ def test_a_number_out_of_range_is_refused(changes):
 
 def test_what_is_left_open_is_left_to_the_search():
     choices = CompressionSettings(gop="auto").choices()
-    assert (choices.pixel_formats, choices.gops, choices.upper) == ((), GOPS, None)
+    assert (choices.pixel_formats, choices.gops, choices.upper) == ((), CompressionSettings.GOPS, None)
 
 
 def test_a_pixel_format_that_is_given_is_the_only_choice():

@@ -111,7 +111,7 @@ def test_a_counter_of_frames_tells_no_rate(tmp_path, values):
         prepare(order(path))
     assert "counts frames" in refused.value.hint
     work = prepare(order(path, 30))
-    assert {clip.fps for clip in work.clips(work.sources)} == {30}
+    assert {clip.fps for clip in work.clips()} == {30}
 
 
 def test_a_counter_that_jumps_means_missing_frames(tmp_path):

@@ -1,8 +1,8 @@
-"""What all episodes of a camera agree on: pixel format, GOP and CRF, in as few encodings as that takes.
+"""Agreement of a camera's episodes on pixel format, GOP and CRF, in few encodings.
 
-The episode that is likely to allow least chooses. The others are encoded with that at its CRF, in batches that grow,
-each below what those before it allow; those that were encoded above what all allow are encoded again. The steps do not
-depend on the number of processes, so neither does the result.
+The episode that is likely to allow the least loss chooses. The others are encoded with its choice at its CRF, in
+growing batches, each at most at the CRF that those before it allow. Episodes encoded above the final CRF are encoded
+again. The steps do not depend on the number of processes, so neither does the result.
 """
 
 from __future__ import annotations
@@ -14,18 +14,14 @@ from itertools import groupby
 from vcage.schema.compression import VideoStream
 from vcage.video.choices import LOSSLESS, Choices
 
-BATCH_GROWTH = 4
-"""Episodes that have been encoded after a batch, for each before it: more keep more processes busy, fewer are encoded
-in vain where one of them allows less."""
-
 
 @dataclass(frozen=True)
 class Bound:
-    """What a camera's episodes agree on so far.
+    """The agreement of a camera's episodes so far.
 
     Args:
         pixel_format, gop: of all.
-        crf: the highest that is still possible; :data:`LOSSLESS` when none is.
+        crf: the highest that is still possible; :data:`LOSSLESS` if none is.
     """
 
     pixel_format: str
@@ -33,14 +29,14 @@ class Bound:
     crf: int
 
     def kept_by(self, stream: VideoStream) -> bool:
-        """Whether a stream is already encoded so."""
+        """True if a stream is already encoded so."""
         if self.crf == LOSSLESS:
             return stream.lossless
         return (stream.pixel_format, stream.gop, stream.crf) == (self.pixel_format, self.gop, self.crf)
 
 
 def agreed_by(streams: Iterable[VideoStream]) -> dict[str, Bound]:
-    """Camera → what its videos agree on; without those whose pixel formats or GOPs differ."""
+    """Return camera → the agreement of its videos; without those whose pixel formats or GOPs differ."""
     bounds: dict[str, Bound] = {}
     cameras = groupby(sorted(streams, key=lambda stream: stream.camera), key=lambda stream: stream.camera)
     for camera, group in cameras:
@@ -57,7 +53,7 @@ class Step:
 
     Args:
         episodes: their names.
-        choices: what their searches may choose from.
+        choices: of their searches.
     """
 
     episodes: Sequence[str]
@@ -70,27 +66,30 @@ class Agreement:
 
     Args:
         episodes: their names, those that are likely to allow least first; at least one.
-        choices: what the first may choose from: of pixel formats those that all episodes can have, the best first.
-        bound: what is agreed on so far; at first, what other episodes agreed on before.
+        choices: of the first one's search: of pixel formats those that all episodes can have, the best first.
+        bound: the agreement so far; at first, that of other episodes before.
+        batch_growth: episodes that have been encoded after a batch, for each before it. More keep more processes busy,
+            fewer are encoded in vain where one of them allows less.
     """
 
     episodes: Sequence[str]
     choices: Choices
     bound: Bound | None = None
+    batch_growth: int = 4
     _streams: dict[str, VideoStream] = field(default_factory=dict)
 
     def next_step(self) -> Step | None:
-        """What is to be done next; None when all are encoded as agreed."""
+        """Return the next work; None when all are encoded as agreed."""
         bound, encoded = self.bound, len(self._streams)
         if bound is None:
             return Step(self.episodes[:1], self.choices)
         if encoded < len(self.episodes) and bound.crf != LOSSLESS:
-            return Step(self.episodes[encoded : max(1, BATCH_GROWTH * encoded)], self._below(bound))
+            return Step(self.episodes[encoded : max(1, self.batch_growth * encoded)], self._below(bound))
         waiting = [name for name in self.episodes if not self._kept(name, bound)]
         return Step(waiting, self._below(bound)) if waiting else None
 
     def take(self, found: Mapping[str, VideoStream]) -> None:
-        """Go on from what a step found.
+        """Continue from the results of a step.
 
         Args:
             found: episode → its video.
@@ -104,14 +103,14 @@ class Agreement:
         self.bound = Bound(first.pixel_format, first.gop, lowest)
 
     def staying(self, streams: Sequence[VideoStream]) -> int:
-        """How many of its videos are encoded as those that are known allow all to be."""
+        """Return how many of its videos are encoded at the CRF that all known ones allow."""
         if self.bound is None:
             return sum(one.episode == self.episodes[0] for one in streams)
         lowest = min([self.bound.crf, *(LOSSLESS if one.crf is None else one.crf for one in streams)])
         return sum(replace(self.bound, crf=lowest).kept_by(one) for one in streams)
 
     def _none_passes(self, bound: Bound) -> None:
-        """Where an episode passes at no CRF, the best pixel format gets its turn, and after it what has no loss."""
+        """Where an episode passes at no CRF, try the best pixel format, and then lossless encoding."""
         best = self.choices.pixel_formats[0]
         if bound.crf == LOSSLESS or bound.pixel_format == best:
             self.bound = replace(bound, crf=LOSSLESS)
@@ -133,7 +132,7 @@ class Apart:
 
     Args:
         episodes: their names.
-        choices: what each may choose from.
+        choices: of each search.
     """
 
     episodes: Sequence[str]
@@ -141,13 +140,13 @@ class Apart:
     _done: bool = False
 
     def next_step(self) -> Step | None:
-        """All at once, and then nothing."""
+        """Return all episodes at once, and then None."""
         return None if self._done else Step(self.episodes, self.choices)
 
     def take(self, _found: Mapping[str, VideoStream]) -> None:
-        """Nothing depends on what was found."""
+        """Note that all is done."""
         self._done = True
 
     def staying(self, streams: Sequence[VideoStream]) -> int:
-        """How many of its videos stay: all."""
+        """Return how many of its videos stay: all."""
         return len(streams)

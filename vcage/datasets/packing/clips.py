@@ -1,4 +1,4 @@
-"""One camera of one recording: searched, written, and known again when the work is taken up after a break."""
+"""One camera of one recording: its search, its video, and the record that an interrupted call leaves."""
 
 from __future__ import annotations
 
@@ -35,10 +35,10 @@ class Clip:
 
     Args:
         name: of the recording, unique in the data set; with the camera's it names the video.
-        recording: where the pictures are.
+        recording: of the pictures.
         camera: its name.
         fps: frames per second.
-        window: the frames that count; None for all.
+        window: its frames; None for all.
     """
 
     name: str
@@ -49,7 +49,7 @@ class Clip:
 
     @property
     def key(self) -> Key:
-        """What tells it from others."""
+        """Identity among other clips."""
         return self.name, self.camera
 
     @property
@@ -59,7 +59,7 @@ class Clip:
 
     @property
     def frames(self) -> range:
-        """Those that count."""
+        """Indices of its frames."""
         return range(self.recording.camera(self.camera).frames) if self.window is None else self.window
 
     def pictures(self) -> NDArray[np.uint8]:
@@ -67,19 +67,19 @@ class Clip:
         return self.recording.pictures(self.camera, self.window)
 
     def keyframes(self, pictures: NDArray[np.uint8], count: int) -> list[int]:
-        """About ``count`` of the ``pictures``, by the commands to the robot where these are known."""
+        """Return about ``count`` of the ``pictures``, by the commands to the robot if they are known."""
         motion = self.recording.motion
         if motion is None:
             return picture_keyframes(pictures, count)
         action = motion.values
-        if spare := self.recording.SPARE_PICTURES:  # what the last command led to
+        if spare := self.recording.SPARE_PICTURES:  # pictures after the last command
             action = np.concatenate([action, np.repeat(action[-1:], spare, axis=0)])
         return keyframes(action if self.window is None else action[self.window], motion.grippers, count)
 
 
 @dataclass(frozen=True)
 class EncodedVideo:
-    """The video of a clip, and what is known of it."""
+    """The video of a clip, and its record."""
 
     file: Path
     stream: VideoStream
@@ -87,15 +87,15 @@ class EncodedVideo:
 
 @dataclass(frozen=True)
 class SearchTask:
-    """A search to be done.
+    """One search.
 
     Args:
-        clip: in which video.
-        choices: what there is to choose from.
-        criterion: when it passes.
+        clip: to be encoded.
+        choices: of encodings.
+        criterion: to pass.
         display: of the metric.
-        keyframes: how many frames are scored.
-        folder: where the video and what is known of it are kept.
+        keyframes: number of scored frames.
+        folder: for the video and its record.
     """
 
     clip: Clip
@@ -107,9 +107,9 @@ class SearchTask:
 
     @cached_property
     def made_from(self) -> str:
-        """Hash of everything that the result depends on, as it was when first asked for."""
+        """Hash of everything that the result depends on, as it was at the first access."""
         recording, encoder = self.clip.recording, self.choices.settings()
-        told = (
+        facts = (
             str(recording.path.resolve()),
             str(recording),
             [(stat.st_size, stat.st_mtime_ns) for stat in (file.stat() for file in recording.files)],
@@ -125,27 +125,27 @@ class SearchTask:
             metric_version(),
             __version__,
         )
-        return hashlib.sha256(repr(told).encode()).hexdigest()
+        return hashlib.sha256(repr(facts).encode()).hexdigest()
 
     @property
     def record(self) -> Path:
-        """Where its :class:`ClipRecord` is kept; those of one clip made with other choices lie beside each other."""
+        """Path of its :class:`ClipRecord`; those of one clip with other choices lie beside each other."""
         return self.folder / f"{self.clip.video.removesuffix('.mp4')}.{self.made_from[:12]}.json"
 
     @property
     def video(self) -> Path:
-        """The encoded video."""
+        """Path of the encoded video."""
         return self.record.with_suffix(".mp4")
 
 
 def known(task: SearchTask) -> VideoStream | None:
-    """What an earlier call of :func:`perform` found, or None."""
+    """Return the result of an earlier call of :func:`perform`, or None."""
     record = Keeper(task.record, ClipRecord, task.made_from).kept()
     return None if record is None else record.stream
 
 
 def is_finished(task: SearchTask) -> bool:
-    """Whether the video is there, as :func:`perform` left it."""
+    """True if the video is there, as :func:`perform` left it."""
     stream = known(task)
     return stream is not None and task.video.is_file() and task.video.stat().st_size == stream.bytes
 
@@ -178,7 +178,7 @@ def _judge(task: SearchTask) -> Judge:
 
 @lru_cache(maxsize=1)
 def _metric(display: str) -> JodMetric:
-    """The metric, made once for each process, in whose main thread alone it is used."""
+    """Return the metric, made once for each process, in whose main thread alone it is used."""
     return JodMetric(display)
 
 
@@ -207,5 +207,5 @@ def _stream(clip: Clip, judge: Judge, result: SearchResult) -> VideoStream:
 
 
 def jpeg_bytes(frames: NDArray[np.uint8]) -> int:
-    """Bytes of the pictures, (T, H, W, 3) uint8 RGB, as JPEG, the way RoboTwin stores them."""
+    """Return the bytes of the pictures, (T, H, W, 3) uint8 RGB, as JPEG, the way RoboTwin stores them."""
     return sum(len(jpeg(frame, JPEG_QUALITY)) for frame in frames)

@@ -1,4 +1,4 @@
-"""The search over a data set: which videos share a CRF, in what order they are searched, and by how many processes.
+"""The search over a data set: videos that share a CRF, the order of the searches, and the number of processes.
 
 Where a camera's episodes share one, they come to it step by step (:mod:`vcage.datasets.packing.agreement`); the steps
 of all cameras are taken side by side.
@@ -22,11 +22,21 @@ from vcage.video.codec import formats_for
 from vcage.video.encoders import CODECS, require_encoder
 from vcage.video.jod import require_display
 
-COPIES = 3
-"""How often a clip is in memory at most: itself, decoded frames, and what the encoder holds."""
 
-OF_A_PROCESS = 1_500_000_000
-"""Bytes that a process takes besides its clip, most of it for the metric."""
+@dataclass(frozen=True)
+class MemorySettings:
+    """Memory of a process.
+
+    Args:
+        clip_copies: copies of a clip in memory at most: itself, decoded frames, and those of the encoder.
+        process_bytes: besides its clip, most of it for the metric.
+    """
+
+    clip_copies: int = 3
+    process_bytes: int = 1_500_000_000
+
+
+MEMORY = MemorySettings()
 
 
 def search_data_set(
@@ -38,23 +48,22 @@ def search_data_set(
     workers: int | None = None,
     progress: Progress = silent,
 ) -> dict[Key, EncodedVideo]:
-    """Search and encode all clips; what an interrupted call left in ``folder`` is taken up.
+    """Search and encode all clips; continue the work of an interrupted call in ``folder``.
 
     Args:
         clips: every camera of every recording.
-        settings: how.
-        folder: for the videos and what is known of them.
-        agreed: camera → what other episodes of it, which stay as they are, agreed on before.
+        settings: of the search.
+        folder: for the videos and their records.
+        agreed: camera → the agreement of other episodes, which stay as they are.
         workers: processes at most, no more than there are clips; None takes as many as there are cores and memory for.
-        progress: told of each clip that was encoded; its number falls where clips must be encoded again.
+        progress: called for each encoded clip; its number falls where clips must be encoded again.
 
     Returns:
         (recording, camera) → its video in ``folder``, in the order of the clips.
 
     Raises:
         UnknownName, MissingDependency: see :func:`require_tools`.
-        VcageError: of any clip, see :func:`vcage.datasets.packing.clips.perform`; what was finished stays in
-            ``folder``.
+        VcageError: of any clip, see :func:`vcage.datasets.packing.clips.perform`; finished work stays in ``folder``.
     """
     require_tools(settings)
     workers = workers_for(clips, workers)
@@ -63,7 +72,7 @@ def search_data_set(
 
 
 def require_tools(settings: CompressionSettings) -> None:
-    """Nothing, if this machine has what the search needs.
+    """Require the tools of the search.
 
     Raises:
         UnknownName, MissingDependency: there is no such display model, or the metric or encoder is not installed.
@@ -73,27 +82,30 @@ def require_tools(settings: CompressionSettings) -> None:
 
 
 def workers_for(clips: Sequence[Clip], most: int | None = None) -> int:
-    """Processes that are of use: no more than there are clips, at least one.
+    """Return the number of useful processes: no more than there are clips, at least one.
 
     Args:
         clips: the work.
-        most: that there may be; None for as many as this machine has cores and memory for.
+        most: upper limit; None for as many as this machine has cores and memory for.
     """
     if most is None:
         largest = max((c.recording.camera(c.camera).raw_bytes for c in clips), default=0)
-        most = min(cores(), free_memory() // (COPIES * largest + OF_A_PROCESS))
+        most = min(cores(), free_memory() // (MEMORY.clip_copies * largest + MEMORY.process_bytes))
     return max(1, min(most, len(clips)))
 
 
 def cameras_of(clips: Iterable[Clip]) -> list[str]:
-    """Names of the cameras, in natural order."""
+    """Return the names of the cameras, in natural order."""
     return sorted({clip.camera for clip in clips}, key=natural_key)
 
 
 def stored_per_frame(clip: Clip) -> float:
-    """Bytes as they lie in the recording: what is hard to store is hard to encode. Where pictures are not compressed,
-    all are alike. Measured on ten episodes of three cameras, deflated: with two of these the loss at a CRF follows the
-    bytes (rank correlation .9), with the third, where all lose about as much, less (.3)."""
+    """Return stored bytes per frame: pictures that are hard to store are hard to encode.
+
+    Where pictures are not compressed, all are alike. Measured on ten episodes of three cameras, deflated: with two of
+    these the loss at a CRF follows the bytes (rank correlation .9), with the third, where all lose about as much, less
+    (.3).
+    """
     camera = clip.recording.camera(clip.camera)
     return camera.stored_bytes / camera.frames
 
@@ -130,7 +142,7 @@ class _DataSetSearch:
         return {clip.key: self._video(clip.key) for clip in self.clips}
 
     def _stored(self, camera: str) -> int:
-        """Bytes of a camera's clips: where there are more, searches take longer, and should not be the last to end."""
+        """Return the bytes of a camera's clips: long searches should not be the last to end."""
         return sum(clip.recording.camera(camera).stored_bytes for clip in self.clips if clip.camera == camera)
 
     def _plan(self, camera: str) -> Agreement | Apart:
@@ -144,14 +156,14 @@ class _DataSetSearch:
             for size in {(c.width, c.height) for c in cameras}
         ]
         common = [name for name in fitting[0] if all(name in names for names in fitting)]
-        # where nothing could be kept without loss, only the best is sure to leave no episode behind
+        # without a lossless format, only the best is sure to leave no episode behind
         formats = common if choices.settings().facts.lossless_format else common[:1]
         return Agreement(names, replace(choices, pixel_formats=tuple(formats)), self.agreed.get(camera))
 
     def _go_on(self, camera: str) -> None:
-        """Begin a camera's next step of which something is left to do; what an earlier call found is not sought again.
+        """Begin a camera's next step with work left; results of an earlier call are reused.
 
-        A video that a later step replaced is not needed again, what was found in it is.
+        A video that a later step replaced is not needed again, but its results are.
         """
         while step := self.plans[camera].next_step():
             clips = {clip.name: clip for clip in self.clips if clip.camera == camera}
@@ -167,7 +179,7 @@ class _DataSetSearch:
             self._take(camera)
 
     def _take(self, camera: str) -> None:
-        """Note a step that is done, in its order; the videos that it replaces go."""
+        """Note a finished step, in its order, and delete the videos that it replaces."""
         found = {task.clip.name: self.found[task.clip.key] for task in self.waiting[camera]}
         for task in self.waiting[camera]:
             key = task.clip.key
@@ -178,7 +190,7 @@ class _DataSetSearch:
         self.plans[camera].take(found)
 
     def _finished(self, one: VideoStream) -> None:
-        """Take note of a video, and tell how many there are that stay, as far as is known."""
+        """Note a video, and report how many stay, as far as is known."""
         self.found[one.episode, one.camera] = one
         found = list(self.found.values())
         staying = sum(plan.staying([s for s in found if s.camera == name]) for name, plan in self.plans.items())

@@ -1,10 +1,10 @@
-"""How small recordings would become and how long it would take, from a few seconds of a few of them."""
+"""Estimate of the size and time of a compression, from a few seconds of a few recordings."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -19,62 +19,70 @@ from vcage.datasets.packing.dataset_search import (
     workers_for,
 )
 from vcage.datasets.packing.frames import as_text, show_frames
-from vcage.datasets.packing.output import omitted, other_streams
-from vcage.datasets.packing.pack import Order, notes_of, prepare
+from vcage.datasets.packing.output import omitted
+from vcage.datasets.packing.pack import Order, prepare
 from vcage.datasets.packing.settings import CompressionSettings
-from vcage.datasets.recordings.colours import as_json, colour_orders
+from vcage.datasets.recordings.colours import as_json
 from vcage.schema.compression import VideoStream
 
-SAMPLE = 3
-"""Clips of each camera that are looked at."""
 
-WINDOW = 60
-"""Frames that are searched of a clip, from its middle."""
+@dataclass(frozen=True)
+class SampleSettings:
+    """Size of the sample that is searched.
+
+    Args:
+        clips: of each camera.
+        frames: of each clip, from its middle.
+    """
+
+    clips: int = 3
+    frames: int = 60
+
+
+SETTINGS = SampleSettings()
 
 
 def estimate(order: Order, *, workers: int | None = None, progress: Progress = silent) -> dict[str, Any]:
-    """What :func:`vcage.datasets.packing.pack.pack` would write, without writing anything.
+    """Estimate the result of :func:`vcage.datasets.packing.pack.pack` without writing anything.
 
     Args:
-        order: what would be done.
+        order: of the work.
         workers: processes at most, for the time.
-        progress: told of each clip of the sample.
+        progress: called for each clip of the sample.
 
     Returns:
-        JSON-serialisable: what :func:`estimate_clips` tells, the recordings that are left, what a user must know, and
-        what is left out.
+        JSON-serialisable: the figures of :func:`estimate_clips`, the recordings that are left, notes, and omissions.
 
     Raises:
         VcageError: see :func:`vcage.datasets.packing.pack.pack`.
     """
-    prepared = prepare(order)
-    sources, told = prepared.without_damaged(
-        lambda clips: estimate_clips(clips, order.settings, workers=workers, progress=progress)
+    written, figures = prepare(order).without_damaged(
+        lambda left: estimate_clips(left.clips(), order.settings, workers=workers, progress=progress)
     )
-    others = other_streams(sources.sources, prepared.output)
+    facts, recordings = written.facts(), [source.recording for source in written.sources.sources]
     return {
         "would": "write",
         "out": str(order.out),
-        "recordings": len(sources.sources),
-        **told,
-        "colours": as_json(colour_orders(source.recording.colours for source in sources.sources)),
-        "other_streams": as_json(others),
-        "frames_picture": as_text(show_frames(order.root, [source.recording for source in sources.sources])),
-        "notes": {name: texts for name, texts in notes_of(sources, prepared.output).items() if texts},
-        **omitted(sources, prepared.output),
+        "recordings": len(recordings),
+        **figures,
+        "colours": as_json(facts["colours"]),
+        "other_streams": as_json(facts["other_streams"]),
+        "frames_picture": as_text(show_frames(order.root, recordings)),
+        "notes": facts["notes"],
+        **omitted(facts["left_out"], facts["failed"]),
     }
 
 
 def estimate_clips(
     clips: Sequence[Clip], settings: CompressionSettings, *, workers: int | None = None, progress: Progress = silent
 ) -> dict[str, Any]:
-    """What the search would make of clips, from one over the middles of a few of them.
+    """Estimate the result of a search over clips, by one over the middles of a few of them.
 
     Args:
         clips: all of them.
-        settings: how.
+        settings: of the search.
         workers: processes at most, for the time; the estimate itself is made in this process.
-        progress: told of each clip of the sample.
+        progress: called for each clip of the sample.
 
     Returns:
         JSON-serialisable: per camera the CRFs of the sample, and bytes of all frames; the sums of these, and seconds,
@@ -108,7 +116,7 @@ def estimate_clips(
 
 
 def _camera(clips: Sequence[Clip], streams: Sequence[VideoStream]) -> dict[str, Any]:
-    """What all clips of a camera come to, if they are like the sample."""
+    """Return the figures of all clips of a camera, if they are like the sample."""
     frames = sum(len(clip.frames) for clip in clips)
     share = frames / sum(stream.frames for stream in streams)
     return {
@@ -121,16 +129,16 @@ def _camera(clips: Sequence[Clip], streams: Sequence[VideoStream]) -> dict[str, 
 
 
 def _middle(clip: Clip) -> Clip:
-    """The clip, as if no more had been recorded than the frames in its middle."""
-    first = max(0, (len(clip.frames) - WINDOW) // 2)
-    return replace(clip, window=clip.frames[first : first + WINDOW])
+    """Return the frames in the middle of a clip."""
+    first = max(0, (len(clip.frames) - SETTINGS.frames) // 2)
+    return replace(clip, window=clip.frames[first : first + SETTINGS.frames])
 
 
 def sample_of(clips: Sequence[Clip]) -> list[Clip]:
-    """A few clips of each camera: of those in the order of their pictures' bytes the first, the last, and between."""
+    """Return a few clips of each camera, evenly spaced in the order of their pictures' bytes."""
     sample = []
     for camera in cameras_of(clips):
         own = sorted((clip for clip in clips if clip.camera == camera), key=stored_per_frame, reverse=True)
-        places = np.unique(np.linspace(0, len(own) - 1, SAMPLE).round().astype(int))
+        places = np.unique(np.linspace(0, len(own) - 1, SETTINGS.clips).round().astype(int))
         sample += [own[place] for place in places]
     return sample

@@ -1,4 +1,4 @@
-"""A picture to look at where nobody knows for sure whether red and blue of a recording are where they belong."""
+"""A picture of a recording's frames, for users to check that red and blue are where they belong."""
 
 from __future__ import annotations
 
@@ -18,18 +18,16 @@ from vcage.datasets.recordings.recording import Recording
 logger = logging.getLogger(__name__)
 
 FRAMES = "frames.png"
-"""Its name beside what was written."""
-
-MOST_CAMERAS = 8
-"""Rows of the picture."""
+"""Its name in the output."""
 
 
-def write_frames(path: Path, recordings: Sequence[Recording]) -> Path | None:
+def write_frames(path: Path, recordings: Sequence[Recording], most_cameras: int = 8) -> Path | None:
     """Write a frame of each camera whose colours are not sure, as it is read and with red and blue changed.
 
     Args:
         path: the PNG file.
         recordings: the first with a camera of a name stands for all.
+        most_cameras: rows of the picture.
 
     Returns:
         The path; None where all is sure, and nothing is written.
@@ -43,7 +41,7 @@ def write_frames(path: Path, recordings: Sequence[Recording]) -> Path | None:
         if recording.colours is None or recording.colours.sure:
             continue
         for camera in recording.cameras:
-            if camera.name not in views and len(views) < MOST_CAMERAS:
+            if camera.name not in views and len(views) < most_cameras:
                 views[camera.name] = recording.pictures(camera.name, [camera.frames // 2])[0]
     if not views:
         return None
@@ -55,12 +53,7 @@ def write_frames(path: Path, recordings: Sequence[Recording]) -> Path | None:
 
 
 def show_frames(root: Path, recordings: Sequence[Recording]) -> Path | None:
-    """As :func:`write_frames`, into the user's cache, where nothing is to be written yet.
-
-    Args:
-        root: where the recordings were found.
-        recordings: these.
-    """
+    """Write the picture into the user's cache, for recordings found at ``root``; see :func:`write_frames`."""
     name = hashlib.sha256(str(root.resolve()).encode()).hexdigest()[:16]
     try:
         return write_frames(cache_path("frames") / f"{name}.png", recordings)
@@ -70,5 +63,5 @@ def show_frames(root: Path, recordings: Sequence[Recording]) -> Path | None:
 
 
 def as_text(path: Path | None) -> str | None:
-    """A path for a summary."""
+    """Return a path for a summary."""
     return None if path is None else str(path)

@@ -1,8 +1,7 @@
-"""What recordings hold, without decoding more than a few pictures of them."""
+"""Content of recordings, known without decoding more than a few pictures of them."""
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,28 +15,27 @@ from vcage.datasets.packing.sources import sound_notes
 from vcage.datasets.recordings.cameras import RecordedCamera
 from vcage.datasets.recordings.colours import AUTO, as_json, colour_orders
 from vcage.datasets.recordings.opening import open_all
+from vcage.datasets.recordings.other_streams import stream_counts
 from vcage.datasets.recordings.recording import HDF5, VIDEOS, Recording
-
-MIB = 2**20
 
 
 @dataclass(frozen=True)
 class Inspected:
-    """A recording, or what is wrong with it.
+    """A recording, or its error.
 
     Args:
         name: the path, and the episode where a path holds several.
         recording: None where the file is damaged.
-        damage: what is wrong; empty where nothing is.
-        passed_over: what it is, where it is no recording and is not read; empty otherwise.
-        notes: what a user must know about how it was understood.
-        left_out: what a LeRobot data set does not get of it: key → reason.
+        damaged: the error; empty where there is none.
+        passed_over: description of a file that is no recording and is not read; empty otherwise.
+        notes: for the user, on how it was understood.
+        left_out: data that a LeRobot data set does not get: key → reason.
         failed: why it is no demonstration of its task, if it says so.
     """
 
     name: str
     recording: Recording | None
-    damage: str = ""
+    damaged: str = ""
     passed_over: str = ""
     notes: tuple[str, ...] = ()
     left_out: Mapping[str, str] = field(default_factory=dict)
@@ -45,19 +43,19 @@ class Inspected:
 
     @property
     def cameras(self) -> Sequence[RecordedCamera]:
-        """Those of a sound recording."""
+        """Cameras of a sound recording."""
         return self.recording.cameras if self.recording is not None else []
 
 
 def inspect(root: Path, colours: str = AUTO) -> list[Inspected]:
-    """All recordings at a path, the damaged ones too.
+    """Return all recordings at a path, the damaged ones too.
 
     Args:
         root: the path.
         colours: see :func:`vcage.datasets.recordings.opening.open_all`.
 
     Raises:
-        InputFileError: there is nothing at the path, or nothing that is known.
+        InputFileError: there is nothing at the path, or nothing known.
     """
     opened = open_all(Path(root), colours)
     found = [_look(recording) for recording in opened.recordings]
@@ -79,7 +77,7 @@ def _look(recording: Recording) -> Inspected:
 
 
 def as_lines(found: Sequence[Inspected]) -> str:
-    """The recordings as lines for people."""
+    """Return lines on the recordings for people."""
     lines = [line for one in found for line in _lines(one)]
     if left_out := _left_out(found):
         is_one = any(one.recording is not None and one.recording.TARGET not in (HDF5, VIDEOS) for one in found)
@@ -96,7 +94,7 @@ def _lines(found: Inspected) -> list[str]:
     if found.passed_over:
         return [f"{found.name} is not read: {found.passed_over}"]
     if recording is None:
-        return [f"{found.name}: DAMAGED: {found.damage}"]
+        return [f"{found.name}: DAMAGED: {found.damaged}"]
     rate = f"{recording.fps:g} fps" if recording.fps else "fps not said"
     motion = recording.motion
     numbers = f"{motion.values.shape[1]} numbers in a command" if motion is not None else "no commands"
@@ -111,30 +109,27 @@ def _camera(camera: RecordedCamera) -> str:
     saved = 1 - camera.stored_bytes / max(camera.raw_bytes, 1)
     return (
         f"{camera.name}: {camera.frames} frames of {camera.width}x{camera.height}, {camera.storage}, "
-        f"{camera.stored_bytes / MIB:.1f} MiB ({saved:.1%} smaller than raw)"
+        f"{camera.stored_bytes / 2**20:.1f} MiB ({saved:.1%} smaller than raw)"
     )
 
 
 def totals(found: Sequence[Inspected]) -> dict[str, Any]:
-    """The recordings in numbers."""
+    """Return figures of the recordings, JSON-serialisable."""
     cameras = [camera for one in found for camera in one.cameras]
     sound = [one.recording for one in found if one.recording is not None]
-    others = Counter(stream for recording in sound for stream in recording.other_streams)
     return {
-        "recordings": sum(one.recording is not None for one in found),
-        "layouts": sorted({one.recording.LAYOUT for one in found if one.recording is not None}),
+        "recordings": len(sound),
+        "layouts": sorted({recording.LAYOUT for recording in sound}),
         "cameras": sorted({camera.name for camera in cameras}, key=natural_key),
-        "frames": sum(camera.frames for camera in cameras),
-        "raw_bytes": sum(camera.raw_bytes for camera in cameras),
-        "stored_bytes": sum(camera.stored_bytes for camera in cameras),
+        **{name: sum(getattr(camera, name) for camera in cameras) for name in ("frames", "raw_bytes", "stored_bytes")},
         "colours": as_json(colour_orders(recording.colours for recording in sound)),
-        "other_streams": [
-            {"stream": stream.key, "shows": stream.shows, "stored": stream.stored, "recordings": count}
-            for stream, count in others.items()
-        ],
-        "damaged": {one.name: one.damage for one in found if one.damage},
-        "passed_over": {one.name: one.passed_over for one in found if one.passed_over},
-        "notes": {one.name: list(one.notes) for one in found if one.notes},
+        "other_streams": stream_counts(recording.other_streams for recording in sound),
+        **{name: _stated(found, name) for name in ("damaged", "passed_over")},
+        "notes": {name: list(notes) for name, notes in _stated(found, "notes").items()},
         "left_out": _left_out(found),
-        "failed": failures({one.name: one.failed for one in found if one.failed is not None}),
+        "failed": failures(_stated(found, "failed")),
     }
+
+
+def _stated(found: Sequence[Inspected], field: str) -> dict[str, Any]:
+    return {one.name: value for one in found if (value := getattr(one, field))}

@@ -1,10 +1,9 @@
-"""What compressed recordings can be written as, and whether those at hand fit into it."""
+"""Outputs of compressed recordings: kinds, requirements on the recordings, and losses."""
 
 from __future__ import annotations
 
 import os
-from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 from pathlib import Path
@@ -17,19 +16,20 @@ from vcage.datasets.episode import LIMITS
 from vcage.datasets.lerobot.formats import FORMATS
 from vcage.datasets.lerobot.repack import require_whole
 from vcage.datasets.packing.clips import Clip
-from vcage.datasets.packing.sources import SourceRecording, Sources, rate_of
+from vcage.datasets.packing.sources import SourceRecording, rate_of
+from vcage.datasets.recordings.other_streams import stream_counts
 from vcage.datasets.recordings.recording import HDF5, VIDEOS, Recording
-from vcage.schema.compression import Compression, OtherStream
+from vcage.schema.compression import OtherStream
 
 TARGETS = (HDF5, *FORMATS, VIDEOS)
 
 
 @dataclass(frozen=True)
 class OutputSpec:
-    """What is to be written.
+    """The requested output.
 
     Args:
-        target: one of :data:`TARGETS`; None for what suits the recordings, see :func:`resolve_output`.
+        target: one of :data:`TARGETS`; None for the recordings' own kind, see :func:`resolve_output`.
         fps: of recordings that do not say.
         task, robot: for a LeRobot data set, of recordings that do not say.
     """
@@ -41,12 +41,12 @@ class OutputSpec:
 
     @property
     def lerobot(self) -> bool:
-        """Whether it is a LeRobot data set."""
+        """True for a LeRobot data set."""
         return (self.target or "").startswith("lerobot-")
 
 
 def resolve_output(wanted: OutputSpec, sources: Sequence[SourceRecording]) -> OutputSpec:
-    """What is wanted, with a target, once it is sure that every recording can be written so.
+    """Return the requested output with a target that every recording can be written as.
 
     Raises:
         UsageError: one cannot; names it, and the option that is missing. Or episodes of a LeRobot data set are left out
@@ -54,8 +54,7 @@ def resolve_output(wanted: OutputSpec, sources: Sequence[SourceRecording]) -> Ou
         DamagedFile: the times of one are not those of evenly spaced frames, as a LeRobot data set has them.
     """
     output = replace(wanted, target=wanted.target or sources[0].recording.TARGET)
-    keeps = keeps_version(sources, output)
-    if keeps:
+    if keeps := keeps_version(sources, output):
         require_whole(sources[0].recording.path, [source.recording.number for source in sources])
     for source in sources:
         try:
@@ -67,23 +66,19 @@ def resolve_output(wanted: OutputSpec, sources: Sequence[SourceRecording]) -> Ou
 
 
 def _require_writable(recording: Recording, output: OutputSpec, *, keeps: bool) -> None:
-    """Nothing, if a recording can be written as is wanted; ``keeps`` says that a data set keeps its version."""
+    """Require that a recording can be written so; ``keeps`` says that a data set keeps its version."""
     if output.target == HDF5 != recording.TARGET:
         raise UsageError(
             f"{recording} is no HDF5 file, so none can be written with its videos beside it",
             hint=f"give --to {recording.TARGET}",
         )
-    if output.lerobot and not (keeps or task_of(recording, output)):
+    if not output.lerobot:
+        return
+    if not (keeps or task_of(recording, output)):
         raise UsageError(
             f"{recording} does not say what the robot was told, which LeRobot wants to know",
             hint='give --task "what it was told"',
         )
-    if output.lerobot:
-        _require_even(recording, output)
-
-
-def _require_even(recording: Recording, output: OutputSpec) -> None:
-    """Raise DamagedFile where a LeRobot data set would state other times than the recording has."""
     rate = rate_of(recording, output.fps)
     fault = None if rate is None else recording.time_fault(str(output.target), rate)
     if fault is not None:
@@ -93,17 +88,17 @@ def _require_even(recording: Recording, output: OutputSpec) -> None:
 
 
 def task_of(recording: Recording, output: OutputSpec) -> str:
-    """The task, as the recording states it, else as the user does, else as guessed; may be empty."""
+    """Return the task, as the recording states it, else as the user does, else as guessed; may be empty."""
     return recording.task or output.task or recording.task_guess or ""
 
 
 def keeps_version(sources: Sequence[SourceRecording], output: OutputSpec) -> bool:
-    """Whether a LeRobot data set is written as one of the same version, so that only its pictures change."""
+    """True if a LeRobot data set is written as one of the same version, so that only its pictures change."""
     return output.lerobot and all(output.target == source.recording.TARGET for source in sources)
 
 
 def output_notes(sources: Sequence[SourceRecording], output: OutputSpec) -> dict[str, list[str]]:
-    """Recording → what a user must know about what is written of it, besides how it was understood."""
+    """Return recording → notes for the user on the output, besides how it was understood."""
     write = _exported_notes if output.lerobot else _kept_notes
     done = stays_or_not(sources, output)
     return {
@@ -113,18 +108,15 @@ def output_notes(sources: Sequence[SourceRecording], output: OutputSpec) -> dict
 
 
 def stays_or_not(sources: Sequence[SourceRecording], output: OutputSpec) -> Literal["left as it was", "left out"]:
-    """Describe what is done with streams that 8-bit videos cannot hold: they stay in the rewritten files."""
+    """Return what is done with streams that 8-bit videos cannot hold."""
     return "left as it was" if output.target == HDF5 or keeps_version(sources, output) else "left out"
 
 
 def other_streams(sources: Sequence[SourceRecording], output: OutputSpec) -> list[OtherStream]:
-    """Depth, labels and the like of all recordings, and what becomes of them."""
+    """Return depth, labels and the like of all recordings, and what becomes of them."""
     done = stays_or_not(sources, output)
-    counts = Counter(stream for source in sources for stream in source.recording.other_streams)
-    return [
-        OtherStream(stream=one.key, shows=one.shows, stored=one.stored, done=done, recordings=count)
-        for one, count in counts.items()
-    ]
+    counts = stream_counts(source.recording.other_streams for source in sources)
+    return [OtherStream(**counted, done=done) for counted in counts]
 
 
 def _exported_notes(source: SourceRecording, output: OutputSpec) -> list[str]:
@@ -142,7 +134,7 @@ def _kept_notes(source: SourceRecording, output: OutputSpec) -> list[str]:
 
 
 def companion_places(source: SourceRecording) -> list[tuple[Path, Path | None]]:
-    """The files beside a recording that describe it, and their places in an HDF5 output; None where that has none."""
+    """Return the files beside a recording that describe it, and their places in an HDF5 output, if it has any."""
     found: list[tuple[Path, Path | None]] = []
     for file in source.recording.companions:
         way = os.path.relpath(file, source.recording.path.parent)
@@ -152,34 +144,25 @@ def companion_places(source: SourceRecording) -> list[tuple[Path, Path | None]]:
 
 
 def left_out(sources: Sequence[SourceRecording], output: OutputSpec) -> dict[str, str]:
-    """Recorded data that a LeRobot data set does not get: key → reason, of all recordings together."""
+    """Return recorded data that a LeRobot data set does not get: key → reason, of all recordings together."""
     if not output.lerobot or keeps_version(sources, output):
         return {}
     return {key: why for source in reversed(sources) for key, why in source.recording.left_out().items()}
 
 
-def omitted(sources: Sources, output: OutputSpec) -> dict[str, Any]:
-    """List what an output leaves out and which demonstrations failed, JSON-serialisable; no entry if none."""
-    return _omitted(left_out(sources.sources, output), sources.failed or sources.failures())
-
-
-def omitted_in(record: Compression) -> dict[str, Any]:
-    """The same of an output that was written."""
-    return _omitted(record.left_out, record.failed)
-
-
-def _omitted(left_out: dict[str, str], failed: dict[str, str]) -> dict[str, Any]:
+def omitted(left_out: Mapping[str, str], failed: Mapping[str, str]) -> dict[str, Any]:
+    """Return what an output leaves out and which demonstrations failed, JSON-serialisable; no entry if none."""
     found = {"left_out": left_out, "failed": failures(failed)}
     return {name: value for name, value in found.items() if value}
 
 
-def failures(failed: dict[str, str]) -> dict[str, Any]:
-    """How many demonstrations failed, and which; nothing where none did."""
+def failures(failed: Mapping[str, str]) -> dict[str, Any]:
+    """Return how many demonstrations failed, and which; empty where none did."""
     return {"count": len(failed), "recordings": sorted(failed)} if failed else {}
 
 
 def require_alike(clips: Sequence[Clip], output: OutputSpec) -> None:
-    """Nothing, if the recordings fit into what is wanted together: a LeRobot data set says once for all what they are.
+    """Require that the recordings fit into one output: a LeRobot data set describes them once for all.
 
     Raises:
         UsageError: one differs from the first in its cameras, their sizes, its frame rate or its numbers; names both.
@@ -218,7 +201,7 @@ def _require_float32(recording: Recording) -> None:
 
 
 def _facts(clips: Sequence[Clip]) -> dict[str, Any]:
-    """What all episodes of a LeRobot data set have in common, of the clips of one."""
+    """Return the common facts of all episodes of a LeRobot data set, by the clips of one."""
     recording = clips[0].recording
     cameras = [recording.camera(clip.camera) for clip in clips]
     return {

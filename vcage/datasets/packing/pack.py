@@ -1,4 +1,4 @@
-"""Compress somebody's recordings: found, looked at, searched, and written as a whole."""
+"""Compression of somebody's recordings: find, check, search, and write as a whole."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ import logging
 import os
 import shutil
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from itertools import chain
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from vcage.base.errors import DamagedFile, FolderInUse, InputFileError, OutputFolderError, StaleStage
 from vcage.base.files import RunFolder, atomic_folder
@@ -46,7 +46,7 @@ logger = logging.getLogger(__name__)
 T = TypeVar("T")
 
 FOLDER = "."
-"""Stands in notes for what was given, where it holds more than is read."""
+"""Key of the notes on files of the input that are not read."""
 
 RECORD = "compression.json"
 WORKING = ".compressing"
@@ -55,7 +55,7 @@ WORKING = ".compressing"
 
 @dataclass(frozen=True)
 class Order:
-    """What is to be done.
+    """A request to compress recordings.
 
     Example:
         >>> Order(Path("robotwin"), Path("small"), CompressionSettings(), OutputSpec(fps=16.67))
@@ -63,9 +63,9 @@ class Order:
     Args:
         root: the recordings: a file or a folder; only read.
         out: the folder to write.
-        settings: how videos are encoded and judged.
-        wanted: what is to be written; none suits it to the recordings.
-        cameras: names of those to be kept; none for all.
+        settings: of the encoding and its judge.
+        wanted: the output.
+        cameras: names of those to be kept; empty for all.
         skip_damaged: leave out damaged recordings instead of refusing all.
         colours: see :func:`vcage.datasets.recordings.opening.open_all`.
     """
@@ -81,52 +81,74 @@ class Order:
 
 @dataclass(frozen=True)
 class Prepared:
-    """An order that can be carried out, as far as that is seen without decoding.
+    """An order that can be carried out, as far as that is known without decoding.
 
     Args:
         order: the order.
         sources: its recordings.
-        output: what is written of them.
+        output: the kind of output.
     """
 
     order: Order
     sources: Sources
     output: OutputSpec
 
-    def without_damaged(self, work: Callable[[list[Clip]], T]) -> tuple[Sources, T]:
-        """What some work makes of the clips of the sources, and the sources that these are of.
+    def without_damaged(self, work: Callable[[Prepared], T]) -> tuple[Prepared, T]:
+        """Do some work on the recordings, and return the result and the recordings that it took.
 
-        Sources that only decoding shows to be damaged are left out if the order allows it, and the work is done again.
+        Recordings that only the work shows to be damaged are left out if the order allows it, and it is done again.
 
         Raises:
             DamagedFile: the order does not allow it, or none is left.
-            UsageError: what is left cannot be written as is wanted.
+            UsageError: the other recordings cannot be written as requested.
         """
-        sources = self.sources
+        prepared = self
         while True:
             try:
-                return sources, work(self.clips(sources))
+                prepared = replace(prepared, output=resolve_output(self.order.wanted, prepared.sources.sources))
+                return prepared, work(prepared)
             except DamagedFile as error:
+                sources = prepared.sources
                 if not self.order.skip_damaged or "recording" not in error.details:
                     more = "; or go on without it: --skip-damaged" if len(sources.sources) > 1 else ""
                     raise DamagedFile(error.message, hint=error.hint + more, details=error.details) from error
-                sources = sources.without(error.details["recording"], error.message)
-                resolve_output(self.output, sources.sources)
+                prepared = replace(prepared, sources=sources.without(error.details["recording"], error.message))
 
-    def clips(self, sources: Sources) -> list[Clip]:
-        """Those of the sources that are written."""
-        return sources.clips(self.order.cameras, self.output.fps, commanded=self.output.lerobot)
+    def clips(self) -> list[Clip]:
+        """Return the clips of the recordings that are written."""
+        return self.sources.clips(self.order.cameras, self.output.fps, commanded=self.output.lerobot)
 
     def provenance(self) -> Provenance:
-        """Of what is made: the options, and the recordings as they are."""
+        """Return options and hashes of the recordings."""
         chosen = {"cameras": list(self.order.cameras), "colours": self.order.colours}
         options = {**self.order.settings.options(), **asdict(self.output), **chosen}
         return Provenance(producer="compress", seed=0, options=options, inputs=self.sources.hashes())
 
+    def facts(self) -> dict[str, Any]:
+        """Return the fields of :class:`Compression` on the recordings."""
+        sources = self.sources.sources
+        return {
+            "notes": self.notes(),
+            "colours": colour_orders(source.recording.colours for source in sources),
+            "other_streams": other_streams(sources, self.output),
+            "left_out": left_out(sources, self.output),
+            "failed": self.sources.failures(),
+        }
+
+    def notes(self) -> dict[str, list[str]]:
+        """Return recording → notes for the user; also on recordings left out as damaged, and files beside them."""
+        sources, written = self.sources, output_notes(self.sources.sources, self.output)
+        notes = {source.name: [*source.notes, *written[source.name]] for source in sources.sources}
+        for name, cameras in sources.missing_cameras().items():
+            notes[name].append(f"it lacks {', '.join(cameras)}, which others have")
+        notes |= {name: [f"left out: {text}"] for name, text in sources.damaged.items()}
+        notes[FOLDER] = [f"{name} is not read: {what}" for name, what in sources.passed_over.items()]
+        return {name: texts for name, texts in notes.items() if texts}
+
 
 @dataclass(frozen=True)
 class Packed:
-    """What was written, where its record lies, and whether it was made just now."""
+    """The written record, its path, and if it was made just now."""
 
     record: Compression
     path: Path
@@ -134,7 +156,7 @@ class Packed:
 
 
 def prepare(order: Order) -> Prepared:
-    """Look at all that an order asks for, before any work.
+    """Check an order before any work.
 
     Raises:
         InputFileError: there is nothing to compress, or it is damaged.
@@ -147,21 +169,9 @@ def prepare(order: Order) -> Prepared:
     sources = find_sources(order.root, order.settings, skip_damaged=order.skip_damaged, colours=order.colours)
     if order.wanted.lerobot and not keeps_version(sources.sources, order.wanted):
         sources = sources.without_failed(skip_damaged=order.skip_damaged)
-    sources, output = _resolved(order, sources)
-    prepared = Prepared(order, sources, output)
-    require_alike(prepared.clips(sources), output)
+    prepared, clips = Prepared(order, sources, order.wanted).without_damaged(Prepared.clips)
+    require_alike(clips, prepared.output)
     return prepared
-
-
-def _resolved(order: Order, sources: Sources) -> tuple[Sources, OutputSpec]:
-    """The sources, without damaged ones if the order allows that, and what is written of them."""
-    while True:
-        try:
-            return sources, resolve_output(order.wanted, sources.sources)
-        except DamagedFile as error:
-            if not order.skip_damaged:
-                raise
-            sources = sources.without(error.details["recording"], error.message)
 
 
 def pack(order: Order, *, workers: int | None = None, force: bool = False, progress: Progress = silent) -> Packed:
@@ -173,21 +183,21 @@ def pack(order: Order, *, workers: int | None = None, force: bool = False, progr
         >>> pack(Order(Path("robotwin"), Path("small"), CompressionSettings(max_loss=0.05))).record.reduction_stored
 
     Args:
-        order: what is to be done.
+        order: of the work.
         workers: processes at most; None takes as many as there are cores and memory for.
         force: replace an output of other settings or inputs.
-        progress: told of every step.
+        progress: called for every step.
 
     Raises:
         InputFileError, UsageError, UnknownName, MissingDependency: see :func:`prepare`.
         StaleStage: the output is there, made from other recordings or with other settings, and ``force`` is not set.
         FolderInUse: another process writes it.
         OutputFolderError: the output is in the way, lies in the input, or cannot be written.
-        DiskFull: see :mod:`vcage.base.files`; what is finished is kept beside the output.
+        DiskFull: see :mod:`vcage.base.files`; finished work is kept beside the output.
     """
     out = order.out.expanduser().resolve()
-    work = prepare(order)
-    provenance = work.provenance()
+    prepared = prepare(order)
+    provenance = prepared.provenance()
     working = out.with_name(out.name + WORKING)
     recover(out)
     done = _finished(out, provenance, force=force)
@@ -196,49 +206,41 @@ def pack(order: Order, *, workers: int | None = None, force: bool = False, progr
         return done
     RunFolder(working).make()
     with held(working):
-        sources, videos = work.without_damaged(
-            lambda clips: search_data_set(clips, order.settings, working / "videos", workers=workers, progress=progress)
+        written, videos = prepared.without_damaged(
+            lambda left: search_data_set(
+                left.clips(), order.settings, working / "videos", workers=workers, progress=progress
+            )
         )
-        notes = notes_of(sources, work.output)
         streams = [video.stream for video in videos.values()]
-        record = compression_record(
-            provenance,
-            order.settings,
-            streams,
-            notes,
-            colour_orders(source.recording.colours for source in sources.sources),
-            other_streams(sources.sources, work.output),
-            left_out=left_out(sources.sources, work.output),
-            failed=sources.failed or sources.failures(),
-        )
+        record = compression_record(provenance, order.settings, streams, **written.facts())
         whole = working / "whole"
         shutil.rmtree(whole, ignore_errors=True)
-        write_output(Compressed(sources.sources, videos, record.encoding.preset), work.output, whole, progress)
-        write_frames(whole / FRAMES, [source.recording for source in sources.sources])
+        sources = written.sources.sources
+        write_output(Compressed(sources, videos, record.encoding.preset), written.output, whole, progress)
+        write_frames(whole / FRAMES, [source.recording for source in sources])
         record.write(whole / RECORD)
         _move(whole, out)
         shutil.rmtree(working)
-    _tell(notes)
-    _tell_omitted(record, kept=not sources.failed)
+    _log_notes(record, kept=not written.sources.failed)
     return Packed(record, out / RECORD, fresh=True)
 
 
 def _move(whole: Path, out: Path) -> None:
-    """Give what a folder holds its place in the output, which appears with all of it."""
+    """Move the content of a folder to the output, which appears with all of it."""
     with atomic_folder(out) as folder:
         for child in whole.iterdir():
             os.replace(child, folder / child.name)
 
 
 def _clear(working: Path) -> None:
-    """Remove what a call left that was ended after the output appeared, unless another one works there."""
+    """Remove the leftovers of a call that was ended after the output appeared, unless another one works there."""
     if working.exists():
         with suppress(FolderInUse), held(working):
             shutil.rmtree(working)
 
 
 def _finished(out: Path, provenance: Provenance, *, force: bool) -> Packed | None:
-    """The output of an earlier call with the same provenance, or None when there is work to do."""
+    """Return the output of an earlier call with the same provenance, or None when there is work to do."""
     if not out.exists() or holds_nothing(out):
         return None
     if not out.is_dir():
@@ -261,28 +263,13 @@ def _finished(out: Path, provenance: Provenance, *, force: bool) -> Packed | Non
     )
 
 
-def notes_of(sources: Sources, output: OutputSpec) -> dict[str, list[str]]:
-    """Recording → what a user must know of it, those that were left out as damaged too, and what lies beside them."""
-    told = output_notes(sources.sources, output)
-    notes = {source.name: [*source.notes, *told[source.name]] for source in sources.sources}
-    for name, cameras in sources.missing_cameras().items():
-        notes[name].append(f"it lacks {', '.join(cameras)}, which others have")
-    notes |= {name: [f"left out: {text}"] for name, text in sources.damaged.items()}
-    passed = [f"{name} is not read: {what}" for name, what in sources.passed_over.items()]
-    return notes | ({FOLDER: passed} if passed else {})
-
-
-def _tell(notes: Mapping[str, Sequence[str]]) -> None:
-    """Say each note once, and of how many recordings it holds."""
-    own = [texts for name, texts in notes.items() if name != FOLDER]
+def _log_notes(record: Compression, *, kept: bool) -> None:
+    """Log each note once, with its number of recordings, and the omissions of a LeRobot data set."""
+    own = [texts for name, texts in record.notes.items() if name != FOLDER]
     for text, count in Counter(chain.from_iterable(own)).items():
         logger.warning("%s%s", text, f" ({count} of {len(own)} recordings)" if len(own) > 1 else "")
-    for text in notes.get(FOLDER, ()):
+    for text in record.notes.get(FOLDER, ()):
         logger.warning("%s", text)
-
-
-def _tell_omitted(record: Compression, *, kept: bool) -> None:
-    """Name once what a LeRobot data set does not hold, and which demonstrations failed."""
     if record.left_out:
         logger.warning("not in the data set, with the reasons in %s: %s", RECORD, listed(record.left_out))
     if record.failed:

@@ -1,22 +1,14 @@
-"""What the search over a data set found, as the record that is left beside the videos."""
+"""The record of a compression, which lies beside the videos."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TypeVar
+from collections.abc import Sequence
+from typing import Any, TypeVar
 
 from vcage.base.folders import natural_key
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.schema.base import Provenance
-from vcage.schema.compression import (
-    CameraCompression,
-    ColourOrder,
-    Compression,
-    Encoding,
-    OtherStream,
-    SetAside,
-    VideoStream,
-)
+from vcage.schema.compression import CameraCompression, Compression, Encoding, VideoStream
 from vcage.video.codec import is_rgb
 from vcage.video.encoders import CODECS, encoder_version
 from vcage.video.jod import metric_version
@@ -25,27 +17,15 @@ T = TypeVar("T")
 
 
 def compression_record(
-    provenance: Provenance,
-    settings: CompressionSettings,
-    streams: Sequence[VideoStream],
-    notes: Mapping[str, Sequence[str]] | None = None,
-    colours: Sequence[ColourOrder] = (),
-    other_streams: Sequence[OtherStream] = (),
-    packed: Mapping[str, str] | None = None,
-    set_aside: Mapping[str, SetAside] | None = None,
-    left_out: Mapping[str, str] | None = None,
-    failed: Mapping[str, str] | None = None,
+    provenance: Provenance, settings: CompressionSettings, streams: Sequence[VideoStream], **facts: Any
 ) -> Compression:
-    """The record of streams that were all made with the same settings.
+    """Return the record of streams that were all made with the same settings.
 
     Args:
         provenance: of the record.
-        settings: how the streams were made.
-        streams: none where nothing is left that counts.
-        notes: recording → what a user must know of it.
-        colours, other_streams: see :class:`Compression`.
-        packed, set_aside: of a run, see :class:`Compression`.
-        left_out, failed: of recordings of others, likewise.
+        settings: of the streams.
+        streams: empty where no episode counts any more.
+        facts: other fields of :class:`Compression`.
     """
     cameras = sorted({stream.camera for stream in streams}, key=natural_key)
     return Compression(
@@ -53,16 +33,10 @@ def compression_record(
         encoding=_encoding(settings),
         cameras=[_camera(name, [s for s in streams if s.camera == name]) for name in cameras],
         streams=list(streams),
-        notes={name: list(texts) for name, texts in (notes or {}).items() if texts},
-        colours=list(colours),
-        other_streams=list(other_streams),
-        left_out=dict(left_out or {}),
-        failed=dict(failed or {}),
-        packed=dict(packed or {}),
-        set_aside=dict(set_aside or {}),
         reduction_raw=_reduction(streams, "raw_bytes"),
         reduction_jpeg=_reduction(streams, "jpeg_bytes"),
         reduction_stored=_reduction(streams, "stored_bytes"),
+        **facts,
     )
 
 
@@ -84,11 +58,12 @@ def _encoding(settings: CompressionSettings) -> Encoding:
 
 def _camera(name: str, streams: Sequence[VideoStream]) -> CameraCompression:
     held_out = [stream.held_out.worst for stream in streams if stream.held_out is not None]
+    rgb = [is_rgb(stream.pixel_format) for stream in streams]
     return CameraCompression(
         camera=name,
         pixel_format=_common([stream.pixel_format for stream in streams]),
-        matrix=_common(["RGB" if is_rgb(stream.pixel_format) else "BT.601" for stream in streams]),
-        range=_common(["full" if is_rgb(stream.pixel_format) else "limited" for stream in streams]),
+        matrix=_common(["RGB" if one else "BT.601" for one in rgb]),
+        range=_common(["full" if one else "limited" for one in rgb]),
         gop=_common([stream.gop for stream in streams]),
         crf=_common([stream.crf for stream in streams]),
         lossless=all(stream.lossless for stream in streams),

@@ -1,9 +1,9 @@
-"""What a user may choose about compression, for every command that compresses; the fields are its options."""
+"""Options of compression, for every command that compresses."""
 
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 from tyro.conf import arg
 
@@ -16,9 +16,6 @@ from vcage.video.jod import DISPLAY
 from vcage.video.keyframes import COUNT
 
 AUTO = "auto"
-
-GOPS = (10, 30, 120)
-"""What is tried where the GOP may be chosen, the one that is searched first."""
 
 GOP_HELP = (
     "frames from one random-access point to the next; few make random frames quick to decode, auto tries several for "
@@ -44,7 +41,7 @@ CRF = value(_crf, "N", show=lambda crf: "lossless" if crf == LOSSLESS else str(c
 
 @dataclass(frozen=True)
 class CompressionSettings:
-    """How videos are encoded and judged.
+    """Settings of the encoding and its judge.
 
     Example:
         >>> CompressionSettings(max_loss=0.05, codec="av1")
@@ -52,6 +49,9 @@ class CompressionSettings:
     Raises:
         UsageError, UnknownName: a value is out of range or not known.
     """
+
+    GOPS: ClassVar[tuple[int, ...]] = (10, 30, 120)
+    """tried where the GOP is not given, the one to search first"""
 
     max_loss: Annotated[float, between(0, 10, "JOD")] = 0.1
     """loss that no scored frame reaches"""
@@ -95,23 +95,23 @@ class CompressionSettings:
 
     @property
     def pixel_formats(self) -> tuple[str, ...]:
-        """Those that may be chosen; none for all of the codec."""
+        """Allowed pixel formats; empty for all of the codec."""
         return () if self.pixel_format == AUTO else (self.pixel_format,)
 
     def choices(self) -> Choices:
-        """What the search may choose from."""
-        gops = GOPS if self.gop == AUTO else (int(self.gop),)
+        """Return the choices of the search."""
+        gops = self.GOPS if self.gop == AUTO else (int(self.gop),)
         if self.crf is None:
             return Choices(self.codec, self.effort, self.pixel_formats, gops)
         formats = self.pixel_formats or CODECS[self.codec].pixel_formats[:1]
         return Choices(self.codec, self.effort, formats, gops[:1], upper=self.crf)
 
     def criterion(self) -> Criterion:
-        """When a video passes; a given CRF always does."""
+        """Return the criterion to pass; a given CRF always does."""
         if self.crf is not None:
             return Criterion(float("inf"), self.reduce, guard=False)
         return Criterion(self.max_loss, self.reduce, self.guard)
 
     def options(self) -> dict[str, Any]:
-        """What changes the result, JSON-serialisable."""
+        """Return the options that change the result, JSON-serialisable."""
         return asdict(self)

@@ -1,4 +1,4 @@
-"""The recordings of a path, named, and looked at before any work is done on them."""
+"""The recordings at a path, named and checked before any work."""
 
 from __future__ import annotations
 
@@ -35,10 +35,11 @@ class SourceRecording:
 
     Args:
         name: unique among them; the file's, and the demonstration where the file holds several, or the episode.
-        file: the recording's path without suffix, relative to what was given; shared by the demonstrations of a file.
+        file: the recording's path without suffix, relative to the input; shared by the demonstrations of a file.
         recording: the recording.
-        notes: what a user must know about how it was understood.
+        notes: for the user, on how it was understood.
         failed: why it is no demonstration of its task, if it says so.
+        unclear: the error of a label that says neither that it failed nor that it did not.
     """
 
     name: str
@@ -46,19 +47,19 @@ class SourceRecording:
     recording: Recording
     notes: tuple[str, ...] = ()
     failed: str | None = None
+    unclear: DamagedFile | None = None
 
 
 @dataclass(frozen=True)
 class Sources:
-    """What was found at a path.
+    """Recordings at a path.
 
     Args:
         root: the path.
-        sources: what can be used, in order; at least one.
-        damaged: name → what is wrong with those that were left out.
+        sources: the usable recordings, in order; at least one.
+        damaged: name → error of those that were left out.
         failed: name → why those that were left out are no demonstrations of their task.
-        passed_over: file or folder at the path that is not read → what it is.
-        unclear: name → error of those whose label says neither that they failed nor that they did not.
+        passed_over: file or folder at the path that is not read → description.
     """
 
     root: Path
@@ -66,13 +67,12 @@ class Sources:
     damaged: dict[str, str]
     failed: dict[str, str] = field(default_factory=dict)
     passed_over: Mapping[str, str] = field(default_factory=dict)
-    unclear: Mapping[str, DamagedFile] = field(default_factory=dict)
 
     def clips(self, cameras: Sequence[str] = (), fps: float | None = None, *, commanded: bool = False) -> list[Clip]:
-        """Every camera of every recording, or those named.
+        """Return every camera of every recording, or those named.
 
         Args:
-            cameras: their names; none for all.
+            cameras: their names; empty for all.
             fps: for recordings that do not say.
             commanded: only the frames that have a command.
 
@@ -83,39 +83,37 @@ class Sources:
         """
         clips = []
         for source in self.sources:
-            there = [camera.name for camera in source.recording.cameras]
-            for camera in cameras:
-                if camera not in there:
-                    raise _no_camera(source.recording, camera)
-            rate = rate_of(source.recording, fps)
+            recording = source.recording
+            there = [camera.name for camera in recording.cameras]
+            if unknown := [camera for camera in cameras if camera not in there]:
+                raise _no_camera(recording, unknown[0])
+            rate = rate_of(recording, fps)
             if rate is None:
-                raise UsageError(
-                    f"{source.recording} does not say how many frames per second it has",
-                    hint=source.recording.rate_hint,
-                )
-            window = source.recording.commanded if commanded else None
-            clips += [Clip(source.name, source.recording, camera, rate, window) for camera in cameras or there]
+                message = f"{recording} does not say how many frames per second it has"
+                raise UsageError(message, hint=recording.rate_hint)
+            window = recording.commanded if commanded else None
+            clips += [Clip(source.name, recording, camera, rate, window) for camera in cameras or there]
         return clips
 
     def hashes(self) -> dict[str, str]:
-        """Name → SHA-256 of the recording's file; of several files, that of their names and digests."""
+        """Return name → SHA-256 of the recording's file; of several files, that of their names and digests."""
         digest = cache(sha256_file)  # episodes of a data set share files
         folder = self.root if self.root.is_dir() else self.root.parent
         found = {}
         for source in self.sources:
             files = source.recording.files
-            told = "\n".join(f"{Path(os.path.relpath(file, folder)).as_posix()} {digest(file)}" for file in files)
-            found[source.name] = digest(files[0]) if len(files) == 1 else hashlib.sha256(told.encode()).hexdigest()
+            listing = "\n".join(f"{Path(os.path.relpath(file, folder)).as_posix()} {digest(file)}" for file in files)
+            found[source.name] = digest(files[0]) if len(files) == 1 else hashlib.sha256(listing.encode()).hexdigest()
         return found
 
     def missing_cameras(self) -> dict[str, list[str]]:
-        """Name → cameras that it lacks and another has, of those that lack any."""
+        """Return name → cameras that it lacks and another has, of those that lack any."""
         cameras = {source.name: {camera.name for camera in source.recording.cameras} for source in self.sources}
         every = set().union(*cameras.values())
         return {name: sorted(every - own, key=natural_key) for name, own in cameras.items() if own != every}
 
     def without(self, name: str, complaint: str) -> Sources:
-        """The same without a source that turned out to be damaged.
+        """Return the others than a source that turned out to be damaged.
 
         Raises:
             DamagedFile: it is the last.
@@ -127,11 +125,11 @@ class Sources:
         return replace(self, sources=left, damaged=damaged)
 
     def failures(self) -> dict[str, str]:
-        """Name → why a recording is no demonstration of its task, of those that say so."""
-        return {source.name: why for source in self.sources if (why := source.failed) is not None}
+        """Return name → why a recording is no demonstration of its task, of those that say so."""
+        return self.failed or {source.name: source.failed for source in self.sources if source.failed is not None}
 
     def without_failed(self, *, skip_damaged: bool = False) -> Sources:
-        """The same without recordings that say that they failed.
+        """Return the recordings that do not say that they failed.
 
         Args:
             skip_damaged: leave out those whose label is unclear, too, instead of refusing all.
@@ -140,41 +138,40 @@ class Sources:
             DamagedFile: a label is unclear.
             InputFileError: all failed.
         """
-        clear = [source for source in self.sources if source.name not in self.unclear]
-        if self.unclear and not (skip_damaged and clear):
-            raise _refusal(self.unclear, left=len(clear))
-        if self.unclear:
-            left_out = {name: error.message for name, error in self.unclear.items()}
-            return replace(self, sources=clear, damaged=self.damaged | left_out, unclear={}).without_failed()
-        failed = self.failures()
-        left = [source for source in self.sources if source.name not in failed]
+        unclear = {source.name: source.unclear for source in self.sources if source.unclear is not None}
+        clear = [source for source in self.sources if source.unclear is None]
+        if unclear and not (skip_damaged and clear):
+            raise _refusal(unclear, left=len(clear))
+        failed = {source.name: source.failed for source in clear if source.failed is not None}
+        left = [source for source in clear if source.failed is None]
         if not left:
             raise InputFileError(
                 f"{self.root} holds failed demonstrations only ({len(failed)}: {next(iter(failed.values()))})",
                 hint=f"give --to {self.sources[0].recording.TARGET}, which keeps them as they are and marked so",
                 details={"failed": failed},
             )
-        return replace(self, sources=left, failed=failed)
+        damaged = self.damaged | {name: error.message for name, error in unclear.items()}
+        return replace(self, sources=left, failed=failed, damaged=damaged)
 
 
 def rate_of(recording: Recording, fps: float | None) -> float | None:
-    """Frames per second: what the recording states, else what a user states, else what its timestamps give."""
+    """Return frames per second: stated by the recording, else by the user, else by timestamps."""
     return recording.fps or fps or recording.rate_guess
 
 
 def find_sources(
     root: Path, settings: CompressionSettings, *, skip_damaged: bool = False, colours: str = AUTO
 ) -> Sources:
-    """Open all recordings at a path, and look at what can be seen without decoding them.
+    """Open all recordings at a path, and check them as far as that is possible without decoding.
 
     Args:
         root: a file or a folder.
-        settings: how they are to be encoded.
+        settings: of the encoding.
         skip_damaged: leave out those that are damaged, and say so, instead of refusing all.
         colours: see :func:`vcage.datasets.recordings.opening.open_all`.
 
     Raises:
-        InputFileError: there is nothing at the path, or nothing that is known.
+        InputFileError: there is nothing at the path, or nothing known.
         DamagedFile: a recording is damaged; names the first few, and how many there are.
         UsageError: a recording has no pictures, or of a size that the codec or the pixel format does not take, or two
             recordings would be written under one name.
@@ -182,37 +179,41 @@ def find_sources(
     root = Path(root)
     opened = open_all(root, colours)
     complaints = {relative_name(path, root): error for path, error in opened.damaged.items()}
-    unclear: dict[str, DamagedFile] = {}
     sources: dict[str, SourceRecording] = {}
-    taken: dict[str, Recording] = {}
+    _require_own_names(opened.recordings, root)
     memory = free_memory()
     for recording in opened.recordings:
-        file, name = relative_name(recording.path, root), recording.name(root)
-        for written in (file, name):
-            first = taken.setdefault(written, recording)
-            if first.path != recording.path:
-                raise UsageError(
-                    f"{first} and {recording} would both be written as {written}", hint="rename one of them"
-                )
+        name = recording.name(root)
         try:
-            notes, (failed, doubt) = sound_notes(recording), recording.outcome()
+            notes, (failed, unclear) = sound_notes(recording), recording.outcome()
             _require_encodable(recording, settings)
             _require_memory(recording, memory)
         except DamagedFile as error:
             complaints[name] = error
         else:
-            if doubt is not None:
-                unclear[name] = doubt
-                notes = [*notes, doubt.details["note"]]
-            sources[name] = SourceRecording(name, file, recording, tuple(notes), failed)
+            notes += [unclear.details["note"]] if unclear else []
+            file = relative_name(recording.path, root)
+            sources[name] = SourceRecording(name, file, recording, tuple(notes), failed, unclear)
     if complaints and not (skip_damaged and sources):
         raise _refusal(complaints, left=len(sources))
     damaged = {name: error.message for name, error in complaints.items()}
-    return Sources(root, list(sources.values()), damaged, passed_over=opened.passed_over, unclear=unclear)
+    return Sources(root, list(sources.values()), damaged, passed_over=opened.passed_over)
+
+
+def _require_own_names(recordings: Sequence[Recording], root: Path) -> None:
+    """Raise UsageError where two recordings would be written under one name."""
+    taken: dict[str, Recording] = {}
+    for recording in recordings:
+        for written in (relative_name(recording.path, root), recording.name(root)):
+            first = taken.setdefault(written, recording)
+            if first.path != recording.path:
+                raise UsageError(
+                    f"{first} and {recording} would both be written as {written}", hint="rename one of them"
+                )
 
 
 def require_apart(root: Path, out: Path) -> None:
-    """Nothing, if neither the recordings at ``root`` lie in the output nor the output among the recordings.
+    """Require that recordings and output do not lie in one another.
 
     Raises:
         OutputFolderError: one lies in the other, or the output's path is not UTF-8.
@@ -229,13 +230,12 @@ def require_apart(root: Path, out: Path) -> None:
 
 
 def sound_notes(recording: Recording) -> list[str]:
-    """What a user must know about how a recording was understood, once it is sure that its commands are finite numbers,
-    one row for each picture, and that no camera is without a picture.
+    """Return notes for the user on how a sound recording was understood.
 
     Raises:
-        DamagedFile: they are not, or one is.
+        DamagedFile: its commands are not finite numbers, one row for each picture, or a camera has no picture.
     """
-    notes = recording.notes
+    notes = list(recording.notes)
     for camera in recording.cameras:
         if camera.frames == 0:
             raise DamagedFile(f"{recording}: {camera.name} holds no frame", hint="leave the episode out")
@@ -279,7 +279,7 @@ def _no_camera(recording: Recording, name: str) -> UsageError:
 
 
 def _refusal(complaints: Mapping[str, DamagedFile], left: int) -> DamagedFile:
-    """One error of all complaints, when ``left`` recordings are sound."""
+    """Return one error of all complaints, when ``left`` recordings are sound."""
     messages = {name: error.message for name, error in complaints.items()}
     every = list(dict.fromkeys(messages.values()))  # many may complain of one file that describes them
     hint = next(iter(complaints.values())).hint

@@ -1,4 +1,4 @@
-"""The way back: HDF5 files whose pictures lie in videos, with their pictures put back."""
+"""Decompression: HDF5 files whose pictures lie in videos, with their pictures put back."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def unpack_all(
         out: the folder to write.
         storage: see :func:`vcage.datasets.packed.unpack`.
         force: replace a folder that is there and holds nothing but files of these names.
-        progress: told of each file.
+        progress: called for each file.
 
     Returns:
         The files that were written.
@@ -68,7 +68,7 @@ def unpack_all(
 
 
 def _companions(files: Sequence[Path], folder: Path) -> set[Path]:
-    """Files beside recordings in a folder that describe them, relative to it."""
+    """Return files beside recordings in a folder that describe them, relative to it."""
     found: set[Path] = set()
     for file in files:
         with suppress(DamagedFile):  # any packed HDF5 is unpacked, of whatever layout
@@ -77,7 +77,7 @@ def _companions(files: Sequence[Path], folder: Path) -> set[Path]:
 
 
 def _require_replaceable(out: Path, names: Collection[Path], *, force: bool) -> None:
-    """Raise OutputFolderError where there is something that is not to be replaced, or is not ours to replace."""
+    """Raise OutputFolderError where there are files not to be replaced, or of others."""
     if not out.exists():
         return
     if not out.is_dir():

@@ -13,7 +13,7 @@ import numpy as np
 
 from vcage.base.files import atomic_path
 from vcage.base.progress import Progress
-from vcage.datasets.hdf5_files import damage, open_hdf5_file
+from vcage.datasets.hdf5_files import read_hdf5
 from vcage.datasets.lerobot.episode import LeRobotEpisode
 from vcage.datasets.lerobot.features import encodings
 from vcage.datasets.lerobot.formats import open_writer
@@ -28,18 +28,15 @@ from vcage.datasets.recordings.passed_over import SUFFIXES
 from vcage.datasets.recordings.recording import HDF5, Recording
 from vcage.schema.compression import VideoStream
 
-SAMPLES = 50
-"""Pictures per episode and camera, evenly spaced, for the statistics of pixels."""
-
 
 @dataclass(frozen=True)
 class Compressed:
-    """Recordings, and what the search made of them.
+    """Recordings and their encoded videos.
 
     Args:
         sources: the recordings.
         videos: (recording, camera) → the video.
-        preset: of the encoder of all.
+        preset: of the encoder.
     """
 
     sources: Sequence[SourceRecording]
@@ -55,7 +52,7 @@ class Compressed:
         return found
 
     def encodings(self) -> dict[str, dict[str, Any]]:
-        """Camera → what a LeRobot data set says of its encoding."""
+        """Return camera → facts on its encoding for a LeRobot data set."""
         return encodings([video.stream for video in self.videos.values()], self.preset)
 
 
@@ -63,10 +60,10 @@ def write_output(compressed: Compressed, output: OutputSpec, out: Path, progress
     """Write recordings with their videos into the folder ``out``, which is new.
 
     Args:
-        compressed: what is written.
-        output: as what.
+        compressed: the recordings.
+        output: the kind of output.
         out: the folder.
-        progress: told of every file or episode.
+        progress: called for every file or episode.
 
     Raises:
         UsageError: recordings do not fit into one LeRobot data set.
@@ -90,7 +87,7 @@ def _copy(file: Path, target: Path) -> None:
 
 
 def _write_hdf5(compressed: Compressed, out: Path, progress: Progress) -> None:
-    """The files, with links to the videos that lie there."""
+    """Write the files, with links to the videos that lie there."""
     links: dict[str, list[Stream]] = {}
     for source in compressed.sources:
         own = [link_to(source.recording, video.stream) for video in compressed.by_recording[source.name].values()]
@@ -99,7 +96,7 @@ def _write_hdf5(compressed: Compressed, out: Path, progress: Progress) -> None:
     for number, (file, path) in enumerate(paths.items()):
         progress(f"writing {file}", number, len(paths))
         suffix = path.suffix if path.suffix.lower() in SUFFIXES else ".hdf5"
-        target = out / f"{file}{suffix}"  # readers find what describes a file by its whole name
+        target = out / f"{file}{suffix}"  # readers find companions of a file by its whole name
         write_packed(path, target, links[file])
         for video in _kept_videos(path, links[file]):
             _copy(video, target.with_name(video.name))
@@ -110,16 +107,18 @@ def _write_hdf5(compressed: Compressed, out: Path, progress: Progress) -> None:
 
 
 def _kept_videos(path: Path, replaced: Sequence[Stream]) -> list[Path]:
-    """Videos of a file that was compressed before, of pictures that are not compressed now. Those of a demonstration
-    that is left out may be missing, and stay so."""
+    """Return videos of a file that was compressed before, of pictures that are not compressed now.
+
+    Those of a demonstration that is left out may be missing, and stay so.
+    """
     keys = {stream.key for stream in replaced}
-    with damage(path), open_hdf5_file(path) as file:
+    with read_hdf5(path) as file:
         kept = [link.stream.file for key, link in find_links(file).items() if key not in keys]
     return [video for name in kept if (video := path.with_name(name)).is_file()]
 
 
 def link_to(recording: Recording, stream: VideoStream) -> Stream:
-    """What stands in a recording's file for the pictures of a camera that were compressed."""
+    """Return the link that replaces the compressed pictures of a camera in a recording's file."""
     camera = recording.camera(stream.camera)
     return Stream(
         camera=camera.name,
@@ -145,7 +144,7 @@ def _write_lerobot(compressed: Compressed, output: OutputSpec, out: Path, progre
 
 
 def _repack_lerobot(compressed: Compressed, out: Path, progress: Progress) -> None:
-    """All stays as it is but the videos of the cameras that were compressed."""
+    """Write a copy of the data set with other videos of the compressed cameras."""
     recording = compressed.sources[0].recording
     told = compressed.encodings()
     keys = {camera: recording.camera(camera).key for camera in told}
@@ -156,13 +155,16 @@ def _repack_lerobot(compressed: Compressed, out: Path, progress: Progress) -> No
     repack(recording.path, out, new, {keys[camera]: facts for camera, facts in told.items()}, progress)
 
 
-def lerobot_episode(recording: Recording, videos: Mapping[str, Path], output: OutputSpec) -> LeRobotEpisode:
-    """A recording as an episode of a LeRobot data set.
+def lerobot_episode(
+    recording: Recording, videos: Mapping[str, Path], output: OutputSpec, samples: int = 50
+) -> LeRobotEpisode:
+    """Return a recording as an episode of a LeRobot data set.
 
     Args:
         recording: the recording.
         videos: camera → its video.
-        output: says what the recording does not.
+        output: states the facts that the recording does not.
+        samples: pictures of each camera, evenly spaced, for the statistics of pixels.
 
     Raises:
         DamagedFile: the recording cannot be read.
@@ -170,7 +172,7 @@ def lerobot_episode(recording: Recording, videos: Mapping[str, Path], output: Ou
     subtasks, motion = recording.subtasks, recording.motion
     commanded = recording.commanded
     frames = recording.camera(next(iter(videos))).frames if commanded is None else len(commanded)
-    sample = np.unique(np.linspace(0, frames - 1, SAMPLES).astype(int)).tolist()
+    sample = np.unique(np.linspace(0, frames - 1, samples).astype(int)).tolist()
     return LeRobotEpisode(
         fps=rate_of(recording, output.fps) or 0.0,
         robot=recording.robot or output.robot or "unknown",

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection
+from collections import Counter
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
+from itertools import chain
+from typing import Any
 
 import h5py
 import numpy as np
@@ -47,6 +50,15 @@ class MeasuredStream:
 
     def __str__(self) -> str:
         return f"{self.key} ({self.shows}, {self.stored})"
+
+
+def stream_counts(found: Iterable[Iterable[MeasuredStream]]) -> list[dict[str, Any]]:
+    """Return each stream of several recordings with its number of recordings, JSON-serialisable."""
+    counts = Counter(chain.from_iterable(found))
+    return [
+        {"stream": one.key, "shows": one.shows, "stored": one.stored, "recordings": count}
+        for one, count in counts.items()
+    ]
 
 
 def shown_by_name(name: str) -> str | None:
