@@ -1,4 +1,4 @@
-"""One episode in memory: what was measured, what was commanded, where everything was, and what was verified."""
+"""One episode in memory: measurements, commands, poses of all objects, and verified sub-tasks."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from vcage.sim.drive_log import DriveLog
 from vcage.sim.world import PHYSICS_HZ
 
 DRAWN = "randomisation"
-"""Name in ``meta`` of what was drawn for the episode (:class:`vcage.schema.randomisation.Drawn`)."""
+"""Name in ``meta`` of the random draws for the episode (:class:`vcage.schema.randomisation.Drawn`)."""
 
 
 @dataclass(frozen=True)
 class EpisodeLimits:
-    """Which numbers an episode may hold.
+    """Limits on the numbers of an episode.
 
     Args:
         spacing_s: largest deviation of a timestamp from even spacing.
@@ -101,9 +101,9 @@ class EpisodeData:
         meta: JSON-serialisable facts: ``instruction``, ``seed``, ``robot``, ``scene``, ``versions``, ``providers``…
         object_joints: object id → (T, n) positions of its moving parts, metres or radians; objects without moving
             parts are left out.
-        drives: what the arms were told at every physics step; None in an episode that cannot be simulated again.
+        drives: commands to the arms at every physics step; None in an episode that cannot be simulated again.
         robot_joints: arm → (T, n) measured positions of all its active joints, fingers too: with them a frame can be
-            drawn again; missing in episodes that were made before they were kept.
+            drawn again; missing in older episodes.
 
     Raises:
         ValueError: an array has a wrong shape, NaN or uneven times, or a segment or a step of the drives lies outside;
@@ -135,10 +135,9 @@ class EpisodeData:
             _check(f"object_poses[{name}]", poses, (frames, 7), LIMITS.max_state)
             if (np.abs(np.linalg.norm(poses[:, 3:], axis=1) - 1) > LIMITS.quaternion).any():
                 raise ValueError(f"object_poses[{name}] holds a quaternion whose length is not 1")
-        for name, joints in self.object_joints.items():
-            _check(f"object_joints[{name}]", joints, (frames, None), LIMITS.max_state)
-        for name, joints in self.robot_joints.items():
-            _check(f"robot_joints[{name}]", joints, (frames, None), LIMITS.max_state)
+        for kind in ("object_joints", "robot_joints"):
+            for name, joints in getattr(self, kind).items():
+                _check(f"{kind}[{name}]", joints, (frames, None), LIMITS.max_state)
         for name, camera in self.cameras.items():
             _check(f"cameras[{name}].intrinsics", camera.intrinsics, (3, 3))
             _check(f"cameras[{name}].extrinsics", camera.extrinsics, (frames, 4, 4), LIMITS.max_state)
@@ -157,13 +156,13 @@ class EpisodeData:
 
     @property
     def task(self) -> str:
-        """The instruction in the words that were drawn for the episode."""
+        """The instruction in the wording drawn for the episode."""
         return str(self.meta.get("task", self.instruction))
 
     def digest(self) -> str:
-        """Hex SHA-256 of what was measured, commanded, verified and told; whatever became of its pictures."""
-        told = json.dumps([self.fps, self.state_names, repr(self.segments), self.meta], sort_keys=True)
-        found = hashlib.sha256(told.encode())
+        """Return the hex SHA-256 of all but the pictures."""
+        facts = json.dumps([self.fps, self.state_names, repr(self.segments), self.meta], sort_keys=True)
+        found = hashlib.sha256(facts.encode())
         measured = {"object": self.object_poses, "part": self.object_joints, "arm": self.robot_joints}
         columns = {f"{kind} {name}": a for kind, by_name in measured.items() for name, a in by_name.items()}
         columns |= {"time": self.timestamp, "position": self.qpos, "velocity": self.qvel, "command": self.action}

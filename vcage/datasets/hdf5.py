@@ -1,4 +1,4 @@
-"""Write an episode as HDF5, names as in ACT and robomimic, with everything that a reader must know inside.
+"""Write an episode as HDF5, names as in ACT and robomimic, with all facts for a reader inside.
 
 Layout (schema ``vcage.episode/1``; T frames, D numbers in a state)::
 
@@ -7,7 +7,7 @@ Layout (schema ``vcage.episode/1``; T frames, D numbers in a state)::
     /cameras/<camera>/{intrinsics (3, 3), extrinsics (T, 4, 4)}   world → camera, OpenCV axes
     /objects/<id> (T, 7)        position and quaternion wxyz in the world
     /object_joints/<id> (T, n)  positions of the moving parts, metres or radians; only for objects that have any
-    /drives/…                   what the arms were told at every physics step: vcage.datasets.stored_drives
+    /drives/…                   commands to the arms at every physics step: vcage.datasets.stored_drives
     /robot_joints/<arm> (T, n)  all active joints of an arm, fingers too, so that a frame can be drawn again
     /subtasks/{id,text,start,end,arm,contact,attempts,verdict,truth}   one row per verified sub-task
     /meta/<name>                JSON text: instruction, seed, robot, scene, versions, providers…
@@ -23,6 +23,7 @@ import json
 from collections import deque
 from collections.abc import Iterable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -39,9 +40,21 @@ SCHEMA = "vcage.episode/1"
 GZIP_LEVEL = 1
 """Of arrays of pictures."""
 
-WORKERS = 2
-IN_FLIGHT = 16
-"""Pictures waiting for compression at most: bounds the memory of a stream of frames."""
+
+@dataclass(frozen=True)
+class CompressionPool:
+    """Threads that compress pictures.
+
+    Args:
+        workers: threads.
+        waiting: pictures waiting for compression at most: bounds the memory of a stream of frames.
+    """
+
+    workers: int = 2
+    waiting: int = 16
+
+
+POOL = CompressionPool()
 
 RECORDED = "sha256"
 """Attribute of a camera's pictures, also where these were moved to a video: SHA-256 of the bytes of all that were
@@ -143,14 +156,14 @@ def _write_images(group: h5py.Group, episode: EpisodeData, frames: Iterable[Mapp
             datasets[name].id.write_direct_chunk((index, 0, 0, 0), packed.result())
 
     count = 0
-    with ThreadPoolExecutor(WORKERS) as pool:
+    with ThreadPoolExecutor(POOL.workers) as pool:
         for count, pictures in enumerate(frames, start=1):
             _check_pictures(count - 1, pictures, episode)
             for name in datasets:
                 data = np.ascontiguousarray(pictures[name]).tobytes()
                 digests[name].update(data)
                 waiting.append((name, count - 1, pool.submit(deflate.zlib_compress, data, GZIP_LEVEL)))
-            store(IN_FLIGHT)
+            store(POOL.waiting)
         store(0)
     for name, dataset in datasets.items():
         dataset.attrs[RECORDED] = digests[name].hexdigest()

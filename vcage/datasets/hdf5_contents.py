@@ -25,12 +25,12 @@ COPY = "copy the data into the file itself (h5repack, or h5py), or leave it out"
 
 
 def address(one: h5py.HLObject) -> int:
-    """Identity of an object in a file, whatever its names."""
+    """Return the identity of an object in a file, under any name."""
     return int(h5o.get_info(one.id).addr)
 
 
 def encoded_name(owner: h5py.HLObject, name: str | bytes) -> bytes:
-    """A name in a group, or of an attribute, as HDF5 takes it.
+    """Return a name in a group, or of an attribute, encoded for HDF5.
 
     Raises:
         DamagedFile: it is not UTF-8, and so cannot be written into records.
@@ -62,8 +62,7 @@ def require_utf8_text(owner: h5py.HLObject, name: str, value: object) -> None:
 
 @dataclass
 class _Survey:
-    """A walk through all groups of a file. Soft links are followed last, when it is sure that the file has no external
-    links."""
+    """A walk through all groups of a file. Soft links are followed last, after external links are ruled out."""
 
     file: h5py.File
     limits: Hdf5Limits
@@ -101,7 +100,7 @@ class _Survey:
             )
 
     def _objects(self, group: h5py.Group) -> Iterator[h5py.HLObject]:
-        """Those with a name of their own in a group."""
+        """Yield the objects of a group that are no links."""
         for name in group:
             kind = group.id.links.get_info(encoded_name(group, name)).type
             path = f"{group.name.rstrip('/')}/{name}"
@@ -157,7 +156,7 @@ class _Survey:
 
 
 def require_own_contents(file: h5py.File, limits: Hdf5Limits = LIMITS) -> list[h5py.Dataset]:
-    """Check that an open file holds all of its data itself.
+    """Require that an open file holds all of its data itself.
 
     Returns:
         Its scalar datasets, each once; links to videos are among them.
@@ -172,7 +171,7 @@ def require_own_contents(file: h5py.File, limits: Hdf5Limits = LIMITS) -> list[h
 
 
 def require_not_virtual(file: h5py.File, keys: Collection[str]) -> None:
-    """Nothing, if no virtual dataset takes data from the datasets ``keys``, which are to be replaced.
+    """Require that no virtual dataset takes data from the datasets ``keys``, which are to be replaced.
 
     Raises:
         DamagedFile: one does; names both.
@@ -190,15 +189,15 @@ def require_not_virtual(file: h5py.File, keys: Collection[str]) -> None:
                 )
 
 
-# --- what is in a file ---------------------------------------------------------------------------------
+# --- content of a file ---------------------------------------------------------------------------------
 
 
 def walk(part: h5py.Group, limits: Hdf5Limits = LIMITS) -> Iterator[tuple[str, h5py.HLObject]]:
-    """All that a group holds, under every name that it has, soft links followed, in natural order.
+    """Yield all objects of a group, under every name, soft links followed, in natural order.
 
     Args:
-        part: a group of a file that was looked at by :func:`require_own_contents`.
-        limits: how many names are listed.
+        part: a group of a file that :func:`require_own_contents` checked.
+        limits: on the number of names.
 
     Yields:
         Path from ``part`` on, and the object.
@@ -226,7 +225,7 @@ def walk(part: h5py.Group, limits: Hdf5Limits = LIMITS) -> Iterator[tuple[str, h
 
 
 def datasets_in(part: h5py.Group, pattern: str = ".*") -> dict[str, h5py.Dataset]:
-    """The datasets below a group whose paths from there match, in natural order of the paths, each once.
+    """Return the datasets below a group whose paths from there match, in natural order of the paths, each once.
 
     A dataset that has several such names is listed under one, of which no part is a soft link if there is one.
 
@@ -250,5 +249,5 @@ def _by_soft_link(part: h5py.Group, key: str) -> bool:
 
 
 def _by_hard_link(dataset: h5py.Dataset) -> h5py.Dataset:
-    """The same under a name without soft links."""
+    """Return a dataset under a name without soft links."""
     return dataset.file[h5r.get_name(dataset.ref, dataset.id)]

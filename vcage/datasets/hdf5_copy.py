@@ -1,8 +1,8 @@
 """Copy an HDF5 file object by object, with something else in place of some of its datasets.
 
-Space of what is deleted in an HDF5 file is not given back, so a smaller file must be built anew. Everything else comes
-over as it is: data in the chunks and with the filters that it has, attributes in their types, links of every kind,
-objects with several names. HDF5 does not carry references from file to file; they are made again.
+HDF5 does not free the space of deleted objects, so a smaller file must be built anew. Everything else is copied as it
+is: data in its chunks and with its filters, attributes in their types, links of every kind, objects with several names.
+HDF5 does not carry references from file to file; they are made again.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from vcage.datasets.hdf5_contents import address, encoded_name
 from vcage.datasets.hdf5_limits import require_numbers_fit
 
 Replacement = Callable[[h5py.Dataset, h5py.Group, str], None]
-"""Called with a dataset of the source, and the group and the name that take what stands for it."""
+"""Called with a dataset of the source, and the group and the name of its replacement."""
 
 SCALE_ATTRIBUTES = ("DIMENSION_LIST", "REFERENCE_LIST")
-"""How HDF5 ties dimension scales to datasets; they are attached again instead."""
+"""Attributes by which HDF5 ties dimension scales to datasets; they are attached again instead."""
 
 
 def copy_file(source: h5py.File, target: h5py.File, replacements: Mapping[str, Replacement]) -> None:
@@ -29,7 +29,7 @@ def copy_file(source: h5py.File, target: h5py.File, replacements: Mapping[str, R
     Args:
         source: open for reading.
         target: open for writing.
-        replacements: full name of a dataset → what puts something in its place, under all names that the dataset has.
+        replacements: full name of a dataset → function that writes its replacement, under all names of the dataset.
             References to its elements become empty, and scales of its dimensions are not attached again.
     """
     copied = _Copier(source, target, replacements).run()
@@ -43,9 +43,9 @@ def copy_attributes(source: h5py.HLObject, target: h5py.HLObject, *, leave: str 
     """Copy attributes in their types, but for those whose names begin with ``leave``, if that is anything.
 
     Args:
-        source: what has them.
-        target: what gets them.
-        leave: how the names of those begin that are not copied.
+        source: with the attributes.
+        target: of the copy.
+        leave: prefix of the names that are not copied.
 
     Raises:
         DamagedFile: a name is not UTF-8.
@@ -82,7 +82,7 @@ class _Copier:
         self._replaced: set[str] = set()
 
     def run(self) -> list[str]:
-        """Names of all objects that were copied, one for each."""
+        """Copy all objects and return a name of each that was not replaced."""
         self._names[address(self._source)] = "/"
         self._group(self._source, self._target)
         return [name for name in self._names.values() if name not in self._replaced]
@@ -120,7 +120,7 @@ class _Copier:
 
 
 def _mend_references(source: h5py.HLObject, target: h5py.HLObject) -> None:
-    """Point the references in a copied object's data and attributes at the copies of what they point at."""
+    """Point the references in a copied object's data and attributes at the copies of their targets."""
     for name in source.attrs:
         old = h5a.open(source.id, name.encode())
         if name in SCALE_ATTRIBUTES:
@@ -137,7 +137,7 @@ def _mend_references(source: h5py.HLObject, target: h5py.HLObject) -> None:
 
 
 def _translated(values: np.ndarray, source: h5py.File, target: h5py.File) -> np.ndarray:
-    """An array of references, or of records or lists that hold some, as it must be in another file."""
+    """Return an array of references, or of records or lists with some, for another file."""
     result = values.copy()
     if values.dtype.names:
         for field in values.dtype.names:

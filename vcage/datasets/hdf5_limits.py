@@ -1,4 +1,4 @@
-"""How much of an HDF5 file of others is read: what it declares is bounded before anything is read."""
+"""Limits on the size of HDF5 files of others, checked before anything is read."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from vcage.base.errors import DamagedFile, OversizedFile
 
 @dataclass(frozen=True)
 class Hdf5Limits:
-    """The most that is read of a file.
+    """Limits on a file.
 
     Args:
         max_number_bytes: of a dataset of numbers, which is read whole.
@@ -39,7 +39,7 @@ FILTERS = {32001: "Blosc", 32004: "LZ4", 32008: "Bitshuffle", 32015: "Zstandard"
 
 
 def require_readable(dataset: h5py.Dataset, limits: Hdf5Limits = LIMITS) -> None:
-    """Nothing, if a part of a dataset can be read: its filters are known, and a chunk of it fits in memory.
+    """Require that a part of a dataset can be read: its filters are known, and a chunk of it fits in memory.
 
     Raises:
         DamagedFile: a filter is missing.
@@ -60,7 +60,7 @@ def require_readable(dataset: h5py.Dataset, limits: Hdf5Limits = LIMITS) -> None
 
 
 def require_numbers_fit(dataset: h5py.Dataset, limits: Hdf5Limits = LIMITS) -> None:
-    """Nothing, if a dataset can be read whole.
+    """Require that a dataset can be read whole.
 
     Raises:
         DamagedFile, OversizedFile: see :func:`require_readable`; or it declares too many numbers.
@@ -71,7 +71,7 @@ def require_numbers_fit(dataset: h5py.Dataset, limits: Hdf5Limits = LIMITS) -> N
 
 
 def require_pictures_fit(dataset: h5py.Dataset, limits: Hdf5Limits = LIMITS) -> None:
-    """Nothing, if any picture of a dataset can be read; encoded ones are looked at when they are decoded.
+    """Require that any picture of a dataset can be read; encoded ones are checked when they are decoded.
 
     Raises:
         DamagedFile, OversizedFile: see :func:`require_readable`; or it declares too many, or too large ones.

@@ -31,7 +31,7 @@ IMAGES = "observations/images/"
 
 @contextmanager
 def _damage(path: Path) -> Iterator[None]:
-    """Turn what a broken file makes h5py, JSON or a check raise into :class:`DamagedFile`."""
+    """Turn the errors of h5py, JSON or a check on a broken file into :class:`DamagedFile`."""
     try:
         yield
     except (OSError, KeyError, ValueError, RuntimeError, TypeError) as error:
@@ -64,7 +64,7 @@ class Pictures:
 
 
 class PicturesInVideo(Pictures):
-    """The same of an episode that was compressed: they come from the video beside its file."""
+    """The same of a compressed episode, from the video beside its file."""
 
     def __init__(self, path: Path, link: Link):
         self._video = link.whole_video(path)
@@ -154,7 +154,7 @@ class EpisodeReader:
             return sorted(self._file["observations/images"])
 
     def images(self, camera: str) -> Pictures:
-        """The pictures of a camera.
+        """Return the pictures of a camera.
 
         Raises:
             UnknownName: the episode has no such camera.
@@ -168,12 +168,12 @@ class EpisodeReader:
         return Pictures(self.path, dataset) if link is None else PicturesInVideo(self.path, link)
 
     def holds_pictures(self, camera: str) -> bool:
-        """Whether the pictures of a camera lie in the file, and not in a video beside it."""
+        """True if the pictures of a camera lie in the file, and not in a video beside it."""
         with _damage(self.path):
             return read_link(self._file["observations/images"][camera]) is None
 
     def recorded_digest(self, camera: str) -> str | None:
-        """SHA-256 of the pictures of a camera as they were recorded; None in a file that does not keep it."""
+        """Return the SHA-256 of the pictures of a camera as they were recorded; None in a file without it."""
         with _damage(self.path):
             return self._file["observations/images"][camera].attrs.get(RECORDED)
 

@@ -10,7 +10,7 @@ Layout (T frames; https://github.com/RoboTwin-Platform/RoboTwin, ``envs/utils/pk
 RoboTwin hands RGB arrays to an encoder that expects BGR, and its readers take what OpenCV decodes for RGB: red and blue
 are swapped in its JPEGs. So they are here, and the file's attribute ``jpeg_colours`` says it.
 
-Two things are ours: ``/joint_state`` beside ``/joint_action`` is what was measured (RoboTwin knows commands only), and
+Two things are ours: ``/joint_state`` beside ``/joint_action`` is the measured state (RoboTwin has commands only), and
 the attributes fps, instruction and robot. There is no ``endpose``: episodes do not record it; and no sub-tasks, for
 which the layout has no place.
 """
@@ -69,7 +69,7 @@ def export_robotwin(reader: EpisodeReader, out: Path) -> Path:
 
 
 def _arm_parts(state_names: list[str]) -> dict[str, list[int]]:
-    """RoboTwin's parts of a robot that there are, in its order → their columns in a state.
+    """Return RoboTwin's parts of the robot, in its order → their columns in a state.
 
     Raises:
         UsageError: a column belongs to none.

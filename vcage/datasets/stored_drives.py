@@ -1,4 +1,4 @@
-"""What drives were told at every physics step, as it lies in an episode's file: a few bits for each number.
+"""Commands to the drives at every physics step in an episode's file: a few bits for each number.
 
 All but the opening of a gripper are whole steps of a grid (:mod:`vcage.sim.drives`), and change smoothly. So their
 third differences over time are stored, (numbers, S) int32 with the sign in the lowest bit (0, -1, 1, -2 … are 0, 1, 2,
@@ -32,12 +32,12 @@ ORDER = 3
 
 @dataclass(frozen=True)
 class DriveLimits:
-    """How much a file may ask for.
+    """Limits on a file.
 
     Args:
         max_settled_steps: physics steps before the first row; a minute.
         max_restarts: worlds that are built afresh.
-        max_value: of any number that a drive is told, in its unit (rad, m, per s, N m, N).
+        max_value: of any command to a drive, in its unit (rad, m, per s, N m, N).
     """
 
     max_settled_steps: int = 60 * PHYSICS_HZ
@@ -61,11 +61,11 @@ def write_drives(group: h5py.Group, drives: DriveLog) -> None:
 
 
 def read_drives(group: h5py.Group, limits: DriveLimits = LIMITS) -> DriveLog:
-    """The inverse of :func:`write_drives`; everything is checked here, so that whoever simulates it can rely on it.
+    """Read and check the output of :func:`write_drives`, so that it can be simulated.
 
     Args:
         group: of a file that may be somebody else's.
-        limits: how much is simulated, and how large the numbers are.
+        limits: on the steps and numbers.
 
     Raises:
         DamagedFile: a part is missing, or has another type or shape, or a number that is not finite, too large or out
@@ -85,7 +85,7 @@ def read_drives(group: h5py.Group, limits: DriveLimits = LIMITS) -> DriveLog:
 
 
 def _read_arm(group: h5py.Group, limits: DriveLimits) -> tuple[DriveLayout, np.ndarray]:
-    """The layout and the (S, k) rows of an arm."""
+    """Return the layout and the (S, k) rows of an arm."""
     told, opening = (_table(group, name, kinds) for name, kinds in (("told", "iu"), ("opening", "f")))
     if opening.shape != (1, told.shape[1]):
         raise _refused(opening, f"has the shape {opening.shape}, expected (1, {told.shape[1]})")
@@ -102,7 +102,7 @@ def _read_arm(group: h5py.Group, limits: DriveLimits) -> tuple[DriveLayout, np.n
 
 
 def _table(group: h5py.Group, name: str, kinds: str) -> h5py.Dataset:
-    """A dataset of numbers along two axes, with at least one step."""
+    """Return a dataset of numbers along two axes, with at least one step."""
     found = group.get(name)
     if not isinstance(found, h5py.Dataset):
         raise _refused(group, f"has no dataset {name}")
@@ -113,7 +113,7 @@ def _table(group: h5py.Group, name: str, kinds: str) -> h5py.Dataset:
 
 
 def _step(told: h5py.Dataset, part: str) -> float:
-    """The size of one step of a part."""
+    """Return the size of one step of a part."""
     found = told.attrs.get(part)
     if not isinstance(found, (float, np.floating)) or not 0 < found <= 1:  # which NaN is not either
         raise _refused(told, f"has the attribute {part} {found!r}, expected a step above 0, at most 1")
@@ -128,7 +128,7 @@ def _whole_number(owner: h5py.Group | h5py.Dataset, name: str, least: int, most:
 
 
 def _read_restarts(group: h5py.Group, settled: int, steps: int, limits: DriveLimits) -> list[int]:
-    """Steps, increasing, among those that were recorded."""
+    """Return steps, increasing, among the recorded ones."""
     found = group.attrs.get("restarts")
     if not isinstance(found, np.ndarray) or found.ndim != 1 or found.dtype.kind not in "iu":
         raise _refused(group, f"has the attribute restarts {found!r}, expected a list of whole numbers")
@@ -148,21 +148,21 @@ def _refused(owner: h5py.Group | h5py.Dataset, why: str) -> DamagedFile:
 
 
 def _create(group: h5py.Group, name: str, table: np.ndarray) -> h5py.Dataset:
-    """A dataset of a table (S, k) with time along its rows, compressed in one piece."""
+    """Write a table (S, k) with time along its rows, compressed in one piece."""
     data = np.ascontiguousarray(table.T)
     filters = {"shuffle": True, "compression": "gzip", "compression_opts": 9, "fletcher32": True}
     return group.create_dataset(name, data=data, chunks=data.shape, track_times=False, **filters)
 
 
 def _packed(values: np.ndarray) -> np.ndarray:
-    """(S, k) int32 of whole numbers."""
+    """Return (S, k) int32 of whole numbers."""
     before = np.zeros((ORDER, values.shape[1]), np.int64)
     differences = np.diff(values.astype(np.int64), n=ORDER, axis=0, prepend=before)
     return ((differences << 1) ^ (differences >> 63)).astype(np.int32)
 
 
 def _unpacked(stored: np.ndarray) -> np.ndarray:
-    """(S, k) whole numbers of what :func:`_packed` gives."""
+    """Return (S, k) whole numbers of the output of :func:`_packed`."""
     folded = stored.astype(np.int64)
     values = (folded >> 1) ^ -(folded & 1)
     for _ in range(ORDER):

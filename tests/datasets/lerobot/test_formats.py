@@ -283,7 +283,7 @@ def test_pictures_alone_and_numbers_alone_make_data_sets(version, episodes, tmp_
 
 
 def test_descriptions_of_episodes_are_written_in_parts(episodes, tmp_path, monkeypatch):
-    monkeypatch.setattr("vcage.datasets.lerobot.v3.ROWS", 2)
+    monkeypatch.setattr("vcage.datasets.lerobot.v3.WriterV30.ROWS_AT_ONCE", 2)
     root = write("lerobot-v3.0", tmp_path / "set", [episodes[0]] * 5)
     file = pq.ParquetFile(root / "meta/episodes/chunk-000/file-000.parquet")
     assert file.num_row_groups == 3

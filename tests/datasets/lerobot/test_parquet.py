@@ -53,7 +53,7 @@ def test_a_series_that_nothing_was_written_to_leaves_no_file(tmp_path):
 
 
 def test_rows_come_back_in_batches_over_files_and_row_groups(tmp_path, monkeypatch):
-    monkeypatch.setattr(parquet, "ROWS_AT_ONCE", 8)
+    monkeypatch.setattr(parquet, "LIMITS", ParquetLimits(batch_rows=8))
     paths = [tmp_path / "a.parquet", tmp_path / "b.parquet"]
     for start, path in zip((0, 20), paths, strict=True):
         pq.write_table(table(start), path, row_group_size=3)

@@ -80,14 +80,14 @@ FLOATS = st.floats(width=32, allow_nan=False, allow_infinity=False)
 SHAPES = st.tuples(st.integers(1, 60), st.integers(1, 3))
 
 
-def quantiles(folder: Path, values: np.ndarray, dtype: str, per_file: int = 25) -> np.ndarray:
-    """Those of a column of several files."""
+def quantiles(folder: Path, values: np.ndarray, dtype: str, **options: int) -> np.ndarray:
+    """Return those of a column in files of 25 rows."""
     files = []
-    for start in range(0, len(values), per_file):
-        rows = pa.array(list(values[start : start + per_file]), pa.list_(pa.from_numpy_dtype(values.dtype)))
+    for start in range(0, len(values), 25):
+        rows = pa.array(list(values[start : start + 25]), pa.list_(pa.from_numpy_dtype(values.dtype)))
         files.append(folder / f"{start}.parquet")
         pq.write_table(pa.table({"x": rows}), files[-1])
-    return column_quantiles(files, "x", {"dtype": dtype, "shape": [values.shape[1]]})
+    return column_quantiles(files, "x", {"dtype": dtype, "shape": [values.shape[1]]}, **options)
 
 
 def expected(values: np.ndarray) -> np.ndarray:
@@ -113,8 +113,7 @@ def test_what_does_not_fit_into_memory_at_once_is_read_again(tmp_path, monkeypat
     values = np.random.default_rng(0).normal(size=(100, 5)).astype(np.float32)
     read = Mock(wraps=statistics.read_batches)
     monkeypatch.setattr(statistics, "read_batches", read)
-    monkeypatch.setattr(statistics, "IN_MEMORY", room)
-    np.testing.assert_allclose(quantiles(tmp_path, values, "float32"), expected(values), rtol=1e-12)
+    np.testing.assert_allclose(quantiles(tmp_path, values, "float32", max_bytes=room), expected(values), rtol=1e-12)
     assert read.call_count == readings
 
 

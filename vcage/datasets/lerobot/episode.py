@@ -1,4 +1,4 @@
-"""One episode as LeRobot wants it, whoever recorded it: numbers per frame, videos, and what it was told to do."""
+"""One episode for LeRobot, from any source: numbers per frame, videos, and its task."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ class SubtaskSpan:
     """The frames ``start … end - 1``, in which a part of the task was carried out.
 
     Args:
-        text: what the robot was told.
+        text: the instruction.
         start: its first frame.
         end: the frame after its last.
-        wordings: the same said in other ways, ``text`` among them or not.
+        wordings: the same in other words, with ``text`` or without.
     """
 
     text: str
@@ -32,7 +32,7 @@ class SubtaskSpan:
 
 @dataclass(frozen=True)
 class LeRobotEpisode:
-    """One episode of T frames to export. Whether its parts fit together is checked when it is added to a data set.
+    """One episode of T frames to export; a data set checks that its parts fit together.
 
     Args:
         fps: frames per second, evenly spaced.
@@ -41,13 +41,13 @@ class LeRobotEpisode:
         videos: camera → an MP4 of T frames; it is copied as it is.
         histograms: camera → (3, 256) counts of levels in some of its pictures, for the statistics of pixels.
         sampled: number of pictures in each histogram.
-        subtasks: parts of the task in order, without overlap; none means that the task is one piece.
+        subtasks: parts of the task in order, without overlap; empty if the task is one piece.
         state: (T, D) measured, or None where it was not recorded.
         state_names: of the D numbers.
         action: (T, A) commanded, or None where it was not recorded.
         action_names: of the A numbers.
         frames: T; needed only where there is neither state nor action.
-        randomisation: what was drawn for it, as JSON text; None where nobody said.
+        randomisation: random draws of its world and look, as JSON text; None if unknown.
     """
 
     fps: float
@@ -66,7 +66,7 @@ class LeRobotEpisode:
 
     @property
     def vectors(self) -> dict[str, NDArray[np.float32]]:
-        """LeRobot's name → (T, D) float32, of state and action as far as they were recorded."""
+        """LeRobot's name → (T, D) float32, of recorded state and action."""
         return {name: np.asarray(values, np.float32) for name, values, _ in self._recorded()}
 
     @property
@@ -76,13 +76,13 @@ class LeRobotEpisode:
 
     @property
     def length(self) -> int:
-        """T, the number of frames; 0 when nothing tells it."""
+        """T, the number of frames; 0 if unknown."""
         if self.frames is not None:
             return self.frames
         return next((len(values) for _, values, _ in self._recorded()), 0)
 
     def complaints(self) -> Iterator[str]:
-        """What is wrong with the episode in itself, in words; nothing when it can be exported."""
+        """Yield the errors of the episode in itself, in words; none if it can be exported."""
         if not (np.isfinite(self.fps) and self.fps > 0):
             yield f"its frame rate is {self.fps}, expected a positive number"
         if not self.task.strip():

@@ -1,4 +1,4 @@
-"""What ``meta/info.json`` says of a data set's frames and videos, and whether another episode agrees with it."""
+"""Features in ``meta/info.json``: of a data set's frames and videos, and their agreement with another episode."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from vcage.schema.compression import VideoStream
 SUBTASK = "subtask_index"
 
 OF_SUBTASKS = (SUBTASK, *LANGUAGE)
-"""Columns that say which sub-task is in hand; a data set that lacks some is added to without."""
+"""Columns of the current sub-task; a data set that lacks some is added to without."""
 
 SCALARS = ("timestamp", "frame_index", "episode_index", "index", "task_index", SUBTASK)
 
 CAMERA = "observation.images."
 
 ENCODER = ("video.crf", "video.g", "video.lossless", "video.pix_fmt", "video.preset")
-"""Facts of a video in which those that are added to a data set may differ from those that are there."""
+"""Facts of a video that may differ between old and added episodes of a data set."""
 
 TIME_TOLERANCE_S = 1e-4
 """Largest difference between a picture's time and its frame's, LeRobot's ``tolerance_s``."""
@@ -37,7 +37,7 @@ ENCODE_AGAIN = "encode it again (in a run, by its stage compress)"
 
 
 def video_key(camera: str) -> str:
-    """LeRobot's name of a camera's feature."""
+    """Return LeRobot's name of a camera's feature."""
     return f"{CAMERA}{camera}"
 
 
@@ -47,7 +47,7 @@ def video_keys(features: Mapping[str, Mapping[str, Any]], dtype: str = "video") 
 
 
 def other_columns(features: Mapping[str, Mapping[str, Any]]) -> list[str]:
-    """Names of features that no episode of ours fills, such as rewards."""
+    """Return names of features that no episode of ours fills, such as rewards."""
     ours = (STATE, ACTION, *SCALARS, *LANGUAGE)
     return sorted(name for name, feature in features.items() if feature["dtype"] != "video" and name not in ours)
 
@@ -55,12 +55,12 @@ def other_columns(features: Mapping[str, Mapping[str, Any]]) -> list[str]:
 def features_of(
     episode: LeRobotEpisode, encodings: Mapping[str, Mapping[str, Any]], *, language: bool = False
 ) -> dict[str, Any]:
-    """``fps``, ``robot_type`` and ``features`` of a data set of such episodes.
+    """Return ``fps``, ``robot_type`` and ``features`` of a data set of such episodes.
 
     Args:
-        episode: one that has nothing to complain of.
-        encodings: camera → facts about its encoding that its file does not tell, such as ``{"video.crf": 18}``; None
-            for what its file tells but the data set leaves open, as its episodes differ in it.
+        episode: one without complaints.
+        encodings: camera → facts about its encoding beyond those of its file, such as ``{"video.crf": 18}``; None
+            for a fact of its file that the data set leaves open, as its episodes differ in it.
         language: with the columns of :mod:`vcage.datasets.lerobot.language`.
 
     Raises:
@@ -71,12 +71,12 @@ def features_of(
         features[name] = {"dtype": "float32", "shape": [len(names)], "names": names}
     for camera in sorted(episode.videos, key=natural_key):
         info = video_info(episode.videos[camera], episode.length, episode.fps)
-        told = {**info, **encodings.get(camera, {})}
+        facts = {**info, **encodings.get(camera, {})}
         features[video_key(camera)] = {
             "dtype": "video",
             "shape": [info["video.height"], info["video.width"], 3],
             "names": ["height", "width", "channels"],
-            "info": {fact: value for fact, value in told.items() if value is not None},
+            "info": {fact: value for fact, value in facts.items() if value is not None},
         }
     for name in SCALARS:
         features[name] = {"dtype": "float32" if name == "timestamp" else "int64", "shape": [1], "names": None}
@@ -86,48 +86,47 @@ def features_of(
 
 
 def agreed_info(episode: int, described: Mapping[str, Any], data_set: Mapping[str, Any]) -> dict[str, Any]:
-    """What a data set says of its episodes, once it is sure that it is true of another one too.
+    """Return the description of a data set's episodes after another one agreed with it.
 
-    A finished data set may hold videos that were compressed by another degree: of :data:`ENCODER` it then says no more
-    than what is true of all.
+    A finished data set may hold videos that were compressed by another degree: of :data:`ENCODER` it then states only
+    facts of all.
 
     Args:
         episode: its number in the data set, for the message.
-        described: what :func:`features_of` says of it.
-        data_set: ``meta/info.json`` of a finished data set, or what :func:`features_of` says of the first episode of
-            one that is begun; what it does not tell (None, or no such entry) may be anything.
+        described: :func:`features_of` it.
+        data_set: ``meta/info.json`` of a finished data set, or :func:`features_of` the first episode of a new one;
+            facts that it does not state (None, or no such entry) may be anything.
 
     Raises:
-        UsageError: something else is not true of it; names what.
+        UsageError: another fact differs; names it.
     """
     may_differ = ENCODER if "total_episodes" in data_set else ()
     mine, theirs = _facts(described, may_differ), _facts(data_set, may_differ)
     for what, value in theirs.items():
         if value is not None and mine.get(what) != value:
             raise UsageError(
-                f"episode {episode} has other {what} ({_told(mine.get(what))}) than the data set ({_told(value)})",
+                f"episode {episode} has other {what} ({_shown(mine.get(what))}) than the data set ({_shown(value)})",
                 hint=_way_out(what, value),
                 details={"episode": episode, "what": what},
             )
     features = dict(data_set["features"])
-    for key, feature in features.items():
-        if feature["dtype"] == "video":
-            mine = described["features"][key]["info"]
-            told = {
-                name: {fact: one for fact, one in info.items() if fact not in may_differ or one == mine.get(fact)}
-                for name, info in _infos(feature).items()
-            }
-            features[key] = {**feature, **told}
+    for key in video_keys(features):
+        mine = described["features"][key]["info"]
+        common = {
+            name: {fact: one for fact, one in info.items() if fact not in may_differ or one == mine.get(fact)}
+            for name, info in _infos(features[key]).items()
+        }
+        features[key] = {**features[key], **common}
     return {**data_set, "features": features}
 
 
 def _infos(feature: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-    """What a video feature tells of its videos; older data sets have it under another name."""
+    """Return the facts of a video feature; older data sets have them under another name."""
     return {name: feature[name] for name in ("video_info", "info") if feature.get(name)}
 
 
 def video_facts(feature: Mapping[str, Any]) -> dict[str, Any]:
-    """What a feature tells of its videos, under whatever names."""
+    """Return the facts of a feature's videos, under either name."""
     return {fact: value for info in _infos(feature).values() for fact, value in info.items()}
 
 
@@ -137,14 +136,14 @@ def _way_out(what: str, value: Any) -> str:
     return "put episodes of one robot, one set of cameras and one codec together"
 
 
-def _told(value: Any) -> str:
+def _shown(value: Any) -> str:
     return "unknown" if value is None else str(value)
 
 
 def _facts(info: Mapping[str, Any], but: Sequence[str]) -> dict[str, Any]:
-    """Name in plain words → what must be the same in all episodes; facts of videos ``but`` for some."""
+    """Return name in plain words → fact that all episodes share; of videos all facts ``but`` some."""
     features = info["features"]
-    videos = [key for key, feature in features.items() if feature["dtype"] == "video"]
+    videos = video_keys(features)
     facts: dict[str, Any] = {
         "frame rate": float(info["fps"]),
         "robot": info.get("robot_type"),
@@ -154,8 +153,8 @@ def _facts(info: Mapping[str, Any], but: Sequence[str]) -> dict[str, Any]:
     for key, feature in features.items():
         if key in videos:
             facts[f"size of {key}"] = list(feature["shape"])
-            told = video_facts(feature).items()
-            facts |= {f"{fact} of {key}": value for fact, value in told if fact not in but}
+            stated = video_facts(feature).items()
+            facts |= {f"{fact} of {key}": value for fact, value in stated if fact not in but}
         elif key not in SCALARS and key not in LANGUAGE:
             facts[f"type of {key}"] = feature["dtype"]
             facts[f"size of {key}"] = list(feature["shape"])
@@ -164,7 +163,7 @@ def _facts(info: Mapping[str, Any], but: Sequence[str]) -> dict[str, Any]:
 
 
 def number_names(names: Any) -> list[str]:
-    """The names as a list: they also come in groups, ``{"motors": […]}``, or numbered, ``{"x": 0}``; none for None."""
+    """Return the names as a list: they also come in groups, ``{"motors": […]}``, or numbered, ``{"x": 0}``."""
     if isinstance(names, Mapping):
         names = [one for name, group in names.items() for one in (group if isinstance(group, list) else [name])]
     return [str(name) for name in names or ()]
@@ -174,13 +173,13 @@ def number_names(names: Any) -> list[str]:
 
 
 def video_info(path: Path, frames: int, fps: float) -> dict[str, Any]:
-    """The ``info`` of a video feature, as in ``meta/info.json``.
+    """Return the ``info`` of a video feature, as in ``meta/info.json``.
 
     All packets are read, none is decoded: a file that is cut off is found, and one whose pictures come at other times.
 
     Args:
         path: an MP4 file.
-        frames: how many pictures it must show.
+        frames: its number of pictures.
         fps: one every ``1 / fps`` seconds, the first at 0.
 
     Raises:
@@ -203,7 +202,7 @@ def video_info(path: Path, frames: int, fps: float) -> dict[str, Any]:
 
 
 def as_int(number: float) -> int | float:
-    """An int where the number is one, as LeRobot writes frame rates."""
+    """Return a whole number as int, as LeRobot writes frame rates."""
     return int(number) if float(number).is_integer() else number
 
 
@@ -226,8 +225,8 @@ def _stream_info(container: av.container.InputContainer, path: Path) -> dict[str
 
 def require_rgb(key: str, feature: Mapping[str, Any]) -> None:
     """Raise UsageError where a camera's feature says that it shows depth or grey, which a video in RGB cannot keep."""
-    told = video_facts(feature)
-    depth = told.get("video.is_depth_map") or told.get("is_depth_map")
+    facts = video_facts(feature)
+    depth = facts.get("video.is_depth_map") or facts.get("is_depth_map")
     shape = feature["shape"]
     if depth or 3 not in (shape[0], shape[-1]):
         what = "depth" if depth else f"pictures of the shape {list(shape)}"
@@ -238,18 +237,17 @@ def require_rgb(key: str, feature: Mapping[str, Any]) -> None:
 
 
 def encodings(streams: Sequence[VideoStream], preset: str) -> dict[str, dict[str, Any]]:
-    """Camera → what ``info.json`` says of its encoding beyond the stream itself, if all its streams have it alike.
+    """Return camera → facts of its encoding for ``info.json`` beyond the stream itself, if all its streams share them.
 
     Args:
         streams: of all cameras.
         preset: of the encoder, for all.
     """
-    told: dict[str, dict[str, Any]] = {}
+    found: dict[str, dict[str, Any]] = {}
     for camera in sorted({stream.camera for stream in streams}):
         own = [stream for stream in streams if stream.camera == camera]
-        facts: dict[str, Any] = {"video.g": own[0].gop, "video.crf": own[0].crf}
-        if own[0].lossless:
-            facts = {"video.g": own[0].gop, "video.lossless": True}
-        alike = all((s.pixel_format, s.gop, s.crf) == (own[0].pixel_format, own[0].gop, own[0].crf) for s in own)
-        told[camera] = {**(facts if alike else {"video.pix_fmt": None}), "video.preset": preset}
-    return told
+        first, alike = own[0], len({(one.pixel_format, one.gop, one.crf) for one in own}) == 1
+        quality = {"video.lossless": True} if first.lossless else {"video.crf": first.crf}
+        facts = {"video.g": first.gop, **quality} if alike else {"video.pix_fmt": None}
+        found[camera] = {**facts, "video.preset": preset}
+    return found

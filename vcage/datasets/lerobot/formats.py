@@ -1,4 +1,4 @@
-"""Write LeRobot data sets, one episode after the other, and add to those there are."""
+"""Writers of LeRobot data sets, one episode after the other, new or added to."""
 
 from __future__ import annotations
 
@@ -27,15 +27,15 @@ FORMATS: dict[str, type[LeRobotWriter]] = {
 def open_writer(
     version: str, out: Path, encodings: Mapping[str, Mapping[str, Any]] | None = None, *, append: bool = False
 ) -> Iterator[LeRobotWriter]:
-    """A writer of episodes; the data set appears when the block ends, whole or not at all.
+    """Open a writer of episodes; the data set appears when the block ends, whole or not at all.
 
     Memory is that of one episode, however many there are; a v3.0 set is read again at the end for its quantiles.
 
     Args:
         version: one of :data:`FORMATS`.
-        out: folder of the data set; one that is there is replaced.
-        encodings: camera → facts about its encoding for ``info.json`` that the video does not tell, such as
-            ``{"video.crf": 18}``; ``{"video.pix_fmt": None}`` leaves open what differs between its videos.
+        out: folder of the data set; an old one is replaced.
+        encodings: camera → facts about its encoding for ``info.json`` beyond those of the video, such as
+            ``{"video.crf": 18}``; ``{"video.pix_fmt": None}`` leaves open a fact that differs between its videos.
         append: add to the data set at ``out``. Its files stay as they are (hard links where the disk knows them, else
             copies), new ones come beside them, and numbers of episodes, frames, tasks and sub-tasks go on. A data set
             that lerobot wrote can be added to where its features agree; one without ``subtask_index``, or without the

@@ -2,8 +2,8 @@
 
 https://huggingface.co/docs/lerobot/language_and_recipes. LeRobot calls a data set that has them v3.1, and its
 ``codebase_version`` stays v3.0. ``language_persistent`` holds the same rows in all frames of an episode, each valid
-from its timestamp on until the next of its style; ``language_events`` holds what happens in one frame alone, of which
-episodes know nothing.
+from its timestamp on until the next of its style; ``language_events`` holds events of one frame alone, of which
+episodes have none.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ PERSISTENT, EVENTS = "language_persistent", "language_events"
 LANGUAGE = (PERSISTENT, EVENTS)
 
 FEATURE: dict[str, Any] = {"dtype": "language", "shape": [1], "names": None}
-"""What ``info.json`` says of each of the columns."""
+"""Entry of ``info.json`` for each of the columns."""
 
 STYLE, ROLE = "subtask", "assistant"
-"""Of a sub-task's row, as lerobot's own annotations have them: what a policy that plans is to say."""
+"""Of a sub-task's row, as in lerobot's own annotations: the output of a policy that plans."""
 
 _EVENT = [
     pa.field("role", pa.string(), nullable=False),
@@ -38,11 +38,11 @@ PERSISTENT_ROW = pa.struct([*_EVENT[:3], pa.field("timestamp", pa.float32(), nul
 
 
 def with_language(frames: pa.Table, spans: Sequence[SubtaskSpan], timestamps: NDArray[np.float32]) -> pa.Table:
-    """The frames of an episode with the columns of language.
+    """Return the frames of an episode with the columns of language.
 
     Args:
         frames: T rows.
-        spans: sub-tasks in order; none where none is recorded, and then no frame has a row.
+        spans: recorded sub-tasks in order; if there is none, no frame has a row.
         timestamps: (T,) those of the frames: readers compare them with those of the rows, to the bit.
     """
     starts = span_starts(spans)
@@ -58,6 +58,5 @@ def with_language(frames: pa.Table, spans: Sequence[SubtaskSpan], timestamps: ND
 
 
 def span_starts(spans: Sequence[SubtaskSpan]) -> list[int]:
-    """The frame from which each sub-task is the one in hand: the first has all before its end, the others what lies
-    between them and the one before."""
+    """Return the first frame of each sub-task: that of the episode, and the end of the sub-task before."""
     return [0, *(span.end for span in spans[:-1])][: len(spans)]

@@ -1,4 +1,4 @@
-"""What the folder ``meta`` says of a LeRobot data set: ``info.json``, and the list of its episodes."""
+"""The folder ``meta`` of a LeRobot data set: ``info.json``, and the list of its episodes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import Any
 from vcage.base.errors import DamagedFile, InputFileError, OversizedFile, UsageError
 from vcage.base.placeholders import require_fetched
 from vcage.base.reading import Unreadable, parse_json, read_json
-from vcage.datasets.lerobot.features import other_columns
+from vcage.datasets.lerobot.features import other_columns, video_keys
 from vcage.datasets.lerobot.parquet import MEND, column_names, read_table
 from vcage.datasets.lerobot.places import INFO, inside, own_files
 
@@ -31,7 +31,7 @@ PER_EPISODE = ("v2.0", "v2.1")
 VERSIONS = (*PER_EPISODE, "v3.0")
 
 FIRST_INFO = Path("meta_data/info.json")
-"""Where versions 1.x describe themselves."""
+"""Description of versions 1.x."""
 
 FROM_FIRST = "convert it first: lerobot/common/datasets/v2/convert_dataset_v1_to_v2.py of lerobot before 0.2 makes v2.0"
 
@@ -42,7 +42,7 @@ NEEDED = ("chunks_size", "fps", "data_path", "features")
 
 @dataclass(frozen=True)
 class MetaLimits:
-    """The most that is read of what describes a data set.
+    """Limits on the description of a data set.
 
     Args:
         max_json_bytes: of a JSON file, or of a line of JSON.
@@ -59,10 +59,10 @@ LIMITS = MetaLimits()
 
 
 def data_set_info(root: Path) -> dict[str, Any]:
-    """``meta/info.json`` of a data set of one of the :data:`VERSIONS`, with all that its episodes are read by.
+    """Return ``meta/info.json`` of a data set of one of the :data:`VERSIONS`, complete enough to read its episodes.
 
     Raises:
-        DamagedFile: it cannot be read, does not say all, or is of another version.
+        DamagedFile: it cannot be read, is not complete, or is of another version.
     """
     path = root / INFO
     require_fetched(path)
@@ -92,7 +92,7 @@ def refuse_first_versions(root: Path) -> None:
     if not (root / FIRST_INFO).is_file():
         return
     info = None
-    with suppress(InputFileError):  # which it is refused for anyway
+    with suppress(InputFileError):  # it is refused anyway
         info = read_json(root / FIRST_INFO)
     version = info.get("codebase_version", "v1") if isinstance(info, dict) else "v1"
     raise DamagedFile(
@@ -101,23 +101,23 @@ def refuse_first_versions(root: Path) -> None:
 
 
 def _require_described(path: Path, info: Mapping[str, Any]) -> None:
+    """Raise DamagedFile where ``info.json`` lacks a field that episodes are read by, or has one of another type."""
     missing = sorted(name for name in NEEDED if info.get(name) is None)
     if missing:
         raise DamagedFile(f"{path} does not say {', '.join(missing)}", hint=MEND)
     if not (_is_positive(info["fps"]) and _is_positive(info["chunks_size"]) and info["chunks_size"] >= 1):
         raise DamagedFile(f"{path}: fps and chunks_size are not positive numbers", hint=MEND)
-    for field in PATHS:
-        if info.get(field):
-            inside(str(info[field]), f"{path}: {field}")
+    for field in filter(info.get, PATHS):
+        inside(str(info[field]), f"{path}: {field}")
     if not isinstance(info["features"], dict):
         raise DamagedFile(f"{path} does not name its features", hint=MEND)
     for name, feature in info["features"].items():
         if not (isinstance(feature, dict) and isinstance(feature.get("dtype"), str) and _is_shape(feature)):
             raise DamagedFile(f"{path} does not say what {name} is", hint=MEND)
-        if feature["dtype"] == "video" and not info.get("video_path"):
-            raise DamagedFile(f"{path} does not say video_path", hint=MEND)
         if feature["dtype"] in ("video", "image"):
             _require_camera(path, name, feature["shape"])
+    if video_keys(info["features"]) and not info.get("video_path"):
+        raise DamagedFile(f"{path} does not say video_path", hint=MEND)
 
 
 def _require_camera(path: Path, name: str, shape: list[int]) -> None:
@@ -146,7 +146,7 @@ def _is_positive(number: Any) -> bool:
 
 
 def _is_shape(feature: Mapping[str, Any]) -> bool:
-    """Whether it has a shape: of pictures two or three numbers, of all others any."""
+    """True if it has a shape: of pictures two or three numbers, of all others any."""
     shape = feature.get("shape")
     if not (isinstance(shape, list) and all(isinstance(length, int) for length in shape)):
         return False
@@ -154,14 +154,14 @@ def _is_shape(feature: Mapping[str, Any]) -> bool:
 
 
 def appendable_info(root: Path, expected: dict[str, Any]) -> dict[str, Any]:
-    """``meta/info.json`` of a data set that can be added to.
+    """Return ``meta/info.json`` of a data set that can be added to.
 
     Args:
         root: folder of the data set.
         expected: entries of ``info.json``, such as ``codebase_version``, that may only be missing or the same.
 
     Raises:
-        DamagedFile: it lacks what any data set has.
+        DamagedFile: it lacks a count that any data set has.
         UsageError: it is laid out in another way than new episodes would be; names the difference.
     """
     info = data_set_info(root)
@@ -189,8 +189,7 @@ def appendable_info(root: Path, expected: dict[str, Any]) -> dict[str, Any]:
 
 
 def episode_rows(root: Path, info: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """What a data set says of each of its episodes, of at least one, but for their statistics; each has an
-    ``episode_index`` and a ``length``, integers.
+    """Return the row of each episode, of at least one, without statistics; with integers ``episode_index``, ``length``.
 
     Args:
         root: folder of the data set.
@@ -219,17 +218,17 @@ def episode_rows(root: Path, info: Mapping[str, Any]) -> list[dict[str, Any]]:
 
 
 def episode_lengths(root: Path, info: Mapping[str, Any]) -> dict[int, int]:
-    """Number of an episode → its frames; see :func:`episode_rows`."""
+    """Return number of an episode → its frames; see :func:`episode_rows`."""
     return {row["episode_index"]: row["length"] for row in episode_rows(root, info)}
 
 
 def episode_tables(root: Path) -> list[Path]:
-    """The files of a v3.0 list, relative to the data set, in natural order."""
+    """Return the files of a v3.0 list, relative to the data set, in natural order."""
     return [file for file in own_files(root, EPISODE_TABLES) if file.suffix == ".parquet"]
 
 
 def read_lines(path: Path) -> Iterator[dict[str, Any]]:
-    """The objects of a file; only a line feed ends a line, whatever else Unicode breaks lines at.
+    """Yield the objects of a file; only a line feed ends a line, no other line break of Unicode.
 
     Raises:
         DamagedFile: it cannot be read, or a line is no JSON object; names the line.
@@ -262,7 +261,7 @@ def _parsed(path: Path, number: int, line: bytes) -> Any:
 
 
 def _table_rows(root: Path) -> list[dict[str, Any]]:
-    """The rows of a v3.0 list without its statistics, which would fill the memory."""
+    """Return the rows of a v3.0 list without its statistics, which would fill the memory."""
     rows = []
     for file in (root / table for table in episode_tables(root)):
         rows += read_table(file, [name for name in column_names(file) if not name.startswith("stats/")]).to_pylist()

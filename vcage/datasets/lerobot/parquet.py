@@ -19,24 +19,24 @@ from vcage.base.placeholders import require_fetched
 
 COMPRESSION = "snappy"
 
-ROWS_AT_ONCE = 16384
-
 MEND = "the data set is damaged or not complete: fetch or export it again"
 
 
 @dataclass(frozen=True)
 class ParquetLimits:
-    """The most that is read of a file at once.
+    """Limits on the data read at once.
 
     Args:
         max_rows: in a file.
         max_values: in all columns that are read together; one takes 8 bytes or more.
         max_bytes: of these columns, unpacked.
+        batch_rows: in a batch.
     """
 
     max_rows: int = 100_000_000
     max_values: int = 2**27
     max_bytes: int = 2**31
+    batch_rows: int = 16384
 
 
 LIMITS = ParquetLimits()
@@ -44,7 +44,7 @@ LIMITS = ParquetLimits()
 
 @contextmanager
 def _damage(path: Path) -> Iterator[None]:
-    """Turn what a broken file, or one without a column, makes pyarrow raise into :class:`DamagedFile`."""
+    """Turn pyarrow's errors on a broken file, or one without a column, into :class:`DamagedFile`."""
     require_fetched(path)
     try:
         yield
@@ -53,23 +53,23 @@ def _damage(path: Path) -> Iterator[None]:
 
 
 class ParquetSeries:
-    """Writes tables of one schema, one row group each; a new file is begun when one is full.
+    """Writes tables of one schema, one row group each; begins a new file when one is full.
 
     Args:
         pattern: path with the fields ``chunk_index`` and ``file_index``.
         per_chunk: files in a folder.
-        full: size in bytes from which a file takes no more.
+        full_bytes: size from which a file takes no more.
         first: number of the first file, counted over all chunks.
     """
 
-    def __init__(self, pattern: str, per_chunk: int, full: int, first: int = 0):
-        self._pattern, self._per_chunk, self._full = pattern, per_chunk, full
+    def __init__(self, pattern: str, per_chunk: int, full_bytes: float, first: int = 0):
+        self._pattern, self._per_chunk, self._full_bytes = pattern, per_chunk, full_bytes
         self._number = first
         self._writer: pq.ParquetWriter | None = None
 
     def place(self) -> dict[str, int]:
-        """``chunk_index`` and ``file_index`` of the file that takes the next table; a full one is closed."""
-        if self._writer is not None and self._path.stat().st_size >= self._full:
+        """Return ``chunk_index`` and ``file_index`` of the file for the next table; a full one is closed."""
+        if self._writer is not None and self._path.stat().st_size >= self._full_bytes:
             self.close()
             self._number += 1
         return numbered(self._number, self._per_chunk)
@@ -94,12 +94,12 @@ class ParquetSeries:
 
 
 def numbered(number: int, per_chunk: int) -> dict[str, int]:
-    """The fields ``chunk_index`` and ``file_index`` of the file of that number."""
+    """Return the fields ``chunk_index`` and ``file_index`` of the file of that number."""
     return {"chunk_index": number // per_chunk, "file_index": number % per_chunk}
 
 
 def column_names(path: Path) -> list[str]:
-    """The columns of a table, without reading it.
+    """Return the columns of a table, without reading it.
 
     Raises:
         DamagedFile: it cannot be read.
@@ -109,7 +109,7 @@ def column_names(path: Path) -> list[str]:
 
 
 def row_count(path: Path) -> int:
-    """The rows of a table, without reading them.
+    """Return the number of rows of a table, without reading them.
 
     Raises:
         DamagedFile: it cannot be read.
@@ -119,12 +119,12 @@ def row_count(path: Path) -> int:
 
 
 def read_table(path: Path, columns: Sequence[str] | None = None, rows: pc.Expression | None = None) -> pa.Table:
-    """A table, or some of its columns and rows.
+    """Return a table, or some of its columns and rows.
 
     Args:
         path: of the file.
         columns: their names; None for all.
-        rows: which of them; None for all.
+        rows: a filter; None for all.
 
     Raises:
         DamagedFile: it cannot be read, or lacks a column.
@@ -140,14 +140,14 @@ def read_table(path: Path, columns: Sequence[str] | None = None, rows: pc.Expres
 
 
 def read_batches(paths: Iterable[Path], columns: Sequence[str]) -> Iterator[dict[str, NDArray[Any]]]:
-    """The rows of all files, :data:`ROWS_AT_ONCE` at most: name → (n, D), of numbers or of lists of D numbers.
+    """Yield the rows of all files, at most :attr:`ParquetLimits.batch_rows` at once: name → (n, D) numbers.
 
     Raises:
         DamagedFile: a file cannot be read.
     """
     for path in paths:
         with _damage(path), _opened(path) as file:
-            for batch in file.iter_batches(ROWS_AT_ONCE, columns=list(columns)):
+            for batch in file.iter_batches(LIMITS.batch_rows, columns=list(columns)):
                 yield {name: _rows(batch.column(name)) for name in columns}
 
 
@@ -162,13 +162,13 @@ Change = Callable[[pa.Table], pa.Table]
 
 
 def rewrite(source: Path, target: Path, *, without: Collection[str] = (), change: Change = lambda table: table) -> None:
-    """Copy a table; row groups, and the values and types of columns that nobody changes, stay as they are.
+    """Copy a table; row groups, and the values and types of unchanged columns, stay as they are.
 
     Args:
         source: a Parquet file.
-        target: the file to write, in a folder that is there.
-        without: columns that are left out, and not even read.
-        change: what becomes of the rows; also called with an empty table, which tells the types of its columns.
+        target: the file to write, in an existing folder.
+        without: columns that are left out and not read.
+        change: makes the new rows; also called with an empty table, for the types of its columns.
 
     Raises:
         DamagedFile: ``source`` cannot be read.
@@ -184,7 +184,7 @@ def rewrite(source: Path, target: Path, *, without: Collection[str] = (), change
 
 
 def texts_of(source: Path, column: str, field: str) -> set[str]:
-    """The different texts in one field of a column of structures; none where it has no such field.
+    """Return the different texts in one field of a column of structures; empty where it has no such field.
 
     Args:
         source: a Parquet file.
@@ -238,7 +238,7 @@ def _oversized(path: Path, why: str) -> OversizedFile:
 def _row_groups(
     file: pq.ParquetFile, names: list[str], source: Path, leaves: list[str] | None = None
 ) -> Iterator[pa.Table]:
-    """The columns ``names`` of each row group, or only those ``leaves`` of them that are named."""
+    """Yield the columns ``names`` of each row group, or only the named ``leaves`` of them."""
     for number in range(file.num_row_groups):
         _require_modest(source, file.metadata, leaves or names, [number], LIMITS)
         with _damage(source):
@@ -254,18 +254,18 @@ def _has_field(schema: pa.Schema, column: str, field: str) -> bool:
 
 
 def _described(metadata: dict[bytes, bytes] | None, names: Collection[str]) -> dict[bytes, bytes] | None:
-    """What ``datasets`` and pandas noted of a table's columns, without those that are gone.
+    """Return the notes of ``datasets`` and pandas on a table's columns, without removed columns.
 
     https://huggingface.co/docs/datasets/about_dataset_features, https://pandas.pydata.org/docs/development/developer.html
     """
-    kept = dict(metadata or {})
-    for key, forget in ((b"huggingface", _forget_features), (b"pandas", _forget_columns)):
-        if key in kept:
-            kept[key] = json.dumps(forget(json.loads(kept[key]), names)).encode()
-    return kept or None
+    notes = dict(metadata or {})
+    for key, forget in ((b"huggingface", _without_features), (b"pandas", _without_columns)):
+        if key in notes:
+            notes[key] = json.dumps(forget(json.loads(notes[key]), names)).encode()
+    return notes or None
 
 
-def _forget_features(noted: dict[str, Any], names: Collection[str]) -> dict[str, Any]:
+def _without_features(noted: dict[str, Any], names: Collection[str]) -> dict[str, Any]:
     features = noted.get("info", {}).get("features")
     if features is None:
         return noted
@@ -273,7 +273,7 @@ def _forget_features(noted: dict[str, Any], names: Collection[str]) -> dict[str,
     return {**noted, "info": {**noted["info"], "features": kept}}
 
 
-def _forget_columns(noted: dict[str, Any], names: Collection[str]) -> dict[str, Any]:
+def _without_columns(noted: dict[str, Any], names: Collection[str]) -> dict[str, Any]:
     # an index without a name has a column named after its place
     kept = [column for column in noted.get("columns", []) if (column.get("field_name") or column["name"]) in names]
     return {**noted, "columns": kept}

@@ -1,6 +1,6 @@
-"""Where the files of a LeRobot data set are: always in its own folder, whatever its description says.
+"""Paths of the files of a LeRobot data set: always in its own folder, whatever its description says.
 
-Links in the folder are followed to what lies in it, to the store of the tool that fetched it (the cache of Hugging
+Links in the folder are followed to its own files, to the store of the tool that fetched it (the cache of Hugging
 Face, git-annex), and from a file of the format to another of that kind, as where videos lie on another disk. A link
 that leads anywhere else is refused: a data set from elsewhere could name any file by it.
 """
@@ -20,7 +20,7 @@ from vcage.datasets.lerobot.parquet import MEND
 INFO = Path("meta/info.json")
 
 FIELD = re.compile(r"\{(\w+)(?::([^{}]{1,4}))?\}")
-"""A field of a pattern of paths, and how it is written, as in ``{episode_index:06d}``."""
+"""A field of a pattern of paths, and its format, as in ``{episode_index:06d}``."""
 
 SUFFIXES = (".parquet", ".mp4", ".png", ".jpg", ".jpeg")
 DESCRIPTIONS = (
@@ -34,11 +34,11 @@ OF_THE_REPOSITORY = Path(".gitattributes")
 
 
 def placed(root: Path, field: str, pattern: Any, **names: int | str) -> Path:
-    """A file of a data set where a pattern of its description puts it.
+    """Return the path of a data set's file by a pattern of its description.
 
     Args:
         root: folder of the data set.
-        field: what the pattern is called there, for messages.
+        field: name of the pattern there, for messages.
         pattern: with fields in braces.
         names: value of each field.
 
@@ -50,7 +50,7 @@ def placed(root: Path, field: str, pattern: Any, **names: int | str) -> Path:
 
 
 def _filled(pattern: Any, where: str, names: Mapping[str, int | str]) -> str:
-    """A pattern with values in place of its fields, which are written as integers or texts and nothing else."""
+    """Return a pattern with values in place of its fields, which are integers or texts and nothing else."""
     if not isinstance(pattern, str):
         raise DamagedFile(f"{where} is {pattern!r}, not a pattern of paths", hint=MEND)
     try:
@@ -63,7 +63,7 @@ def _filled(pattern: Any, where: str, names: Mapping[str, int | str]) -> str:
 
 
 def inside(path: str, where: str) -> Path:
-    """A path that stays in the data set that names it.
+    """Return a path that stays in the data set that names it.
 
     Args:
         path: relative to the data set.
@@ -79,7 +79,7 @@ def inside(path: str, where: str) -> Path:
 
 
 def own_file(root: Path, file: Path, where: str = "") -> Path:
-    """The whole path of a file of a data set, which need not be there.
+    """Return the whole path of a file of a data set, which need not exist.
 
     Args:
         root: folder of the data set.
@@ -104,7 +104,7 @@ def own_file(root: Path, file: Path, where: str = "") -> Path:
 
 
 def _stores(home: Path) -> list[Path]:
-    """Where tools keep the content of files of a data set that they fetched, and link to it."""
+    """Return the stores of tools that fetched a data set, to which its files are links."""
     around = (home, *home.parents)
     return [folder.parent / "blobs" for folder in around if folder.name == "snapshots"] + [
         folder / ".git/annex/objects" for folder in around
@@ -112,7 +112,7 @@ def _stores(home: Path) -> list[Path]:
 
 
 def own_files(root: Path, below: Path = Path()) -> list[Path]:
-    """All files of a data set, or of a folder of it, relative to it in natural order; hidden ones are not its own.
+    """Return all files of a data set, or of a folder of it, relative to it in natural order, without hidden ones.
 
     Raises:
         DamagedFile: a link leads out of the data set or to nothing, or a file was not fetched.
@@ -128,5 +128,5 @@ def own_files(root: Path, below: Path = Path()) -> list[Path]:
 
 
 def is_own(file: Path) -> bool:
-    """Check that no part of a path is a hidden name."""
+    """True if no part of a path is a hidden name."""
     return not any(map(is_hidden, file.parts))

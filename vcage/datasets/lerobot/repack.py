@@ -1,6 +1,6 @@
 """A LeRobot data set with other videos: pictures are replaced, everything else stays as it is, bit for bit.
 
-What the format says of its videos changes with them: ``features`` of ``meta/info.json``, and in v3.0 the columns
+The description of the videos changes with them: ``features`` of ``meta/info.json``, and in v3.0 the columns
 ``videos/<key>/…`` of ``meta/episodes``. A camera whose pictures lie in the tables of frames, or in files that these
 name, becomes one with videos: https://huggingface.co/docs/lerobot/lerobot-dataset-v3. All other files are copied.
 """
@@ -30,7 +30,7 @@ from vcage.datasets.lerobot.parquet import numbered, rewrite, texts_of
 from vcage.datasets.lerobot.places import inside, is_own, own_files, placed
 
 VIDEO_PATHS = {"v2.0": v21.VIDEO_PATH, "v2.1": v21.VIDEO_PATH, "v3.0": v3.VIDEO_PATH}
-"""Where videos go in a data set that had none."""
+"""Paths of videos in a data set that had none."""
 
 Videos = Mapping[str, Mapping[int, Path]]
 """Key of a camera's feature → number of an episode → its MP4."""
@@ -55,11 +55,11 @@ def repack(
 
     Args:
         root: the data set, v2.0, v2.1 or v3.0; only read.
-        out: the folder to write; one that is there is replaced.
-        videos: all episodes of every camera that changes. Cameras that are not named keep what they have.
-        encodings: key of a camera's feature → facts about its encoding that its videos do not tell, such as
-            ``{"video.crf": 18}``; None for what they tell, but differ in.
-        progress: told of each video.
+        out: the folder to write; an old one is replaced.
+        videos: all episodes of every camera that changes. Other cameras keep their pictures.
+        encodings: key of a camera's feature → facts about its encoding beyond those of its videos, such as
+            ``{"video.crf": 18}``; None for facts in which they differ.
+        progress: called for each video.
 
     Returns:
         ``out``.
@@ -81,21 +81,21 @@ def repack(
 
 @dataclass(frozen=True)
 class _Repacking:
-    """A data set, what its ``meta/info.json`` says, and the videos that it gets."""
+    """A data set, its ``meta/info.json``, and its new videos."""
 
     root: Path
     info: Mapping[str, Any]
     videos: Videos
 
     def new_info(self, encodings: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
-        """``meta/info.json``, once it is sure that every video can take the place of its pictures."""
+        """Return ``meta/info.json`` after checking that every video can replace its pictures."""
         features = dict(self.info["features"])
         lengths = episode_lengths(self.root, self.info)
         for key, own in self.videos.items():
             _require_all(self.root, self.info, lengths, own)
             require_rgb(key, features[key])
-            told = [video_info(own[episode], frames, float(self.info["fps"])) for episode, frames in lengths.items()]
-            facts = {**told[0], **encodings.get(key, {})}
+            infos = [video_info(own[episode], frames, float(self.info["fps"])) for episode, frames in lengths.items()]
+            facts = {**infos[0], **encodings.get(key, {})}
             features[key] = _video_feature(features[key], {name: one for name, one in facts.items() if one is not None})
         info: dict[str, Any] = {**self.info, "video_path": self._video_pattern, "features": features}
         if "total_videos" in info:
@@ -103,14 +103,14 @@ class _Repacking:
         return info
 
     def copy_untouched(self, folder: Path) -> None:
-        """Copy what stays as it is, byte for byte."""
+        """Copy unchanged files, byte for byte."""
         changing = self._changing()
         for file in own_files(self.root):
             if file not in changing:
                 shutil.copyfile(self.root / file, _made(folder / file))
 
     def write_tables(self, folder: Path) -> None:
-        """Write the tables in which pictures were, or the places of videos are."""
+        """Write the tables that held pictures, or hold the places of videos."""
         for file in self._frame_tables():
             rewrite(self.root / file, _made(folder / file), without=self._in_tables)
         for file in self._episode_tables():
@@ -127,7 +127,7 @@ class _Repacking:
 
     @property
     def _in_tables(self) -> list[str]:
-        """Cameras that change whose pictures are no videos yet."""
+        """Changed cameras whose pictures are no videos yet."""
         return [key for key in self.videos if self.info["features"][key]["dtype"] == "image"]
 
     @property
@@ -140,7 +140,7 @@ class _Repacking:
         return placed(self.root, "video_path", self._video_pattern, video_key=key, **names).relative_to(self.root)
 
     def _changing(self) -> set[Path]:
-        """All files that are written anew, or have no place any more."""
+        """Return all files that are written anew, or removed."""
         frames = self._frame_tables()
         gone = {Path(text) for file in frames for key in self._in_tables for text in self._named_in(file, key)}
         old = {file for key in self.videos for file in self._matching("video_path", self._video_pattern, key)}
@@ -154,12 +154,12 @@ class _Repacking:
         return [] if self.info["codebase_version"] in PER_EPISODE else episode_tables(self.root)
 
     def _named_in(self, file: Path, key: str) -> Iterator[str]:
-        """Picture files that a table of frames names; where it holds the pictures themselves, there are none."""
+        """Yield picture files that a table of frames names; none where it holds the pictures themselves."""
         names = texts_of(self.root / file, key, "path")
         return (name for name in names if ".." not in Path(name).parts and (self.root / name).is_file())
 
     def _matching(self, field: str, pattern: str, key: str = "") -> Iterator[Path]:
-        """Files that lie where a pattern of ``info.json`` puts some chunk and episode."""
+        """Yield files at paths that a pattern of ``info.json`` gives any chunk and episode."""
         wild = re.sub(r"\{[^}]*\}", "*", pattern.replace("{video_key}", glob.escape(key)))
         found = self.root.glob(str(inside(wild, f"{self.root / INFO}: {field}")))
         return (file for path in found if is_own(file := path.relative_to(self.root)))
@@ -176,28 +176,28 @@ def _require_all(root: Path, info: Mapping[str, Any], there: Collection[int], gi
         )
 
 
-def _video_feature(feature: Mapping[str, Any], told: Mapping[str, Any]) -> dict[str, Any]:
-    """A feature that says of its videos what is told, and nothing else; other facts of its stay."""
+def _video_feature(feature: Mapping[str, Any], facts: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a feature with these facts of its videos; its other facts stay."""
     where = "video_info" if "video_info" in feature and not feature.get("info") else "info"
     old = video_facts(feature).items()
-    kept = {name: value for name, value in old if not name.startswith("video.") and name != "has_audio"}
+    others = {name: value for name, value in old if not name.startswith("video.") and name != "has_audio"}
     rest = {name: value for name, value in feature.items() if name not in ("info", "video_info")}
-    return {**rest, "dtype": "video", where: {**told, **kept}}
+    return {**rest, "dtype": "video", where: {**facts, **others}}
 
 
 def _made(path: Path) -> Path:
-    """The path, once the folder for it is there."""
+    """Return a path after making its folder."""
     path.parent.mkdir(parents=True, exist_ok=True)
     return path
 
 
 def place_videos(rows: pa.Table, info: Mapping[str, Any], keys: Collection[str]) -> pa.Table:
-    """Rows of a v3.0 list in which each episode has a video of its own, numbered like the episode.
+    """Return rows of a v3.0 list in which each episode has a video of its own, numbered like the episode.
 
     Args:
         rows: with ``episode_index`` and ``length``; columns ``videos/<key>/…`` keep their types, or come.
         info: ``meta/info.json``.
-        keys: features of the cameras whose videos are placed.
+        keys: features of the cameras with new videos.
     """
     places = [numbered(episode, int(info["chunks_size"])) for episode in rows["episode_index"].to_pylist()]
     lengths = rows["length"].to_pylist()

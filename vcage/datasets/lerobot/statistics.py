@@ -21,18 +21,15 @@ LEVELS = 256
 STATS = Path("meta/stats.json")
 
 LEVEL_COUNTS = Path("meta/picture_levels.json")
-"""How often each level occurs in the pictures of each camera: what the quantiles of a set that is added to are
-made of. LeRobot does not read it."""
-
-IN_MEMORY = 2**27
-"""Bytes of a column's numbers that quantiles are taken of at once; as many again are needed to put them in order."""
+"""Counts of each level in the pictures of each camera, for the quantiles of a set that is added to. LeRobot does not
+read it."""
 
 Statistics = dict[str, Any]
 """``min, max, mean, std, count`` and the :data:`QUANTILES` of one feature, as nested lists."""
 
 
 def vector_statistics(values: NDArray[Any]) -> Statistics:
-    """Statistics over the N frames of (N, D) values; every entry has D numbers, ``count`` has one."""
+    """Return statistics over the N frames of (N, D) values; every entry has D numbers, ``count`` has one."""
     values = np.asarray(values, np.float64)
     quantiles = np.quantile(values, list(QUANTILES.values()), axis=0)
     return {
@@ -46,7 +43,7 @@ def vector_statistics(values: NDArray[Any]) -> Statistics:
 
 
 class Moments:
-    """``min, max, mean, std, count`` of everything whose statistics were added, without keeping it.
+    """Running ``min, max, mean, std, count``, merged from those of parts.
 
     Merged as in Chan, Golub and LeVeque, "Updating formulae and a pairwise algorithm for computing sample variances"
     (1979): https://doi.org/10.1007/978-3-642-51461-6_3, which is exact but for rounding.
@@ -60,7 +57,7 @@ class Moments:
         self._squares: NDArray[np.float64] = np.array(0.0)  # summed squares of the distance to the mean
 
     def add(self, part: Statistics) -> None:
-        """Take in a part; all parts have entries of one shape."""
+        """Add a part; all parts have entries of one shape."""
         count = int(part["count"][0])
         mean, std = np.asarray(part["mean"], np.float64), np.asarray(part["std"], np.float64)
         total = self.count + count
@@ -72,7 +69,7 @@ class Moments:
         self.count = total
 
     def statistics(self) -> Statistics:
-        """All that was added, without quantiles; at least one part was."""
+        """Return the statistics of all parts, at least one, without quantiles."""
         return {
             "min": self._min.tolist(),
             "max": self._max.tolist(),
@@ -83,7 +80,7 @@ class Moments:
 
 
 def picture_histogram(pictures: NDArray[np.uint8]) -> NDArray[np.int64]:
-    """How often each level occurs in each channel of (N, H, W, 3) pictures: (3, 256), which can be added up.
+    """Return the counts of each level in each channel of (N, H, W, 3) pictures: (3, 256), which can be added up.
 
     OpenCV counts ten times as fast as NumPy, but in float32: exact up to 2²⁴ pixels a picture.
     """
@@ -95,11 +92,11 @@ def picture_histogram(pictures: NDArray[np.uint8]) -> NDArray[np.int64]:
 
 
 def picture_statistics(histogram: NDArray[np.int64], frames: int) -> Statistics:
-    """Statistics of pixels in [0, 1] from a (3, 256) histogram; entries have the shape (3, 1, 1), as LeRobot wants.
+    """Return statistics of pixels in [0, 1] from a (3, 256) histogram; entries have LeRobot's shape (3, 1, 1).
 
     Args:
         histogram: counts of each level per channel.
-        frames: how many pictures it holds, the ``count`` of LeRobot.
+        frames: number of its pictures, the ``count`` of LeRobot.
     """
     levels = np.arange(LEVELS) / (LEVELS - 1)
     share = histogram / histogram.sum(axis=1, keepdims=True)
@@ -134,7 +131,7 @@ class Totals:
         self._uncounted: dict[str, Statistics] = {}
 
     def add(self, statistics: Mapping[str, Statistics], histograms: Mapping[str, NDArray[np.int64]]) -> None:
-        """Take in an episode: feature → statistics, and camera → (3, 256) counts of levels."""
+        """Add an episode: feature → statistics, and camera → (3, 256) counts of levels."""
         for feature, entry in statistics.items():
             self._moments.setdefault(feature, Moments()).add(entry)
         for camera, histogram in histograms.items():
@@ -142,7 +139,7 @@ class Totals:
             self._levels[key] = self._levels.get(key, 0) + np.asarray(histogram, np.int64)
 
     def resume(self, root: Path, features: Mapping[str, Any]) -> None:
-        """Take in a finished data set.
+        """Add a finished data set.
 
         A set that was not written here has no counts of levels, or old ones: the quantiles of its pictures are then
         averaged with those of the new ones, weighted by numbers of pictures, as LeRobot does.
@@ -204,16 +201,18 @@ class Totals:
         }
 
 
-def column_quantiles(files: Sequence[Path], name: str, feature: Mapping[str, Any]) -> NDArray[np.float64]:
-    """Exact :data:`QUANTILES` of a column, as ``numpy.quantile`` finds them over all rows.
+def column_quantiles(
+    files: Sequence[Path], name: str, feature: Mapping[str, Any], max_bytes: int = 2**27
+) -> NDArray[np.float64]:
+    """Return exact :data:`QUANTILES` of a column, as ``numpy.quantile`` finds them over all rows.
 
-    In memory are as many numbers of each row as :data:`IN_MEMORY` allows, at least one; for the others the files are
-    read again.
+    In memory are as many numbers of each row as fit, at least one; for the others the files are read again.
 
     Args:
         files: Parquet files, with at least one row.
         name: of the column.
-        feature: what ``info.json`` says of it.
+        feature: its entry of ``info.json``.
+        max_bytes: of numbers at once; as many again are needed to put them in order.
 
     Returns:
         (Q, D).
@@ -223,7 +222,7 @@ def column_quantiles(files: Sequence[Path], name: str, feature: Mapping[str, Any
     """
     dtype, width = np.dtype(feature["dtype"]), int(np.prod(feature["shape"]))
     rows = sum(row_count(file) for file in files)
-    at_once = max(1, IN_MEMORY // (rows * dtype.itemsize))
+    at_once = max(1, max_bytes // (rows * dtype.itemsize))
     found = []
     for first in range(0, width, at_once):
         parts = [batch[name][:, first : first + at_once].astype(dtype) for batch in read_batches(files, [name])]
@@ -232,7 +231,7 @@ def column_quantiles(files: Sequence[Path], name: str, feature: Mapping[str, Any
 
 
 def _quantiles(values: NDArray[Any]) -> NDArray[np.float64]:
-    """(Q, D) of (N, D): between the two numbers whose ranks are nearest, in double precision whatever their type."""
+    """Return (Q, D) of (N, D), interpolated between the nearest ranks in double precision."""
     places = np.array(list(QUANTILES.values())) * (len(values) - 1)
     below = np.floor(places).astype(np.int64)
     above = np.minimum(below + 1, len(values) - 1)

@@ -30,7 +30,7 @@ EPISODE_STATS = Path("meta/episodes_stats.jsonl")
 
 
 class WriterV21(LeRobotWriter):
-    """Writes v2.1, which knows statistics of episodes only, and no quantiles."""
+    """Writes v2.1, which has statistics of episodes only, and no quantiles."""
 
     LAYOUT: ClassVar[dict[str, Any]] = {
         "codebase_version": "v2.1",
@@ -50,13 +50,13 @@ class WriterV21(LeRobotWriter):
         self._continue(info, _read_texts(root / TASKS, "task"), subtasks)
 
     def close(self) -> None:
-        """Nothing stays open between two episodes."""
+        """Do nothing: no file stays open between two episodes."""
 
     def _write(self, episode: LeRobotEpisode, table: pa.Table, statistics: dict[str, Statistics]) -> None:
         pq.write_table(table, self._at(DATA_PATH), compression=COMPRESSION)
         for camera, video in sorted(episode.videos.items()):
             shutil.copyfile(video, self._at(VIDEO_PATH, video_key=video_key(camera)))
-        self._add_lines(EPISODES, [self._said_of(episode)])
+        self._add_lines(EPISODES, [self._row_of(episode)])
         stats = {
             feature: {name: value for name, value in entries.items() if name not in QUANTILES}
             for feature, entries in statistics.items()
@@ -94,6 +94,6 @@ def _read_texts(path: Path, name: str) -> list[str]:
 
 
 def _read_wordings(path: Path) -> dict[str, list[str]]:
-    """Sub-tasks in the order of their numbers → their wordings, the text alone where none are told."""
-    said = {str(row.get("subtask")): row.get(WORDINGS) for row in read_lines(path)}
-    return {text: said[text] or [text] for text in _read_texts(path, "subtask")}
+    """Return sub-tasks in the order of their numbers → their wordings, the text alone where there are no others."""
+    stated = {str(row.get("subtask")): row.get(WORDINGS) for row in read_lines(path)}
+    return {text: stated[text] or [text] for text in _read_texts(path, "subtask")}

@@ -35,10 +35,7 @@ TASKS, SUBTASKS = Path("meta/tasks.parquet"), Path("meta/subtasks.parquet")
 
 DATA_MB = 100
 SIZES = {"data_files_size_in_mb": DATA_MB, "video_files_size_in_mb": 200}
-"""Sizes from which LeRobot begins a new file. Ours hold one video each and stay below."""
-
-ROWS = 100
-"""Episodes whose descriptions are written at once."""
+"""Sizes from which LeRobot begins a new file; ours hold one video each and stay below."""
 
 
 class WriterV30(LeRobotWriter):
@@ -51,6 +48,9 @@ class WriterV30(LeRobotWriter):
         "data_path": DATA_PATH,
         "video_path": VIDEO_PATH,
     }
+
+    ROWS_AT_ONCE: ClassVar[int] = 100
+    """Descriptions of episodes that are written together."""
 
     def __init__(self, folder: Path, encodings: Mapping[str, Mapping[str, Any]]):
         super().__init__(folder, encodings)
@@ -70,7 +70,7 @@ class WriterV30(LeRobotWriter):
         self._continue_rows(root)
 
     def _continue_rows(self, root: Path) -> None:
-        """Go on behind the last files that the episodes of a finished data set name."""
+        """Continue behind the last files that the episodes of a finished data set name."""
         where, paths = root / EPISODE_TABLES, [root / file for file in episode_tables(root)]
         if not paths:
             raise DamagedFile(f"{where} holds no list of episodes", hint=MEND)
@@ -100,7 +100,7 @@ class WriterV30(LeRobotWriter):
 
     def _write(self, episode: LeRobotEpisode, table: pa.Table, statistics: dict[str, Statistics]) -> None:
         row: dict[str, Any] = {
-            **self._said_of(episode),
+            **self._row_of(episode),
             **_prefixed("data", self._data_files.place()),
             "dataset_from_index": self.frames,
             "dataset_to_index": self.frames + episode.length,
@@ -118,7 +118,7 @@ class WriterV30(LeRobotWriter):
             row |= _prefixed(f"stats/{feature}", entries)
         self._rows.append(row)
         self._totals.add(statistics, episode.histograms)
-        if len(self._rows) >= ROWS:
+        if len(self._rows) >= self.ROWS_AT_ONCE:
             self._write_rows()
 
     def _write_rows(self) -> None:
@@ -151,8 +151,7 @@ def _prefixed(prefix: str, entries: Mapping[str, Any]) -> dict[str, Any]:
 def _write_names(
     path: Path, name: str, numbers: Mapping[str, int], wordings: Mapping[str, Sequence[str]] | None = None
 ) -> None:
-    """A table of texts and their numbers, and wordings if given, as pandas stores it with the texts as its index, which
-    LeRobot expects."""
+    """Write a table of texts and their numbers, and wordings if given, with the texts as index, as pandas stores it."""
     number = f"{name}_index"
     described = [
         {"name": number, "field_name": number, "pandas_type": "int64", "numpy_type": "int64", "metadata": None},
@@ -169,7 +168,7 @@ def _write_names(
 
 
 def _read_names(path: Path, name: str) -> list[str]:
-    """The texts of such a table in the order of their numbers; pandas does not always name the column of texts."""
+    """Return the texts of such a table by their numbers; pandas does not always name the column of texts."""
     table = read_table(path)
     columns = [column for column in table.column_names if column not in (f"{name}_index", WORDINGS)]
     if len(columns) != 1 or f"{name}_index" not in table.column_names:
@@ -178,10 +177,10 @@ def _read_names(path: Path, name: str) -> list[str]:
 
 
 def _read_wordings(path: Path) -> dict[str, list[str]]:
-    """Sub-tasks in the order of their numbers → their wordings, the text alone where the table has no others."""
+    """Return sub-tasks in the order of their numbers → their wordings, the text alone where there are no others."""
     texts = _read_names(path, "subtask")
     if WORDINGS not in column_names(path):
         return {text: [text] for text in texts}
     table = read_table(path, ["subtask_index", WORDINGS])
-    said = dict(zip(table["subtask_index"].to_pylist(), table[WORDINGS].to_pylist(), strict=True))
-    return {text: said[number] or [text] for number, text in enumerate(texts)}
+    stated = dict(zip(table["subtask_index"].to_pylist(), table[WORDINGS].to_pylist(), strict=True))
+    return {text: stated[number] or [text] for number, text in enumerate(texts)}

@@ -1,6 +1,6 @@
-"""What writing LeRobot's formats has in common: one episode at a time, checked before anything is written.
+"""Common part of LeRobot's formats: one episode at a time, checked before anything is written.
 
-Every frame has a ``subtask_index`` into ``meta/subtasks``, so that a policy can be trained on the sub-task in hand as
+Every frame has a ``subtask_index`` into ``meta/subtasks``, so that a policy can be trained on the current sub-task as
 well as on the instruction; ``meta/subtasks`` also has all the wordings of each.
 """
 
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from vcage.base.errors import DamagedFile, UsageError
 from vcage.base.files import write_json
 from vcage.datasets.lerobot.episode import LeRobotEpisode, SubtaskSpan
-from vcage.datasets.lerobot.features import SUBTASK, agreed_info, features_of, video_key
+from vcage.datasets.lerobot.features import SUBTASK, agreed_info, features_of, video_key, video_keys
 from vcage.datasets.lerobot.language import LANGUAGE, PERSISTENT, span_starts, with_language
 from vcage.datasets.lerobot.meta import INFO
 from vcage.datasets.lerobot.places import own_files
@@ -30,10 +30,10 @@ CHUNK = 1000
 """Files in a folder at most, LeRobot's default."""
 
 WORDINGS = "wordings"
-"""What ``meta/subtasks`` has besides LeRobot's texts and numbers: all the ways in which a sub-task was said."""
+"""Column of ``meta/subtasks`` besides LeRobot's texts and numbers: all wordings of a sub-task."""
 
 RANDOMISATION = "vcage.randomisation"
-"""What the list of episodes has besides LeRobot's columns: what was drawn for each, as JSON text."""
+"""Column of the list of episodes besides LeRobot's: random draws for each, as JSON text."""
 
 
 class LeRobotWriter(ABC):
@@ -42,24 +42,24 @@ class LeRobotWriter(ABC):
     In memory are one episode, the texts of tasks and sub-tasks, and running statistics.
 
     Args:
-        folder: where to write; empty.
+        folder: of the data set; empty.
         encodings: camera → facts about its encoding for ``info.json``, such as ``{"video.crf": 18}``.
 
     Attributes:
-        episodes: how many the data set holds, those that were there before included.
-        frames: all their frames.
+        episodes: number of episodes, earlier ones included.
+        frames: number of all their frames.
     """
 
     LAYOUT: ClassVar[dict[str, Any]]
     """Entries of ``info.json`` that are the same for every data set of the format."""
 
     IN_WORDS: ClassVar[bool] = False
-    """Whether a new data set has the columns of :mod:`vcage.datasets.lerobot.language`."""
+    """True if a new data set has the columns of :mod:`vcage.datasets.lerobot.language`."""
 
     def __init__(self, folder: Path, encodings: Mapping[str, Mapping[str, Any]]):
         self.episodes = 0
         self.frames = 0
-        self._there = 0  # episodes from before
+        self._earlier = 0  # episodes before this call
         self._folder = folder
         self._encodings = encodings
         self._info: dict[str, Any] = {}
@@ -68,8 +68,8 @@ class LeRobotWriter(ABC):
         self._wordings: dict[str, list[str]] = {}  # of sub-tasks
         (folder / "meta").mkdir()
 
-    def _said_of(self, episode: LeRobotEpisode) -> dict[str, Any]:
-        """What the list of episodes says of one, in every format."""
+    def _row_of(self, episode: LeRobotEpisode) -> dict[str, Any]:
+        """Return the row of an episode in the list of episodes."""
         drawn = {} if episode.randomisation is None else {RANDOMISATION: episode.randomisation}
         return {"episode_index": self.episodes, "tasks": [episode.task], "length": episode.length, **drawn}
 
@@ -93,12 +93,12 @@ class LeRobotWriter(ABC):
         self.frames += episode.length
 
     def finish(self) -> None:
-        """Write what describes the whole data set; nothing can be added afterwards.
+        """Write the description of the whole data set; nothing can be added afterwards.
 
         Raises:
             UsageError: no episode was added.
         """
-        if self.episodes == self._there:
+        if self.episodes == self._earlier:
             raise UsageError("there is no accepted episode to export", hint="collect more, with a larger --episodes")
         self._write_meta()
         totals = {
@@ -108,8 +108,8 @@ class LeRobotWriter(ABC):
             **self._more_totals(),
             "splits": {"train": f"0:{self.episodes}"},
         }
-        kept = {name: value for name, value in self._info.items() if name not in totals}
-        info = {**self.LAYOUT, **totals, **kept}
+        others = {name: value for name, value in self._info.items() if name not in totals}
+        info = {**self.LAYOUT, **totals, **others}
         if not self._video_keys:
             info["video_path"] = None
         write_json(self._folder / INFO, info)
@@ -120,7 +120,7 @@ class LeRobotWriter(ABC):
 
     @abstractmethod
     def resume(self, root: Path) -> None:
-        """Begin with all that a finished data set holds, before anything is added.
+        """Begin with the content of a finished data set, before anything is added.
 
         Raises:
             UsageError: it is of another version or layout.
@@ -133,20 +133,20 @@ class LeRobotWriter(ABC):
 
     @abstractmethod
     def _write_meta(self) -> None:
-        """Write what belongs in ``meta`` besides ``info.json``."""
+        """Write the files of ``meta`` besides ``info.json``."""
 
     def _more_totals(self) -> dict[str, Any]:
-        """Entries of ``info.json`` that count what only this format counts."""
+        """Return counts in ``info.json`` that only this format has."""
         return {}
 
     def _continue(self, info: dict[str, Any], tasks: Iterable[str], subtasks: Mapping[str, Sequence[str]]) -> None:
-        """Take over what a finished data set says of itself, with sub-tasks and their wordings in order."""
+        """Take over the description of a finished data set, with sub-tasks and their wordings in order."""
         self._info = info
-        self.episodes = self._there = int(info["total_episodes"])
+        self.episodes = self._earlier = int(info["total_episodes"])
         self.frames = int(info["total_frames"])
         self._tasks = {text: number for number, text in enumerate(tasks)}
         self._subtasks = {text: number for number, text in enumerate(subtasks)}
-        self._wordings = {text: list(said) for text, said in subtasks.items()}
+        self._wordings = {text: list(wordings) for text, wordings in subtasks.items()}
 
     @property
     def _features(self) -> dict[str, dict[str, Any]]:
@@ -159,10 +159,10 @@ class LeRobotWriter(ABC):
 
     @property
     def _video_keys(self) -> list[str]:
-        return [key for key, feature in self._features.items() if feature["dtype"] == "video"]
+        return video_keys(self._features)
 
     def _columns(self, episode: LeRobotEpisode) -> dict[str, NDArray[Any]]:
-        """Column → (T, D) or (T,) values, of the features that the data set has."""
+        """Return column → (T, D) or (T,) values, of the features of the data set."""
         frame = np.arange(episode.length, dtype=np.int64)
         spans = list(episode.subtasks) or [SubtaskSpan(episode.task, 0, episode.length)]
         columns = {
@@ -183,7 +183,7 @@ class LeRobotWriter(ABC):
 
 
 def _number(numbers: dict[str, int], text: str) -> int:
-    """The number of a text, the next one for a new text."""
+    """Return the number of a text, the next one for a new text."""
     return numbers.setdefault(text, len(numbers))
 
 
@@ -204,7 +204,7 @@ def _statistics(columns: Mapping[str, NDArray[Any]], episode: LeRobotEpisode) ->
 
 
 def in_order(rows: Iterable[tuple[int, str]], where: Path) -> list[str]:
-    """Texts by their numbers, which count from 0.
+    """Return texts by their numbers, which count from 0.
 
     Raises:
         DamagedFile: a number is missing or there twice; names ``where``.
@@ -221,7 +221,7 @@ def link_files(source: Path, target: Path, but: Collection[Path]) -> None:
     Args:
         source: the folder; it is left as it is.
         target: the other folder.
-        but: what is left out, relative to ``source``. Whatever is written to later belongs here, as a linked file
+        but: files to leave out, relative to ``source``. Files that are written later belong here, as a linked file
             would change in both places.
     """
     for inside in own_files(source):
