@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vcage.video.bisection import GUESSES, highest_passing
+from vcage.video.bisection import SETTINGS, highest_passing
 
 MAX_CRF = 51
 HALVINGS = 6
-"""That a range of all CRFs takes."""
+"""Of a range of all CRFs."""
 
 
 @given(
@@ -30,7 +30,7 @@ def test_any_growing_loss_is_searched_exactly_and_no_crf_twice(losses, threshold
     found = highest_passing(loss_at, threshold, upper, first)
     passing = [crf for crf in range(upper + 1) if losses[crf] < threshold]
     assert found == (max(passing) if passing else None)
-    assert len(tried) <= GUESSES + HALVINGS
+    assert len(tried) <= SETTINGS.guesses + HALVINGS
     assert len(set(tried)) == len(tried)
 
 

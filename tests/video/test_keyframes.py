@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from vcage.video.keyframes import (
-    FEWEST_PEAKS,
+    SETTINGS,
     continuous,
     gripper_midpoints,
     keyframes,
@@ -64,7 +64,7 @@ def test_peaks_are_taken_even_when_the_grippers_move_often():
     arm = np.cumsum(np.exp(-(((time - 112) / 4) ** 2)) + np.exp(-(((time - 213) / 4) ** 2)))
     events = gripper_midpoints(gripper[:, None])
     chosen = keyframes(np.stack([arm, gripper], axis=1), [1])
-    assert len(chosen) == 2 + len(events) + FEWEST_PEAKS
+    assert len(chosen) == 2 + len(events) + SETTINGS.fewest_peaks
 
 
 def test_an_episode_without_any_motion_has_its_ends():

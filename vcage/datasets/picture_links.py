@@ -226,8 +226,15 @@ def read_link(dataset: h5py.Dataset) -> Link | None:
         lengths = tuple(LengthsPlace(**place) for place in json.loads(attributes.get("lengths", "[]")))
         return Link(Stream(**stream), Original(**original), lengths)
     except (KeyError, ValueError, TypeError) as error:
-        why = error.errors()[0]["msg"] if isinstance(error, ValidationError) else error
-        raise DamagedFile(f"{what} is not a whole link to a video: {why}", hint=AGAIN) from error
+        raise DamagedFile(f"{what} is not a whole link to a video: {_first(error)}", hint=AGAIN) from error
+
+
+def _first(error: Exception) -> str:
+    """Return one line for an error: of pydantic, record, field and message of the first."""
+    if not isinstance(error, ValidationError):
+        return str(error)
+    first = error.errors()[0]
+    return f"{'.'.join([error.title, *map(str, first['loc'])])}: {first['msg']}"
 
 
 def require_own_videos(scalars: Iterable[h5py.Dataset]) -> None:

@@ -53,7 +53,7 @@ class MLP(nn.Module):
 
 
 def _usable() -> bool:
-    """Whether torchvision is there and fits torch: a wheel for another torch fails at import with RuntimeError."""
+    """True if torchvision is there and fits torch: a wheel for another torch fails at import with RuntimeError."""
     try:
         import_module("torchvision.ops")
         import_module("torchvision.transforms")
@@ -64,7 +64,7 @@ def _usable() -> bool:
 
 @contextmanager
 def torchvision_names() -> Iterator[None]:
-    """Let ``import pycvvdp`` find ``GaussianBlur`` and ``MLP``; afterwards no false torchvision is left behind."""
+    """Let ``import pycvvdp`` find ``GaussianBlur`` and ``MLP`` inside, without a false torchvision afterwards."""
     if _usable():
         yield
         return

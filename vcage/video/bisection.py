@@ -4,28 +4,39 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 
-LOSS_GROWTH = 0.18
-"""Growth of ln(loss) per CRF step on rendered clips; it only makes guesses better, never a result."""
 
-GROWTHS = (0.08, 0.4)
-"""What two trials may say of the growth: close ones of little loss say anything."""
+@dataclass(frozen=True)
+class BisectionSettings:
+    """Guesses of the next trial. They change the number of trials, never the result.
 
-GUESSES = 5
-"""Trials that go where the losses say the threshold should be; a loss that leaves it open then, is bisected."""
+    Args:
+        growth_per_crf: growth of ln(loss) per CRF step, measured on rendered clips.
+        least_growth, most_growth: limits on the growth between two trials: close ones of little loss give any.
+        guesses: trials by the expected growth; then the range is halved.
+    """
+
+    growth_per_crf: float = 0.18
+    least_growth: float = 0.08
+    most_growth: float = 0.4
+    guesses: int = 5
+
+
+SETTINGS = BisectionSettings()
 
 
 def highest_passing(
     loss_at: Callable[[int], float], threshold: float, upper: int, first: int, lower: int = 0
 ) -> int | None:
-    """The highest CRF in ``lower`` … ``upper`` with ``loss_at(crf) < threshold``, if the loss grows with the CRF.
+    """Return the highest CRF in ``lower`` … ``upper`` with ``loss_at(crf) < threshold``, if the loss grows with it.
 
-    Each trial is made where the losses of the last two say the threshold should be; from the sixth on, in the middle
-    of what is left.
+    Each trial is made where the losses of the last two predict the threshold; from the sixth on, in the middle of the
+    remaining range.
 
     Args:
         loss_at: the loss at a CRF.
-        threshold: what the loss must stay below.
+        threshold: upper limit of the loss.
         upper: the highest CRF to consider; below ``lower`` for none.
         first: the first CRF to try.
         lower: the lowest CRF to consider.
@@ -43,21 +54,23 @@ def highest_passing(
             passes = guess
         else:
             fails = guess
-        guess = expected(losses, threshold) if len(losses) < GUESSES else (passes + fails) // 2
+        guess = expected(losses, threshold) if len(losses) < SETTINGS.guesses else (passes + fails) // 2
     return passes if passes >= lower else None
 
 
 def expected(losses: dict[int, float], threshold: float) -> int:
-    """The CRF that should be the highest to pass, from the losses at others, in the order of the trials; the next one
-    where that was tried and passed."""
-    (*before, last), growth = losses, LOSS_GROWTH
+    """Return the CRF that should be the highest to pass, by the losses of trials in their order.
+
+    Where that was tried and passed, return the next one.
+    """
+    (*before, last), growth = losses, SETTINGS.growth_per_crf
     if before and losses[last] > 0 and losses[before[-1]] > 0:
         seen = math.log(losses[last] / losses[before[-1]]) / (last - before[-1])
-        growth = min(max(seen, GROWTHS[0]), GROWTHS[1])
+        growth = min(max(seen, SETTINGS.least_growth), SETTINGS.most_growth)
     guess = last + math.floor(steps_to(threshold, losses[last], growth))
     return guess + 1 if guess in losses and losses[guess] < threshold else guess
 
 
-def steps_to(threshold: float, loss: float, growth: float = LOSS_GROWTH) -> float:
-    """CRF steps from where a loss was seen to where it should be ``threshold``, if it grows as it usually does."""
+def steps_to(threshold: float, loss: float, growth: float = SETTINGS.growth_per_crf) -> float:
+    """Return the CRF steps from a trial's loss to ``threshold``, at the usual growth."""
     return math.log(threshold / max(loss, 1e-6)) / growth

@@ -1,4 +1,4 @@
-"""What a search may choose from, and when it has found what it looks for."""
+"""Choices of a search, and the criterion that it must pass."""
 
 from __future__ import annotations
 
@@ -11,41 +11,40 @@ from numpy.typing import NDArray
 from vcage.schema.compression import Effort, Reduce
 from vcage.video.codec import EncoderSettings
 
-DECIDING = 5
-"""Frames, those that lose most, that tell at other CRFs what all lose. Measured on nine clips of 19 keyframes, between
-pairs of CRFs at most 4 apart: in 6 % of them the worst frame is another one, which loses 4 % more on average; then the
-whole video tells."""
-
 LOSSLESS = -1
-"""Stands for a CRF below all: none passes."""
+"""A CRF below all others: none passes."""
 
 
 @dataclass(frozen=True)
 class Criterion:
-    """When a clip passes.
+    """Condition for a clip to pass.
 
     Args:
-        threshold: what the loss must stay below, JOD.
+        threshold: upper limit of the loss, JOD.
         reduce: over the scored frames, 'max' or 'mean'.
-        guard: whether frames that are no keyframes must pass as well.
+        guard: true if frames that are no keyframes must pass as well.
+        most_deciding: frames, those that lose most, that predict the loss of all at other CRFs. Measured on nine clips
+            of 19 keyframes, between pairs of CRFs at most 4 apart: in 6 % of them the worst frame is another one, which
+            loses 4 % more on average; then the whole video decides.
     """
 
     threshold: float = 0.1
     reduce: Reduce = "max"
     guard: bool = True
+    most_deciding: int = 5
 
     def loss(self, losses: NDArray[np.float64]) -> float:
-        """The one number of the losses of several frames."""
+        """Return one number for the losses of several frames."""
         return float(losses.max() if self.reduce == "max" else losses.mean())
 
     def deciding(self, frames: Sequence[int], losses: NDArray[np.float64]) -> list[int]:
-        """The frames of which one should be the worst at other CRFs too, increasing; all where their mean counts."""
+        """Return the frames among which the worst at other CRFs should be, increasing; all where their mean counts."""
         if self.reduce == "mean":
             return list(frames)
-        return sorted(frames[i] for i in np.argsort(-losses, kind="stable")[:DECIDING])
+        return sorted(frames[i] for i in np.argsort(-losses, kind="stable")[: self.most_deciding])
 
     def failing(self, frames: Sequence[int], losses: NDArray[np.float64]) -> list[int]:
-        """The frames to blame where their losses together do not pass."""
+        """Return the failing frames where the losses together do not pass."""
         if self.loss(losses) < self.threshold:
             return []
         return [f for f, loss in zip(frames, losses, strict=True) if self.reduce == "mean" or loss >= self.threshold]
@@ -53,12 +52,12 @@ class Criterion:
 
 @dataclass(frozen=True)
 class Choices:
-    """What a search may choose from; one pixel format and one GOP leave it the CRF alone.
+    """Choices of a search; one pixel format and one GOP leave it the CRF alone.
 
     Args:
         codec: see :class:`EncoderSettings`.
         effort: of the encoder.
-        pixel_formats: none takes those that the codec's searches choose from.
+        pixel_formats: empty for those that the codec's searches choose from.
         gops: the first is searched, the others are tried at the CRF that it allows.
         upper: the CRF to encode at, or below it where that loses too much, with the first of the other choices and
             without a search; :data:`LOSSLESS` for none. None searches.
@@ -71,5 +70,5 @@ class Choices:
     upper: int | None = None
 
     def settings(self, pixel_format: str = "", gop: int = 0) -> EncoderSettings:
-        """The encoder's settings with one of the choices."""
+        """Return the encoder's settings with one of the choices."""
         return EncoderSettings(self.codec, pixel_format, self.effort, gop or self.gops[0])

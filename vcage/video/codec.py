@@ -48,14 +48,14 @@ EXACT = (
 
 @dataclass(frozen=True)
 class EncoderSettings:
-    """How a stream is encoded, but for its CRF.
+    """Settings of a stream's encoder without the CRF.
 
     Args:
         codec: a name of :data:`vcage.video.encoders.CODECS`.
         pixel_format: FFmpeg's name; none takes the codec's best. 10-bit 4:4:4 gives the conversion itself no loss
             (measured: 0.000 JOD, against 0.06–0.13 for ``yuv420p``, which takes up most of the usual threshold of 0.1
             or exceeds it).
-        effort: how much time it takes for how few bytes.
+        effort: time against bytes.
         gop: frames from one random-access point to the next.
 
     Raises:
@@ -82,12 +82,12 @@ class EncoderSettings:
 
     @property
     def facts(self) -> Codec:
-        """What its codec's encoder can do."""
+        """Facts of its codec's encoder."""
         return CODECS[self.codec]
 
     @property
     def preset(self) -> str:
-        """The encoder's own."""
+        """The encoder's preset."""
         return self.facts.presets[self.effort]
 
 
@@ -136,12 +136,12 @@ def encode(
 
 
 def formats_for(settings: EncoderSettings, width: int, height: int, names: Collection[str] = ()) -> list[str]:
-    """The pixel formats of a codec that can hold pictures of a size: odd ones need chroma of the full size.
+    """Return the pixel formats of a codec that can hold pictures of a size: odd ones need chroma of the full size.
 
     Args:
         settings: the encoder's; only its codec counts.
         width, height: of the pictures, pixels.
-        names: the formats to choose from; none for those that the codec's searches choose from.
+        names: the formats to choose from; empty for those that the codec's searches choose from.
 
     Returns:
         At least one, the best first.
@@ -186,7 +186,7 @@ def _check(frames: NDArray[np.uint8], settings: EncoderSettings, crf: int | None
 
 
 def is_rgb(pixel_format: str) -> bool:
-    """Whether a video in a pixel format holds RGB as it is; all others hold YUV, see this module."""
+    """True if a video in a pixel format holds RGB as it is; all others hold YUV, see this module."""
     return pixel_format.startswith(("gbr", "rgb"))
 
 
@@ -198,13 +198,13 @@ def _tag_colour(context: av.VideoCodecContext, *, rgb: bool) -> None:
 
 
 def converted(picture: NDArray[np.uint8], pixel_format: str, index: int = 0, *, start: bool = False) -> av.VideoFrame:
-    """A picture, (H, W, 3) uint8 RGB, as the encoder gets it, for the time ``index`` in frames.
+    """Return a picture in the encoder's pixel format, for the time ``index`` in frames.
 
     Args:
         picture: (H, W, 3) uint8 RGB.
         pixel_format: FFmpeg's name.
         index: the time of the picture, in frames.
-        start: whether a group of pictures begins with it, wherever the encoder would begin one.
+        start: true if a group of pictures begins with it, in addition to those of the encoder.
     """
     frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(picture), format="rgb24")
     if pixel_format.startswith("gbr"):
@@ -224,13 +224,13 @@ def converted(picture: NDArray[np.uint8], pixel_format: str, index: int = 0, *, 
 
 
 def only_converted(pictures: NDArray[np.uint8], pixel_format: str) -> NDArray[np.uint8]:
-    """(N, H, W, 3) uint8 RGB as they come back from a pixel format without any codec: what no CRF can win back."""
+    """Return (N, H, W, 3) uint8 RGB after a pixel format without any codec: no CRF can be better."""
     back = [_tagged(converted(picture, pixel_format)).to_ndarray(format="rgb24") for picture in pictures]
     return np.stack(back, dtype=np.uint8)
 
 
 def _tagged(frame: av.VideoFrame) -> av.VideoFrame:
-    """With the tags that a decoder finds in the stream, so that the way back is the same."""
+    """Return a frame with the tags of the stream, so that the conversion back is the same."""
     if not frame.format.name.startswith("gbr"):
         frame.colorspace, frame.color_range = BT601, ColorRange.MPEG
     return frame

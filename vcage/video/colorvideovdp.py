@@ -24,9 +24,9 @@ DEPTH = 256
 class Pairs:
     """Pictures and their references as a display shows them: a ``video_source`` of ColorVideoVDP.
 
-    What the display makes of each of the 256 values is computed once and looked up. The metric's own source computes it
-    for every pixel and checks the result, which is a quarter of the time of a loss (measured, at 320x240 on a CPU); the
-    losses are the same but for roundings of the fifth decimal.
+    The light of each of the 256 values on the display is computed once and looked up. The metric's own source computes
+    it for every pixel and checks the result, which is a quarter of the time of a loss (measured, at 320x240 on a CPU).
+    The losses are the same but for roundings of the fifth decimal.
 
     Args:
         test, reference: (N, H, W, 3) uint8 RGB.
@@ -48,7 +48,7 @@ class Pairs:
         return 0
 
     def get_batch_size(self) -> int:
-        """How many pairs."""
+        """Return the number of pairs."""
         return len(self._test)
 
     def get_test_frame(self, _frame: int, device: torch.device, colorspace: str) -> Tensor:

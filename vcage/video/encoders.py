@@ -1,4 +1,4 @@
-"""The encoders that PyAV may bring, and how each is told its preset, GOP and quality."""
+"""PyAV's encoders, and their options for preset, GOP and quality."""
 
 from __future__ import annotations
 
@@ -21,11 +21,8 @@ from vcage.schema.compression import Effort
 
 EncoderOptions = dict[str, str]
 
-SIDE = 32
-"""Of the picture that is encoded to learn an encoder's version, pixels."""
-
 PATTERNS = {"hevc": rb"x265 \(build \d+\) - ([\w.+-]+)", "h264": rb"x264 - (core \d+(?: r\d+ \w+)?)"}
-"""Codec → where its encoder's message in the stream (user data SEI) names the version."""
+"""Codec → pattern of the version in its encoder's message in the stream (user data SEI)."""
 
 _QUICK: dict[str, str | int] = {
     "rd": 2,
@@ -43,13 +40,13 @@ X265_EFFORTS: dict[Effort, dict[str, str | int]] = {
     "default": _QUICK,
     "best": {"rect": 1, "tu-inter-depth": 2, "tu-intra-depth": 2},
 }
-"""What x265 tries: how exactly it weighs what a choice costs, how far it looks for where a block was, how deep it
-splits blocks and their transforms, and into what shapes.
+"""Effort of x265: exactness of the cost of a choice, search range of a block's motion, and depth and shapes of the
+splits of blocks and their transforms.
 
 Measured on three clips of 320x240 at the same loss, in the encoder's own time: against exact weighing, a wider look and
 transforms split twice, ``default`` takes an eighth more bytes in seven tenths of the time. Without rectangular blocks
 it would be another seventh, and with no block smaller than 16 pixels it is half as many bytes again in less than half
-the time. What the efforts come to is in the README."""
+the time."""
 
 
 @dataclass(frozen=True)
@@ -68,8 +65,8 @@ class Codec:
         min_crf: the best; 0, unless that means something else to the encoder.
         first_crf: where a search begins.
         options: (effort, preset, gop, crf) → the encoder's options; a CRF of None asks for no loss.
-        causal: whether a frame is encoded the same whatever lies before its group of pictures and behind it, so that an
-            :class:`vcage.video.excerpt.Excerpt` tells what the whole video loses.
+        causal: true if the encoding of a frame does not depend on frames before its group of pictures or after it, so
+            that a :class:`vcage.video.excerpt.Excerpt` has the losses of the whole video.
         lossless_format: pixel format of RGB without loss; empty where there is none.
         lossless_encoder: the encoder for it.
     """
@@ -126,8 +123,8 @@ def _x265(effort: Effort, preset: str, gop: int, crf: int | None) -> EncoderOpti
         "log-level": "none",
         **({"lossless": 1} if crf is None else {"crf": crf}),
     }
-    told = ":".join(f"{name}={value}" for name, value in params.items())
-    return {"preset": preset, "forced-idr": "1", "x265-params": told}
+    joined = ":".join(f"{name}={value}" for name, value in params.items())
+    return {"preset": preset, "forced-idr": "1", "x265-params": joined}
 
 
 def _x264(_effort: Effort, preset: str, gop: int, crf: int | None) -> EncoderOptions:
@@ -200,7 +197,7 @@ CODECS: dict[str, Codec] = {
 
 
 def require_encoder(codec: Codec) -> None:
-    """Nothing, if this build of PyAV has the codec's encoder.
+    """Require that this build of PyAV has the codec's encoder.
 
     Raises:
         MissingDependency: it has not; names the encoder.
@@ -215,10 +212,10 @@ def require_encoder(codec: Codec) -> None:
 
 @cache
 def encoder_version(codec: str) -> str:
-    """The version of a codec's encoder as it writes it into its streams, with that of libavcodec: other versions give
-    other bytes for the same CRF, so results name it.
+    """Return the versions of a codec's encoder, from its streams, and of libavcodec.
 
-    SVT-AV1 leaves no such message; then libavcodec's version alone stands for the build.
+    Other versions give other bytes for the same CRF, so results name it. SVT-AV1 leaves no such message; then
+    libavcodec's version alone stands for the build.
 
     Raises:
         MissingDependency: this build of PyAV lacks the encoder.
@@ -231,14 +228,14 @@ def encoder_version(codec: str) -> str:
     return f"{found[1].decode()}, {library}" if found else library
 
 
-def _stream_with_message(codec: Codec) -> bytes:
+def _stream_with_message(codec: Codec, side_px: int = 32) -> bytes:
     target = io.BytesIO()
     with av.open(target, "w", format=codec.name) as container:  # without a container, in which nothing is searched
         stream = cast("av.VideoStream", container.add_stream(codec.encoder, rate=1))
-        stream.height = stream.width = SIDE
+        stream.height = stream.width = side_px
         stream.pix_fmt = "yuv420p"
         stream.options = {"x265-params": "info=1:log-level=none"} if codec.name == "hevc" else {}
-        grey = av.VideoFrame.from_ndarray(np.full((SIDE, SIDE, 3), 128, np.uint8), format="rgb24")
+        grey = av.VideoFrame.from_ndarray(np.full((side_px, side_px, 3), 128, np.uint8), format="rgb24")
         container.mux(stream.encode(grey))
         container.mux(stream.encode(None))
     return target.getvalue()
@@ -246,7 +243,7 @@ def _stream_with_message(codec: Codec) -> bytes:
 
 @contextmanager
 def kept_priority() -> Iterator[None]:
-    """Open an encoder inside: all threads of the process then have the scheduling that this one had before.
+    """Keep the scheduling of all threads of the process while an encoder is opened inside.
 
     SVT-AV1, where it may (as root), gives itself and the thread that opens it real-time priority, which starves every
     other program and stays when the video is finished.

@@ -1,4 +1,4 @@
-"""The frames that must be encoded to tell what some frames of a video lose.
+"""Excerpts of a video: the frames to encode for the losses of some of its frames.
 
 A closed group of pictures refers to nothing outside it, and where the encoder looks at nothing that comes later, a
 frame depends on those before it in its group alone (:attr:`vcage.video.encoders.Codec.causal`). So each group that
@@ -22,7 +22,7 @@ from vcage.video.encoders import Codec
 
 @dataclass(frozen=True)
 class Excerpt:
-    """Frames of a video that are encoded as a video of their own.
+    """Frames of a video to encode as a video of their own.
 
     Args:
         frames: their indices, increasing.
@@ -33,7 +33,7 @@ class Excerpt:
     starts: frozenset[int]
 
     def encoded(self, pictures: NDArray[np.uint8], fps: float, settings: EncoderSettings, crf: int) -> bytes:
-        """The excerpt as a video.
+        """Return the excerpt as a video.
 
         Args:
             pictures: (T, H, W, 3) uint8 RGB, of the whole video.
@@ -44,18 +44,18 @@ class Excerpt:
         return encode(pictures[list(self.frames)], fps, settings, crf, self.starts)
 
     def places(self, frames: Sequence[int]) -> list[int]:
-        """Where frames of the whole video, which the excerpt holds, lie in it."""
+        """Return the places in the excerpt of frames of the whole video."""
         return [bisect_left(self.frames, frame) for frame in frames]
 
 
 def excerpt(count: int, scored: Sequence[int], codec: Codec, gops: Sequence[int]) -> Excerpt:
-    """What must be encoded of a video for the losses of some of its frames.
+    """Return the excerpt of a video for the losses of some of its frames.
 
     Args:
         count: frames of the video.
         scored: frames that are scored.
         codec: of the encoder; one that is not causal gets all frames.
-        gops: the GOPs that it will be encoded with, so that all of them encode the same frames.
+        gops: of all encodings, so that all of them encode the same frames.
     """
     if not codec.causal:
         return Excerpt(tuple(range(count)), frozenset())

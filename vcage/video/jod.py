@@ -1,7 +1,7 @@
-"""The loss that a compressed picture may have, in just-objectionable differences (JOD) of ColorVideoVDP.
+"""The loss of a compressed picture, in just-objectionable differences (JOD) of ColorVideoVDP.
 
 R. Mantiuk et al., "ColorVideoVDP", 2024, https://github.com/gfxdisp/ColorVideoVDP. Equal pictures score 10 JOD, so the
-loss is 10 − JOD (paper, section III-D). What a score means depends on the display model: it is part of the result.
+loss is 10 − JOD (paper, section III-D). The meaning of a score depends on the display model: it is part of the result.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from importlib import metadata
 from importlib.util import find_spec
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,11 +28,8 @@ PERFECT = 10.0
 BATCH = {"cpu": 2, "cuda": 16}
 """Pairs at a time; on a CPU more of them cost time, for their buffers leave the cache."""
 
-DIGITS = 5
-"""Decimals that are kept: finer ones differ from machine to machine."""
-
 DISPLAYS = "display_models.json"
-"""Of ColorVideoVDP, which looks for it where ``CVVDP_PATH`` says, and then among its own files."""
+"""File of ColorVideoVDP, which looks for it in ``CVVDP_PATH``, and then among its own files."""
 
 SRGB = "sRGB"
 """The colour space of recordings, and of display models that name none."""
@@ -55,6 +52,9 @@ class JodMetric:
         UsageError: the display does not show sRGB.
     """
 
+    DIGITS: ClassVar[int] = 5
+    """Decimals of a loss; finer ones differ from machine to machine."""
+
     def __init__(self, display: str = DISPLAY, device: str | None = None):
         require_display(display)
         self._parts = _colorvideovdp()
@@ -66,7 +66,7 @@ class JodMetric:
         self._metric = self._parts.cvvdp(display_name=display, device=self.device, quiet=True)
 
     def loss(self, test: NDArray[np.uint8], reference: NDArray[np.uint8]) -> NDArray[np.float64]:
-        """Loss of each of N pictures against its reference, both (N, H, W, 3) uint8 RGB.
+        """Return the loss of each of N pictures against its reference, both (N, H, W, 3) uint8 RGB.
 
         Returns:
             (N,) JOD, 0 for equal pictures.
@@ -78,7 +78,7 @@ class JodMetric:
         with _quick(self._torch), self._torch.no_grad():
             for start in range(0, len(test), batch):
                 losses.append(self._predict(test[start : start + batch], reference[start : start + batch]))
-        return np.round(np.concatenate(losses), DIGITS)
+        return np.round(np.concatenate(losses), self.DIGITS)
 
     def _predict(self, test: NDArray[np.uint8], reference: NDArray[np.uint8]) -> NDArray[np.float64]:
         pairs = self._parts.Pairs(test, reference, self._metric.display_photometry)
@@ -87,7 +87,7 @@ class JodMetric:
 
 
 def metric_version() -> str:
-    """Name and version of what judges: other versions give other losses, so results name it."""
+    """Return name and version of the metric: other versions give other losses, so results name it."""
     return f"ColorVideoVDP {metadata.version('cvvdp')}"
 
 
@@ -101,7 +101,7 @@ def _colorvideovdp() -> ModuleType:
 
 
 def require_display(name: str) -> None:
-    """Nothing, if ColorVideoVDP has a display model of that name; without loading it, which takes a second.
+    """Require that ColorVideoVDP has a display model of that name, without loading it, which takes a second.
 
     Raises:
         MissingDependency: pycvvdp is not installed.
@@ -125,10 +125,10 @@ def require_display(name: str) -> None:
 
 @contextmanager
 def _quick(torch: Any) -> Iterator[None]:
-    """One thread for torch: the order of its sums, and so the last digits, depend on their number.
+    """Use one thread of torch: the order of its sums, and so the last digits, depend on their number.
 
-    And no oneDNN, whose convolution of one channel with a few numbers takes longer than all the rest: measured, 36 in
-    place of 66 ms a picture of 320x240 on one core, the same losses to the fifth decimal.
+    Also disable oneDNN, whose convolution of one channel with a few numbers takes longer than all the rest: measured,
+    36 in place of 66 ms a picture of 320x240 on one core, the same losses to the fifth decimal.
     """
     threads, (onednn, *_) = torch.get_num_threads(), torch.backends.mkldnn.set_flags(False)
     torch.set_num_threads(1)

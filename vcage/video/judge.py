@@ -1,4 +1,4 @@
-"""One clip and its judge: what it loses in an encoding, of the whole or of the groups of pictures that are scored."""
+"""The judge of one clip: its losses in an encoding of the whole or of the scored groups of pictures."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ from vcage.video.known_losses import KnownLosses
 
 @dataclass
 class Judge:
-    """One clip, and what was tried on it.
+    """One clip, and the trials on it.
 
     Args:
         frames: (T, H, W, 3) uint8 RGB.
         keyframes: indices of the frames that are scored, increasing.
         fps: frames per second.
-        criterion: when the clip passes.
-        metric: gives the losses.
+        criterion: for the clip to pass.
+        metric: of the losses.
 
     Attributes:
-        trials: all that was tried, in order.
+        trials: in order.
     """
 
     frames: NDArray[np.uint8]
@@ -46,25 +46,25 @@ class Judge:
         self._known = KnownLosses(self.metric)
 
     def whole(self, settings: EncoderSettings, crf: int | None) -> bytes:
-        """The whole clip as a video, encoded once; a CRF of None is without loss."""
+        """Return the whole clip as a video, encoded once; a CRF of None is without loss."""
         if (settings, crf) not in self._wholes:
             self._wholes[settings, crf] = encode(self.frames, self.fps, settings, crf)
         return self._wholes[settings, crf]
 
     def losses(self, video: bytes, frames: Sequence[int]) -> NDArray[np.float64]:
-        """(N,) what N increasing frames lose in a whole video, JOD."""
+        """Return (N,) losses of N increasing frames in a whole video, JOD."""
         return self.loss(decode(video, frames), frames)
 
     def loss(self, pictures: NDArray[np.uint8], frames: Sequence[int]) -> NDArray[np.float64]:
-        """(N,) what (N, H, W, 3) pictures lose against N frames, JOD."""
+        """Return (N,) losses of (N, H, W, 3) pictures against N frames, JOD."""
         return self._known.loss(pictures, self.frames[list(frames)])
 
     def highest(
         self, settings: EncoderSettings, scored: Sequence[int], upper: int, first: int, gops: Sequence[int] = ()
     ) -> int | None:
-        """The highest CRF at which some frames pass; None where they do at none.
+        """Return the highest CRF at which some frames pass; None where they pass at none.
 
-        The first trial tells which of them decide (:meth:`Criterion.deciding`); the others look at these alone.
+        The first trial shows which of them decide (:meth:`Criterion.deciding`); the others score these alone.
 
         Args:
             settings: the encoder's.
@@ -84,12 +84,12 @@ class Judge:
         return highest_passing(loss_at, self.criterion.threshold, upper, first, settings.facts.min_crf)
 
     def part(self, settings: EncoderSettings, scored: Sequence[int], gops: Sequence[int] = ()) -> Excerpt:
-        """What must be encoded for a score.
+        """Return the excerpt to encode for a score.
 
         Args:
             settings: the encoder's.
             scored: the frames that are scored, increasing.
-            gops: all GOPs that are to be compared, of which each gets the same frames; none for that of the settings.
+            gops: all GOPs to compare with the same frames; empty for that of the settings.
         """
         return excerpt(len(self.frames), scored, settings.facts, gops or (settings.gop,))
 
@@ -99,7 +99,7 @@ class Judge:
         Args:
             settings: the encoder's.
             crf: constant rate factor.
-            part: what is encoded.
+            part: to be encoded.
             scored: frames of the clip that it holds, increasing.
         """
         if len(part.frames) == len(self.frames):
@@ -113,14 +113,14 @@ class Judge:
     def note(
         self, settings: EncoderSettings, crf: int | None, losses: NDArray[np.float64], video: bytes, frames: int
     ) -> None:
-        """Put a trial down.
+        """Record a trial.
 
         Args:
             settings: the encoder's.
             crf: constant rate factor; None is without loss.
-            losses: of the frames that were scored, JOD.
-            video: what was encoded.
-            frames: how many.
+            losses: of the scored frames, JOD.
+            video: the encoding.
+            frames: number of encoded frames.
         """
         self.trials.append(
             Evaluation(
@@ -137,16 +137,16 @@ class Judge:
 
 @dataclass(frozen=True)
 class Tried:
-    """What one trial came to.
+    """The result of one trial.
 
     Args:
         losses: (N,) of the scored frames, JOD.
-        bytes: of what was encoded.
+        bytes: of the encoding.
     """
 
     losses: NDArray[np.float64]
     bytes: int
 
     def loss(self, criterion: Criterion) -> float:
-        """The one number that counts of the losses."""
+        """Return one number for the losses."""
         return criterion.loss(self.losses)

@@ -1,4 +1,4 @@
-"""Losses that are known are not computed again: a frame often comes out of a whole video as of its search's excerpt."""
+"""Cache of losses: a frame often looks the same in a whole video and in the excerpt of its search."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from vcage.video.jod import JodMetric
 
 @dataclass
 class KnownLosses:
-    """A metric that judges a picture against a reference once; a loss depends on their pixels alone.
+    """A metric that compares a picture with a reference once; a loss depends on their pixels alone.
 
     Args:
-        metric: judges what is not known.
+        metric: of new pairs.
     """
 
     metric: JodMetric
     _losses: dict[bytes, float] = field(default_factory=dict, init=False)
 
     def loss(self, test: NDArray[np.uint8], reference: NDArray[np.uint8]) -> NDArray[np.float64]:
-        """Loss of each of N pictures against its reference, see :meth:`vcage.video.jod.JodMetric.loss`."""
+        """Return the loss of each of N pictures against its reference, see :meth:`vcage.video.jod.JodMetric.loss`."""
         keys = [_hash(*pair) for pair in zip(test, reference, strict=True)]
         new = {key: index for index, key in enumerate(keys) if key not in self._losses}
         if new:

@@ -2,7 +2,7 @@
 
 Each trial encodes with the settings of production, decodes as a reader would, and scores decoded keyframes against the
 originals; it encodes no more than these take (:mod:`vcage.video.excerpt`). The paper searches the CRF alone; here
-the pixel format and the GOP are part of it. What is found is then encoded as a whole and looked at again:
+the pixel format and the GOP are part of it. The result is then encoded as a whole and checked again:
 :mod:`vcage.video.settling`.
 """
 
@@ -19,13 +19,10 @@ from vcage.video.choices import Choices
 from vcage.video.codec import EncoderSettings, formats_for, only_converted
 from vcage.video.judge import Judge
 
-HOPELESS = 0.6
-"""Share of the threshold that a conversion alone must stay below in a pixel format that is tried besides the best."""
-
 
 @dataclass(frozen=True)
 class Finding:
-    """What a search found, which no whole video was encoded for.
+    """The result of a search on excerpts.
 
     Args:
         settings: the encoder's.
@@ -58,23 +55,23 @@ def find_encoding(judge: Judge, choices: Choices) -> Finding:
     return Finding(settings, crf, first)
 
 
-def _hopeful(judge: Judge, pixel_format: str) -> bool:
-    """Whether no scored frame loses much in a pixel format without any codec; looked at until one does."""
-    most, frames = HOPELESS * judge.criterion.threshold, judge.keyframes
+def _hopeful(judge: Judge, pixel_format: str, share: float = 0.6) -> bool:
+    """True if every scored frame loses less than a share of the threshold in a pixel format without any codec."""
+    most, frames = share * judge.criterion.threshold, judge.keyframes
     step = 2 if judge.criterion.reduce == "max" else len(frames)
     parts = (frames[i : i + step] for i in range(0, len(frames), step))
     return all(judge.criterion.loss(_conversion(judge, pixel_format, part)) < most for part in parts)
 
 
 def _conversion(judge: Judge, pixel_format: str, frames: Sequence[int]) -> NDArray[np.float64]:
-    """What frames lose in a pixel format without any codec."""
+    """Return the losses of frames in a pixel format without any codec."""
     return judge.loss(only_converted(judge.frames[list(frames)], pixel_format), frames)
 
 
 def _cheapest(
     judge: Judge, choices: Choices, first: EncoderSettings, crf: int, formats: Sequence[str]
 ) -> EncoderSettings:
-    """The choice of pixel format and GOP with the fewest bytes that passes at a CRF that the first choice allows."""
+    """Return the choice of pixel format and GOP with the fewest bytes that passes at the CRF of the first choice."""
     variants = [choices.settings(first.pixel_format, gop) for gop in choices.gops[1:]]
     variants += [choices.settings(name) for name in formats]
     if not variants:
@@ -89,10 +86,10 @@ def _cheapest(
 
 
 def require_lossless(judge: Judge, settings: EncoderSettings) -> None:
-    """Nothing, if a codec can keep every pixel of a clip.
+    """Require that a codec can keep every pixel of a clip.
 
     Raises:
-        UsageError: it cannot; says what its colour alone costs.
+        UsageError: it cannot; states the loss of its colour alone.
     """
     codec = settings.facts
     if codec.lossless_format:

@@ -1,7 +1,7 @@
-"""What was found on some frames of a clip, held against the whole of it: encoded once, and again only where it fails.
+"""Check of a search's result on the whole clip, which is encoded once, and again only where it fails.
 
-In the whole video frames are looked at that no search has seen (the guard). Those that fail are scored from then on: a
-lower CRF is sought at which what failed passes, on no more than that takes, and the whole is encoded with it.
+The guard scores frames of the whole video that no search has seen. Those that fail are scored from then on: a search on
+the failing frames alone finds a lower CRF at which they pass, and the whole is encoded with it.
 """
 
 from __future__ import annotations
@@ -20,15 +20,26 @@ from vcage.video.codec import EncoderSettings
 from vcage.video.judge import Judge
 from vcage.video.search import Finding, find_encoding, require_lossless
 
-HELD_OUT_EVERY = 10
 
-WANDER = 3
-"""Step of the held-out frame's place from each ten frames to the next; it visits all ten places."""
+@dataclass(frozen=True)
+class HeldOutSettings:
+    """Held-out frames.
+
+    Args:
+        every: frames with one held-out frame.
+        step: of its place from each ten frames to the next; it visits all ten places.
+    """
+
+    every: int = 10
+    step: int = 3
+
+
+HELD_OUT = HeldOutSettings()
 
 
 @dataclass(frozen=True)
 class SearchResult:
-    """What a search found.
+    """The result of a search.
 
     Args:
         settings: the encoder's.
@@ -37,7 +48,7 @@ class SearchResult:
         loss_max, loss_mean: of ``video`` over the scored frames, JOD.
         added: frames that the guard added to the keyframes.
         held_out: of ``video``; None when no held-out frame is left.
-        trials: all that was tried, in order.
+        trials: all, in order.
     """
 
     settings: EncoderSettings
@@ -51,7 +62,7 @@ class SearchResult:
 
     @property
     def pixel_format(self) -> str:
-        """Of ``video``; the lossless form has its own."""
+        """Pixel format of ``video``; the lossless form has its own."""
         return self.settings.facts.lossless_format if self.crf is None else self.settings.pixel_format
 
 
@@ -94,12 +105,12 @@ class _Settling:
         return sorted({*self.judge.keyframes, *self.added})
 
     def _steps(self, failing: dict[int, float]) -> int:
-        """How much lower the CRF must be for what failed, if it loses as usual."""
+        """Return how much lower the CRF must be for the failing frames, at the usual growth of the loss."""
         worst = self.judge.criterion.loss(np.array(list(failing.values())))
         return math.floor(steps_to(self.judge.criterion.threshold, worst))
 
     def _passing(self, settings: EncoderSettings, failing: dict[int, float], upper: int, first: int) -> int | None:
-        """The highest CRF at which what failed passes: those frames that lost most, or all where their mean counts."""
+        """Return the highest CRF at which the worst failing frames pass, or all where their mean counts."""
         criterion = self.judge.criterion
         worst = criterion.deciding(sorted(failing), np.array([failing[frame] for frame in sorted(failing)]))
         return self.judge.highest(settings, worst if criterion.reduce == "max" else self._scored(), upper, first)
@@ -123,12 +134,12 @@ class _Settling:
 
 @dataclass(frozen=True)
 class _Look:
-    """What a whole video loses.
+    """The loss of a whole video.
 
     Args:
         scored: (N,) in the scored frames, JOD.
         held_out: in those that no search has seen; None where there is none.
-        failing: frames to blame where it does not pass, and their losses.
+        failing: frames that do not pass, and their losses.
     """
 
     scored: NDArray[np.float64]
@@ -137,7 +148,7 @@ class _Look:
 
     @classmethod
     def at(cls, judge: Judge, settings: EncoderSettings, crf: int, scored: Sequence[int]) -> _Look:
-        """Encode a clip as a whole and look at it."""
+        """Encode a clip as a whole and score it."""
         unseen = held_out_frames(len(judge.frames), scored)
         video = judge.whole(settings, crf)
         frames = sorted({*scored, *unseen})
@@ -151,23 +162,23 @@ class _Look:
             worst = int(others.argmax())
             mean = round(float(others.mean()), 5)
             held_out = HeldOutLoss(worst=float(others[worst]), mean=mean, frame=unseen[worst], count=len(unseen))
-            if judge.criterion.guard and not blamed:  # else the CRF is not one that a search found
+            if judge.criterion.guard and not blamed:  # else no search found the CRF
                 blamed = judge.criterion.failing(unseen, others)
         return cls(seen, held_out, {frame: losses[frame] for frame in blamed})
 
 
-def held_out_frames(count: int, scored: Sequence[int], wander: int = WANDER) -> list[int]:
-    """One of every ten of ``count`` frames, and of the rest at the end, but for those in ``scored``.
+def held_out_frames(count: int, scored: Sequence[int], step: int = HELD_OUT.step) -> list[int]:
+    """Return one of every ten of ``count`` frames, and of the rest at the end, without those in ``scored``.
 
     Not every tenth: where the GOP is ten frames long, all of them might be intra-coded, which are better than the rest.
     Nor the very first, which is a keyframe in every clip.
 
     Args:
-        count: how many frames there are.
+        count: number of frames.
         scored: those that are judged anyway.
-        wander: step of the place from each ten frames to the next.
+        step: see :class:`HeldOutSettings`.
     """
-    starts = range(0, count, HELD_OUT_EVERY)
-    lengths = (min(HELD_OUT_EVERY, count - start) for start in starts)
-    places = {start + wander * (n + 1) % length for n, (start, length) in enumerate(zip(starts, lengths, strict=True))}
+    starts = range(0, count, HELD_OUT.every)
+    lengths = (min(HELD_OUT.every, count - start) for start in starts)
+    places = {start + step * (n + 1) % length for n, (start, length) in enumerate(zip(starts, lengths, strict=True))}
     return sorted(places - set(scored))

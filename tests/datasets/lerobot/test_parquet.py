@@ -22,7 +22,7 @@ def table(start: int, rows: int = 10) -> pa.Table:
 
 
 def test_tables_share_a_file_and_keep_a_row_group_each(tmp_path):
-    series = ParquetSeries(str(tmp_path / PATTERN), 1000, full=10**6)
+    series = ParquetSeries(str(tmp_path / PATTERN), 1000, full_bytes=10**6)
     for start in (0, 10):
         series.write(table(start))
     series.close()
@@ -32,7 +32,7 @@ def test_tables_share_a_file_and_keep_a_row_group_each(tmp_path):
 
 
 def test_a_full_file_is_followed_by_the_next_and_a_full_folder_too(tmp_path):
-    series = ParquetSeries(str(tmp_path / PATTERN), 2, full=1, first=1)
+    series = ParquetSeries(str(tmp_path / PATTERN), 2, full_bytes=1, first=1)
     places = []
     for start in (0, 10, 20):
         places.append(series.place())
@@ -48,7 +48,7 @@ def test_a_full_file_is_followed_by_the_next_and_a_full_folder_too(tmp_path):
 
 
 def test_a_series_that_nothing_was_written_to_leaves_no_file(tmp_path):
-    ParquetSeries(str(tmp_path / PATTERN), 1000, full=1).close()
+    ParquetSeries(str(tmp_path / PATTERN), 1000, full_bytes=1).close()
     assert list(tmp_path.iterdir()) == []
 
 

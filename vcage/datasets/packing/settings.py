@@ -13,7 +13,7 @@ from vcage.schema.compression import Effort, Reduce, SharedBy
 from vcage.video.choices import LOSSLESS, Choices, Criterion
 from vcage.video.encoders import CODECS
 from vcage.video.jod import DISPLAY
-from vcage.video.keyframes import COUNT
+from vcage.video.keyframes import SETTINGS as KEYFRAMES
 
 AUTO = "auto"
 
@@ -72,7 +72,7 @@ class CompressionSettings:
     pixel_format: Annotated[str, arg(metavar="NAME")] = AUTO
     """FFmpeg's name; auto tries those of the codec"""
     gop: Annotated[int | str, value(_gop, "N"), arg(help=GOP_HELP)] = 10
-    keyframes: Annotated[int, POSITIVE] = COUNT
+    keyframes: Annotated[int, POSITIVE] = KEYFRAMES.count
     """frames that the search scores in each video"""
 
     def __post_init__(self) -> None:

@@ -10,10 +10,8 @@ from vcage.base.errors import DamagedFile, OversizedFile
 from vcage.base.placeholders import require_fetched
 from vcage.base.reading import read_json
 
-MAX_BYTES = 64 << 20
 
-
-def read_beside(path: Path) -> Any:
+def read_beside(path: Path, max_bytes: int = 64 << 20) -> Any:
     """Return the content of a JSON file beside a recording; None where there is none, or a link in its place.
 
     Raises:
@@ -25,9 +23,9 @@ def read_beside(path: Path) -> Any:
         return None
     require_fetched(path)
     stat = path.stat()
-    if stat.st_size > MAX_BYTES:
+    if stat.st_size > max_bytes:
         raise OversizedFile(
-            f"{path} has {stat.st_size:,} bytes; at most {MAX_BYTES:,} are read", hint="leave its recordings out"
+            f"{path} has {stat.st_size:,} bytes; at most {max_bytes:,} are read", hint="leave its recordings out"
         )
     try:
         return _cached_content(path, stat.st_size, stat.st_mtime_ns)

@@ -45,9 +45,6 @@ from vcage.datasets.stored_pictures import (
     stored_picture,
 )
 
-CHUNK_CACHE_BYTES = 64 << 20
-"""Decompressed chunks that are cached: those of arrays often span many pictures."""
-
 ATTRIBUTES = ("fps", "instruction", "task", "robot", "state_names", COLOURS)
 
 
@@ -222,7 +219,8 @@ class Hdf5Recording(Hdf5Colours):
 
     @contextmanager
     def _file(self) -> Iterator[h5py.File]:
-        with read_hdf5(self.path, rdcc_nbytes=CHUNK_CACHE_BYTES) as file:
+        # decompressed chunks are cached: those of arrays often span many pictures
+        with read_hdf5(self.path, rdcc_nbytes=64 << 20) as file:
             yield file
 
     @cached_property

@@ -43,9 +43,6 @@ HDF5_LAYOUTS: tuple[type[Hdf5Recording], ...] = (
 )
 """A file has the first layout that it fits."""
 
-VOTERS = 20
-"""Recordings whose colours are looked at when many must agree."""
-
 
 @dataclass(frozen=True)
 class Opened:
@@ -189,15 +186,15 @@ def _recordings_in(path: Path) -> list[Hdf5Recording]:
     )
 
 
-def _with_colours_settled(recordings: Sequence[Hdf5Recording]) -> list[Hdf5Recording]:
+def _with_colours_settled(recordings: Sequence[Hdf5Recording], voters: int = 20) -> list[Hdf5Recording]:
     """Settle for all recordings of one layout, which were probably made alike, if red and blue are swapped.
 
-    Only some vote. A recording that states its own order keeps it.
+    Only ``voters`` of them vote. A recording that states its own order keeps it.
     """
     settled: dict[type[Hdf5Recording], Colours] = {}
     for layout in {type(recording) for recording in recordings if not recording.COLOURS_SURE}:
         own = [one for one in recordings if type(one) is layout]
-        some = np.unique(np.linspace(0, len(own) - 1, min(len(own), VOTERS)).astype(int))
+        some = np.unique(np.linspace(0, len(own) - 1, min(len(own), voters)).astype(int))
         votes = [vote for index in some for vote in _colour_votes(own[index])]
         if votes:
             settled[layout] = settle(layout.SWAPPED, votes)

@@ -30,9 +30,6 @@ UNNAMED = "depth or other numbers"
 NO_FILES = "no picture files"
 """Storage of bytes that are no pictures in a known format."""
 
-LEAST_SIDE = 8
-"""Pixels of the side of a picture: what has fewer is a matrix."""
-
 
 @dataclass(frozen=True)
 class MeasuredStream:
@@ -70,12 +67,13 @@ def shown_by_name(name: str) -> str | None:
     return None
 
 
-def measured_stream(name: str, dataset: h5py.Dataset) -> MeasuredStream | None:
+def measured_stream(name: str, dataset: h5py.Dataset, least_side_px: int = 8) -> MeasuredStream | None:
     """Describe a dataset in the place of pictures, one for each point in time, that is not 8-bit pictures.
 
     Args:
         name: of the dataset, from the recording's group on, or of the camera that it would be.
         dataset: in an open file.
+        least_side_px: of a picture; an array with fewer is a matrix.
 
     Returns:
         None of 8-bit pictures, links to videos, and what holds no picture at all.
@@ -84,7 +82,7 @@ def measured_stream(name: str, dataset: h5py.Dataset) -> MeasuredStream | None:
         return None
     named = shown_by_name(name)
     if picture_kind(dataset) == ARRAY:
-        if dataset.dtype.kind not in "fiub" or dataset.ndim not in (3, 4) or min(dataset.shape[1:3]) < LEAST_SIDE:
+        if dataset.dtype.kind not in "fiub" or dataset.ndim not in (3, 4) or min(dataset.shape[1:3]) < least_side_px:
             return None
         if named is None and dataset.dtype == np.uint8:
             return None

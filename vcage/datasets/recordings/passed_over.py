@@ -23,9 +23,6 @@ OTHERS = {"HDF5": "HDF5 under another name; rename it to .hdf5", "HDF4": "HDF4, 
 NOT_HDF5 = (*PICTURES, ".json", ".jsonl", ".parquet", ".mp4", ".txt", ".md", ".yaml", ".yml")
 """Ends of the names of files that are not opened."""
 
-LEAST_PICTURES = 2
-"""In a folder that may be a recording of its own."""
-
 
 def is_hdf5_by_name(file: Path) -> bool:
     """True if a file is read as HDF5, by the end of its name; HDF4 may have the same one, and is not read."""
@@ -66,7 +63,7 @@ def passed_over(
 def _pictures(root: Path, files: Iterable[Path], read: Collection[Path]) -> dict[Path, str]:
     """Return entry of the folder → number of folders with pictures in it that are not read, in words."""
     counts = Counter(file.parent for file in files if file.suffix.lower() in PICTURES)
-    more = [folder for folder, count in counts.items() if count >= LEAST_PICTURES and folder not in read]
+    more = [folder for folder, count in counts.items() if count > 1 and folder not in read]
     tops = Counter(root if folder == root else root / folder.relative_to(root).parts[0] for folder in more)
     return {top: f"pictures in {count} folder{'s' * (count > 1)}; give it by itself" for top, count in tops.items()}
 
