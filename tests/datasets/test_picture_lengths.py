@@ -227,6 +227,6 @@ def test_a_link_that_names_other_numbers_as_lengths_changes_none_of_them(tmp_pat
     packed = pack(source, tmp_path / "small/a.hdf5")
     with h5py.File(packed, "r+") as file:
         file[KEY].attrs["vcage_lengths"] = json.dumps([place])
-    with pytest.raises(DamagedFile, match="(?i)lengths"):
+    with pytest.raises(DamagedFile, match=r"(?i)lengths"):
         unpack(packed, tmp_path / "back.hdf5")
     assert not (tmp_path / "back.hdf5").exists()

@@ -27,9 +27,9 @@ from vcage.stages.export import Footage, lerobot_episodes
 logger = logging.getLogger(__name__)
 
 ADDED = "added.json"
-"""In the folder of the data sets: format → SHA-256 of an episode's file → its number in the data set.
+"""File in the folder of the data sets: format → SHA-256 of an episode's file → its number in the data set.
 
-It is written before the data set, so it may name episodes that never came: those whose number the data set has not.
+It is written before the data set, so it may name episodes beyond its end, which were never added.
 """
 
 
@@ -46,7 +46,7 @@ def append_to(root: Path, run: RunFolder, progress: Progress = silent) -> dict[s
     Args:
         root: folder of the data sets, ``<root>/lerobot-v3.0`` and so on.
         run: the run, exported.
-        progress: told of every episode.
+        progress: called for every episode.
 
     Returns:
         Format → its data set.
@@ -104,7 +104,7 @@ def _read_added(path: Path) -> dict[str, dict[str, int]]:
 
 
 def _footage_of(exported: Path, files: Sequence[str]) -> Footage:
-    """The videos of a data set that the export wrote of these episodes, in this order.
+    """Return the videos of a data set that the export wrote of these episodes, in this order.
 
     Raises:
         DamagedFile: it is not as the export wrote it; names the field.

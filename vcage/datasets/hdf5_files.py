@@ -43,8 +43,8 @@ def open_hdf5_file(path: Path, **options: Any) -> h5py.File:
         FileInUse: another process writes it.
     """
     path = Path(path)
-    require_fetched(path)
     with damage(path):
+        require_fetched(path)
         file = h5py.File(path, "r", **options)
         try:
             found = path.stat()

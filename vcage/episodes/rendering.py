@@ -1,8 +1,8 @@
-"""The recorded states of accepted episodes drawn again under other looks, without simulating.
+"""Draw the recorded states of accepted episodes again under other looks, without simulating.
 
-Every render is an episode file of its own, like those of collect; its look depends on the seed, the episode's number
-and the look's number alone, so that more can be drawn later, and what is there already is known by what is inside. What
-was drawn of an episode that does not count any more, or that was recorded anew, is removed.
+Every render is an episode file of its own, like those of collect. Its look depends on the seed, the episode's number
+and the look's number alone, so that more can be drawn later; the record inside identifies a finished one. Renders of an
+episode that does not count any more, or that was recorded anew, are removed.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import cv2
 import numpy as np
@@ -44,24 +44,20 @@ logger = logging.getLogger(__name__)
 
 FOLDER, INDEX = "renders", "renders.json"
 
-THUMB = 240
-"""Width of a picture on the sheet, pixels."""
-
-MOST_LOOKS = 1000
-"""Of an episode, in one call."""
-
 
 @dataclass(frozen=True)
 class Order:
-    """What is to be drawn.
+    """The requested renders.
 
     Args:
-        looks: of each episode, at least 1.
-        ranges: to draw them from.
+        looks: of each episode, 1 to :attr:`MOST_LOOKS`.
+        ranges: of the random looks.
         seed: of all looks.
-        episodes: numbers of those to draw; all that count when empty.
+        episodes: numbers of those to draw; empty for all that count.
         workers: processes.
     """
+
+    MOST_LOOKS: ClassVar[int] = 1000
 
     looks: int
     ranges: Randomisation
@@ -83,15 +79,15 @@ class _Task:
 
 
 def render_run(run: RunFolder, order: Order, progress: Progress = silent) -> Renders:
-    """Draw the episodes of a run that count; what is drawn already is kept.
+    """Draw the episodes of a run that count; finished renders stay.
 
     Raises:
-        UsageError: fewer than one look, or more than :data:`MOST_LOOKS`.
+        UsageError: fewer than one look, or more than :attr:`Order.MOST_LOOKS`.
         UnknownName: an episode is not among those that count, or an object is not in the library any more.
         MissingStage: no episode counts.
     """
-    if not 1 <= order.looks <= MOST_LOOKS:
-        raise UsageError(f"--looks is {order.looks}", hint=f"give 1 to {MOST_LOOKS}")
+    if not 1 <= order.looks <= order.MOST_LOOKS:
+        raise UsageError(f"--looks is {order.looks}", hint=f"give 1 to {order.MOST_LOOKS}")
     chosen = _chosen(run, order.episodes)
     folder = run.root / FOLDER
     _sweep(run, folder)
@@ -140,7 +136,7 @@ def _name(episode: int, look: int) -> str:
 
 
 def _sweep(run: RunFolder, folder: Path) -> None:
-    """Remove what a killed call left, and what was drawn of an episode that does not count any more or is another."""
+    """Remove files of a killed call, and renders of an episode that does not count any more or is another."""
     sources = {episode.index: run.file(str(episode.file)) for episode in accepted_episodes(run)}
 
     @cache
@@ -160,7 +156,7 @@ def _sweep(run: RunFolder, folder: Path) -> None:
 
 
 def _made(path: Path) -> dict[str, Any] | None:
-    """Read the record of a render; None for what a killed call left, or for no render of ours."""
+    """Return the record of a render; None for a file of a killed call, or no render of ours."""
     with suppress(DamagedFile, OSError, KeyError, ValueError, TypeError), open_hdf5_file(path) as file:
         made = {**json.loads(file["meta/render"][()]), "frames": len(file["timestamp"])}
         return made if _record(path, made, made["frames"]) and isinstance(made["sha256"], str) else None
@@ -168,7 +164,7 @@ def _made(path: Path) -> dict[str, Any] | None:
 
 
 def _of_earlier_calls(folder: Path, drawn: Collection[Render]) -> Iterator[Render]:
-    """The renders that are there besides those that were drawn now."""
+    """Yield the renders of earlier calls."""
     now = {Path(render.file).name for render in drawn}
     for path in folder.glob("episode_*-look_*.hdf5"):
         if path.name not in now and (made := _made(path)) is not None:
@@ -176,8 +172,8 @@ def _of_earlier_calls(folder: Path, drawn: Collection[Render]) -> Iterator[Rende
 
 
 def _record(path: Path, made: Mapping[str, Any], frames: int) -> Render:
-    told = {name: made[name] for name in ("episode", "look", "ranges", "seed")}
-    return Render(**told, file=f"{FOLDER}/{path.name}", frames=frames)
+    facts = {name: made[name] for name in ("episode", "look", "ranges", "seed")}
+    return Render(**facts, file=f"{FOLDER}/{path.name}", frames=frames)
 
 
 # --- one render -------------------------------------------------------------------------------------------------
@@ -201,7 +197,7 @@ def _context() -> StageContext:
 
 
 def _drawn_meta(recorded: Recorded, task: _Task, look: Look) -> dict[str, Any]:
-    """The facts of an episode with the look replaced, and what its world had drawn kept."""
+    """Return the facts of an episode with another look and the same random world."""
     drawn = recorded.drawn.model_copy(update={"look": look, "ranges": _both(recorded.drawn.ranges, task.ranges.name)})
     made = {
         "episode": task.episode,
@@ -215,12 +211,12 @@ def _drawn_meta(recorded: Recorded, task: _Task, look: Look) -> dict[str, Any]:
 
 
 def _both(world: str, look: str) -> str:
-    """Names of the ranges of a world, and of those that a look was drawn from."""
+    """Return the names of the ranges of a world, and of a look."""
     return look if look == world else f"{world}, its look {look}"
 
 
 def _is_there(path: Path, meta: Mapping[str, Any]) -> bool:
-    """Whether a file was drawn from the same states under the same look."""
+    """True if a file was drawn from the same states under the same look."""
     with suppress(DamagedFile, OSError, KeyError, ValueError), open_hdf5_file(path) as file:
         return all(json.loads(file["meta"][name][()]) == meta[name] for name in (DRAWN, "render"))
     return False
@@ -237,31 +233,32 @@ def _write(path: Path, recorded: Recorded, look: Look, meta: Mapping[str, Any]) 
 # --- the sheet ---------------------------------------------------------------------------------------------------
 
 
-def write_sheet(run: RunFolder, record: Renders, path: Path, columns: int = 5) -> Path:
-    """One page with the middle of every render: one camera's picture, and below it those of up to two others, small.
+def write_sheet(run: RunFolder, record: Renders, path: Path, columns: int = 5, width_px: int = 240) -> Path:
+    """Write one page with the middle of every render: one camera's picture, and below it up to two others, small.
 
     Args:
         run: the folder.
-        record: of what was drawn.
+        record: of the renders.
         path: of the PNG.
         columns: renders side by side.
+        width_px: of a render.
     """
-    cells = [_cell(run.file(render.file), render.frames // 2) for render in record.renders]
+    cells = [_cell(run.file(render.file), render.frames // 2, width_px) for render in record.renders]
     blank = np.full_like(cells[0], 255)
     cells += [blank] * (-len(cells) % columns)
     rows = [np.hstack(cells[i : i + columns]) for i in range(0, len(cells), columns)]
     return write_picture(path, np.vstack(rows))
 
 
-def _cell(path: Path, middle: int) -> np.ndarray:
+def _cell(path: Path, middle: int, width: int) -> np.ndarray:
     with EpisodeReader(path) as reader:
         names = sorted(reader.cameras, key=lambda name: ("wrist" in name, name))[:3]
         large, *others = (reader.images(name)[middle] for name in names)
-    small = [_narrow(picture, THUMB // 2) for picture in others]
-    row = np.full((max((len(picture) for picture in small), default=0), THUMB, 3), 255, np.uint8)
+    small = [_narrow(picture, width // 2) for picture in others]
+    row = np.full((max((len(picture) for picture in small), default=0), width, 3), 255, np.uint8)
     for place, picture in enumerate(small):
-        row[: len(picture), place * THUMB // 2 :][:, : THUMB // 2] = picture
-    return np.pad(np.vstack([_narrow(large, THUMB), row]), ((3, 3), (3, 3), (0, 0)), constant_values=255)
+        row[: len(picture), place * width // 2 :][:, : width // 2] = picture
+    return np.pad(np.vstack([_narrow(large, width), row]), ((3, 3), (3, 3), (0, 0)), constant_values=255)
 
 
 def _narrow(picture: np.ndarray, width: int) -> np.ndarray:

@@ -55,7 +55,8 @@ class EpisodeFile:
 
 def accepted_files(run: RunFolder) -> list[EpisodeFile]:
     """Return the files of the episodes that count; raises as :func:`vcage.runs.accepted.accepted_episodes`."""
-    return [EpisodeFile(str(one.file), run.file(str(one.file)), one.frames) for one in accepted_episodes(run)]
+    names = {str(episode.file): episode.frames for episode in accepted_episodes(run)}
+    return [EpisodeFile(name, run.file(name), frames) for name, frames in names.items()]
 
 
 def holds_links(path: Path) -> bool:
@@ -177,11 +178,12 @@ def packed_hashes(files: Iterable[EpisodeFile], streams: Iterable[VideoStream], 
     return hashes
 
 
-def refer_to_videos(run: RunFolder, record: Compression, scratch: Path) -> None:
+def refer_to_videos(run: RunFolder, files: Iterable[EpisodeFile], record: Compression, scratch: Path) -> None:
     """Let every compressed episode of a run refer to its videos, which lie beside it from now on.
 
     Args:
         run: the run.
+        files: of its episodes that count.
         record: of its compression.
         scratch: a folder on the same file system for temporary files.
 
@@ -189,24 +191,23 @@ def refer_to_videos(run: RunFolder, record: Compression, scratch: Path) -> None:
         DamagedFile: a video does not hold what it should; then all episodes keep their pictures.
         DiskFull, OutputFolderError: the episodes cannot be written.
     """
-    paths = {file: run.file(file) for file in record.packed}
+    raw = [file for file in files if file.name in record.packed and not file.holds_links]
     waiting = {
-        file: [(run.file(stream.file), stream) for stream in record.streams if stream.episode == file]
-        for file, path in paths.items()
-        if not holds_links(path)
+        file: [(run.file(stream.file), stream) for stream in record.streams if stream.episode == file.name]
+        for file in raw
     }
     with ThreadPoolExecutor(cores()) as pool:  # FFmpeg releases the interpreter
         list(pool.map(lambda video: _verify(*video), chain(*waiting.values())))
     for file, videos in waiting.items():
         for video, _ in videos:
-            _link_beside(video, paths[file])
-        packed = _packed(paths[file], [stream for _, stream in videos], scratch)
-        if sha256_file(packed) != record.packed[file]:
+            _link_beside(video, file.path)
+        packed = _packed(file.path, [stream for _, stream in videos], scratch)
+        if sha256_file(packed) != record.packed[file.name]:
             raise StaleStage(
-                f"{run.compression} was made with another version of HDF5, which stores {file} in other bytes",
+                f"{run.compression} was made with another version of HDF5, which stores {file.name} in other bytes",
                 hint="leave the raw pictures with --keep-raw",
             )
-        os.replace(packed, paths[file])
+        os.replace(packed, file.path)
 
 
 def _packed(episode: Path, streams: Sequence[VideoStream], scratch: Path) -> Path:

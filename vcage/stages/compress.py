@@ -96,14 +96,16 @@ def execute(
         raise none
 
     def make(folder: Path, provenance: Provenance) -> Compression:
-        before = made_with(run, stage.options)
+        before, settings = made_with(run, stage.options), options.compression
         aside = {} if before is None else set_aside(run, before, files)
-        if none:
-            return compression_record(provenance, options.compression, [], set_aside=aside)
-        earlier, settings = earlier_videos(run, files, provenance), options.compression
+        earlier, clips = earlier_videos(run, files, provenance), clips_of(files)
         agreed = agreed_by(stream for _, stream in earlier.values())
-        clips, workers = clips_of(files), options.workers
-        found = search_data_set(clips, settings, working, agreed=agreed, workers=workers, progress=progress)
+        workers = options.workers
+        found = (
+            search_data_set(clips, settings, working, agreed=agreed, workers=workers, progress=progress)
+            if clips
+            else {}
+        )
         names = {file.path.stem: file.name for file in files}
         videos = {(names[name], camera): (video.file, video.stream) for (name, camera), video in found.items()}
         streams = []
@@ -119,7 +121,7 @@ def execute(
         withdraw(run.export.parent)
         raise none
     if not options.keep_raw:
-        refer_to_videos(run, result.record, working)
+        refer_to_videos(run, files, result.record, working)
     shutil.rmtree(working, ignore_errors=True)  # not before the stage is whole: a search takes long
     return result
 

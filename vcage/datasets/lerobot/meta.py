@@ -112,16 +112,18 @@ def _require_described(path: Path, info: Mapping[str, Any]) -> None:
     if not isinstance(info["features"], dict):
         raise DamagedFile(f"{path} does not name its features", hint=MEND)
     for name, feature in info["features"].items():
-        if not (isinstance(feature, dict) and isinstance(feature.get("dtype"), str) and _is_shape(feature)):
-            raise DamagedFile(f"{path} does not say what {name} is", hint=MEND)
-        if feature["dtype"] in ("video", "image"):
-            _require_camera(path, name, feature["shape"])
+        _require_feature(path, name, feature)
     if video_keys(info["features"]) and not info.get("video_path"):
         raise DamagedFile(f"{path} does not say video_path", hint=MEND)
 
 
-def _require_camera(path: Path, name: str, shape: list[int]) -> None:
-    """Raise DamagedFile where a camera's name is no part of a path, or its pictures are too large."""
+def _require_feature(path: Path, name: str, feature: Any) -> None:
+    """Raise DamagedFile where a feature lacks type or shape, or a camera's name is no part of a path, or too large."""
+    if not (isinstance(feature, dict) and isinstance(feature.get("dtype"), str) and _is_shape(feature)):
+        raise DamagedFile(f"{path} does not say what {name} is", hint=MEND)
+    if feature["dtype"] not in ("video", "image"):
+        return
+    shape = feature["shape"]
     if "/" in name or "\0" in name or not name.strip("."):
         raise DamagedFile(f"{path}: the feature {name!r} is no name of a camera", hint="rename it, without a slash")
     if min(shape) < 1:
