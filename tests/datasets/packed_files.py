@@ -10,7 +10,7 @@ from vcage.video.codec import EncoderSettings, encode
 
 
 def streams(source: Path) -> list[Stream]:
-    """What links to the videos of a recording must say."""
+    """Return the links to the videos of a recording."""
     recording = open_hdf5(source)
     return [
         Stream(

@@ -98,7 +98,7 @@ def test_a_picture_of_another_size_is_refused_by_camera(tmp_path):
         write_episode(tmp_path / "episode.hdf5", episode(), frames)
 
 
-def test_a_missing_file_is_said_to_be_missing(tmp_path):
+def test_a_missing_file_is_reported_to_be_missing(tmp_path):
     with pytest.raises(MissingStage):
         EpisodeReader(tmp_path / "none.hdf5")
 

@@ -61,7 +61,7 @@ def everything(path: Path) -> dict[str, tuple]:
 
 
 def content(value: object) -> tuple:
-    """What equals only what is the same bit for bit."""
+    """A value that equals only the same bits."""
     array = np.asarray(value)
     return array.shape, repr(array.tolist()) if array.dtype.hasobject else array.tobytes()
 

@@ -39,7 +39,7 @@ def test_the_file_is_read_as_a_recording_of_robotwins_with_nothing_lost_but_by_j
 
 
 def through_jpeg(picture: np.ndarray) -> np.ndarray:
-    """What is left of a picture, with red and blue swapped in the JPEG."""
+    """Return a picture after a JPEG with red and blue swapped."""
     return cv2.imdecode(cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, 95])[1], cv2.IMREAD_COLOR)
 
 

@@ -1,4 +1,4 @@
-"""What drives were told comes back from a file as it was, and takes little there."""
+"""Commands to drives come back from a file unchanged, and take few bytes there."""
 
 from __future__ import annotations
 

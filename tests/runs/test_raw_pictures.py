@@ -1,4 +1,4 @@
-"""What becomes of the raw pictures of episodes that were compressed."""
+"""Raw pictures of compressed episodes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What goes into the encoder comes out again: as many frames, in the same colours, from any core count."""
+"""Encoded frames come back: as many, in the same colours, from any core count."""
 
 from __future__ import annotations
 
@@ -160,7 +160,7 @@ def test_settings_that_no_encoder_knows_are_refused(wrong, message):
         EncoderSettings(**wrong)
 
 
-def test_a_codec_missing_from_the_build_is_said_before_anything_is_written(frames, monkeypatch):
+def test_a_codec_missing_from_the_build_is_reported_before_anything_is_written(frames, monkeypatch):
     monkeypatch.setattr(av, "codecs_available", {"libx264"})
     with pytest.raises(MissingDependency, match="libx265"):
         encode(frames, FPS, SETTINGS, 10)

@@ -1,4 +1,4 @@
-"""What is encoded for a score gives the score of the whole video, to the last bit."""
+"""An excerpt has the score of the whole video, to the last bit."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What was judged is not judged again, and nothing else is taken for it."""
+"""The metric judges each pair of pictures once, and confuses none."""
 
 from __future__ import annotations
 

@@ -255,7 +255,7 @@ def test_what_the_guard_finds_costs_one_more_whole_encoding(monkeypatch, factor)
 
 
 BOUND = Choices(pixel_formats=(BEST,), upper=20)
-"""What an earlier clip allowed."""
+"""The CRF of an earlier clip."""
 
 
 @pytest.mark.parametrize("keyframes", [[0, 30, 59], list(range(0, 60, 3))])

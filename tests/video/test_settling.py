@@ -1,4 +1,4 @@
-"""Which frames are looked at that no search has seen."""
+"""Held-out frames, which no search has seen."""
 
 from __future__ import annotations
 

@@ -187,7 +187,7 @@ def test_fewer_cameras_are_refused(version, begun, four):
 
 
 @pytest.mark.parametrize("encodings", [{}, {"cam_high": {"video.crf": 20}}])
-def test_another_crf_is_taken_in_and_told_no_longer(version, begun, four, encodings):
+def test_another_crf_is_accepted_and_stated_no_longer(version, begun, four, encodings):
     with open_writer(version, begun, encodings, append=True) as writer:
         writer.add(four[2])
     told = info(begun)["features"][video_key("cam_high")]["info"]

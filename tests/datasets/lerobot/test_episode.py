@@ -1,4 +1,4 @@
-"""What an episode to export must be in itself."""
+"""Requirements on an episode to export."""
 
 from __future__ import annotations
 
@@ -59,6 +59,6 @@ def test_the_number_of_frames_comes_from_what_was_recorded(foreign):
         ({"subtasks": [SubtaskSpan("a", 0, 6)]}, "within 5"),
     ],
 )
-def test_what_cannot_be_exported_is_said(foreign, change, complaint):
+def test_faults_of_an_export_are_reported(foreign, change, complaint):
     with pytest.raises(AssertionError, match=complaint):
         assert not list(replace(foreign, **change).complaints())

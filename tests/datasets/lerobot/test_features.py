@@ -1,4 +1,4 @@
-"""What a data set says of its frames and videos, which videos are refused, and when another episode agrees with it."""
+"""Features of a data set: refused videos, and agreement with another episode."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ def test_the_videos_of_a_data_set_that_is_begun_are_compressed_alike(info):
         agreed_info(3, info, changed(begun, "features", KEY, "info", "video.crf", to=20))
 
 
-def test_what_is_true_of_all_videos_stays_told(info):
+def test_facts_of_all_videos_stay_stated(info):
     assert agreed_info(3, info, copy.deepcopy(info)) == info
 
 
@@ -164,7 +164,7 @@ def test_videos_of_other_encoders_with_reordered_frames_fit_too(tmp_path, codec,
     assert video_info(encoded(tmp_path / "a.mp4", 40, codec), 40, 10)["video.codec"] == name
 
 
-def test_sound_is_told(tmp_path):
+def test_sound_is_reported(tmp_path):
     assert video_info(encoded(tmp_path / "a.mp4", sound=True), 12, 10)["has_audio"]
 
 

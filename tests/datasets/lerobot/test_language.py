@@ -26,7 +26,7 @@ def of_frames(root) -> list[dict]:
 
 
 def active_at(rows: list[dict], timestamp: float) -> str:
-    """What lerobot's resolver of that name finds: the last of the rows that began."""
+    """Return the result of lerobot's resolver of that name: the last of the rows that began."""
     begun = [row for row in rows if row["timestamp"] <= timestamp]
     latest = max(row["timestamp"] for row in begun)
     (found,) = [row for row in begun if row["timestamp"] == latest]

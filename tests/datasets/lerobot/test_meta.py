@@ -56,7 +56,7 @@ def test_tables_that_list_nothing_are_named(v3, tmp_path, change):
         episode_lengths(source, info_of(source))
 
 
-def test_rows_hold_what_is_said_of_an_episode_but_no_statistics(v3):
+def test_rows_hold_facts_of_an_episode_but_no_statistics(v3):
     first = episode_rows(v3, info_of(v3))[0]
     assert {"episode_index", "length", "tasks", "data/file_index"} <= set(first)
     assert not [name for name in first if name.startswith("stats/")]

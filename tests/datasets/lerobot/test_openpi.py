@@ -161,7 +161,7 @@ def test_pictures_are_handed_on_with_their_channels_first(data_set, info):
 
 
 def test_changes_of_joints_are_relative_and_those_of_grippers_are_not(data_set, info, names):
-    """What ``use_delta_joint_actions`` subtracts the state from: all but the seventh number of each arm."""
+    """Columns from which ``use_delta_joint_actions`` subtracts the state: all but the seventh of each arm."""
     relative = np.array(([True] * (ARM - 1) + [False]) * 2)
     given = repacked(frame(data_set, info, 1, 2), MAPPING)
     change = np.array(given["actions"]) - np.where(relative, given["state"], 0)

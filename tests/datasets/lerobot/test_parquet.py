@@ -123,7 +123,7 @@ def test_row_groups_stay_as_they_are(source, tmp_path):
     assert [file.metadata.row_group(number).num_rows for number in range(file.num_row_groups)] == [3, 2]
 
 
-def test_what_is_said_of_a_column_goes_with_it(source, tmp_path):
+def test_notes_on_a_column_go_with_it(source, tmp_path):
     rewrite(source, tmp_path / "target.parquet", without=["observation.picture"])
     told = pq.read_schema(tmp_path / "target.parquet").metadata
     kept = ["observation", "observation.state", "reward"]

@@ -58,7 +58,7 @@ def test_a_look_lists_the_demonstrations(path):
     assert totals(found)["recordings"] == len(DEMOS)
 
 
-def test_a_frame_rate_that_is_not_said_is_asked_for(tmp_path):
+def test_a_frame_rate_that_is_not_reported_is_asked_for(tmp_path):
     path = robomimic(tmp_path / "lift.hdf5", rate=None)
     with pytest.raises(UsageError, match="demo_0 does not say how many frames per second"):
         find_sources(path, settings()).clips()

@@ -20,31 +20,31 @@ def folder(tmp_path):
     return tmp_path / "in"
 
 
-def test_a_damaged_recording_is_told_beside_the_sound_ones(folder):
+def test_a_damaged_recording_is_reported_beside_the_sound_ones(folder):
     found = inspect(folder)
     assert [one.recording is not None for one in found] == [True, False]
     assert "DAMAGED" in as_lines(found).splitlines()[-1]
     assert (totals(found)["recordings"], list(totals(found)["damaged"])) == (1, [str(folder / "b.hdf5")])
 
 
-def test_a_recording_is_told_with_its_layout_its_rate_and_its_cameras(tmp_path):
+def test_a_recording_is_reported_with_its_layout_its_rate_and_its_cameras(tmp_path):
     text = as_lines(inspect(written(tmp_path / "a.hdf5", 6)))
     assert "vcage, 10 fps, 6 numbers in a command" in text
     assert "cam_high: 6 frames of 64x48, raw" in text
 
 
-def test_a_recording_without_a_picture_is_told_as_damaged(tmp_path):
+def test_a_recording_without_a_picture_is_reported_as_damaged(tmp_path):
     path = filled(tmp_path / "a.hdf5", np.zeros((0, 32, 48, 3), np.uint8))
     assert "holds no frame" in as_lines(inspect(path))
 
 
-def test_swapped_colours_are_told(tmp_path):
+def test_swapped_colours_are_reported(tmp_path):
     found = inspect(robotwin_folder(tmp_path / "in", 1))
     assert "swapped" in as_lines(found)
     assert list(totals(found)["notes"]) == [str(tmp_path / "in/episode0.hdf5")]
 
 
-def test_a_compressed_recording_is_told_with_its_codec_and_rate(tmp_path):
+def test_a_compressed_recording_is_reported_with_its_codec_and_rate(tmp_path):
     packed(act_folder(tmp_path / "in", "a"), tmp_path / "out")
     text = as_lines(inspect(tmp_path / "out"))
     assert "16.67 fps" in text and "hevc" in text
@@ -63,12 +63,12 @@ def test_totals_add_up(tmp_path):
     assert told["raw_bytes"] == 24 * 32 * 48 * 3
 
 
-def test_nothing_there_is_said(tmp_path):
+def test_nothing_there_is_reported(tmp_path):
     with pytest.raises(InputFileError, match="none"):
         inspect(tmp_path / "none")
 
 
-def test_what_is_no_camera_is_told(tmp_path):
+def test_what_is_no_camera_is_reported(tmp_path):
     path = act_folder(tmp_path / "in", "a") / "a.hdf5"
     with h5py.File(path, "r+") as file:
         file["observations/images/cam_high_depth"] = np.zeros((FRAMES, 32, 48), np.uint16)
@@ -80,7 +80,7 @@ def test_what_is_no_camera_is_told(tmp_path):
     assert totals(found)["cameras"] == ["cam_high"]
 
 
-def test_colours_are_told_and_whether_they_are_sure(tmp_path):
+def test_colours_are_reported_and_whether_they_are_sure(tmp_path):
     grey = np.full((FRAMES, 32, 48, 3), 120, np.uint8)
     robotwin(tmp_path / "a.hdf5", pictures=grey)
     (told,) = totals(inspect(tmp_path))["colours"]

@@ -132,5 +132,5 @@ def test_a_data_set_says_how_its_videos_were_encoded(tmp_path, source):
         ([stream(), stream(pixel_format="yuv420p")], {"video.pix_fmt": None}),
     ],
 )
-def test_what_is_told_of_an_encoding_is_what_all_streams_have_alike(streams, told):
+def test_an_encoding_states_the_facts_that_all_streams_share(streams, told):
     assert encodings(streams, "slow") == {"top": {**told, "video.preset": "slow"}}

@@ -1,4 +1,4 @@
-"""What becomes of a LeRobot data set whose pictures were compressed."""
+"""LeRobot data sets with compressed pictures."""
 
 from __future__ import annotations
 

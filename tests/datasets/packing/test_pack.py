@@ -59,7 +59,7 @@ def source(tmp_path) -> Path:
 
 
 def beside(out: Path) -> set[str]:
-    """What lies beside an output, besides the input."""
+    """Return the files beside an output, without the input."""
     return {path.name for path in out.parent.iterdir()} - {"in"}
 
 
@@ -123,7 +123,7 @@ def test_the_frame_rate_that_was_given_is_kept_in_the_videos(tmp_path, source):
     assert [recording.fps for recording in open_recordings(tmp_path / "out")] == [FPS, FPS]
 
 
-def test_colours_that_were_swapped_are_mended_in_the_videos_and_told(tmp_path):
+def test_colours_that_were_swapped_are_mended_in_the_videos_and_reported(tmp_path):
     done = packed(robotwin_folder(tmp_path / "in", 1), tmp_path / "out")
     shown = decode(tmp_path / "out/episode0.head_camera.mp4")
     assert np.abs(shown.astype(int) - rooms()).mean() < 4
@@ -156,13 +156,13 @@ def test_odd_sizes_keep_every_pixel(tmp_path):
 
 
 @pytest.mark.parametrize(("channels", "said"), [(1, "grey"), (4, "alpha")])
-def test_grey_and_rgba_pictures_are_taken_and_told(tmp_path, caplog, channels, said):
+def test_grey_and_rgba_pictures_are_taken_and_reported(tmp_path, caplog, channels, said):
     path = filled(tmp_path / "in.hdf5", np.full((FRAMES, HEIGHT, WIDTH, channels), 200, np.uint8))
     assert said in packed(path, tmp_path / "out").record.notes["in"][0]
     assert said in caplog.text
 
 
-def test_a_camera_that_some_lack_is_told(tmp_path, source):
+def test_a_camera_that_some_lack_is_reported(tmp_path, source):
     add_camera(source / "b.hdf5", "cam_low")
     assert packed(source, tmp_path / "out").record.notes == {"a": ["it lacks cam_low, which others have"]}
 
@@ -285,7 +285,7 @@ def test_what_cannot_be_done_is_refused_and_leaves_nothing_behind(tmp_path, sour
     assert beside(tmp_path / "out") == set()
 
 
-def test_an_encoder_that_is_missing_is_said_before_any_work(tmp_path, source, monkeypatch):
+def test_an_encoder_that_is_missing_is_reported_before_any_work(tmp_path, source, monkeypatch):
     monkeypatch.setattr(av, "codecs_available", av.codecs_available - {"libx265"})
     with pytest.raises(MissingDependency, match="libx265"):
         packed(source, tmp_path / "out")
@@ -342,7 +342,7 @@ def test_where_decoding_shows_all_to_be_damaged_nothing_is_written(tmp_path):
 
 @pytest.fixture
 def uninterrupted(tmp_path, source) -> dict[str, str]:
-    """What a call that nothing stops leaves."""
+    """The output of an uninterrupted call."""
     packed(source, tmp_path / "whole/out")
     return digests(tmp_path / "whole/out")
 

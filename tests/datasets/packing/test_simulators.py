@@ -64,7 +64,7 @@ def test_an_instruction_of_libero_is_a_text_or_a_list(tmp_path, language, task):
     assert open_recordings(libero(tmp_path / "a.hdf5", language))[0].task == task
 
 
-def test_pictures_that_are_upside_down_stay_so_and_that_is_said(tmp_path):
+def test_pictures_that_are_upside_down_stay_so_and_that_is_reported(tmp_path):
     (turned,) = open_recordings(libero(tmp_path / "a.hdf5", convention="opengl"))
     (upright,) = open_recordings(libero(tmp_path / "b.hdf5", convention="opencv"))
     assert any("upside down" in note for note in turned.notes)
@@ -216,7 +216,7 @@ def test_a_trajectory_with_as_many_pictures_as_actions_is_refused(tmp_path):
         prepare(order(path, fps=20))
 
 
-def test_a_description_that_is_missing_or_differs_is_said(tmp_path):
+def test_a_description_that_is_missing_or_differs_is_reported(tmp_path):
     path = maniskill(tmp_path / "a.h5")
     told = json.loads(path.with_suffix(".json").read_text())
     told["episodes"][0]["elapsed_steps"] = 9
@@ -307,7 +307,7 @@ def test_an_inspection_names_what_a_data_set_would_not_get(tmp_path):
     assert as_lines(found).splitlines()[-1].startswith("not for a LeRobot data set: ")
 
 
-def test_a_rate_that_is_given_though_the_recording_states_one_is_said_to_be_unused(tmp_path):
+def test_a_rate_that_is_given_though_the_recording_states_one_is_reported_to_be_unused(tmp_path):
     done = packed(libero(tmp_path / "a.hdf5"), fps=30)
     assert any("--fps 30 is not used" in note for note in done.record.notes["a.demo_0"])
 

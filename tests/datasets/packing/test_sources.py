@@ -44,7 +44,7 @@ def test_clips_are_all_cameras_of_all_recordings_or_those_named(tmp_path):
         found.clips(["cam_low"], FPS)
 
 
-def test_a_camera_that_only_some_have_is_told_of_the_others(tmp_path):
+def test_a_camera_that_only_some_have_is_reported_of_the_others(tmp_path):
     add_camera(act_folder(tmp_path / "in") / "b.hdf5", "cam_low")
     assert find_sources(tmp_path / "in", settings()).missing_cameras() == {"a": ["cam_low"]}
 
@@ -119,7 +119,7 @@ def test_where_none_is_sound_there_is_nothing_to_leave_out(tmp_path):
     assert "mend the action" in refused.value.hint
 
 
-def test_of_many_damaged_ones_the_first_are_named_and_all_are_told(tmp_path):
+def test_of_many_damaged_ones_the_first_are_named_and_all_are_reported(tmp_path):
     folder = act_folder(tmp_path / "in", *"abcdefgh")
     for name in "abcdefg":
         (folder / f"{name}.hdf5").write_bytes(b"no HDF5")

@@ -76,7 +76,9 @@ UNCLEAR = {
 
 @pytest.mark.parametrize("name", UNCLEAR)
 @pytest.mark.parametrize("layout", LAYOUTS)
-def test_where_pictures_do_not_say_a_layout_is_read_as_its_writers_write_it_and_that_is_said(tmp_path, layout, name):
+def test_where_pictures_do_not_say_a_layout_is_read_as_its_writers_write_it_and_that_is_reported(
+    tmp_path, layout, name
+):
     path = LAYOUTS[layout](tmp_path / "a.hdf5", swapped=CONVENTION[layout], pictures=UNCLEAR[name])
     found, colours = read(path)
     assert near(found, UNCLEAR[name])

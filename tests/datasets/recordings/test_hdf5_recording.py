@@ -94,7 +94,7 @@ def test_grey_and_rgba_arrays_become_rgb(tmp_path, shape):
 
 
 @pytest.mark.parametrize(("channels", "said"), [(1, "grey"), (4, "alpha"), (3, None)])
-def test_what_is_not_rgb_in_the_file_is_said(tmp_path, channels, said):
+def test_what_is_not_rgb_in_the_file_is_reported(tmp_path, channels, said):
     with h5py.File(tmp_path / "a.hdf5", "w") as file:
         file["observations/images/top"] = np.zeros((3, HEIGHT, WIDTH, channels), np.uint8)
     recording = open_hdf5(tmp_path / "a.hdf5")

@@ -172,7 +172,7 @@ def test_names_come_in_groups_or_numbered_too(v21, tmp_path, names):
 
 @pytest.mark.parametrize("names", [None, ["channel", "height", "width"], ["channels", "height", "width"]])
 @pytest.mark.parametrize("shape", [[48, 64, 3], [3, 48, 64], [48, 64], [48, 64, 1]])
-def test_the_size_of_pictures_is_told_by_their_shape_whatever_its_parts_are_called(v21, tmp_path, names, shape):
+def test_the_size_of_pictures_is_reported_by_their_shape_whatever_its_parts_are_called(v21, tmp_path, names, shape):
     def change(info: dict) -> None:
         info["features"]["observation.images.cam_high"].update(names=names, shape=shape)
 
@@ -180,7 +180,7 @@ def test_the_size_of_pictures_is_told_by_their_shape_whatever_its_parts_are_call
     assert (camera.height, camera.width) == (48, 64)
 
 
-def test_a_camera_of_which_no_facts_are_told_holds_a_video(v21, tmp_path):
+def test_a_camera_of_which_no_facts_are_reported_holds_a_video(v21, tmp_path):
     copy = changed(
         v21, tmp_path / "copy", lambda info: info["features"]["observation.images.cam_high"].update(info=None)
     )

@@ -36,7 +36,7 @@ def test_even_times_in_single_precision_are_taken_as_they_are(first):
     assert (times.off_s, times.note) == (0.0, "")
 
 
-def test_small_jitter_is_counted_and_said():
+def test_small_jitter_is_counted_and_reported():
     times = row_times(EVEN + [0, 0.004, -0.003, 0, 0.01, 0], FPS)
     assert times.off_s == pytest.approx(0.01)
     assert "up to 10 ms off 10 frames per second" in times.note
@@ -189,7 +189,7 @@ def test_a_begin_at_another_episodes_frame_is_refused(v30):
         _ = open_recordings(v30)[2].pictures("cam")
 
 
-def test_episodes_that_all_begin_at_the_start_of_one_video_are_refused_or_said_to_overlap(v30):
+def test_episodes_that_all_begin_at_the_start_of_one_video_are_refused_or_reported_to_overlap(v30):
     first, second, _ = open_recordings(in_one_video(v30, LENGTHS, (0, 0, 0)))
     assert first.notes == []
     with pytest.raises(DamagedFile, match="begins at frame 0 of the video by its time, and at frame 4"):
@@ -227,7 +227,7 @@ def test_the_times_of_a_clock_become_those_of_frames_in_another_version_alone(v2
     assert written[1]._rows.times.off_s == 0
 
 
-def test_jitter_is_said_once_and_leaves_the_data_set_of_another_version_even(v21):
+def test_jitter_is_reported_once_and_leaves_the_data_set_of_another_version_even(v21):
     with_timestamps(v21, 1, np.array([0, 0.11, 0.19, 0.31, 0.4], np.float32))
     record, written = compressed(v21, "lerobot-v3.0")
     require_own_frames(written)
@@ -241,7 +241,7 @@ def test_times_that_are_no_numbers_are_named(v21):
         open_recordings(v21)[1].pictures("cam")
 
 
-def test_frames_that_belong_to_no_row_are_said(v21):
+def test_frames_that_belong_to_no_row_are_reported(v21):
     film(v21 / "videos/chunk-000/observation.images.cam/episode_000001.mp4", range(4, 12))
     recording = open_recordings(v21)[1]
     assert numbers(recording.pictures("cam")) == [4, 5, 6, 7, 8]

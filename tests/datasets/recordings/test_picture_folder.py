@@ -35,7 +35,7 @@ def test_each_folder_of_pictures_is_a_camera(tmp_path):
     assert np.abs(recording.pictures("left").astype(int) - rooms()).mean() < 3
 
 
-def test_alpha_is_laid_over_white_and_said(tmp_path):
+def test_alpha_is_laid_over_white_and_reported(tmp_path):
     cv2.imwrite(str(tmp_path / "0.png"), np.zeros((32, 48, 4), np.uint8))
     recording = PictureFolder(tmp_path)
     assert (recording.pictures("camera") == 255).all()
@@ -173,7 +173,7 @@ def test_frames_of_several_cameras_in_a_folder_are_refused(tmp_path, names, said
         ((0, 7), None),
     ],
 )
-def test_missing_numbers_are_said_where_the_others_follow_in_even_steps(tmp_path, numbers, said):
+def test_missing_numbers_are_reported_where_the_others_follow_in_even_steps(tmp_path, numbers, said):
     folder(tmp_path / "cam", *(f"ep0_frame_{number}.png" for number in numbers))
     notes = PictureFolder(tmp_path).notes
     assert bool(notes) == bool(said) and (said is None or said in notes[0])

@@ -90,21 +90,21 @@ def test_without_joints_there_is_no_state(path):
         (8, (), "none is known"),
     ],
 )
-def test_the_last_of_seven_numbers_of_a_command_moves_a_gripper_and_that_is_said(path, numbers, grippers, said):
+def test_the_last_of_seven_numbers_of_a_command_moves_a_gripper_and_that_is_reported(path, numbers, grippers, said):
     demo = open_recordings(changed(path, "data/demo_0/actions", np.zeros((FRAMES, numbers))))[0]
     assert demo.motion.grippers == grippers
     assert demo.action_names == [f"action_{number}" for number in range(numbers)]
     assert said in demo.notes[0] and len(demo.motion.notes) == 1
 
 
-def test_the_frame_rate_is_that_of_the_simulations_control_and_that_is_said(path):
+def test_the_frame_rate_is_that_of_the_simulations_control_and_that_is_reported(path):
     demo = open_recordings(path)[0]
     assert demo.fps == RATE
     assert demo.notes[1:] == ["its frame rate is the control_freq of env_args, 20 Hz"]
 
 
 @pytest.mark.parametrize("told", [None, "no JSON", "[1]", json.dumps({"env_kwargs": {"control_freq": "fast"}})])
-def test_without_a_rate_of_control_no_frame_rate_is_said(path, told):
+def test_without_a_rate_of_control_no_frame_rate_is_reported(path, told):
     with h5py.File(path, "r+") as file:
         del file["data"].attrs["env_args"]
         if told is not None:
@@ -114,7 +114,7 @@ def test_without_a_rate_of_control_no_frame_rate_is_said(path, told):
     assert not any("frame rate" in note for note in demo.notes)
 
 
-def test_pictures_of_the_next_step_are_told_to_stay(path):
+def test_pictures_of_the_next_step_are_reported_to_stay(path):
     changed(path, "data/demo_0/next_obs/agentview_image", rooms())
     demo = open_recordings(path)[0]
     assert len(demo.cameras) == 2

@@ -269,11 +269,11 @@ def _without_features(noted: dict[str, Any], names: Collection[str]) -> dict[str
     features = noted.get("info", {}).get("features")
     if features is None:
         return noted
-    kept = {name: feature for name, feature in features.items() if name in names}
-    return {**noted, "info": {**noted["info"], "features": kept}}
+    left = {name: feature for name, feature in features.items() if name in names}
+    return {**noted, "info": {**noted["info"], "features": left}}
 
 
 def _without_columns(noted: dict[str, Any], names: Collection[str]) -> dict[str, Any]:
     # an index without a name has a column named after its place
-    kept = [column for column in noted.get("columns", []) if (column.get("field_name") or column["name"]) in names]
-    return {**noted, "columns": kept}
+    left = [column for column in noted.get("columns", []) if (column.get("field_name") or column["name"]) in names]
+    return {**noted, "columns": left}

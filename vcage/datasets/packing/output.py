@@ -76,8 +76,8 @@ def _require_writable(recording: Recording, output: OutputSpec, *, keeps: bool) 
         return
     if not (keeps or task_of(recording, output)):
         raise UsageError(
-            f"{recording} does not say what the robot was told, which LeRobot wants to know",
-            hint='give --task "what it was told"',
+            f"{recording} does not state its task, which LeRobot requires",
+            hint='give --task "what the robot was told"',
         )
     rate = rate_of(recording, output.fps)
     fault = None if rate is None else recording.time_fault(str(output.target), rate)

@@ -113,8 +113,8 @@ def _kept_videos(path: Path, replaced: Sequence[Stream]) -> list[Path]:
     """
     keys = {stream.key for stream in replaced}
     with read_hdf5(path) as file:
-        kept = [link.stream.file for key, link in find_links(file).items() if key not in keys]
-    return [video for name in kept if (video := path.with_name(name)).is_file()]
+        others = [link.stream.file for key, link in find_links(file).items() if key not in keys]
+    return [video for name in others if (video := path.with_name(name)).is_file()]
 
 
 def link_to(recording: Recording, stream: VideoStream) -> Stream:
@@ -146,13 +146,13 @@ def _write_lerobot(compressed: Compressed, output: OutputSpec, out: Path, progre
 def _repack_lerobot(compressed: Compressed, out: Path, progress: Progress) -> None:
     """Write a copy of the data set with other videos of the compressed cameras."""
     recording = compressed.sources[0].recording
-    told = compressed.encodings()
-    keys = {camera: recording.camera(camera).key for camera in told}
+    encodings_of = compressed.encodings()
+    keys = {camera: recording.camera(camera).key for camera in encodings_of}
     new = {
         key: {source.recording.number: compressed.videos[source.name, camera].file for source in compressed.sources}
         for camera, key in keys.items()
     }
-    repack(recording.path, out, new, {keys[camera]: facts for camera, facts in told.items()}, progress)
+    repack(recording.path, out, new, {keys[camera]: facts for camera, facts in encodings_of.items()}, progress)
 
 
 def lerobot_episode(

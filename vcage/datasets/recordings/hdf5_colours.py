@@ -64,9 +64,9 @@ class Hdf5Colours(Recording):
         Raises:
             DamagedFile: some pictures are marked, and others are not.
         """
-        said = self._attributes.get(COLOURS)
-        if said is not None:
-            return Colours(said == "swapped", "file", sure=True)
+        stated = self._attributes.get(COLOURS)
+        if stated is not None:
+            return Colours(stated == "swapped", "file", sure=True)
         if self.COLOURS_SURE:
             return Colours(self.SWAPPED, "layout", sure=True)
         first: dict[bool, str] = {}
@@ -111,8 +111,8 @@ class Hdf5Colours(Recording):
             }
 
     def _camera_notes(self) -> list[str]:
-        told = self.colours is not None and self.colours.source == "option"
-        if told and not any(camera.storage in STORED for camera in self.cameras):
+        asked = self.colours is not None and self.colours.source == "option"
+        if asked and not any(camera.storage in STORED for camera in self.cameras):
             raise UsageError(
                 f"the pictures of {self} lie in videos, whose colours are settled",
                 hint="leave --colours out; or compress the recording that they were made of again, with --colours",

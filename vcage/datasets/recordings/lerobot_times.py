@@ -3,7 +3,7 @@
 LeRobot looks pictures up by time: the video's frame nearest to ``from_timestamp + timestamp``, which may not be further
 away than ``tolerance_s`` (https://huggingface.co/docs/lerobot/lerobot-dataset-v3). Where that succeeds, its answer
 counts. Where times are off by more, but by so little that numbers of rows and of frames leave no doubt, frames are
-counted instead, and that is said. Everything else is refused: a row never gets its neighbour's picture.
+counted instead, and the user is told. Everything else is refused: a row never gets its neighbour's picture.
 """
 
 from __future__ import annotations
