@@ -50,7 +50,7 @@ def test_hdf5_files_become_hdf5_files_unless_something_else_is_wanted(source):
 
 def test_a_data_set_of_recordings_that_do_not_say_what_the_task_was_asks_for_it(source):
     sources = find_sources(source, settings()).sources
-    with pytest.raises(UsageError, match="was told") as refused:
+    with pytest.raises(UsageError, match="does not state its task") as refused:
         resolve_output(OutputSpec("lerobot-v2.1"), sources)
     assert "--task" in refused.value.hint
     assert resolve_output(OutputSpec("lerobot-v2.1", task="open the jar"), sources)
