@@ -30,7 +30,7 @@ from vcage.sim.appearance import Appearance
 from vcage.sim.looks import appearance_of
 from vcage.sim.replay import camera_paths, render_log
 from vcage.sim.robots import load_robot
-from vcage.sim.world import World
+from vcage.sim.world import PHYSICS_HZ, World
 from vcage.stages import chain, collect, inpaint_plan, match, optimize, search_subtasks, select_place
 from vcage.tasks.assemble import episode_data
 from vcage.tasks.chain_slots import slots_for_chain
@@ -168,6 +168,8 @@ class _Making:
     def _draw(self, done: EpisodeRun, objects: Sequence[SceneObject], rng: np.random.Generator, path: Path) -> int:
         look = appearance_of(light_look(self._scene, self._models, self._robot, rng))
         done.log.frames = done.log.frames[:FRAMES]
+        for rows in done.log.drives.rows.values():
+            del rows[FRAMES * PHYSICS_HZ // self._recipe.fps :]
         world = self._world(objects, look)
         facts = {
             "instruction": self._recipe.instruction,
