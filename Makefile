@@ -3,6 +3,7 @@
 #   make demo     environment and Vulkan driver, then one instruction through the whole chain; says how long it took
 #   make test     the same environment, then lint and the tests
 #   make lint     ruff and the types (pyrefly)
+#   make skills   copy skills/vcage_environment.py, by which scripts find the environment, into every skill
 #   make doctor   what was found, and the command that mends what is missing
 #
 #   make test-lerobot   the real lerobot, in an environment of its own, loads what export writes; DATASET=PATH proves a
@@ -48,7 +49,7 @@ CLIENT_PACKAGES := openclaw@2026.9.6 @anthropic-ai/claude-code@2.1.330 @openai/c
 DEMO := Pack the marker pens and the eraser into the box
 
 .DEFAULT_GOAL := help
-.PHONY: help venv vulkan assets setup demo lint test test-lerobot test-llm test-clients doctor clean
+.PHONY: help venv vulkan assets setup demo skills lint test test-lerobot test-llm test-clients doctor clean
 
 help:
 	@sed -n '/^PYTHON/q; s/^# \{0,1\}//p' Makefile
@@ -85,6 +86,9 @@ demo: venv
 	rest=$$(($$(date +%s) - begun)); packages=$$(cat $(STAMP)); test -n "$$packages" || exit 0; \
 	echo "the packages took $$packages s to install, from there to the report it took $$rest s:" \
 	  "$$(awk "BEGIN {printf \"%.1f\", ($$packages + $$rest) / ($$packages > 0 ? $$packages : 1)}") times the packages alone" >&2
+
+skills:
+	@for scripts in skills/*/scripts; do cp skills/vcage_environment.py "$$scripts" || exit; done
 
 lint: venv
 	@$(BIN)/ruff check . && $(BIN)/ruff format --check -q . && $(BIN)/pyrefly check --output-format min-text

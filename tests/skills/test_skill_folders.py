@@ -15,8 +15,9 @@ from vcage.base import files
 from vcage.cli.main import COMMANDS
 
 SKILLS = sorted(path.parent for path in files.resource("skills").glob("*/SKILL.md"))
-BOOTSTRAPS = sorted(files.resource("skills").glob("*/scripts/vcage_environment.py"))
-SCRIPTS = sorted({*files.resource("skills").glob("*/scripts/*.py")} - {*BOOTSTRAPS})
+LAUNCHER = files.resource("skills", "vcage_environment.py")
+LAUNCHERS = sorted(files.resource("skills").glob("*/scripts/vcage_environment.py"))
+SCRIPTS = sorted({*files.resource("skills").glob("*/scripts/*.py")} - {*LAUNCHERS})
 
 
 def front_matter(folder: Path) -> tuple[str, dict[str, Any]]:
@@ -94,11 +95,11 @@ def test_the_nine_stages_decompression_four_actions_on_objects_and_three_of_the_
     assert len(SCRIPTS) == 9 + 1 + 4 + 3
 
 
-def test_every_skill_carries_the_same_way_to_the_environment() -> None:
-    assert [path.parents[1] for path in BOOTSTRAPS] == SKILLS
-    assert len({path.read_bytes() for path in BOOTSTRAPS}) == 1
+def test_every_skill_has_an_up_to_date_copy_of_the_launcher() -> None:
+    assert [path.parents[1] for path in LAUNCHERS] == SKILLS
+    assert {path.read_bytes() for path in LAUNCHERS} == {LAUNCHER.read_bytes()}, "run: make skills"
 
 
 def test_what_any_python_runs_is_syntax_that_3_6_reads() -> None:
-    for path in (BOOTSTRAPS[0], *SCRIPTS):
+    for path in (LAUNCHER, *SCRIPTS):
         ast.parse(path.read_text(encoding="utf-8"), feature_version=(3, 6))

@@ -1,9 +1,11 @@
-"""Lets a script of this skill run under any ``python3``, wherever the skill was put.
+"""Let a script of a skill run under any ``python3``, wherever the skill was put.
 
-It goes on in the project's environment, the first that is there of: ``$VCAGE_PYTHON``; ``.venv`` of ``$VCAGE_HOME``;
+It goes on in the project's environment, the first that exists of: ``$VCAGE_PYTHON``; ``.venv`` of ``$VCAGE_HOME``;
 ``.venv`` of the checkout that this file lies in (also by a link), or the environment that it is installed in; the one
-of ``vcage`` on the PATH or in ``~/.local/bin``. Without one it says how to get it. Every skill has this file, so that
-each works alone; they are the same. Kept to syntax that Python 3.6 reads, since any interpreter may run it.
+of ``vcage`` on the PATH or in ``~/.local/bin``. Without one it says how to get it.
+
+Each skill may be installed alone, so `make skills` copies skills/vcage_environment.py into all of them: edit that one.
+It keeps to the syntax of Python 3.6, since any interpreter may run it.
 """
 
 import importlib.util
@@ -19,7 +21,7 @@ NEEDED = ("vcage", "numpy", "pydantic", "sapien")
 
 
 def candidates():
-    """Interpreters that may be the project's, the most particular first; some do not exist."""
+    """Return interpreters that may be the project's, the most particular first; some do not exist."""
     if os.environ.get("VCAGE_PYTHON"):
         return [os.environ["VCAGE_PYTHON"]]
     found = [os.path.join(os.environ["VCAGE_HOME"], ".venv")] if os.environ.get("VCAGE_HOME") else []
@@ -32,7 +34,7 @@ def candidates():
 
 
 def interpreter_of(script):
-    """The interpreter in a script's first line, or an empty text."""
+    """Return the interpreter in a script's first line, or an empty text."""
     with open(script, "rb") as handle:
         line = handle.readline(512).decode("utf-8", "replace")
     words = line[2:].split() if line.startswith("#!") else []
@@ -40,13 +42,13 @@ def interpreter_of(script):
 
 
 def is_running(interpreter):
-    """Whether this process runs in the interpreter's environment (its links lead to the same system Python)."""
+    """True if this process runs in the interpreter's environment (its links lead to the same system Python)."""
     prefix = os.path.dirname(os.path.dirname(os.path.abspath(interpreter)))
     return os.path.realpath(prefix) == os.path.realpath(sys.prefix)
 
 
 def give_up(message):
-    """One line on stderr, one JSON line on stdout, exit code 4: configuration missing."""
+    """Say what is missing in one line on stderr and one of JSON on stdout, and end with exit code 4."""
     command = None
     hint = "get the project, run `make setup` in its folder and name that in VCAGE_HOME, or put its vcage on the PATH"
     home = os.environ.get("VCAGE_HOME") or ROOT
@@ -71,7 +73,7 @@ def write(stream, text):
 
 
 def main(command):
-    """Carry out a command of ``vcage`` under the project's interpreter."""
+    """Run a command of ``vcage`` under the project's interpreter."""
     restarted = os.environ.pop(RESTARTED, "")
     existing = [path for path in candidates() if os.access(path, os.X_OK)]
     if os.environ.get("VCAGE_PYTHON") and not existing:
