@@ -15,7 +15,7 @@ import numpy as np
 from vcage.base.errors import VcageError
 from vcage.base.files import RunFolder
 from vcage.objects.library import Library
-from vcage.runs.running import read_timings
+from vcage.runs.by_products import read_timings
 from vcage.schema.episodes import Episodes
 
 logger = logging.getLogger(__name__)

@@ -21,7 +21,7 @@ import numpy as np
 
 from vcage.base.errors import VcageError
 from vcage.base.files import PRODUCERS, RunFolder, sha256_file
-from vcage.runs.running import unfinished
+from vcage.runs.by_products import unfinished
 
 logger = logging.getLogger(__name__)
 

@@ -48,7 +48,7 @@ def test_the_script_makes_the_scene_of_told_goals_and_a_changed_goal_makes_it_st
         (["--goal", "plate inside pot"], "no_feasible_task", "no contact point to carry it by"),
         (["--goal", "apple inside mug"], "no_feasible_task", "nothing can bring about"),
         (["--goal", "then apple inside pot"], "usage", "has none before it"),
-        (["--objects", "apple"], "usage", "--objects belongs to goals"),
+        (["--objects", "apple"], "usage", "--objects needs goals"),
     ],
 )
 def test_bad_goals_end_with_one_line_and_nothing_is_written(capsys, tmp_path, arguments, code: str, complaint: str):

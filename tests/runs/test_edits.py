@@ -17,10 +17,10 @@ from vcage.base.files import RunFolder, read_json, sha256_file, write_json
 from vcage.base.pictures import read_picture, write_picture
 from vcage.episodes.store import log_path
 from vcage.models.protocols import EditRequest
-from vcage.runs.edits import BY_HAND, SEAL, edited_scripts, edits
-from vcage.runs.running import run_stage, take_over_edits
+from vcage.runs.edits import SEAL, edited_scripts, edits
+from vcage.runs.running import accept_edits, run_stage
 from vcage.runs.stage import StageOptions
-from vcage.schema.episodes import Episodes, Verdicts
+from vcage.schema.episodes import BY_HAND, Episodes, Verdicts
 from vcage.schema.plan import Plan
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
@@ -92,11 +92,11 @@ def test_an_edit_that_is_undone_from_a_copy_edits_the_json_alone_and_draws_its_p
     shown, copy = job.output.with_name(picture), job.output.read_bytes()
     before = read_picture(shown).astype(float)
     edit(job.output, moved(x=-0.01, y=-0.01))
-    take_over_edits(job, finished.context, force=False)
+    accept_edits(job, finished.context, force=False)
     assert np.abs(read_picture(shown) - before).max() > 50
     job.output.write_bytes(copy)
     assert edits(job.output) == ["scene.json"]
-    take_over_edits(job, finished.context, force=False)
+    accept_edits(job, finished.context, force=False)
     differs = np.abs(read_picture(shown) - before) > 10
     assert differs.mean() < 1e-4  # settled again, it lies as before but for what a few pixels of an edge show
 
@@ -412,10 +412,10 @@ SUBTASKS = {
         r"goals\.0: there is no cat",
     ),
     "a script elsewhere": (lambda found: found["kept"][0].update(script="/etc/x.py"), r"kept\.0\.script"),
-    "another instruction": (lambda found: found.update(instruction="Fly"), "instruction: 'Fly'; expected"),
+    "another instruction": (lambda found: found.update(instruction="Fly"), 'instruction: "Fly"; expected'),
     "another name of a chain": (
         lambda found: found["chains"][0].update(text="Fly"),
-        r"chains\.0\.text: 'Fly'; expected 'Put the blocks on the plate'",
+        r'chains\.0\.text: "Fly"; expected "Put the blocks on the plate"',
     ),
     "a wording that asks for less": (
         lambda found: found["chains"][0].update(wordings=["Put the red block on the plate."]),
@@ -448,7 +448,7 @@ def test_a_plan_that_points_to_a_picture_elsewhere_is_refused(run, finished):
     ("change", "complaint"),
     [
         (lambda e: e["verdicts"][0].update(accepted=False), "accepted: true; expected false"),
-        (lambda e: e["verdicts"].pop(), "verdicts: 2 of them; expected 3, as it was written"),
+        (lambda e: e["verdicts"].pop(), "verdicts: 2 of them; expected 3 of them, as it was written"),
         (lambda e: e.update(file=None), "file: null; expected "),
         (lambda e: e.update(file="episodes/episode_000001.hdf5"), "file: "),
         (lambda e: e.update(chain=4), "chain: 4; expected 0"),

@@ -9,8 +9,9 @@ import pytest
 from vcage.base.commands import CALLED, vcage_command
 from vcage.base.errors import AnswerNeeded, EndpointFailed, FolderInUse, MissingStage, StageInterrupted
 from vcage.base.files import RunFolder, write_json
+from vcage.runs.by_products import note_seconds, read_timings, unfinished
 from vcage.runs.context import StageContext
-from vcage.runs.running import at_work, note_seconds, read_timings, run_stage, unfinished
+from vcage.runs.running import at_work, run_stage
 from vcage.runs.stage import Job, StageOptions
 from vcage.schema.export import Export
 

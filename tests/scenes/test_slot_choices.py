@@ -129,7 +129,7 @@ def test_an_edited_choice_of_what_is_not_there_is_refused(
     write_json(run.subtasks, told)
     try:
         with pytest.raises(InputFileError, match=rf"kept\.{number}\.{field}"):
-            search_subtasks.take_over(run, tmp_path, [], finished.context)
+            search_subtasks.EDITABLE.accepted(run, run.subtasks, [], tmp_path, finished.context)
     finally:
         run.subtasks.write_bytes(before)
 
@@ -144,7 +144,7 @@ def test_what_the_sub_task_moves_cannot_be_said_to_stay(
     write_json(run.subtasks, told)
     try:
         with pytest.raises(InputFileError, match="is moved by the sub-task"):
-            search_subtasks.take_over(run, tmp_path, [], finished.context)
+            search_subtasks.EDITABLE.accepted(run, run.subtasks, [], tmp_path, finished.context)
     finally:
         run.subtasks.write_bytes(before)
 

@@ -5,17 +5,17 @@ from __future__ import annotations
 import pytest
 
 from vcage.base.errors import UnknownName, UsageError
-from vcage.scenes.stated_goals import Said, Told
+from vcage.scenes.stated_goals import StatedGoal, StatedTask
 
 
-def said(*goals: str, starts: tuple[str, ...] = (), objects: str | None = None) -> Told:
-    told = Told.of(goals, starts, objects)
+def said(*goals: str, starts: tuple[str, ...] = (), objects: str | None = None) -> StatedTask:
+    told = StatedTask.of(goals, starts, objects)
     assert told is not None
     return told
 
 
 def test_nothing_said_is_nothing_told():
-    assert Told.of((), (), None) is None
+    assert StatedTask.of((), (), None) is None
 
 
 @pytest.mark.parametrize(
@@ -30,7 +30,7 @@ def test_nothing_said_is_nothing_told():
     ],
 )
 def test_each_form_is_taken_apart(text: str, subject: str, word: str, reference: str | None):
-    assert said(text).goals == (Said(text, subject, word, reference),)
+    assert said(text).goals == (StatedGoal(text, subject, word, reference),)
 
 
 def test_then_begins_a_step_and_the_arm_is_no_part_of_the_goal():
@@ -62,25 +62,25 @@ def test_objects_have_counts():
         (["a inside"], [], None, "'inside' takes a reference"),
         (["a scanned b"], [], None, "'scanned' takes no reference"),
         (["a handed left with the right arm"], [], None, "names two arms"),
-        (["a inside b"], ["a inside table"], None, "of the table can be told"),
+        (["a inside b"], ["a inside table"], None, "can be stated of the table"),
         (["a inside b"], ["a center b"], None, "'center' is of the table alone"),
         (["a inside b"], ["a left_of"], None, "'left_of' takes a reference"),
         (["a inside b"], [], "", "--objects: '' is no object"),
         (["a inside b"], [], "two apple", "--objects: 'two apple' is no object"),
         (["a inside b"], [], "0 apple", "--objects: '0 apple' asks for 0"),
         (["a inside b"], [], "41 apple", "asks for 41; 1 to 40"),
-        ([], ["a inside b"], None, "--start belongs to goals"),
-        ([], [], "apple", "--objects belongs to goals"),
+        ([], ["a inside b"], None, "--start needs goals"),
+        ([], [], "apple", "--objects needs goals"),
     ],
 )
 def test_what_is_not_of_the_grammar_is_named(goals, starts, objects, complaint: str):
     with pytest.raises(UsageError, match=complaint):
-        Told.of(goals, starts, objects)
+        StatedTask.of(goals, starts, objects)
 
 
 def test_an_unknown_word_is_answered_with_the_nearest():
     with pytest.raises(UnknownName, match="unknown word in the goal 'a insde b': 'insde'") as caught:
-        Told.of(["a insde b"], [], None)
+        StatedTask.of(["a insde b"], [], None)
     assert "inside" in caught.value.hint
 
 

@@ -10,8 +10,8 @@ import pytest
 from vcage.base.errors import InfeasibleScene, NoFeasibleTask, UnknownName, UsageError
 from vcage.runs.context import StageContext
 from vcage.scenes.chosen_objects import Chosen
-from vcage.scenes.stated_goals import Told
-from vcage.scenes.stated_scene import choose_told
+from vcage.scenes.stated_goals import StatedTask
+from vcage.scenes.stated_scene import choose_stated
 from vcage.sim.robots import load_template
 
 
@@ -29,9 +29,9 @@ class Chooser:
     def __call__(
         self, *goals: str, starts: tuple[str, ...] = (), objects: str | None = None, text: str | None = None, seed=0
     ) -> tuple[str, Chosen]:
-        told = Told.of(goals, starts, objects)
+        told = StatedTask.of(goals, starts, objects)
         assert told is not None
-        return choose_told(told, text, load_template("table"), self.context, np.random.default_rng(seed))
+        return choose_stated(told, text, load_template("table"), self.context, np.random.default_rng(seed))
 
 
 @pytest.fixture
@@ -182,7 +182,7 @@ def test_what_is_left_alone_needs_no_goal(choose):
         (["apple inside bowl"], {"objects": "apple, bowl, pony"}, UnknownName, "in --objects: 'pony'"),
         (["block/red on block/red"], {}, UsageError, "block_red cannot be on itself"),
         (["lidded_box/door open"], {}, UnknownName, r"unknown part of lidded_box_\w+ .*'door'; available: lid"),
-        (["service_bell pressed"], {}, UsageError, "'pressed' is said of a moving part"),
+        (["service_bell pressed"], {}, UsageError, "'pressed' needs a moving part"),
         (["service_bell/button open"], {}, NoFeasibleTask, r"service_bell_\w+ has no part that can be open"),
         (["apple/red/lid open"], {}, NoFeasibleTask, "apple_red has no part that can be open"),
         (["plate inside pot"], {}, NoFeasibleTask, "plate has no contact point to carry it by"),

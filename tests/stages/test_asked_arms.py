@@ -77,7 +77,7 @@ def test_the_sub_task_edited_to_another_arm_is_refused(recorded: tuple[str, RunF
         told["kept"][number] |= change
         write_json(run.subtasks, told)
         with pytest.raises(InputFileError, match=rf"kept\.{number}\.{field}"):
-            search_subtasks.take_over(run, tmp_path, [], context)
+            search_subtasks.EDITABLE.accepted(run, run.subtasks, [], tmp_path, context)
         run.subtasks.write_bytes(before)
 
 

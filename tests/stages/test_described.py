@@ -20,7 +20,6 @@ from vcage.episodes.starts import Starts
 from vcage.models.rules.reasoner import OfflineReasoner
 from vcage.plans.relations import holds
 from vcage.runs.context import StageContext
-from vcage.scenes.possible import edited_scene
 from vcage.schema.goals import AskedGoal, Description, Goal, Reading
 from vcage.schema.plan import Plan, Relation, SelectedAsset, Selection
 from vcage.schema.randomisation import WorldRanges
@@ -177,22 +176,24 @@ def test_a_start_that_settles_otherwise_is_no_start(made):
 
 def test_a_scene_that_is_edited_so_that_it_is_false_is_refused_by_field(made, tmp_path):
     shutil.copytree(made.run.root, tmp_path / "run")
-    path = RunFolder(tmp_path / "run").layout
+    run = RunFolder(tmp_path / "run")
+    path = run.layout
     data = read_json(path)
     data["descriptions"][0]["relation"] = "right_of"
     write_json(path, data)
     with pytest.raises(InputFileError, match=r"descriptions\.0.*it is not true where the objects stand"):
-        edited_scene(path, made.context)
+        optimize.EDITABLE.accepted(run, path, [path.name], tmp_path, made.context)
 
 
 def test_a_goal_that_is_edited_to_another_plate_than_the_one_that_is_said_is_refused(made, tmp_path):
     shutil.copytree(made.run.root, tmp_path / "run")
-    path = RunFolder(tmp_path / "run").layout
+    run = RunFolder(tmp_path / "run")
+    path = run.layout
     data = read_json(path)
     data["goals"][0]["goal"]["reference"] = "plate_blue"
     write_json(path, data)
     with pytest.raises(InputFileError, match=r"scene\.json: field goals: 'the left …' is said, but"):
-        edited_scene(path, made.context)
+        optimize.EDITABLE.accepted(run, path, [path.name], tmp_path, made.context)
 
 
 # --- what starts in a drawer -------------------------------------------------------------------------------

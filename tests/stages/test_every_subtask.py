@@ -74,7 +74,7 @@ def test_the_same_command_again_does_nothing(finished_scene, capsys):
     ("changes", "complaint"),
     [
         ({"instruction": None}, "there is no instruction"),
-        ({"all_subtasks": True}, "an instruction says itself"),
+        ({"all_subtasks": True}, "takes no instruction"),
         ({"instruction": None, "all_subtasks": True, "template": "table"}, "the scene table says nothing of what"),
         ({"randomise": "full", "layout": "fixed"}, "full asks for other variants"),
         ({"randomise": "lava"}, "unknown randomisation 'lava'"),

@@ -5,14 +5,16 @@ from __future__ import annotations
 import contextlib
 import shlex
 from collections.abc import Iterator, Mapping
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 from vcage.base.commands import CALLED, vcage_command
-from vcage.base.errors import DamagedFile, MissingStage, NotJudged, StaleStage, VcageError
-from vcage.base.files import PRODUCERS, RunFolder, read_json, write_json
+from vcage.base.errors import MissingStage, NotJudged, StaleStage, VcageError
+from vcage.base.files import PRODUCERS, RunFolder, write_json
 from vcage.cli.arguments import options_of
-from vcage.runs.running import stage_of
-from vcage.runs.stage import StageOptions
+
+if TYPE_CHECKING:
+    from vcage.runs.stage import StageOptions
 
 NOT_KEPT = ("force", "script")
 """Options that every call gives anew: what throws something away, and what executes a file."""
@@ -32,6 +34,8 @@ def stage_command(name: str, run: RunFolder, instead: Mapping[str, list[str]] | 
 
 def words_of(name: str, run: RunFolder, instead: Mapping[str, list[str]] | None = None) -> list[str]:
     """What comes after a stage's name in :func:`stage_command`; ``instead`` stands for options given before."""
+    from vcage.runs.running import stage_of  # imported late: `vcage setup` works where no stage does
+
     takes = list(options_of(stage_of(name).Options()))
     given, before = dict(instead or {}), _given(run)
     given |= {o.key: before[o.key] for o in takes if o.key in before.keys() - given and o.is_said_by(before[o.key])}
@@ -64,16 +68,11 @@ def _remember(run: RunFolder, options: StageOptions, *, instead: bool = False) -
 
 
 def _given(run: RunFolder) -> dict[str, list[str]]:
-    """Option → the words that gave it last; none where that is not known (it is a by-product)."""
-    given: Any = None
-    with contextlib.suppress(DamagedFile, MissingStage):
-        given = read_json(run.options)
-    found = given.items() if isinstance(given, dict) else ()
-    return {key: words for key, words in found if key not in NOT_KEPT and _are_words(words)}
+    """Return option → the words that gave it last."""
+    from vcage.runs.by_products import read_by_product
 
-
-def _are_words(words: Any) -> bool:
-    return isinstance(words, list) and all(isinstance(word, str) for word in words)
+    given = read_by_product(run.options, list[str])
+    return {key: words for key, words in given.items() if key not in NOT_KEPT}
 
 
 def not_dry() -> str:
@@ -81,19 +80,31 @@ def not_dry() -> str:
     return shlex.join(word for word in shlex.split(CALLED.get()) if word != "--dry-run")
 
 
-def name_stage(error: VcageError, run: RunFolder) -> None:
+@contextlib.contextmanager
+def naming_stages(run: Path | None) -> Iterator[None]:
+    """Give an error inside that a stage of the run mends the command of that stage."""
+    try:
+        yield
+    except VcageError as error:
+        if isinstance(error, StaleStage) and not error.maker:
+            called = CALLED.get()
+            error.offer(f"replace it: {called if '--force' in called.split() else f'{called} --force'}")
+        elif error.maker and not error.command and run is not None:
+            _name_stage(error, RunFolder(run))
+        raise
+
+
+def _name_stage(error: VcageError, run: RunFolder) -> None:
     """Give an error the command of the stage that mends it; where something would be lost by it, in words alone."""
     if "more" in error.details:
         error.command = stage_command(error.maker, run, error.details["more"])
         return
-    if isinstance(error, StaleStage):
-        again = stage_command(error.maker, run)
-        error.command = again if isinstance(error, NotJudged) else f"{again} --force"
-        return
+    again = stage_command(error.maker, run)
     folder = next(folder for folder, stage in PRODUCERS.items() if stage == error.maker)
-    if (run.root / folder).is_dir():
-        error.offer(f"make it again: {stage_command(error.maker, run)} --force")
-    elif (
-        error.maker != "select_place" or {"instruction", "goals"} & _given(run).keys()
-    ):  # which must be told what to do
-        error.command = stage_command(error.maker, run)
+    can_begin = error.maker != "select_place" or {"instruction", "goals"} & _given(run).keys()  # told what to do
+    if isinstance(error, StaleStage):
+        error.command = again if isinstance(error, NotJudged) else f"{again} --force"
+    elif (run.root / folder).is_dir():
+        error.offer(f"make it again: {again} --force")
+    elif can_begin:
+        error.command = again

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Any
 from vcage.base.commands import CALLED, vcage_command
 from vcage.base.errors import UnknownName, UsageError
 from vcage.base.version import __version__
-from vcage.cli.output import Result, end_process, naming_stages, run_cli
+from vcage.cli.interrupts import end_process
+from vcage.cli.output import Result, run_cli
 from vcage.cli.process import prepare, require_fit
 from vcage.cli.progress import set_up
 from vcage.cli.streams import print_text, stray_output_on_stderr
@@ -102,6 +103,7 @@ def _run(arguments: Sequence[str], prog: str = "") -> Result | None:
         return None
     require_fit()
     from vcage.cli.arguments import parse, words
+    from vcage.cli.going_on import naming_stages
 
     CALLED.set("")
     name, rest = _named(arguments)

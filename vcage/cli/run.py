@@ -14,10 +14,11 @@ from vcage.base.files import RunFolder
 from vcage.base.progress import Progress
 from vcage.cli.arguments import Command
 from vcage.cli.going_on import not_dry, remembered
-from vcage.cli.output import Result, stop_if_interrupted
+from vcage.cli.interrupts import stop_if_interrupted
+from vcage.cli.output import Result
 from vcage.cli.progress import progress
 from vcage.cli.stage import BeginCommand, about, context_of
-from vcage.runs.running import note_seconds
+from vcage.runs.by_products import note_seconds
 from vcage.stages import chain, select_place
 from vcage.stages.chain import STAGES
 

@@ -13,7 +13,9 @@ from tyro.conf import arg
 from vcage.base.commands import CALLED, joined
 from vcage.base.options import FOLDER
 from vcage.cli.arguments import parse, words
-from vcage.cli.output import Result, end_process, naming_stages, run_cli
+from vcage.cli.going_on import naming_stages
+from vcage.cli.interrupts import end_process
+from vcage.cli.output import Result, run_cli
 from vcage.cli.progress import set_up
 from vcage.cli.stage import StageCommand, execute_stage
 from vcage.cli.streams import stray_output_on_stderr

@@ -9,9 +9,10 @@ from vcage.base.files import RunFolder, sha256_file, write_bytes
 from vcage.base.geometry import Pose
 from vcage.objects.library import Library
 from vcage.runs.context import StageContext
+from vcage.runs.edits import require_none
 from vcage.runs.stage import Job
 from vcage.scenes.possible import possible_scene
-from vcage.scenes.possible_subtask import require_possible
+from vcage.scenes.possible_subtask import subtask_complaints
 from vcage.schema.base import PoseRecord, Provenance, box_record
 from vcage.schema.goals import goal_of
 from vcage.schema.scene import ObjectRecord, Scene
@@ -51,7 +52,7 @@ def prepare_run(run: RunFolder, path: Path, *, seed: int, force: bool) -> None:
     def make(folder: Path, provenance: Provenance) -> Subtasks:
         write_bytes(folder / path.name, path.read_bytes())
         subtask = _subtask(script, search.inside(path.name))
-        require_possible(path, "SUBTASK", subtask, scene, context.objects(scene))
+        require_none(path, subtask_complaints(subtask, "SUBTASK", scene, context.objects(scene)))
         return Subtasks(
             provenance=provenance,
             instruction=subtask.text,

@@ -1,6 +1,6 @@
-"""Which episodes of a run count: what collect accepted, and verify has not refused since.
+"""The episodes of a run that count: accepted by collect, and not refused by verify since.
 
-A refused episode stays on disk where it is, and is left out of all that follows.
+A refused episode stays on disk, and later stages leave it out.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ logger = logging.getLogger(__name__)
 
 
 def accepted_episodes(run: RunFolder) -> list[Episode]:
-    """The episodes that count, which have a file; none when nothing was collected yet.
+    """Return the episodes that count, which have a file; none when nothing was collected yet.
 
     Raises:
         NotJudged: verify judged other episodes than there are now.
@@ -29,10 +29,10 @@ def accepted_episodes(run: RunFolder) -> list[Episode]:
 
 
 def judged_steps(run: RunFolder, episode: Episode) -> list[tuple[str, Verdict]]:
-    """The sub-tasks of an episode, each with its verdict.
+    """Return the sub-tasks of an episode, each with its verdict.
 
     Raises:
-        DamagedFile: there are not as many of the one as of the other.
+        DamagedFile: their numbers differ.
     """
     if len(episode.subtasks) != len(episode.verdicts):
         raise DamagedFile(
@@ -45,7 +45,7 @@ def judged_steps(run: RunFolder, episode: Episode) -> list[tuple[str, Verdict]]:
 
 
 def refusals(run: RunFolder) -> dict[str, str]:
-    """File of an episode that collect accepted → why verify refuses it; none where verify has not looked.
+    """Map the file of each episode that verify refuses to the reason; empty where verify has not run.
 
     Raises:
         NotJudged, DamagedFile, SchemaMismatch: see :func:`accepted_episodes`.
@@ -63,9 +63,9 @@ def refusals(run: RunFolder) -> dict[str, str]:
 
 
 def none_counts(run: RunFolder) -> MissingStage | None:
-    """The error of a run in which no episode counts: says why, and how there may be some.
+    """Return the error of a run in which no episode counts, with the reason and the way out.
 
-    None where some do, or nothing was collected yet.
+    None if some count, or nothing was collected yet.
     """
     if not run.episodes.exists() or accepted_episodes(run):
         return None
@@ -84,12 +84,12 @@ def none_counts(run: RunFolder) -> MissingStage | None:
 
 
 def withdraw(data_sets: Path) -> None:
-    """Remove exported data sets of which no episode counts any more; they can be exported again when some do."""
+    """Remove exported data sets of which no episode counts any more; export makes them again when some do."""
     if data_sets.exists():
         logger.warning("%s is removed, as none of its episodes counts any more", data_sets)
         shutil.rmtree(data_sets)
 
 
 def decided_by(run: RunFolder) -> list[Path]:
-    """The files that say which episodes count: inputs of whatever takes these."""
+    """Return the files that decide which episodes count: inputs of every stage that reads episodes."""
     return [run.episodes, *([run.verdicts] if run.verdicts.exists() else [])]

@@ -1,4 +1,4 @@
-"""What the stages of one process share: the library, the models, the robots' kinematics, built once when needed."""
+"""The context that the stages of one process share: library, models and kinematics, each built when needed."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from vcage.vision.symmetry import rotational_symmetry
 logger = logging.getLogger(__name__)
 
 METRES_PER_PIXEL = 0.0015
-"""Scale of the reference pictures of assets; the top camera's is about the same."""
+"""Scale of the reference pictures of assets, about that of the top camera."""
 
 
 class StageContext:
@@ -70,14 +70,16 @@ class StageContext:
 
     @cached_property
     def at_once(self) -> StageContext:
-        """The same with a critic that answers while the robot waits: rules, where an agent would be asked."""
+        """The same context with a critic that answers at once: rules in place of an agent."""
         if not self.models.critic.provider.startswith(AGENT):  # or is replayed
             return self
-        logger.info("the agent is not asked while the robot waits, but by verify: rules say whether a sub-task is done")
+        logger.info(
+            "the agent judges in verify, not while the robot waits: until then rules say whether a sub-task is done"
+        )
         return StageContext(replace(self._choice, critic="offline"), *self._networks)
 
     def kinematics(self, robot: str) -> Mapping[str, ArmKinematics]:
-        """The kinematics of a robot's arms, by arm."""
+        """Return the kinematics of a robot, by arm."""
         return {name: kinematics_of(arm) for name, arm in load_robot(robot).arms.items()}
 
     def within_reach(
@@ -89,14 +91,16 @@ class StageContext:
         every: bool = False,
         arm: str | None = None,
     ) -> np.ndarray | None:
-        """Rectangles (m, 2, 2) of the table where an asset may stand (:func:`~vcage.layout.placement.reach.reach_for`).
+        """Return rectangles (m, 2, 2) of the table where an asset may stand, as its arms reach.
+
+        See :func:`~vcage.layout.placement.reach.reach_for`.
 
         Args:
-            asset, role: what stands there.
+            asset, role: of the object.
             setup: robot, table and workspace.
-            yaw: its heading, where that is known.
-            every: what every arm reaches, not some arm.
-            arm: what this one reaches.
+            yaw: its heading, if known.
+            every: require reach of every arm, not of some arm.
+            arm: require reach of this arm.
         """
         tilted = Tilted.of(asset, role, yaw)
         key = (setup.robot, setup.workspace, setup.table, every, arm, tilted)
@@ -108,7 +112,7 @@ class StageContext:
         return reach_for(asset, role, self._reach[key])
 
     def asset(self, record: ObjectRecord) -> Asset:
-        """The asset of an object of a scene.
+        """Return the asset of an object.
 
         Raises:
             UnknownName: the library has no such asset or variant.
@@ -116,20 +120,20 @@ class StageContext:
         return self.library.asset(record.asset, record.variant)
 
     def objects(self, scene: Scene, poses: Mapping[str, Pose] | None = None) -> list[SceneObject]:
-        """The scene's objects with their geometry, at the record's poses or at those given."""
+        """Return the objects of a scene with their geometry, at their own poses or at those given."""
         poses = poses or {}
         return [SceneObject(r, self.asset(r), poses.get(r.id, r.pose.pose()), r.joints) for r in scene.objects]
 
     def capacities(self, scene: Scene) -> dict[str, TableItem]:
-        """What each object takes up and can hold, by object id."""
+        """Return the size of each object and its room for others, by object id."""
         return {record.id: capacity_of(record.id, self.asset(record)) for record in scene.objects}
 
     def physical_models(self, scene: Scene) -> dict[str, PhysicalModel]:
-        """What the simulator needs, by object id."""
+        """Return the models for the simulator, by object id."""
         return {record.id: self.asset(record).model for record in scene.objects}
 
     def reference(self, record: ObjectRecord, joints: tuple[float, ...] = ()) -> tuple[np.ndarray, float]:
-        """What an object looks like from above: (h, w, 4) RGBA, and metres per pixel.
+        """Return the top view of an object, (h, w, 4) RGBA, and its metres per pixel.
 
         Args:
             joints: positions of its moving parts; all at rest when empty.
@@ -142,7 +146,7 @@ class StageContext:
     def drawing(
         self, record: ObjectRecord, pose: Pose, camera: Camera, window: Window, shares: Mapping[str, float]
     ) -> Drawing:
-        """An object alone as a camera sees it, with these parts at a share of their range, the others at rest."""
+        """Draw one object as a camera sees it, with some parts at a share of their range and the others at rest."""
         model, key = self.asset(record).model, (record.asset, record.variant)
         if key not in self._drawers:
             self._drawers[key] = ModelDrawer({record.asset: model})
@@ -150,19 +154,19 @@ class StageContext:
         return self._drawers[key].draw(record.asset, pose, camera, window, joints)
 
     def look(self, record: ObjectRecord, opened: Collection[str] = ()) -> Reference:
-        """What an object looks like to the critic, with these of its parts open, pressed or turned."""
+        """Return the reference look of an object for the critic, with some parts open, pressed or turned."""
         asset = self.asset(record)
         joints = tuple(link.joint.far_end if link.name in opened else 0.0 for link in asset.model.links if opened)
         x, y, z = (float(length) for length in asset.size)
         return Reference(record.phrase, *self.reference(record, joints), (x, y, z))
 
     def symmetry(self, record: ObjectRecord) -> int:
-        """The n-fold rotational symmetry of an object's look from above; 0 is round, 1 none."""
+        """Return the n-fold rotational symmetry of the top view of an object: 0 is round, 1 none."""
         key = (record.asset, record.variant)
         if key not in self._symmetries:
             self._symmetries[key] = rotational_symmetry(self.reference(record)[0])
         return self._symmetries[key]
 
     def appearance(self, texture: str) -> Appearance:
-        """The plain look of the scene: studio light and the table's own texture."""
+        """Return the plain look of a scene: studio light and the table's own texture."""
         return Appearance(table_texture=table_texture(texture))

@@ -1,13 +1,12 @@
-"""What was changed by hand in a stage's folder: known by what the stage wrote, which :data:`SEAL` keeps beside it.
+"""Find what a person changed in a stage's folder since the stage wrote it, which :data:`SEAL` beside it says.
 
-Pictures and JSON are for people and agents to edit. Each stage says in its ``take_over`` what must be true of
-an edited file, and makes again what follows from it (:mod:`vcage.runs.running` calls it).
+:mod:`vcage.runs.editable` says what becomes of it.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, NoReturn, TypeVar
 
@@ -15,7 +14,6 @@ from vcage.base.errors import InputFileError
 from vcage.base.files import maker_of, read_json, sha256_file, write_json
 from vcage.base.inside import path_complaint
 from vcage.schema.base import StageDocument
-from vcage.schema.episodes import BY_HAND, Verdict
 
 D = TypeVar("D", bound=StageDocument)
 
@@ -26,129 +24,87 @@ others. It is not in the JSON itself, so that one that is put back from a copy i
 SCRIPT = ".py"
 """Ends the names of scripts, which no stage reads: an edited one changes nothing, and is executed only when named."""
 
-EDITABLE = (".json", ".jsonl", ".png", SCRIPT)
-"""Kinds of files beside the JSON of a stage that are looked at. Videos and episodes are inputs of later stages."""
+SEALED = (".json", ".jsonl", ".png", SCRIPT)
+"""Kinds of files beside the JSON of a stage that are hashed. Videos and episodes are inputs of later stages."""
 
 Place = tuple[str, ...]
-"""Where in a JSON: ``("episodes", "0", "reason")``; in a pattern ``*`` stands for any one part."""
+"""Where in a JSON: ``("episodes", "0", "reason")``; ``("episodes", "#")`` is the length of a list."""
 
 
-def seal(record: D, path: Path, by_hand: Mapping[str, str] | None = None) -> D:
+def seal(record: D, path: Path, scripts: Mapping[str, str] | None = None) -> D:
     """Write the JSON of a stage, beside which the other files lie by now, and note what was written.
 
     Args:
         record: what goes into ``path``.
         path: its file.
-        by_hand: name → SHA-256 as the stage wrote it, of files that remain edited.
+        scripts: name → SHA-256 as the stage wrote it, of scripts that stay edited.
     """
     record.write(path)
     files = {
         file.relative_to(path.parent).as_posix(): sha256_file(file)
         for file in sorted(path.parent.rglob("*"))
-        if file.suffix in EDITABLE and file.name != SEAL and file != path and file.is_file()
+        if file.suffix in SEALED and file.name != SEAL and file != path and file.is_file()
     }
-    sealed = {"record": record.model_dump(mode="json", by_alias=True), "files": files | dict(by_hand or {})}
+    sealed = {"record": record.model_dump(mode="json", by_alias=True), "files": files | dict(scripts or {})}
     write_json(path.with_name(SEAL), sealed)
     return record
 
 
 def edits(path: Path) -> list[str]:
-    """Names of the files in a stage's folder that are not as the stage left them, but for its scripts; what is gone is
-    not among them.
+    """Name the edited files in a stage's folder, without scripts and files that are gone.
 
     Args:
         path: the stage's JSON.
 
     Raises:
         DamagedFile: it cannot be parsed.
-        InputFileError: what was written is not known any more.
+        InputFileError: the seal is gone or damaged.
     """
-    written = _written(path)
-    changed = [] if read_json(path) == written["record"] else [path.name]
-    return changed + [name for name in _changed_files(path, written) if not name.endswith(SCRIPT)]
+    changed = [] if read_json(path) == _written(path)["record"] else [path.name]
+    return changed + [name for name in _changed_files(path) if not name.endswith(SCRIPT)]
 
 
 def edited_scripts(path: Path) -> dict[str, str]:
-    """Name → SHA-256 as the stage wrote it, of the scripts in its folder that a hand changed; raises as :func:`edits`.
+    """Map each edited script in a stage's folder to its SHA-256 as the stage wrote it; raises as :func:`edits`.
 
     Args:
         path: the stage's JSON.
     """
-    written = _written(path)
-    return {name: written["files"][name] for name in _changed_files(path, written) if name.endswith(SCRIPT)}
-
-
-def _changed_files(path: Path, written: dict[str, Any]) -> list[str]:
-    others = {name: path.parent / name for name in written["files"]}
-    return [name for name, file in others.items() if file.is_file() and sha256_file(file) != written["files"][name]]
+    return {name: digest for name, digest in _changed_files(path).items() if name.endswith(SCRIPT)}
 
 
 def lost(path: Path) -> list[str]:
-    """Names of the files that a stage wrote beside its JSON, not further below, and that are gone."""
-    names = [name for name in _written(path)["files"] if "/" not in name]
-    return [name for name in names if not (path.parent / name).is_file()]
-
-
-def require_only(path: Path, *decided: Place) -> None:
-    """That nothing else of a stage's JSON was changed by hand.
-
-    Args:
-        path: the JSON.
-        decided: patterns of what a hand may say there.
-
-    Raises:
-        InputFileError: something else was; names it.
-    """
-    _refuse_changes(path, lambda place: place != ("edited",) and not any(_matches(place, one) for one in decided))
-
-
-def require_same(path: Path, *fields: str) -> None:
-    """That none of these fields of a stage's JSON was changed by hand; raises as :func:`require_only`."""
-    _refuse_changes(path, lambda place: not place or place[0] in fields)
-
-
-def _refuse_changes(path: Path, fixed: Callable[[Place], bool]) -> None:
-    for place, found, expected in _changes(_written(path)["record"], read_json(path)):
-        if fixed(place):
-            refuse(path, ".".join(place) or "(whole file)", found, f"{expected}, as it was written")
-
-
-def require_evidence(path: Path, edited: Collection[str]) -> None:
-    """That no file beside a stage's JSON was changed by hand: what was recorded is evidence.
-
-    Args:
-        path: the JSON.
-        edited: files that were changed.
-
-    Raises:
-        InputFileError: one was; names it.
-    """
-    for name in edited:
-        if name != path.name:
-            refuse(path.parent / name, "(whole file)", "changed by hand", f"what {maker_of(path)} recorded")
+    """Name the files that a stage wrote beside its JSON, not further below, and that are gone."""
+    return [name for name in _written(path)["files"] if "/" not in name and not (path.parent / name).is_file()]
 
 
 def written_record(path: Path, kind: type[D]) -> D:
-    """The JSON of a stage as the stage wrote it."""
+    """Return the JSON of a stage as the stage wrote it."""
     return kind.parse(_written(path)["record"], path)
 
 
-def by_hand(was: Verdict, now: Verdict) -> Verdict:
-    """A verdict that may have been changed by hand, as what it is then."""
-    if now == was:
-        return was
-    return now.model_copy(
-        update={
-            "provider": BY_HAND,
-            "reason": reason_by_hand((was.accepted, was.reason), (now.accepted, now.reason)),
-            "failure": None if now.accepted else now.failure,
-        }
-    )
+def changes(path: Path) -> Iterator[tuple[Place, str, str]]:
+    """Yield where a stage's JSON differs from what was written: the place, what is there, and what was.
+
+    Of a list of another length, that alone is told.
+    """
+    was, now = dict(_leaves(_written(path)["record"])), dict(_leaves(read_json(path)))
+    changed = [place for place in was | now if was.get(place, ...) != now.get(place, ...)]
+    resized = {place[:-1] for place in changed if place[-1:] == ("#",)}
+    for place in changed:
+        own = place[:-1] if place[-1:] == ("#",) else place
+        if not any(own[:depth] in resized for depth in range(len(own))):
+            yield place, _in_words(now.get(place, ...)), _in_words(was.get(place, ...))
 
 
-def reason_by_hand(was: tuple[bool, str], now: tuple[bool, str]) -> str:
-    """Why something is accepted or refused; one that says so of the contrary does not count."""
-    return ("accepted by hand" if now[0] else "refused by hand") if was[0] != now[0] and was[1] == now[1] else now[1]
+Complaint = tuple[str, str, str]
+"""A field, what is there, and what was expected."""
+
+
+def require_none(path: Path, complaints: Iterable[Complaint]) -> None:
+    """Refuse a file of which there is a complaint; see :func:`refuse`."""
+    for complaint in complaints:
+        refuse(path, *complaint)
 
 
 def refuse(path: Path, field: str, found: str, expected: str) -> NoReturn:
@@ -171,8 +127,13 @@ def refuse(path: Path, field: str, found: str, expected: str) -> NoReturn:
     )
 
 
+def _changed_files(path: Path) -> dict[str, str]:
+    files = {path.parent / name: (name, digest) for name, digest in _written(path)["files"].items()}
+    return dict(known for file, known in files.items() if file.is_file() and sha256_file(file) != known[1])
+
+
 def _written(path: Path) -> dict[str, Any]:
-    """What a seal says.
+    """Return the content of a seal.
 
     Raises:
         InputFileError: it is gone, or no seal.
@@ -186,31 +147,23 @@ def _written(path: Path) -> dict[str, Any]:
     return found
 
 
-def _changes(was: Any, now: Any, place: Place = ()) -> Iterator[tuple[Place, str, str]]:
-    """Where two JSON values differ, as deep as can be said, with what is there and what was."""
-    if isinstance(was, dict) and isinstance(now, dict):
-        for key in dict.fromkeys([*was, *now]):
-            if key not in now or key not in was:
-                yield (*place, key), "nothing" if key not in now else _short(now[key]), _said(was, key)
-            else:
-                yield from _changes(was[key], now[key], (*place, key))
-    elif isinstance(was, list) and isinstance(now, list) and len(was) == len(now):
-        for number, (before, after) in enumerate(zip(was, now, strict=True)):
-            yield from _changes(before, after, (*place, str(number)))
-    elif isinstance(was, list) and isinstance(now, list):
-        yield place, f"{len(now)} of them", str(len(was))
-    elif was != now:
-        yield place, _short(now), _short(was)
+def _leaves(value: Any, place: Place = ()) -> Iterator[tuple[Place, Any]]:
+    """Yield every value of a JSON by its place, and of each list also its range of indices."""
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            yield from _leaves(inner, (*place, key))
+    elif isinstance(value, list):
+        yield (*place, "#"), range(len(value))
+        for number, inner in enumerate(value):
+            yield from _leaves(inner, (*place, str(number)))
+    else:
+        yield place, value
 
 
-def _said(record: dict[str, Any], key: str) -> str:
-    return _short(record[key]) if key in record else "nothing"
-
-
-def _short(value: Any) -> str:
+def _in_words(value: Any) -> str:
+    if value is ...:
+        return "nothing"
+    if isinstance(value, range):
+        return f"{len(value)} of them"
     text = json.dumps(value, ensure_ascii=False)
     return text if len(text) <= 80 else f"{text[:77]}..."
-
-
-def _matches(place: Place, pattern: Place) -> bool:
-    return len(place) == len(pattern) and all(want in ("*", part) for part, want in zip(place, pattern, strict=True))

@@ -1,4 +1,4 @@
-"""What a stage reads of the stages before: each file by itself is checked by its schema, here against the others."""
+"""Read the files of earlier stages: schemas check each file by itself, this module checks it against the others."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ from vcage.schema.plan import LayoutPlan, Plan
 from vcage.schema.scene import Scene
 from vcage.vision.observation import ScenePictures
 
-FARTHEST = 0.5
-"""Metres beyond the table's edge up to which a matched position is one to be optimised, and not a damaged file."""
+FARTHEST_M = 0.5
+"""Distance beyond the table's edge up to which a matched position is to be optimised, and no damaged file."""
 
 
 def read_plan(run: RunFolder, scene: Scene, context: StageContext) -> Plan:
-    """``inpaint/plan.json``, which may have been edited since it was checked.
+    """Read ``inpaint/plan.json``, and check it against the scene.
 
     Raises:
-        InputFileError: it is not possible for the scene; lists the complaints.
+        InputFileError: it is not possible in the scene; lists the complaints.
     """
     plan = Plan.read(run.plan)
     complaints = plan_check(scene, context.capacities(scene))(LayoutPlan(text=plan.text, relations=plan.relations))
@@ -44,12 +44,12 @@ def read_plan(run: RunFolder, scene: Scene, context: StageContext) -> Plan:
 
 
 def plan_check(scene: Scene, items: Mapping[str, TableItem]) -> Callable[[LayoutPlan], list[str]]:
-    """What complains of a plan that cannot be true of the scene: of its words, or of the sizes of its objects."""
+    """Return a check of plans: it complains where the words of one contradict each other, the scene or its sizes."""
     return partial(plan_complaints, scene=scene, sizes=partial(size_complaints, items=items, workspace=scene.workspace))
 
 
 def described_check(scene: Scene, items: Mapping[str, TableItem]) -> Callable[[LayoutPlan], list[str]]:
-    """:func:`plan_check` of a plan to which what is described will be added where it does not say that itself."""
+    """Return a :func:`plan_check` of plans to which the missing descriptions of the scene are added."""
     check, phrases = plan_check(scene, items), {o.id: o.phrase for o in scene.objects}
 
     def complaints(plan: LayoutPlan) -> list[str]:
@@ -63,10 +63,10 @@ def described_check(scene: Scene, items: Mapping[str, TableItem]) -> Callable[[L
 
 
 def read_matches(run: RunFolder, scene: Scene) -> Matches:
-    """``match/matches.json``: one match for each object of the scene, not far from its table.
+    """Read ``match/matches.json``: one match for each object of the scene, not far from its table.
 
     Raises:
-        InputFileError: it is of other objects, or of places that are nowhere near the table.
+        InputFileError: it has other objects, or places nowhere near the table.
     """
     matches = Matches.read(run.matches)
     ids, found = [o.id for o in scene.objects], [m.object for m in matches.matches]
@@ -76,7 +76,7 @@ def read_matches(run: RunFolder, scene: Scene) -> Matches:
             f"{run.matches} has not one match for each object of the scene: see {', '.join(wrong)}",
             maker="match",
         )
-    lower, upper = scene.table.rectangle + np.array([[-FARTHEST], [FARTHEST]])
+    lower, upper = scene.table.rectangle + np.array([[-FARTHEST_M], [FARTHEST_M]])
     far = [m.object for m in matches.matches if np.any(m.position < lower) or np.any(m.position > upper)]
     if far:
         raise InputFileError(
@@ -87,7 +87,7 @@ def read_matches(run: RunFolder, scene: Scene) -> Matches:
 
 
 def read_pictures(run: RunFolder, scene: Scene) -> ScenePictures:
-    """The pictures that ``scene.json`` names.
+    """Read the pictures that ``scene.json`` names.
 
     Raises:
         MissingStage, DamagedFile: one is not there, or not a picture.

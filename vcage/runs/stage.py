@@ -1,4 +1,4 @@
-"""What every stage does around its work: skip what is finished, refuse what is stale, write all or nothing.
+"""The frame of every stage: skip finished work, refuse stale work, write all files or none.
 
 A finished stage is known by its provenance: producer, version, seed, options, content hashes of its inputs.
 The same provenance again means nothing to do; another one means :class:`StaleStage` unless ``force`` is given,
@@ -54,12 +54,12 @@ class StageOptions:
     """make a finished stage again"""
 
     def context(self, run: RunFolder) -> StageContext:
-        """What the stage needs beyond its files, with the models that these options choose."""
+        """Return the context of the stage, with the models that these options choose."""
         return StageContext(Choice(run=run.root))
 
 
 WHO = arg(metavar="WHO", help_behavior_hint="")
-"""One of the choices that are spelled out elsewhere."""
+"""The metavar of options whose choices are spelled out at --models."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,7 +89,7 @@ class ModelOptions(StageOptions):
     """what these may cost in all, US dollars (default: whatever it takes)"""
 
     def who(self, run: RunFolder) -> Choice:
-        """Who plays which role in a run."""
+        """Return the choice of who plays which role."""
         return Choice(
             self.models,
             self.reasoner,
@@ -110,15 +110,15 @@ class ModelOptions(StageOptions):
 
 @dataclass(frozen=True)
 class StageResult(Generic[D]):
-    """What a stage left.
+    """The result of a stage.
 
     Args:
         record: its JSON.
-        path: where that lies.
-        fresh: whether it was made just now.
-        grown: whether something was added to what an earlier call had finished.
-        short: the error to end with where it is whole, but less than was asked for.
-        notes: what a person should know of this call.
+        path: of the JSON.
+        fresh: True if it was made just now.
+        grown: True if this call added to the work of an earlier one.
+        short: the error to end with where the result is whole, but less than was asked for.
+        notes: sentences for a person about this call.
     """
 
     record: D
@@ -131,16 +131,16 @@ class StageResult(Generic[D]):
 
 @dataclass(frozen=True)
 class Job:
-    """One stage to be done.
+    """The work of one stage.
 
     Args:
         run: the run folder.
         output: the JSON that the stage writes; its folder belongs to the stage alone.
         inputs: the files that it reads, all in the run folder.
         seed: of every random choice of the stage.
-        options: what changes its result, JSON-serialisable.
+        options: those that change the result, JSON-serialisable.
         providers: model role → provider.
-        stand_for: SHA-256 of inputs that were stored otherwise since, without another content → that of before.
+        stand_for: SHA-256 of inputs that were since stored in another way, with the same content → the one before.
     """
 
     run: RunFolder
@@ -156,11 +156,11 @@ class Job:
         return PRODUCERS[self.output.parent.name]
 
     def rng(self) -> np.random.Generator:
-        """The stage's own stream of random numbers, a function of seed and stage alone."""
+        """Return the stage's own random numbers, which depend on seed and stage alone."""
         return np.random.default_rng([self.seed, zlib.crc32(self.stage.encode())])
 
     def provenance(self) -> Provenance:
-        """What the output will say of its origin.
+        """Return the provenance of the output.
 
         Raises:
             MissingStage: an input is not there; names the stage that writes it.
@@ -182,8 +182,7 @@ class Job:
         )
 
     def finished(self, document: type[D], *, force: bool) -> StageResult[D] | None:
-        """The result of an earlier run with the same provenance, or None when there is work to do: nothing was done, or
-        a file of it is gone.
+        """Return the result of an earlier call with the same provenance; None if there is none, or it lost a file.
 
         Raises:
             StaleStage: the stage is finished, but from other inputs or options, and ``force`` is not set.
@@ -246,12 +245,12 @@ class Job:
         return StageResult(record, self.output, fresh=True)
 
     def inside(self, name: str) -> str:
-        """The path, relative to the run folder, that a file of the stage's folder will have."""
+        """Return the path, relative to the run folder, of a file in the stage's folder."""
         return f"{self.output.parent.name}/{name}"
 
 
 def differences(before: Provenance, now: Provenance) -> list[str]:
-    """What differs between two provenances, in words: 'seed', 'option episodes', 'input place/scene.json'…"""
+    """Name the differences of two provenances: 'seed', 'option episodes', 'input place/scene.json'…"""
     changed = [name for name in ("producer", "version", "seed") if getattr(before, name) != getattr(now, name)]
     for what, old, new in (
         ("option", before.options, now.options),
@@ -263,7 +262,7 @@ def differences(before: Provenance, now: Provenance) -> list[str]:
 
 
 def stage_seed(run: RunFolder, seed: int | None) -> int:
-    """The seed of a later stage: the one asked for, or that of the run's first scene.
+    """Return the seed of a later stage: the one asked for, or that of the run's first scene.
 
     That is ``place/scene.json``, or ``optimize/scene.json`` where a single sub-task began the run.
 

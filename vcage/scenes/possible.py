@@ -1,8 +1,10 @@
-"""Whether a scene that was written or edited by hand is possible: as strict as the stages are with their own."""
+"""Check that the scene of a file is possible: as strict as the stages are with their own."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
+from functools import partial
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -13,64 +15,54 @@ from vcage.models.registry import third_reader
 from vcage.models.same_reading import contradictions
 from vcage.plans.plain_words import in_words
 from vcage.runs.context import StageContext
-from vcage.runs.edits import refuse, require_same, written_record
+from vcage.runs.editable import Edit
+from vcage.runs.edits import Complaint, require_none
 from vcage.scenes.known_names import all_names, near_names, unknown_name
 from vcage.scenes.stability import STABILITY, moved_objects, settle_checks
-from vcage.schema.asset import FunctionalPoint
 from vcage.schema.base import PoseRecord, box_record
-from vcage.schema.goals import Goal, Reading
+from vcage.schema.goals import Reading
 from vcage.schema.plan import TABLE
 from vcage.schema.scene import ObjectRecord, Scene
 from vcage.sim.bodies import Body
 from vcage.sim.collision import TOLERANCE, overlapping
 from vcage.sim.robots import load_robot, load_template
+from vcage.sim.state import SettleReport
 from vcage.sim.world import World
 from vcage.tasks.described import untrue
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.truth import resting_point
 
-ROUNDING = 1e-6
-"""Metres by which a joint may be outside its range, and an object beyond the table's edge."""
+ROUNDING_M = 1e-6
+"""Metres (or radians) by which a joint may be outside its range, and an object beyond the table's edge."""
+
+SCENE_FIELDS = ("objects", "goals", "descriptions", "untouched", "robot", "checks")
+"""Fields of a scene that may be edited: all else it has from its instruction and template, or is drawn of it."""
 
 
-GIVEN = ("instruction", "template", "table", "workspace", "top_camera", "pictures", "segmentation_ids")
-"""What a scene has from its instruction and its template, and what is drawn of it: not to be edited."""
-
-
-def edited_scene(path: Path, context: StageContext) -> Scene:
-    """The scene of a file that was edited by hand, as it settles.
-
-    Args:
-        path: its file.
-        context: the library.
+def accepted_scene(edit: Edit[Scene]) -> Scene:
+    """Return an edited scene as it settles, checked as :func:`possible_scene` does.
 
     Raises:
-        InputFileError: it is not possible, see :func:`possible_scene`; or it is another place or instruction than
-            before, or has no goals any more.
+        InputFileError: it is not possible, or its goals or descriptions are not what the instruction says.
     """
-    require_same(path, *GIVEN)
-    scene = Scene.read(path)
-    if written_record(path, Scene).goals and not scene.goals:
-        refuse(path, "goals", "none", f"those of the instruction {scene.instruction!r}")
-    found = possible_scene(path, scene, context)
-    _require_instructed(path, scene, context)
+    found = possible_scene(edit.path, edit.record, edit.context)
+    require_none(edit.path, _unsaid(edit))
     return found
 
 
-def _require_instructed(path: Path, scene: Scene, context: StageContext) -> None:
-    """Refuse edited goals and descriptions that are not what the instruction says."""
-    before = written_record(path, Scene)
-    edited = [
-        field for field in ("goals", "descriptions", "untouched") if getattr(scene, field) != getattr(before, field)
-    ]
+def _unsaid(edit: Edit[Scene]) -> Iterator[Complaint]:
+    """Complaints about edited goals and descriptions, by the check of a reading."""
+    scene, edited = edit.record, edit.changes("goals", "descriptions", "untouched")
     if not edited or scene.instruction is None:
         return
+    if not scene.goals:
+        yield "goals", "none", f"those of the instruction {scene.instruction!r}"
     reading = Reading(goals=scene.goals, descriptions=scene.descriptions, untouched=scene.untouched)
-    things = {o.id: o.kind() for o in context.objects(scene)}
+    things = {o.id: o.kind() for o in edit.context.objects(scene)}
     moved = [o.id for o in scene.objects if o.role == "content"]
     lying = {o.id: o.container for o in scene.objects if o.container is not None}
     if found := contradictions(scene.instruction, things, reading, moved, lying, third_reader()):
-        refuse(path, edited[0], "; ".join(found), f"what the instruction says: {scene.instruction!r}")
+        yield edited[0], "; ".join(found), f"what the instruction says: {scene.instruction!r}"
 
 
 def possible_scene(path: Path, scene: Scene, context: StageContext) -> Scene:
@@ -86,38 +78,30 @@ def possible_scene(path: Path, scene: Scene, context: StageContext) -> Scene:
             not on the table, do not stay where they are put, or lie in other things than is said. Names the file, the
             field, and what was expected.
     """
-    _require_known(path, scene, context)
+    require_none(path, _unknown(scene, context))
     objects = context.objects(scene)
-    _require_joints(path, objects)
-    _require_goals(path, scene, objects)
-    _require_on_table(path, scene, objects)
-    numbers = {o.id: number for number, o in enumerate(objects)}
-    for first, second in overlapping({o.id: Body(o.asset.model, o.pose, o.joints) for o in objects}):
-        refuse(
-            path,
-            f"objects.{numbers[second]}.pose",
-            f"{second} overlaps {first} by more than {1000 * TOLERANCE:.0f} mm",
-            "a pose that is free",
-        )
+    require_none(path, chain(_wrong_joints(objects), _wrong_goals(scene, objects), _misplaced(scene, objects)))
     world = World.of_scene(scene, context.physical_models(scene))
     report = world.settle()
+    require_none(path, _unsettled(report, [o.id for o in objects]))
+    records = [settled_record(o, world.object_pose(o.id), context) for o in scene.objects]
+    settled = scene.model_copy(update={"objects": records, "checks": settle_checks(report)})
+    lying = context.objects(settled)
+    require_none(path, chain(_wrong_containers(lying), _wrong_descriptions(settled, lying)))
+    return settled
+
+
+def _unsettled(report: SettleReport, ids: Sequence[str]) -> Iterator[Complaint]:
     for name in [*moved_objects(report), *report.fallen]:
         drift, tilt = 1000 * report.drift_m[name], np.degrees(report.tilt_rad[name])
-        refuse(
-            path,
-            f"objects.{numbers[name]}.pose",
+        yield (
+            f"objects.{ids.index(name)}.pose",
             f"{name} does not stay there: it moves by {drift:.0f} mm and {tilt:.0f}° when it is let go",
             f"a pose in which it moves by less than {1000 * STABILITY.drift_m:.0f} mm and "
             f"{np.degrees(STABILITY.tilt_rad):.0f}°",
         )
     if not report.settled:
-        refuse(path, "objects", "they do not come to rest", "poses in which they do")
-    poses = world.object_poses()
-    records = [settled_record(o, poses[o.id], context) for o in scene.objects]
-    settled = scene.model_copy(update={"objects": records, "checks": settle_checks(report)})
-    _require_containers(path, context.objects(settled))
-    _require_descriptions(path, settled, context.objects(settled))
-    return settled
+        yield "objects", "they do not come to rest", "poses in which they do"
 
 
 def settled_record(o: ObjectRecord, pose: Pose, context: StageContext) -> ObjectRecord:
@@ -125,113 +109,97 @@ def settled_record(o: ObjectRecord, pose: Pose, context: StageContext) -> Object
     return o.model_copy(update={"pose": PoseRecord.of(pose), "aabb": box_record(context.asset(o).bounds, pose)})
 
 
-def _require_known(path: Path, scene: Scene, context: StageContext) -> None:
-    """That there are the template, the robot, and every asset and variant."""
-    try:
-        load_template(scene.template)
-    except UnknownName as error:
-        refuse(path, "template", repr(scene.template), near_names(scene.template, error.details["available"]))
-    try:
-        load_robot(scene.robot)
-    except UnknownName as error:
-        refuse(path, "robot", repr(scene.robot), near_names(scene.robot, error.details["available"]))
-    for number, o in enumerate(scene.objects):
+def _unknown(scene: Scene, context: StageContext) -> Iterator[Complaint]:
+    """Complaints about a template, robot, asset or variant that there is not."""
+    lookups = [("template", partial(load_template, scene.template)), ("robot", partial(load_robot, scene.robot))]
+    lookups += [(f"objects.{number}.", partial(context.asset, o)) for number, o in enumerate(scene.objects)]
+    for field, look_up in lookups:
         try:
-            context.asset(o)
+            look_up()
         except UnknownName as error:
-            name, known = error.details["name"], error.details["available"]
-            field = "asset" if error.details["what"] == "asset" else "variant"
-            refuse(path, f"objects.{number}.{field}", repr(name), near_names(name, known))
+            name, known, what = (error.details[key] for key in ("name", "available", "what"))
+            part = ("asset" if what == "asset" else "variant") if field.endswith(".") else ""
+            yield f"{field}{part}", repr(name), near_names(name, known)
 
 
-def _require_joints(path: Path, objects: Sequence[SceneObject]) -> None:
+def _wrong_joints(objects: Sequence[SceneObject]) -> Iterator[Complaint]:
     for number, o in enumerate(objects):
-        links = o.asset.model.links
+        links, field = o.asset.model.links, f"objects.{number}.joints"
         if o.joints and len(o.joints) != len(links):
-            refuse(path, f"objects.{number}.joints", f"{len(o.joints)} positions", f"{len(links)}, one for each part")
+            yield field, f"{len(o.joints)} positions", f"{len(links)}, one for each part"
         for link, position in zip(links, o.joints, strict=False):
             lower, upper = link.joint.lower, link.joint.upper
-            if not lower - ROUNDING <= position <= upper + ROUNDING:
-                range_of = f"one from {lower:g} to {upper:g} of its {link.name}"
-                refuse(path, f"objects.{number}.joints", f"{position:g}", range_of)
+            if not lower - ROUNDING_M <= position <= upper + ROUNDING_M:
+                yield field, f"{position:g}", f"one from {lower:g} to {upper:g} of its {link.name}"
 
 
-def _require_goals(path: Path, scene: Scene, objects: Sequence[SceneObject]) -> None:
-    """That goals, and what is to be left alone, are about what there is, and goals are what the instruction asks."""
+def _wrong_goals(scene: Scene, objects: Sequence[SceneObject]) -> Iterator[Complaint]:
+    """Complaints about goals, and objects to be left alone, that are of what there is not or of other words."""
     by_id, arms = {o.id: o for o in objects}, load_robot(scene.robot).arms
     for number, asked in enumerate(scene.goals):
         goal, field = asked.goal, f"goals.{number}"
         if unknown := unknown_name(goal, by_id, arms):
-            refuse(path, f"{field}.goal", f"there is no {unknown}", all_names(objects))
+            yield f"{field}.goal", f"there is no {unknown}", all_names(objects)
         if goal.subject == goal.reference or goal.subject in scene.untouched:
-            refuse(path, f"{field}.goal.subject", repr(goal.subject), "not its own reference, nor what is left alone")
-        _require_name(path, f"{field}.goal.reference", goal.reference, _places(goal, by_id, arms))
-        _require_name(path, f"{field}.arm", asked.arm, arms)
-        _require_words(path, field, asked.words, scene)
+            yield f"{field}.goal.subject", repr(goal.subject), "not its own reference, nor what is left alone"
+        places = arms if goal.relation == "handed" else by_id if goal.relation == "inside" else {*by_id, TABLE}
+        yield from _unknown_name(f"{field}.goal.reference", goal.reference, places)
+        yield from _unknown_name(f"{field}.arm", asked.arm, arms)
+        yield from _other_words(field, asked.words, scene)
     for number, name in enumerate(scene.untouched):
-        _require_name(path, f"untouched.{number}", name, by_id)
+        yield from _unknown_name(f"untouched.{number}", name, by_id)
 
 
-def _places(goal: Goal, objects: Collection[str], arms: Collection[str]) -> Collection[str]:
-    """Names that a goal may refer to."""
-    if goal.relation == "handed":
-        return arms
-    return objects if goal.relation == "inside" else {*objects, TABLE}
-
-
-def _require_name(path: Path, field: str, name: str | None, known: Collection[str]) -> None:
+def _unknown_name(field: str, name: str | None, known: Collection[str]) -> Iterator[Complaint]:
     if name is not None and name not in known:
-        refuse(path, field, repr(name), near_names(name, known))
+        yield field, repr(name), near_names(name, known)
 
 
-def _require_words(path: Path, field: str, words: str, scene: Scene) -> None:
+def _other_words(field: str, words: str, scene: Scene) -> Iterator[Complaint]:
     if words not in (scene.instruction or ""):
-        refuse(path, f"{field}.words", repr(words), f"words of the instruction {scene.instruction!r}")
+        yield f"{field}.words", repr(words), f"words of the instruction {scene.instruction!r}"
 
 
-def _require_on_table(path: Path, scene: Scene, objects: Sequence[SceneObject]) -> None:
+def _misplaced(scene: Scene, objects: Sequence[SceneObject]) -> Iterator[Complaint]:
+    """Complaints about objects beyond the table's edge, and about those that overlap."""
     lower, upper = scene.table.rectangle
-    for number, o in enumerate(objects):
+    fields = {o.id: f"objects.{number}.pose" for number, o in enumerate(objects)}
+    for o in objects:
         low, high = o.aabb[:, :2]
         beyond = float(np.max([lower - low, high - upper]))
-        if beyond > ROUNDING:
-            refuse(
-                path,
-                f"objects.{number}.pose",
-                f"{o.id} reaches {100 * beyond:.1f} cm beyond the table's edge",
-                f"all of it from {tuple(lower.tolist())} to {tuple(upper.tolist())}",
-            )
+        if beyond > ROUNDING_M:
+            wanted = f"all of it from {tuple(lower.tolist())} to {tuple(upper.tolist())}"
+            yield fields[o.id], f"{o.id} reaches {100 * beyond:.1f} cm beyond the table's edge", wanted
+    for first, second in overlapping({o.id: Body(o.asset.model, o.pose, o.joints) for o in objects}):
+        found = f"{second} overlaps {first} by more than {1000 * TOLERANCE:.0f} mm"
+        yield fields[second], found, "a pose that is free"
 
 
-def _require_containers(path: Path, objects: Sequence[SceneObject]) -> None:
-    """That ``container`` names what each object lies in or on, which is what goals and plans start from."""
+def _wrong_containers(objects: Sequence[SceneObject]) -> Iterator[Complaint]:
+    """Complaints about a ``container`` that an object does not lie in or on: goals and plans start from it."""
     for number, o in enumerate(objects):
-        bearers, named = _bearers(o, objects), o.record.container
+        points = {other.id: resting_point(o, other) for other in objects if other is not o}
+        bearers = {name: point for name, point in points.items() if point is not None}
+        named, field = o.record.container, f"objects.{number}"
         if named not in ([*bearers] or [None]):
             found = f"{named!r}, but {o.id} lies in or on {' or '.join(bearers) or 'no object'}"
-            refuse(path, f"objects.{number}.container", found, " or ".join(map(repr, bearers)) or "null")
+            yield f"{field}.container", found, " or ".join(map(repr, bearers)) or "null"
         part = None if named is None else bearers[named].link
         if o.record.container_part != part:
-            refuse(path, f"objects.{number}.container_part", repr(o.record.container_part), repr(part or "null"))
+            yield f"{field}.container_part", repr(o.record.container_part), repr(part or "null")
 
 
-def _bearers(o: SceneObject, objects: Sequence[SceneObject]) -> dict[str, FunctionalPoint]:
-    """The functional points that an object rests at, by the id of what has them."""
-    points = {other.id: resting_point(o, other) for other in objects if other is not o}
-    return {name: point for name, point in points.items() if point is not None}
-
-
-def _require_descriptions(path: Path, scene: Scene, objects: Sequence[SceneObject]) -> None:
-    """That descriptions are about what there is and in the instruction's words, and that each is true."""
+def _wrong_descriptions(scene: Scene, objects: Sequence[SceneObject]) -> Iterator[Complaint]:
+    """Complaints about descriptions of what there is not, in other words than the instruction's, or untrue."""
     by_id = {o.id: o for o in objects}
     for number, d in enumerate(scene.descriptions):
         field = f"descriptions.{number}"
-        for name, known in ((d.subject, by_id), (d.reference, [*by_id, TABLE])):
+        for name, known in ((d.subject, by_id), (d.reference, {*by_id, TABLE})):
             if name not in known:
-                refuse(path, field, f"there is no {name}", all_names(objects))
+                yield field, f"there is no {name}", all_names(objects)
         if d.part is not None and d.part not in {link.name for link in by_id[d.reference].asset.model.links}:
-            refuse(path, f"{field}.part", repr(d.part), all_names(objects))
-        _require_words(path, field, d.words, scene)
+            yield f"{field}.part", repr(d.part), all_names(objects)
+        yield from _other_words(field, d.words, scene)
     for d in untrue(scene, objects):
         wanted = f"poses in which {in_words(d, {o.id: o.phrase for o in scene.objects})}"
-        refuse(path, f"descriptions.{scene.descriptions.index(d)}", "it is not true where the objects stand", wanted)
+        yield f"descriptions.{scene.descriptions.index(d)}", "it is not true where the objects stand", wanted

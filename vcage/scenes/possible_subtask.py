@@ -1,12 +1,10 @@
-"""Check that a sub-task that was written or edited by hand is possible in its scene: as strict as the search is."""
+"""Check that a sub-task of a file is possible in its scene: as strict as the search is."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from pathlib import Path
-from typing import NoReturn
 
-from vcage.runs.edits import refuse
+from vcage.runs.edits import Complaint
 from vcage.scenes.known_names import all_names, near_names, unknown_name
 from vcage.schema.goals import Goal
 from vcage.schema.plan import TABLE
@@ -21,118 +19,105 @@ from vcage.tasks.templates import TEMPLATES
 from vcage.tasks.templates.proposal import Proposal
 
 
-def require_possible(path: Path, field: str, subtask: Subtask, scene: Scene, objects: Sequence[SceneObject]) -> None:
-    """Refuse a sub-task that names what the scene, its assets or the robot do not have. Motions are not tried here.
+def subtask_complaints(
+    subtask: Subtask, field: str, scene: Scene, objects: Sequence[SceneObject]
+) -> Iterator[Complaint]:
+    """Yield complaints about a sub-task that the search would not make of a scene. No motion is tried.
+
+    Only the first one is sure: those after it take for granted that there is none.
 
     Args:
-        path: the file that it was read from.
-        field: where it is there.
-        subtask: what it says.
+        subtask: as the file says.
+        field: where it is in the file.
         scene: of the run.
         objects: of the scene.
-
-    Raises:
-        InputFileError: an object, arm, contact or functional point that there is not, or a part beyond its range.
     """
     by_id, arms = {o.id: o for o in objects}, load_robot(scene.robot).arms
-    for name, value, known in _names(subtask, by_id, arms):
-        if value is not None and value not in known:
-            refuse(path, f"{field}.{name}", repr(value), near_names(value, known))
-    for name, number, points in _points(subtask, by_id):
-        if number not in points:
-            refuse(path, f"{field}.{name}", str(number), f"one of {list(points)}")
-    for name, goal in _goals(subtask):
-        if unknown := unknown_name(goal, by_id, arms):
-            refuse(path, f"{field}.{name}", f"there is no {unknown}", all_names(objects))
-    _require_arm(path, field, subtask, scene)
-    _require_choices(path, field, subtask, by_id)
-    _require_offered(path, field, subtask, scene, objects)
-
-
-def _names(
-    subtask: Subtask, objects: Collection[str], arms: Collection[str]
-) -> Iterator[tuple[str, str | None, Collection[str]]]:
-    """Every field that names an object or an arm, what it says, and what it may say."""
-    for name in ("object", "tool", "grasped"):
-        yield name, getattr(subtask, name), objects
-    yield "receptacle", subtask.receptacle, {*objects, TABLE}
-    for name in ("arm", "hand_to"):
-        yield name, getattr(subtask, name), arms
-    for number, grasp in enumerate(subtask.grasps):
-        yield f"grasps.{number}.arm", grasp.arm, arms
-
-
-def _points(subtask: Subtask, objects: Mapping[str, SceneObject]) -> Iterator[tuple[str, int, Sequence[int]]]:
-    """Every field that says a point of an object, its number, and those that the object has."""
-    held = objects[subtask.grasped or subtask.object].asset.annotation
-    contacts = range(len(HEADINGS)) if subtask.template == "push" else [point.id for point in held.contact_points]
-    for number, grasp in enumerate(subtask.grasps):
-        yield f"grasps.{number}.contact", grasp.contact, contacts
-    if subtask.functional_point is not None:
-        holder = objects.get(subtask.receptacle or "")
-        places = [point.id for point in holder.asset.annotation.functional_points] if holder else []
-        yield "functional_point", subtask.functional_point, places
-
-
-def _goals(subtask: Subtask) -> Iterator[tuple[str, Goal]]:
-    """Every field that holds a goal."""
+    yield from _unknown_names(subtask, field, by_id, arms)
+    yield from _unknown_points(subtask, field, by_id)
     for name in ("goals", "requires"):
-        yield from ((f"{name}.{number}", goal) for number, goal in enumerate(getattr(subtask, name)))
+        for number, goal in enumerate(getattr(subtask, name)):
+            if unknown := unknown_name(goal, by_id, arms):
+                yield f"{field}.{name}.{number}", f"there is no {unknown}", all_names(objects)
+    yield from _wrong_arms(subtask, field, scene)
+    yield from _wrong_choices(subtask, field, by_id)
+    yield from _not_offered(subtask, field, scene, objects)
 
 
-def _require_arm(path: Path, field: str, subtask: Subtask, scene: Scene) -> None:
-    """Refuse another arm than the one that the instruction asks for."""
+def _unknown_names(
+    subtask: Subtask, field: str, objects: Collection[str], arms: Collection[str]
+) -> Iterator[Complaint]:
+    known = {"object": objects, "tool": objects, "grasped": objects, "receptacle": {*objects, TABLE}}
+    known |= {"arm": arms, "hand_to": arms}
+    named = [(place, getattr(subtask, place), names) for place, names in known.items()]
+    named += [(f"grasps.{number}.arm", grasp.arm, arms) for number, grasp in enumerate(subtask.grasps)]
+    for place, name, names in named:
+        if name is not None and name not in names:
+            yield f"{field}.{place}", repr(name), near_names(name, names)
+
+
+def _unknown_points(subtask: Subtask, field: str, objects: Mapping[str, SceneObject]) -> Iterator[Complaint]:
+    held = objects[subtask.grasped or subtask.object].asset.annotation
+    contacts = [*range(len(HEADINGS))] if subtask.template == "push" else [point.id for point in held.contact_points]
+    for number, grasp in enumerate(subtask.grasps):
+        if grasp.contact not in contacts:
+            yield f"{field}.grasps.{number}.contact", str(grasp.contact), f"one of {contacts}"
+    holder = objects.get(subtask.receptacle or "")
+    places = [point.id for point in holder.asset.annotation.functional_points] if holder else []
+    if subtask.functional_point not in (None, *places):
+        yield f"{field}.functional_point", str(subtask.functional_point), f"one of {places}"
+
+
+def _wrong_arms(subtask: Subtask, field: str, scene: Scene) -> Iterator[Complaint]:
+    """Yield arms that are not those that the instruction asks for."""
     asked, why = arm_for(subtask.goals, asked_arms(scene.goals), subtask.hand_to)
     if why is not None:
-        refuse(path, f"{field}.goals", why, "goals that one arm is asked to bring about")
+        yield f"{field}.goals", why, "goals that one arm is asked to bring about"
     if asked is not None and subtask.arm != asked:
-        refuse(path, f"{field}.arm", repr(subtask.arm), f"{asked!r}, as the instruction asks")
-    if subtask.arm is not None and subtask.hand_to == subtask.arm:
-        refuse(path, f"{field}.hand_to", repr(subtask.hand_to), "another arm than the one that gives it")
+        yield f"{field}.arm", repr(subtask.arm), f"{asked!r}, as the instruction asks"
+    if subtask.arm is None:
+        return
+    if subtask.hand_to == subtask.arm:
+        yield f"{field}.hand_to", repr(subtask.hand_to), "another arm than the one that gives it"
     for number, grasp in enumerate(subtask.grasps):
-        if subtask.arm is not None and grasp.arm != subtask.arm:
-            refuse(path, f"{field}.grasps.{number}.arm", repr(grasp.arm), f"{subtask.arm!r}, the arm of the sub-task")
+        if grasp.arm != subtask.arm:
+            yield f"{field}.grasps.{number}.arm", repr(grasp.arm), f"{subtask.arm!r}, the arm of the sub-task"
 
 
-def _require_choices(path: Path, field: str, subtask: Subtask, objects: dict[str, SceneObject]) -> None:
-    """Refuse a preferred grasp that is none of its grasps, and statements about what it moves."""
+def _wrong_choices(subtask: Subtask, field: str, objects: Mapping[str, SceneObject]) -> Iterator[Complaint]:
+    """Yield a preferred grasp that is none of the grasps, and statements about what the sub-task moves."""
     grasps, prefers = [f"{g.contact} {g.arm}" for g in subtask.grasps], subtask.prefers
     if prefers is not None and f"{prefers.contact} {prefers.arm}" not in grasps:
-        refuse(path, f"{field}.prefers", f"{prefers.contact} {prefers.arm}", f"one of its grasps: {', '.join(grasps)}")
+        yield f"{field}.prefers", f"{prefers.contact} {prefers.arm}", f"one of its grasps: {', '.join(grasps)}"
     for number, statement in enumerate(subtask.statements):
         goal, where = statement.goal, f"{field}.statements.{number}"
-        unknown = unknown_name(goal or Goal(subject=statement.subject, relation="back"), objects, ())
-        if unknown:
-            refuse(path, where, f"there is no {unknown}", all_names([*objects.values()]))
+        if unknown := unknown_name(goal or Goal(subject=statement.subject, relation="back"), objects, ()):
+            yield where, f"there is no {unknown}", all_names([*objects.values()])
         if goal is None and statement.subject in moved_by(subtask):
-            refuse(path, where, f"{statement.subject} is moved by the sub-task", "what it leaves where it is")
+            yield where, f"{statement.subject} is moved by the sub-task", "what it leaves where it is"
 
 
-def _require_offered(path: Path, field: str, subtask: Subtask, scene: Scene, objects: Sequence[SceneObject]) -> None:
-    """Refuse a sub-task that its template does not offer: with this object, this receptacle and these goals."""
+def _not_offered(subtask: Subtask, field: str, scene: Scene, objects: Sequence[SceneObject]) -> Iterator[Complaint]:
+    """Yield a sub-task that its template does not propose: with this object, this receptacle and these goals."""
     if subtask.receptacle == subtask.object:
-        refuse(path, f"{field}.receptacle", repr(subtask.receptacle), "another than the object itself")
+        yield f"{field}.receptacle", repr(subtask.receptacle), "another than the object itself"
     if subtask.template == "hand_over" and subtask.hand_to is None:
-        refuse(path, f"{field}.hand_to", "null", "the arm that it is handed to")
-    offered = _offering(subtask, scene, objects)
+        yield f"{field}.hand_to", "null", "the arm that it is handed to"
+    asked = {*subtask.goals, *(one.goal for one in scene.goals)}
+    proposals = [p for template in TEMPLATES.values() for p in template.proposals(objects, asked)[0]]
+    offered = [proposal for proposal in proposals if proposal.offers(subtask)]
     mine = [proposal for proposal in offered if subtask.template in proposal.templates]
     if not mine:
-        _refuse_template(path, field, subtask, offered)
+        yield _wrong_template(subtask, field, offered)
     refusals = [proposal.impossible() for proposal in mine]
     if all(refusals):
-        refuse(path, field, str(refusals[0] and refusals[0].reason), "what is possible by size")
+        yield field, str(refusals[0] and refusals[0].reason), "what is possible by size"
 
 
-def _offering(subtask: Subtask, scene: Scene, objects: Sequence[SceneObject]) -> list[Proposal]:
-    """All proposals of templates that a sub-task may be one of."""
-    asked = {*subtask.goals, *(one.goal for one in scene.goals)}
-    return [p for template in TEMPLATES.values() for p in template.proposals(objects, asked)[0] if p.offers(subtask)]
-
-
-def _refuse_template(path: Path, field: str, subtask: Subtask, offered: Sequence[Proposal]) -> NoReturn:
+def _wrong_template(subtask: Subtask, field: str, offered: Sequence[Proposal]) -> Complaint:
     """Say that the template of a sub-task does not do that, and which others do."""
     goals = " and ".join(map(str, subtask.goals))
     names = dict.fromkeys(name for proposal in offered for name in proposal.templates)
     wanted = " or ".join(names) or f"what {subtask.template} can do in this scene"
     found = f"{subtask.template} does not do that with {subtask.object}: {goals}"
-    refuse(path, f"{field}.template" if offered else field, found, wanted)
+    return (f"{field}.template" if offered else field), found, wanted

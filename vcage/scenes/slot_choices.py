@@ -73,9 +73,14 @@ def _questions(
     actions = {subtask.id: action_of(subtask, by_id[subtask.object]) for subtask in chain}
     if scene.goals:
         return slot_questions(chain, kept.values(), objects, initial_state(objects), actions)
-    joints = {o.id: o.joints for o in ready_for(chain[0], scene, objects).objects}
-    ready = [o.moved(o.pose, joints[o.id]) for o in objects]
+    ready = ready_objects(chain[0], scene, objects)
     return slot_questions(chain, (), ready, initial_state(ready), actions)
+
+
+def ready_objects(subtask: Subtask, scene: Scene, objects: Sequence[SceneObject]) -> list[SceneObject]:
+    """The objects of a scene where they stand, with their parts as they must be before a sub-task."""
+    joints = {o.id: o.joints for o in ready_for(subtask, scene, objects).objects}
+    return [o.moved(o.pose, joints[o.id]) for o in objects]
 
 
 def _proven(

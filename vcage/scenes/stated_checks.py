@@ -1,4 +1,4 @@
-"""Told goals that make no sense: parts and arms that there are not, things that cannot be done, contradictions."""
+"""Checks of stated goals: unknown parts and arms, impossible actions, contradictions."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from vcage.base.errors import NoFeasibleTask, UnknownName, UsageError
 from vcage.base.text import listed
 from vcage.plans.actions import EVENTS, supersedes
 from vcage.plans.consistency import inconsistencies
-from vcage.scenes.stated_goals import Said, Told, shortened
+from vcage.scenes.stated_goals import StatedGoal, StatedTask, shortened
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import OF_A_PART, AskedGoal, Description, Goal, part_that
 from vcage.schema.plan import TABLE
@@ -17,8 +17,8 @@ from vcage.schema.plan import TABLE
 _ACTIONS = {"open": "open", "closed": "open", "pressed": "press", "turned": "turn"}
 
 
-def require_part(said: Said, place: Mapping[str, str | None], entry: CatalogueEntry) -> None:
-    """Check that a part which is to be operated is there, and is one that can be."""
+def require_part(said: StatedGoal, place: Mapping[str, str | None], entry: CatalogueEntry) -> None:
+    """Check that a part to be operated exists and can be operated so."""
     if said.word not in OF_A_PART:
         return
     subject, part = place["subject"], place["part"]
@@ -27,15 +27,15 @@ def require_part(said: Said, place: Mapping[str, str | None], entry: CatalogueEn
         raise _impossible(said.text, f"{subject} has no part that can be {said.word}")
     if part is None:
         raise UsageError(
-            f"{shortened(said.text)}: {said.word!r} is said of a moving part",
+            f"{shortened(said.text)}: {said.word!r} needs a moving part",
             hint=f"write {' or '.join(f'{subject}/{name} {said.word}' for name in able)}",
         )
     if part not in able:
         raise UnknownName(f"part of {subject} that can be {said.word} in {shortened(said.text)}:", part, able)
 
 
-def require_sense(said: Said, asked: AskedGoal, arms: Collection[str]) -> None:
-    """Check that a goal asks for an arm that there is, and of the table only what can be asked of it."""
+def require_sense(said: StatedGoal, asked: AskedGoal, arms: Collection[str]) -> None:
+    """Check that a goal names an existing arm, and of the table only what can be a goal."""
     arm = asked.goal.reference if asked.goal.relation == "handed" else asked.arm
     if arm is not None and arm not in arms:
         raise UnknownName(f"arm in {shortened(said.text)}:", arm, arms)
@@ -44,7 +44,7 @@ def require_sense(said: Said, asked: AskedGoal, arms: Collection[str]) -> None:
 
 
 def require_place(told: Description, kinds: Mapping[str, CatalogueEntry]) -> None:
-    """Check that what shall lie in or on something at the start can be put there."""
+    """Check that a thing that starts in or on another can be put there."""
     if told.relation not in ("inside", "on") or told.reference == TABLE:
         return
     there = [("inside" if p.holds == "in" else "on", p.link) for p in kinds[told.reference].functional_points]
@@ -54,8 +54,8 @@ def require_place(told: Description, kinds: Mapping[str, CatalogueEntry]) -> Non
         raise _impossible(told.words, f"nothing can be {asked}; what can be: {listed(forms) or 'nothing'}")
 
 
-def require_consistent(told: Told, goals: Sequence[AskedGoal], descriptions: Sequence[Description]) -> None:
-    """Check that no goal is said twice or true before its turn, and that nothing contradicts the rest."""
+def require_consistent(told: StatedTask, goals: Sequence[AskedGoal], descriptions: Sequence[Description]) -> None:
+    """Check that no goal is stated twice or true before its turn, and that nothing contradicts the rest."""
     true = {_as_goal(one): 0 for one in descriptions if one.reference != TABLE}
     for said, asked in zip(told.goals, goals, strict=True):
         goal, step = asked.goal, asked.step
@@ -74,7 +74,7 @@ def _as_goal(one: Description) -> Goal:
 
 
 def _impossible(text: str, why: str) -> NoFeasibleTask:
-    """The error about what its objects do not allow."""
+    """Return the error of a goal that its objects do not allow."""
     return NoFeasibleTask(
         f"{shortened(text)}: {why}", hint="see what there is", command=vcage_command("assets", "list")
     )

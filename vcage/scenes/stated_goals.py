@@ -1,4 +1,4 @@
-"""Goals that are told in a small grammar, in place of words that a reasoner reads; names are resolved in a scene later.
+"""Goals stated in a small grammar, in place of an instruction for a reasoner; names are resolved in a scene later.
 
 A goal is ``SUBJECT WORD [REFERENCE] [with the left|right arm]``, as in ``marker/red inside packaging_box``. It belongs
 to the step of the goal before it, or begins with ``then`` and belongs to the next one.
@@ -32,16 +32,16 @@ _LONGEST_SHOWN = 80
 
 
 @dataclass(frozen=True)
-class Said:
+class StatedGoal:
     """A goal or a start condition as it was written.
 
     Args:
-        text: the whole.
+        text: all of it.
         subject: names an object, and for ``open``, ``closed``, ``pressed`` and ``turned`` also a part of it.
-        word: what shall be true of it.
+        word: to become true of it.
         reference: names another object and maybe a part of it, ``table``, or an arm; None where the word takes none.
         step: 1 for the first goals, and one more from each goal that begins with ``then``.
-        arm: which must do it; None for any.
+        arm: that must do it; None for any.
     """
 
     text: str
@@ -53,7 +53,7 @@ class Said:
 
     @property
     def names(self) -> list[tuple[str, bool]]:
-        """The names of objects, the subject first, and whether a part may stand at its end."""
+        """Return the names of objects, the subject first, each with True if it may end with a part."""
         found = [(self.subject, self.word in OF_A_PART)]
         if self.reference is not None and self.reference != TABLE and self.word != "handed":
             found.append((self.reference, self.word in ("inside", "on")))
@@ -61,37 +61,38 @@ class Said:
 
 
 @dataclass(frozen=True)
-class Told:
-    """A task that is told without words to be read.
+class StatedTask:
+    """A task that is stated without an instruction.
 
     Args:
         goals: in their order; not empty.
-        starts: what must be true of where things are at the start.
-        objects: (how many, name) of what stands there; None where it follows from the goals.
+        starts: conditions on where things are at the start.
+        objects: (number, name) of the objects of the scene; None if they follow from the goals.
     """
 
-    goals: tuple[Said, ...]
-    starts: tuple[Said, ...]
+    goals: tuple[StatedGoal, ...]
+    starts: tuple[StatedGoal, ...]
     objects: tuple[tuple[int, str], ...] | None
 
     @classmethod
-    def of(cls, goals: Sequence[str], starts: Sequence[str], objects: str | None) -> Told | None:
-        """Parse what the options say; None where they say nothing.
+    def of(cls, goals: Sequence[str], starts: Sequence[str], objects: str | None) -> StatedTask | None:
+        """Parse the options; None if they are empty.
 
         Raises:
-            UsageError: a text is not of the grammar, or there are no goals that the rest belongs to.
-            UnknownName: a word is none of those that there are.
+            UsageError: a text breaks the grammar, or starts or objects come without goals.
+            UnknownName: a word is not one of the grammar.
         """
         if not goals:
             if starts or objects is not None:
-                said = "--start" if starts else "--objects"
-                raise UsageError(f"{said} belongs to goals, and there are none", hint="add --goal")
+                option = "--start" if starts else "--objects"
+                raise UsageError(f"{option} needs goals, and there are none", hint="add --goal")
             return None
-        told = tuple(_start(text) for text in map(_tidy, starts))
-        return cls(tuple(_goals(list(map(_tidy, goals)))), told, None if objects is None else tuple(_objects(objects)))
+        conditions = tuple(_start(text) for text in map(_tidy, starts))
+        counted = None if objects is None else tuple(_objects(objects))
+        return cls(tuple(_goals([_tidy(goal) for goal in goals])), conditions, counted)
 
     def record(self) -> dict[str, list[str]]:
-        """Fields for provenance: the goals, and the rest where it is told."""
+        """Return the fields for provenance: the goals, and the rest if it is stated."""
         found = {"goals": [one.text for one in self.goals], "starts": [one.text for one in self.starts]}
         found["objects"] = [f"{count} {name}" for count, name in self.objects or ()]
         return {name: texts for name, texts in found.items() if texts}
@@ -101,7 +102,7 @@ def _tidy(text: str) -> str:
     return " ".join(text.split())
 
 
-def _goals(texts: Sequence[str]) -> Iterator[Said]:
+def _goals(texts: Sequence[str]) -> Iterator[StatedGoal]:
     step = 1
     for number, text in enumerate(texts):
         rest = text
@@ -113,23 +114,24 @@ def _goals(texts: Sequence[str]) -> Iterator[Said]:
         subject, word, reference = _parts(text, arm[1] if arm else rest, "goal", GOAL_WORDS)
         if arm and word == "handed":
             raise UsageError(f"the goal {shortened(text)} names two arms", hint="leave out 'with the … arm'")
-        yield Said(text, subject, word, reference, step, arm[2] if arm else None)
+        yield StatedGoal(text, subject, word, reference, step, arm[2] if arm else None)
 
 
-def _start(text: str) -> Said:
+def _start(text: str) -> StatedGoal:
     subject, word, reference = _parts(text, text, "start condition", START_WORDS)
     if reference == TABLE and word not in OF_THE_TABLE:
-        raise UsageError(f"{shortened(text)}: only {listed(OF_THE_TABLE)} of the table can be told")
+        raise UsageError(f"{shortened(text)}: only {listed(OF_THE_TABLE)} can be stated of the table")
     if word == "center" and reference != TABLE:
         raise UsageError(f"{shortened(text)}: 'center' is of the table alone")
-    return Said(text, subject, word, reference)
+    return StatedGoal(text, subject, word, reference)
 
 
 def _parts(text: str, sentence: str, what: str, known: Collection[str]) -> tuple[str, str, str | None]:
-    """Subject, word and reference of a text without its step and arm."""
-    subject, word, reference, *more = [*sentence.split(" "), "", "", ""][: max(3, len(sentence.split(" ")))]
-    if not word or more:
+    """Return subject, word and reference of a text without its step and arm."""
+    parts = sentence.split(" ")
+    if len(parts) not in (2, 3):
         raise UsageError(f"{shortened(text)} is no {what}", hint=FORMS)
+    (subject, word), reference = parts[:2], parts[2] if len(parts) == 3 else None
     for name in (subject, *([reference] if reference else [])):
         if not _PATH.fullmatch(name):
             raise UsageError(f"{shortened(text)} is no {what}: {shortened(name)} is no name", hint=FORMS)
@@ -138,7 +140,7 @@ def _parts(text: str, sentence: str, what: str, known: Collection[str]) -> tuple
     takes = word in OF_TWO or what != "goal"
     if takes != bool(reference):
         raise UsageError(f"{shortened(text)}: {word!r} takes {'a' if takes else 'no'} reference", hint=FORMS)
-    return subject, word, reference or None
+    return subject, word, reference
 
 
 def _objects(text: str) -> Iterator[tuple[int, str]]:
@@ -156,6 +158,6 @@ def _objects(text: str) -> Iterator[tuple[int, str]]:
 
 
 def shortened(text: str) -> str:
-    """Quote a text in one line, or its beginning where it is long."""
+    """Quote a text in one line, shortened if it is long."""
     text = one_line(text)
     return repr(text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]}…")

@@ -1,4 +1,4 @@
-"""From names in told goals to the objects of a scene: which kinds and looks stand there, and which one a name means."""
+"""From names in stated goals to objects of a scene: their kinds and looks, and the object that a name means."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ import numpy as np
 
 from vcage.base.errors import UnknownName, UsageError
 from vcage.models.selection_check import NamedObject, name_objects
-from vcage.scenes.stated_goals import Said, Told, shortened
+from vcage.scenes.stated_goals import StatedGoal, StatedTask, shortened
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.plan import SelectedAsset, Selection
 
 
 @dataclass(frozen=True)
 class Wish:
-    """An object that shall stand there: a kind, its look where one is asked for, and which one of several alike."""
+    """An object for the scene: its kind, its look if one is asked for, and its number among several alike."""
 
     kind: str
     look: str | None
     number: int = 1
 
 
-def objects_of(told: Told, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator) -> list[NamedObject]:
-    """The objects that ``--objects`` lists, or else those that the goals name and the tools that they need.
+def objects_of(told: StatedTask, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator) -> list[NamedObject]:
+    """Return the objects of ``--objects``, or else those that the goals name and the tools that they need.
 
     Looks that are not asked for are drawn, different ones first. All have the role ``context``.
 
@@ -48,12 +48,12 @@ def objects_of(told: Told, catalogue: Sequence[CatalogueEntry], rng: np.random.G
 
 
 def split_part(path: str, kinds: Mapping[str, CatalogueEntry], with_part: bool) -> tuple[str, str | None]:
-    """A name and the moving part at its end: ``cabinet/oak/drawer`` is the drawer of ``cabinet/oak``.
+    """Split a name from the moving part at its end: ``cabinet/oak/drawer`` is the drawer of ``cabinet/oak``.
 
     Args:
         path: as it was written.
         kinds: the catalogue, by name.
-        with_part: whether the name may end with a part; the look of a kind is none.
+        with_part: True if the name may end with a part; the look of a kind is none.
     """
     *head, last = path.split("/")
     if not head or not with_part:
@@ -63,8 +63,8 @@ def split_part(path: str, kinds: Mapping[str, CatalogueEntry], with_part: bool) 
     return (path, None) if is_look else ("/".join(head), last)
 
 
-def object_meant(name: str, objects: Sequence[NamedObject], said: Said) -> str:
-    """The id of the object that a name means: an id, or a kind or ``kind/look`` that one object alone has.
+def object_meant(name: str, objects: Sequence[NamedObject], said: StatedGoal) -> str:
+    """Return the id of the object that a name means: an id, or a kind or ``kind/look`` that one object alone has.
 
     Raises:
         UnknownName: there is none; lists what there is.
@@ -85,8 +85,8 @@ def object_meant(name: str, objects: Sequence[NamedObject], said: Said) -> str:
     return found[0]
 
 
-def _named(told: Told, kinds: Mapping[str, CatalogueEntry]) -> list[Wish]:
-    """One object for each name; a bare kind means the one that another name gives a look, if there is one."""
+def _named(told: StatedTask, kinds: Mapping[str, CatalogueEntry]) -> list[Wish]:
+    """Return one object for each name; a bare kind is the object of that kind to which another name gives a look."""
     wishes = dict.fromkeys(
         _wish(split_part(path, kinds, with_part)[0], kinds, shortened(said.text))
         for said in (*told.goals, *told.starts)
@@ -97,7 +97,7 @@ def _named(told: Told, kinds: Mapping[str, CatalogueEntry]) -> list[Wish]:
 
 
 def _wish(name: str, kinds: Mapping[str, CatalogueEntry], where: str) -> Wish:
-    """The kind and look that a name says: ``marker``, ``marker/red``, or an id such as ``marker_red_2``."""
+    """Return the kind and look of a name: ``marker``, ``marker/red``, or an id such as ``marker_red_2``."""
     kind, _, look = name.partition("/")
     if kind in kinds and look:
         looks = [variant.id for variant in kinds[kind].variants]
@@ -105,20 +105,23 @@ def _wish(name: str, kinds: Mapping[str, CatalogueEntry], where: str) -> Wish:
             raise UnknownName(f"look of {kind} in {where}:", look, looks)
         return Wish(kind, look)
     if name in kinds:
-        only = kinds[name].variants
-        return Wish(name, only[0].id if len(only) == 1 else None)
+        return Wish(name, _only_look(kinds[name]))
     ids = {f"{entry.name}_{v.id}": Wish(entry.name, v.id) for entry in kinds.values() for v in entry.variants}
-    ids |= {entry.name: Wish(entry.name, entry.variants[0].id) for entry in kinds.values() if len(entry.variants) == 1}
+    ids |= {entry.name: Wish(entry.name, look) for entry in kinds.values() if (look := _only_look(entry))}
     stem, _, number = name.rpartition("_")
-    if name in ids:
-        return ids[name]
-    if stem in ids and number.isdecimal():
+    if name not in ids and stem in ids and number.isdecimal():
         return replace(ids[stem], number=int(number))
-    raise UnknownName(f"object in {where}:", name, kinds)
+    if name not in ids:
+        raise UnknownName(f"object in {where}:", name, kinds)
+    return ids[name]
 
 
-def _tools(told: Told, catalogue: Sequence[CatalogueEntry], there: Sequence[CatalogueEntry]) -> list[str]:
-    """The scanner and the scale that goals need and that nothing names: the first kind by name."""
+def _only_look(entry: CatalogueEntry) -> str | None:
+    return entry.variants[0].id if len(entry.variants) == 1 else None
+
+
+def _tools(told: StatedTask, catalogue: Sequence[CatalogueEntry], there: Sequence[CatalogueEntry]) -> list[str]:
+    """Return the scanner and the scale that goals need and nothing names: the first kind by name."""
     words = {said.word for said in told.goals}
     found = []
     for word in ("scanned", "weighed"):

@@ -1,4 +1,4 @@
-"""A scene for told goals: its objects with their roles, the goals among them, and the sentence that asks for these."""
+"""The scene of stated goals: its objects with their roles, the goals, and the sentence that asks for them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from vcage.runs.context import StageContext
 from vcage.scenes.chosen_objects import Chosen, impossible
 from vcage.scenes.start_relations import started
 from vcage.scenes.stated_checks import require_consistent, require_part, require_place, require_sense
-from vcage.scenes.stated_goals import Said, Told, shortened
+from vcage.scenes.stated_goals import StatedGoal, StatedTask, shortened
 from vcage.scenes.stated_names import object_meant, objects_of, split_part
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import OF_A_PART, AskedGoal, Description, Goal, Reading
@@ -28,17 +28,17 @@ from vcage.sim.robots import load_robot
 from vcage.tasks.task_wording import template_wordings
 
 
-def choose_told(
-    told: Told, instruction: str | None, template: SceneTemplate, context: StageContext, rng: np.random.Generator
+def choose_stated(
+    told: StatedTask, instruction: str | None, template: SceneTemplate, context: StageContext, rng: np.random.Generator
 ) -> tuple[str, Chosen]:
-    """The objects and goals as they were told, and the instruction; without one, a sentence that asks for the goals.
+    """Return the stated objects and goals, and the instruction, or without one a sentence that asks for the goals.
 
     Raises:
-        UnknownName: a name, look, part or arm that there is not; lists what there is.
-        UsageError: a name may mean several objects; goals are said twice or contradict each other; no sentence tells
-            apart what a goal means; or the instruction says otherwise than the goals.
-        NoFeasibleTask: a goal is one that its objects do not allow.
-        InfeasibleScene: an object does not fit where it shall be at the start.
+        UnknownName: a name, look, part or arm is unknown; lists those that exist.
+        UsageError: a name is ambiguous; goals are stated twice or contradict each other; no sentence says which objects
+            a goal means; or the instruction contradicts the goals.
+        NoFeasibleTask: its objects do not allow a goal.
+        InfeasibleScene: an object does not fit into its place at the start.
     """
     objects = objects_of(told, context.catalogue, rng)
     goals, descriptions = _resolved(told, objects, context)
@@ -63,9 +63,9 @@ def choose_told(
 
 
 def _resolved(
-    told: Told, objects: Sequence[NamedObject], context: StageContext
+    told: StatedTask, objects: Sequence[NamedObject], context: StageContext
 ) -> tuple[list[AskedGoal], list[Description]]:
-    """Goals and start conditions about objects of the scene."""
+    """Return goals and start conditions about objects of the scene."""
     catalogue = {entry.name: entry for entry in context.catalogue}
     goals, descriptions = [], []
     for said in told.goals:
@@ -79,9 +79,9 @@ def _resolved(
 
 
 def _place(
-    said: Said, objects: Sequence[NamedObject], catalogue: Mapping[str, CatalogueEntry]
+    said: StatedGoal, objects: Sequence[NamedObject], catalogue: Mapping[str, CatalogueEntry]
 ) -> dict[str, str | None]:
-    """The fields that goals and start conditions share."""
+    """Return the fields that goals and start conditions share."""
     meant = []
     for path, with_part in said.names:
         name, part = split_part(path, catalogue, with_part)
@@ -94,7 +94,7 @@ def _place(
 
 
 def _role(name: str, entry: CatalogueEntry, goals: Sequence[Goal]) -> Role:
-    """The role that goals give an object."""
+    """Return the role that goals give an object."""
     own = [goal.relation for goal in goals if goal.subject == name]
     words = {goal.relation for goal in goals}
     if any(word not in OF_A_PART for word in own):
@@ -110,10 +110,10 @@ def _sentence(
     objects: Sequence[NamedObject],
     kinds: Mapping[str, CatalogueEntry],
 ) -> str:
-    """The plainest sentence that asks for the goals.
+    """Return the plainest sentence that asks for the goals.
 
     Raises:
-        UsageError: none tells apart what a goal means from what is called the same.
+        UsageError: none tells the objects of a goal from others with the same name.
     """
     task = TaskToWord(
         instruction="",
@@ -142,16 +142,16 @@ def _second_look(
     kinds: Mapping[str, CatalogueEntry],
     catalogue: Sequence[CatalogueEntry],
 ) -> None:
-    """Check that the instruction does not say otherwise than the goals, and names nothing that is not there.
+    """Check that the instruction agrees with the goals and names only objects of the scene.
 
     Raises:
-        UsageError: it does; names what the goals lack.
+        UsageError: it does not; names what the goals lack.
     """
     moved = [o.id for o in objects if o.role == "content"]
     lying = {o.id: o.starts_in for o in objects if o.starts_in is not None}
 
     def third(*read: Any) -> Reading:
-        """Read without a model: told goals leave nothing alone, and may tell more starts than the instruction."""
+        """Read without a model: stated goals leave nothing alone, and may have more starts than the instruction."""
         found = third_reader()(*read)
         return found.model_copy(update={"untouched": [], "descriptions": [*found.descriptions, *reading.descriptions]})
 

@@ -59,8 +59,7 @@ class ChainOptions(
     """build the scene of its template, without an instruction, and run every sub-task that it has, each by itself"""
 
     def require_possible(self) -> None:
-        """Nothing if there is either a task (an instruction or goals) or the wish for every sub-task of a scene, and
-        ranges to draw from.
+        """Check that there is a task (an instruction or goals) or the wish for every sub-task, and that ranges exist.
 
         Raises:
             UsageError: there is neither, or both; says the way out.
@@ -75,7 +74,7 @@ class ChainOptions(
             )
         if has_task and self.all_subtasks:
             raise UsageError(
-                "an instruction says itself what is to be done, and so do goals; not every sub-task of the scene",
+                "--all-subtasks runs every sub-task of a scene, so it takes no instruction and no goals",
                 hint="leave out the instruction and --goal, or --all-subtasks",
             )
 
@@ -126,9 +125,9 @@ def _up_to_date(
     context: StageContext,
     progress: Progress,
 ) -> StageResult[Any]:
-    """Run a stage; what was made from other files than there are now is made again without being asked.
+    """Run a stage, and make it again where it was made from other files than there are now.
 
-    Not so episodes, and what was edited by hand: that is lost only where the stage itself is told to.
+    Episodes and edited files are never lost that way, only where the stage itself is told to.
     """
     try:
         return timed(stage, run, options, context, progress)

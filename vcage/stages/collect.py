@@ -12,7 +12,6 @@ examples:
 from __future__ import annotations
 
 import logging
-from collections.abc import Collection
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache, partial
 from pathlib import Path
@@ -26,6 +25,7 @@ from vcage.base.memory import free_memory
 from vcage.base.options import FILE, NATURAL, POSITIVE, RANGES, UNSAID
 from vcage.base.progress import Progress, silent
 from vcage.base.workers import Processes, ThisProcess, cores
+from vcage.episodes.decisions import DECISIONS, decided
 from vcage.episodes.named_scripts import named_scripts, unnamed_edits
 from vcage.episodes.quota import Wanted
 from vcage.episodes.ranges import required_ranges
@@ -33,14 +33,7 @@ from vcage.episodes.runner import EpisodeRunner
 from vcage.episodes.shortfall import never_verified, shortfall
 from vcage.episodes.store import EpisodeStore
 from vcage.runs.context import StageContext
-from vcage.runs.edits import (
-    by_hand,
-    reason_by_hand,
-    refuse,
-    require_evidence,
-    require_only,
-    written_record,
-)
+from vcage.runs.editable import Edit, Editable
 from vcage.runs.stage import Job, ModelOptions, StageResult, stage_seed
 from vcage.schema.episodes import Accept, Attempt, Episode, Episodes
 from vcage.schema.subtasks import Subtasks
@@ -50,25 +43,29 @@ from vcage.tasks.synthesis import load_script
 
 logger = logging.getLogger(__name__)
 
-OF_A_PROCESS = 1_000_000_000
-"""Bytes of memory that there must be for a process that collects; measured, it takes half of them."""
 
-SILENT, START = 1.5, 60.0
-"""A process is taken to hang, and is ended, after this many times the limit of an episode and so many seconds for its
-start: an episode that is merely slow ends itself before."""
+@dataclass(frozen=True)
+class CrewSettings:
+    """Processes that collect.
+
+    Args:
+        memory_bytes: free memory for each; measured, a process takes half of it.
+        hang_factor: a process hangs, and is ended, after this many times the limit of an episode (an episode that is
+            merely slow ends itself before),
+        start_s: and so many seconds for its start.
+    """
+
+    memory_bytes: int = 1_000_000_000
+    hang_factor: float = 1.5
+    start_s: float = 60.0
 
 
-DECIDED = (
-    ("episodes", "*", "accepted"),
-    ("episodes", "*", "reason"),
-    *(("episodes", "*", "verdicts", "*", said) for said in ("accepted", "reason", "confidence")),
-)
-"""What a hand may say of episodes; all else was recorded."""
+CREW = CrewSettings()
 
 
 @dataclass(frozen=True, kw_only=True)
 class Options(ModelOptions):
-    """How many episodes are collected, and how."""
+    """Options of collecting."""
 
     episodes: Annotated[int | None, POSITIVE, UNSAID] = None
     """accepted episodes to collect (default: 3); in a scene without an instruction of each sub-task (default: 1)"""
@@ -97,8 +94,8 @@ class Options(ModelOptions):
 
 
 def job(run: RunFolder, options: Options, context: StageContext) -> Job:
-    """What the stage has to do. The number of episodes is left out, as more can be added later, and so is what changes
-    no episode: processes, and how long one may take."""
+    """Return the work of the stage. Its options leave out the number of episodes, as more can be added later, and
+    those that change no episode: processes, and the limit of an episode."""
     scripts = {name: sha256_file(path) for name, path in named_scripts(run, options.script).items()}
     planned = [run.plan] if options.layout == "varied" and run.plan.exists() else []
     ranges = required_ranges(options.randomise, options.layout, lone=run.subtasks.exists() and not run.plan.exists())
@@ -116,7 +113,7 @@ def job(run: RunFolder, options: Options, context: StageContext) -> Job:
 
 
 def summary(record: Episodes) -> dict[str, Any]:
-    """A few facts for whoever ran the stage."""
+    """Return a few facts for the caller."""
     return {
         "accepted": sum(e.accepted for e in record.episodes),
         "rejected": sum(not e.accepted for e in record.episodes),
@@ -165,32 +162,31 @@ def execute(
     return StageResult(record, run.episodes, fresh=True, grown=grown, short=short, notes=notes)
 
 
-def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: StageContext) -> Episodes:
-    """The collection as it was edited by hand: an episode may be refused, and accepted again if all of it was verified.
-
-    Raises:
-        InputFileError: it is not possible, or something was changed that is no decision.
-    """
-    require_evidence(run.episodes, edited)
-    record, was = Episodes.read(run.episodes), written_record(run.episodes, Episodes)
-    require_only(run.episodes, *DECIDED)
-    episodes = [_by_hand(*pair) for pair in zip(was.episodes, record.episodes, strict=True)]
+def _accept(edit: Edit[Episodes]) -> Episodes:
+    """Take the decisions of a person: to refuse an episode, or to accept one again of which all was verified."""
+    record = edit.record
+    episodes = [_decided(*pair) for pair in zip(edit.was.episodes, record.episodes, strict=True)]
     for number, episode in enumerate(episodes):
-        if episode.accepted and not _verified(run, episode, record):
+        if episode.accepted and not _verified(edit.run, episode, record):
             wanted = "false, unless every sub-task of its chain was verified and its pictures were recorded"
-            refuse(run.episodes, f"episodes.{number}.accepted", "true", wanted)
+            edit.refuse(f"episodes.{number}.accepted", "true", wanted)
     return record.model_copy(update={"episodes": episodes})
 
 
-def _by_hand(was: Episode, now: Episode) -> Episode:
-    """An episode of which something may have been decided by hand."""
-    reason = reason_by_hand((was.accepted, was.reason), (now.accepted, now.reason))
-    verdicts = [by_hand(*pair) for pair in zip(was.verdicts, now.verdicts, strict=True)]
-    return now.model_copy(update={"reason": reason, "verdicts": verdicts})
+def _decided(was: Episode, now: Episode) -> Episode:
+    verdicts = [decided(*pair) for pair in zip(was.verdicts, now.verdicts, strict=True)]
+    return decided(was, now).model_copy(update={"verdicts": verdicts})
+
+
+EDITABLE = Editable(
+    Episodes,
+    fields=[f"{where}.*.{said}" for where in ("episodes", "episodes.*.verdicts") for said in DECISIONS],
+    accept=_accept,
+)
 
 
 def _verified(run: RunFolder, episode: Episode, record: Episodes) -> bool:
-    """Whether an episode has what an accepted one has."""
+    """True if an episode has everything that an accepted one has."""
     chain = record.chains[episode.chain]
     recorded = episode.file is not None and Path(episode.file).parent == Path(run.episodes.parent.name)
     there = recorded and run.file(str(episode.file)).is_file()
@@ -199,12 +195,12 @@ def _verified(run: RunFolder, episode: Episode, record: Episodes) -> bool:
     return there and episode.subtasks == chain.subtasks and judged and holds
 
 
-# --- as many episodes as are wanted --------------------------------------------------------------------
+# --- episodes until there are enough --------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
 class _Task:
-    """An episode to be run: its number, and all that it depends on besides."""
+    """An episode to be run: its number, and everything else that it depends on."""
 
     run: Path
     options: Options
@@ -216,8 +212,7 @@ _Done = tuple[Episode, list[Attempt]]
 
 
 def _fill(store: EpisodeStore, wanted: Wanted, options: Options, context: StageContext, progress: Progress) -> None:
-    """Run episodes until as many as are wanted of each chain are accepted, or :data:`RUNS_PER_EPISODE` times as many
-    were run.
+    """Run episodes until enough of each chain are accepted, or :data:`RUNS_PER_EPISODE` times as many were run.
 
     An episode depends on its number alone, those of a chain are kept in the order of their numbers, and none is begun
     that would not be needed if all that run are accepted: so the number of processes changes no file.
@@ -231,7 +226,7 @@ def _fill(store: EpisodeStore, wanted: Wanted, options: Options, context: StageC
             running.add(number)
 
     def keep() -> None:
-        """Add what is finished to the store, an episode after those of its chain that have lower numbers."""
+        """Add finished episodes to the store, each after those of its chain with lower numbers."""
         kept = {episode.index for episode in store.episodes}
         for number in sorted(finished):
             if number < wanted.chains or number - wanted.chains in kept:
@@ -252,16 +247,16 @@ def _fill(store: EpisodeStore, wanted: Wanted, options: Options, context: StageC
 
 
 def _crew(options: Options, wanted: int, context: StageContext) -> ThisProcess[_Task, _Done] | Processes[_Task, _Done]:
-    """Who runs the episodes; one that does all works in this process, with what it has loaded already."""
-    workers = min(options.workers or min(_enough(wanted), free_memory() // OF_A_PROCESS), wanted)
+    """Return the processes that run the episodes; a single one is this process, which has loaded what it needs."""
+    workers = min(options.workers or min(_enough(wanted), free_memory() // CREW.memory_bytes), wanted)
     if workers <= 1:
         runner = cache(partial(_runner, context=context))
         return ThisProcess(lambda task: runner(task.run, task.options).one(task.index, task.folder))
-    return Processes(_in_process, workers, SILENT * options.episode_limit + START)
+    return Processes(_in_process, workers, CREW.hang_factor * options.episode_limit + CREW.start_s)
 
 
 def _enough(wanted: int) -> int:
-    """As many processes as there are cores; one more where a few episodes would leave some of these idle for long.
+    """Return the number of cores, or one more where a few episodes would leave cores idle for long.
 
     Measured on two cores with three: three episodes of ``vcage run`` take a twelfth less, twelve a tenth more.
     """
@@ -269,7 +264,7 @@ def _enough(wanted: int) -> int:
 
 
 def _in_process(task: _Task) -> _Done:
-    """Run an episode in a process of its own, which keeps what all episodes share."""
+    """Run an episode in a worker process, which keeps what all episodes share."""
     return _shared(task.run, task.options).one(task.index, task.folder)
 
 

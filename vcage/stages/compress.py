@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Collection
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
@@ -19,7 +18,7 @@ from vcage.datasets.packing.records import compression_record
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.runs.accepted import decided_by, none_counts, withdraw
 from vcage.runs.context import StageContext
-from vcage.runs.edits import refuse
+from vcage.runs.editable import Editable
 from vcage.runs.raw_pictures import (
     accepted_files,
     clips_of,
@@ -126,10 +125,4 @@ def execute(
     return result
 
 
-def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: StageContext) -> Compression:
-    """Refuse an edit: the record states facts, and there is nothing in it to decide.
-
-    Raises:
-        InputFileError: always.
-    """
-    refuse(run.compression, "(any)", f"{', '.join(edited)} was changed by hand", "what compress wrote there")
+EDITABLE = Editable(Compression)

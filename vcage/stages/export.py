@@ -6,7 +6,7 @@ LeRobot gets the compressed videos as they are; another codec is encoded from th
 from __future__ import annotations
 
 import shutil
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
@@ -31,7 +31,7 @@ from vcage.datasets.recordings.opening import open_hdf5
 from vcage.datasets.robotwin import export_robotwin
 from vcage.runs.accepted import decided_by, none_counts, withdraw
 from vcage.runs.context import StageContext
-from vcage.runs.edits import refuse
+from vcage.runs.editable import Editable
 from vcage.runs.raw_pictures import EpisodeFile, accepted_files, clips_of, originals, require_raw
 from vcage.runs.stage import Job, StageOptions, StageResult, stage_seed
 from vcage.schema.base import Provenance
@@ -137,13 +137,7 @@ def execute(
     return result
 
 
-def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: StageContext) -> Export:
-    """Refuse an edit: the record states facts, and there is nothing in it to decide.
-
-    Raises:
-        InputFileError: always.
-    """
-    refuse(run.export, "(any)", f"{', '.join(edited)} was changed by hand", "what export wrote there")
+EDITABLE = Editable(Export)
 
 
 def find_footage(

@@ -10,7 +10,6 @@ examples:
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -23,12 +22,11 @@ from vcage.base.files import RunFolder, sha256_file
 from vcage.base.options import UNSAID
 from vcage.base.pictures import picture_header, read_picture, write_picture
 from vcage.base.progress import Progress, silent
-from vcage.layout.items import TableItem
 from vcage.models.llm_editor import edit_complaint
 from vcage.models.protocols import EditRequest
 from vcage.plans.descriptions import with_descriptions
 from vcage.runs.context import StageContext
-from vcage.runs.edits import refuse, require_same
+from vcage.runs.editable import Edit, Editable
 from vcage.runs.inputs import described_check, read_pictures, read_plan
 from vcage.runs.stage import Job, ModelOptions, StageResult, stage_seed
 from vcage.schema.base import Provenance
@@ -52,7 +50,7 @@ class Options(ModelOptions):
 
 
 def job(run: RunFolder, options: Options, context: StageContext) -> Job:
-    """What the stage has to do."""
+    """Return the work of the stage."""
     folder = run.scene.parent
     given = options.target is not None
     return Job(
@@ -66,19 +64,19 @@ def job(run: RunFolder, options: Options, context: StageContext) -> Job:
 
 
 def _digest(path: Path) -> str:
-    """Hex SHA-256 of a picture file.
+    """Return the hex SHA-256 of a picture file.
 
     Raises:
         InputFileError: it is not there, or not a picture that can be read.
     """
     if not path.exists():
-        raise InputFileError(f"there is no picture {path}", hint="name what was edited from place/source.png")
+        raise InputFileError(f"there is no picture {path}", hint="name an edit of place/source.png")
     picture_header(path)
     return sha256_file(path)
 
 
 def summary(record: Plan) -> dict[str, Any]:
-    """A few facts for whoever ran the stage."""
+    """Return a few facts for the caller."""
     return {"text": record.text, "relations": len(record.relations), **record.checks, "notes": record.notes}
 
 
@@ -95,28 +93,36 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
 
     def make(folder: Path, provenance: Provenance) -> Plan:
         scene = Scene.read(run.scene)
-        pictures = read_pictures(run, scene)
-        items = context.capacities(scene)
-        plan = context.models.reasoner.plan_layout(scene, context.catalogue, stage.rng(), described_check(scene, items))
-        plan = with_descriptions(plan, scene.descriptions, {o.id: o.phrase for o in scene.objects})
-        request = _request(scene, pictures, plan, items)
-        target = context.models.editor.rearrange(request) if options.target is None else _given(options.target, request)
-        write_picture(folder / TARGET, target)
-        return Plan(
+        check = described_check(scene, context.capacities(scene))
+        said = context.models.reasoner.plan_layout(scene, context.catalogue, stage.rng(), check)
+        said = with_descriptions(said, scene.descriptions, {o.id: o.phrase for o in scene.objects})
+        plan = Plan(
             provenance=provenance,
             instruction=scene.instruction,
-            text=plan.text,
-            relations=plan.relations,
+            text=said.text,
+            relations=said.relations,
             target=stage.inside(TARGET),
-            checks=_solvable(request),
-            notes=_notes(request),
         )
+        request = _request(plan, read_pictures(run, scene), scene, context)
+        if options.target is not None:
+            write_picture(folder / TARGET, _edited_source(options.target, request))
+        return _finished(plan, request, folder, context, is_drawn=options.target is not None)
 
     return stage.do(Plan, make, force=options.force)
 
 
-def _given(path: Path, request: EditRequest) -> np.ndarray:
-    """The picture of a file, which must be an edit of the source.
+def _finished(plan: Plan, request: EditRequest, folder: Path, context: StageContext, *, is_drawn: bool) -> Plan:
+    """Return a plan with its figures; draw its target picture, unless that is there, and note who drew it."""
+    found: dict[str, Any] = {"checks": _solvable(request), "notes": _notes(request)}
+    if not is_drawn:
+        write_picture(folder / TARGET, context.models.editor.rearrange(request))
+        providers = plan.provenance.providers | context.models.providers("editor")
+        found["provenance"] = plan.provenance.model_copy(update={"providers": providers})
+    return plan.model_copy(update=found)
+
+
+def _edited_source(path: Path, request: EditRequest) -> np.ndarray:
+    """Read a picture, which must be an edit of the source.
 
     Raises:
         InputFileError: it is not; says what was measured.
@@ -128,47 +134,32 @@ def _given(path: Path, request: EditRequest) -> np.ndarray:
     return picture
 
 
-def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: StageContext) -> Plan:
-    """L as it was edited by hand; its picture is drawn again unless that was edited too.
-
-    Raises:
-        InputFileError: the plan is not possible, or the picture is none.
-        ModelRefused: the editor refuses.
-        InfeasibleScene: the offline editor cannot show every object in the planned layout.
-    """
-    require_same(run.plan, "instruction")
-    scene = Scene.read(run.scene)
-    plan = read_plan(run, scene, context)
-    there = run.relative(run.plan.parent / TARGET)
-    if plan.target != there:
-        refuse(run.plan, "target", repr(plan.target), f"{there!r}, where the picture can be edited")
-    if TARGET in edited:
-        read_picture(run.file(there))
-    if run.plan.name not in edited:
-        return plan
-    said = LayoutPlan(text=plan.text, relations=plan.relations)
-    request = _request(scene, read_pictures(run, scene), said, context.capacities(scene))
-    found: dict[str, Any] = {"checks": _solvable(request), "notes": _notes(request)}
-    if TARGET not in edited:
-        write_picture(folder / TARGET, context.models.editor.rearrange(request))
-        drawn_by = plan.provenance.providers | context.models.providers("editor")
-        found["provenance"] = plan.provenance.model_copy(update={"providers": drawn_by})
-    return plan.model_copy(update=found)
+def _accept(edit: Edit[Plan]) -> Plan:
+    """Check a plan as the reasoner's is, or its picture as the editor's, and draw the picture unless it was edited."""
+    scene = Scene.read(edit.run.scene)
+    plan = read_plan(edit.run, scene, edit.context)
+    request = _request(plan, read_pictures(edit.run, scene), scene, edit.context)
+    if TARGET in edit.keep:
+        _edited_source(edit.path.with_name(TARGET), request)
+    return _finished(plan, request, edit.folder, edit.context, is_drawn=TARGET in edit.keep)
 
 
-def _request(scene: Scene, pictures: ScenePictures, plan: LayoutPlan, items: Mapping[str, TableItem]) -> EditRequest:
+EDITABLE = Editable(Plan, fields=("text", "relations", "checks", "notes"), pictures=True, accept=_accept)
+
+
+def _request(plan: Plan, pictures: ScenePictures, scene: Scene, context: StageContext) -> EditRequest:
     return EditRequest(
         picture=pictures.source,
         background=pictures.background,
         segmentation=pictures.segmentation,
         scene=scene,
-        plan=plan,
-        items=items,
+        plan=LayoutPlan(text=plan.text, relations=plan.relations),
+        items=context.capacities(scene),
     )
 
 
 def _solvable(request: EditRequest) -> dict[str, Any]:
-    """How much of the plan the layout's solver can keep at once, whoever draws the picture."""
+    """Return the share of the plan that the layout's solver can keep at once, whoever draws the picture."""
     layout = request.layout
     return {
         "relations_solvable": round(layout.kept.share, 4),

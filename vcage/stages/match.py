@@ -11,7 +11,7 @@ examples:
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -27,6 +27,7 @@ from vcage.models.registry import DETECTORS, EMBEDDERS, split_weights
 from vcage.plans.kept import Kept, relations_kept
 from vcage.plans.relations import ground_box
 from vcage.runs.context import StageContext
+from vcage.runs.editable import Edit, Editable
 from vcage.runs.inputs import read_matches, read_pictures, read_plan
 from vcage.runs.stage import Job, ModelOptions, StageResult, stage_seed
 from vcage.schema.base import Box, Provenance, box_record
@@ -39,12 +40,12 @@ from vcage.vision.overlay import draw_overlay
 
 logger = logging.getLogger(__name__)
 
-PLAN_SHOWN = 0.7
-"""A picture that shows less of the plan than this share does not look like a drawing of it."""
+LEAST_PLAN_SHARE = 0.7
+"""Smallest share of the plan that a picture of it must show; with less, the result carries a note."""
 
 
 def one_of_models(role: str, names: Sequence[str]) -> Callable[[str], str]:
-    """A parser of one of the names with what comes after a colon; raises ValueError that lists the names."""
+    """Return a parser of ``NAME[:WEIGHTS]`` with one of some names; it raises ValueError that lists them."""
 
     def parse(text: str) -> str:
         if split_weights(text)[0] not in names:
@@ -56,7 +57,7 @@ def one_of_models(role: str, names: Sequence[str]) -> Callable[[str], str]:
 
 @dataclass(frozen=True, kw_only=True)
 class Options(ModelOptions):
-    """How objects are found and told apart."""
+    """Options of finding objects and telling them apart."""
 
     detector: Annotated[
         str,
@@ -69,14 +70,14 @@ class Options(ModelOptions):
         arg(help=f"what tells them apart: {', '.join(EMBEDDERS)}"),
     ] = EMBEDDERS[0]
     threshold: Annotated[float, between(0, 1, "τ")] = THRESHOLD
-    """smallest cosine similarity of a match that no label of the detector speaks for"""
+    """smallest cosine similarity of a match without a label of the detector"""
 
     def context(self, run: RunFolder) -> StageContext:
         return StageContext(self.who(run), self.detector, self.embedder)
 
 
 def job(run: RunFolder, options: Options, context: StageContext) -> Job:
-    """What the stage has to do."""
+    """Return the work of the stage."""
     return Job(
         run=run,
         output=run.matches,
@@ -93,7 +94,7 @@ def job(run: RunFolder, options: Options, context: StageContext) -> Job:
 
 
 def summary(record: Matches) -> dict[str, Any]:
-    """A few facts for whoever ran the stage."""
+    """Return a few facts for the caller."""
     kept = {m.object: m.note for m in record.matches if m.method == "kept"}
     return {
         "matched": len(record.matches) - len(kept),
@@ -139,20 +140,21 @@ def execute(
     return stage.do(Matches, make, force=options.force)
 
 
-def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: StageContext) -> Matches:
-    """The matches as they were edited by hand. The overlay shows what was found, not what was made of it.
-
-    Raises:
-        InputFileError: they are not possible.
-    """
-    scene = Scene.read(run.scene)
-    matches = read_matches(run, scene)
-    shown = _shown(scene, read_plan(run, scene, context), matches.matches, context)
+def _accept(edit: Edit[Matches]) -> Matches:
+    """Check edited matches and measure them by the plan. The overlay shows what was found, not what was edited."""
+    scene = Scene.read(edit.run.scene)
+    matches = read_matches(edit.run, scene)
+    shown = _shown(scene, read_plan(edit.run, scene, edit.context), matches.matches, edit.context)
     return matches.model_copy(update={"checks": _checks(shown)})
 
 
+EDITABLE = Editable(
+    Matches, fields=("matches", "unclaimed", "threshold", "checks", "notes"), pictures=True, accept=_accept
+)
+
+
 def _shown(scene: Scene, plan: Plan, matches: list[Match], context: StageContext) -> Kept:
-    """How much of the plan the objects keep where they were matched."""
+    """Return the part of the plan that is true of the objects where they were matched."""
     ground = ground_box(scene.workspace, scene.table.height)
     return relations_kept(plan.relations, _boxes(scene, matches, context), ground)
 
@@ -162,7 +164,7 @@ def _checks(shown: Kept) -> dict[str, Any]:
 
 
 def _boxes(scene: Scene, matches: list[Match], context: StageContext) -> dict[str, Box]:
-    """World boxes of the objects where they were matched, by id."""
+    """Return world boxes of the objects where they were matched, by id."""
     boxes = {}
     for m in matches:
         record = scene.object(m.object)
@@ -172,9 +174,9 @@ def _boxes(scene: Scene, matches: list[Match], context: StageContext) -> dict[st
 
 
 def _doubts(matches: list[Match], shown: Kept) -> list[str]:
-    """What makes the picture as a whole doubtful."""
+    """Return notes on a picture that is doubtful as a whole."""
     if all(m.method == "kept" for m in matches):
         return ["the target picture shows none of the scene's objects; all keep their place from the plan"]
-    if shown.share < PLAN_SHOWN:
+    if shown.share < LEAST_PLAN_SHARE:
         return [f"the target picture shows only {shown.share:.0%} of the plan: {', '.join(shown.sentences)}"]
     return []

@@ -11,7 +11,7 @@ examples:
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Collection
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -34,10 +34,11 @@ from vcage.layout.stowed import with_places, with_stowed
 from vcage.plans.actions import HOLDING
 from vcage.plans.kept import Kept, relations_kept_in
 from vcage.runs.context import StageContext
+from vcage.runs.editable import Edit, Editable
 from vcage.runs.inputs import read_matches, read_plan
 from vcage.runs.stage import Job, StageOptions, StageResult, stage_seed
 from vcage.scenes.layout_items import Targets, nearest_layout
-from vcage.scenes.possible import edited_scene, settled_record
+from vcage.scenes.possible import SCENE_FIELDS, accepted_scene, settled_record
 from vcage.scenes.stability import moved_objects, settle_checks
 from vcage.schema.base import Provenance
 from vcage.schema.matches import Matches
@@ -148,26 +149,24 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
     return stage.do(Scene, make, force=options.force)
 
 
-def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: StageContext) -> Scene:
-    """S* as it was edited by hand: as it settles, with pictures and figures of that, without those of the optimisation.
-
-    Raises:
-        InputFileError: it is not possible.
-    """
-    scene = Scene.read(run.layout)
-    if run.layout.name not in edited:
-        return scene
-    settled = edited_scene(run.layout, context)
-    look = context.appearance(scene.table.texture)
+def _accept(edit: Edit[Scene]) -> Scene:
+    """Check an edited S*, and draw and measure it as it settles. The figures of the optimisation are not of it."""
+    if not edit.changes(*SCENE_FIELDS):
+        return edit.record
+    settled, run, context = accepted_scene(edit), edit.run, edit.context
+    look = context.appearance(settled.table.texture)
     world = World.of_scene(settled, context.physical_models(settled), appearance=look, render=True)
-    write_picture(folder / "top.png", shoot(world, scene.top_camera))
+    write_picture(edit.folder / "top.png", shoot(world, settled.top_camera))
     if not run.matches.exists():  # a sub-task that is run by itself has no plan
         return settled
-    targets = with_stowed(scene, _targets(scene, read_matches(run, scene)))
+    targets = with_stowed(settled, _targets(settled, read_matches(run, settled)))
     poses = {o.id: o.pose.pose() for o in settled.objects}
-    write_picture(folder / "layout.png", _drawing(settled, context, targets, poses))
-    kept = relations_kept_in(settled, read_plan(run, scene, context).relations)
+    write_picture(edit.folder / "layout.png", _drawing(settled, context, targets, poses))
+    kept = relations_kept_in(settled, read_plan(run, settled, context).relations)
     return settled.model_copy(update={"checks": {**settled.checks, **_kept(kept)}})
+
+
+EDITABLE = Editable(Scene, fields=SCENE_FIELDS, pictures=True, accept=_accept)
 
 
 def _targets(scene: Scene, matches: Matches) -> dict[str, Pose]:

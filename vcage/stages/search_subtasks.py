@@ -10,7 +10,7 @@ examples:
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -20,14 +20,15 @@ from vcage.base.progress import Progress, silent
 from vcage.episodes.wordings import task_to_word, worded_chain
 from vcage.plans.planner import Task, complaints
 from vcage.runs.context import StageContext
-from vcage.runs.edits import edited_scripts, refuse, written_record
+from vcage.runs.editable import Edit, Editable
+from vcage.runs.edits import Complaint, require_none
 from vcage.runs.stage import Job, ModelOptions, StageResult, stage_seed
-from vcage.scenes.possible_subtask import require_possible
-from vcage.scenes.slot_choices import with_chosen_slots
+from vcage.scenes.possible_subtask import subtask_complaints
+from vcage.scenes.slot_choices import ready_objects, with_chosen_slots
 from vcage.schema.base import Provenance
 from vcage.schema.goals import in_steps
 from vcage.schema.scene import Scene
-from vcage.schema.subtasks import Chain, Subtasks
+from vcage.schema.subtasks import Subtask, Subtasks
 from vcage.tasks.asked_arms import asked_arms
 from vcage.tasks.readiness import ready_for
 from vcage.tasks.scene_objects import SceneObject
@@ -40,7 +41,7 @@ Options = ModelOptions
 
 
 def job(run: RunFolder, options: Options, context: StageContext) -> Job:
-    """What the stage has to do."""
+    """Return the work of the stage."""
     return Job(
         run=run,
         output=run.subtasks,
@@ -51,7 +52,7 @@ def job(run: RunFolder, options: Options, context: StageContext) -> Job:
 
 
 def summary(record: Subtasks) -> dict[str, Any]:
-    """A few facts for whoever ran the stage."""
+    """Return a few facts for the caller."""
     return {
         "candidates": record.candidates,
         "kept": len(record.kept),
@@ -63,12 +64,12 @@ def summary(record: Subtasks) -> dict[str, Any]:
 def execute(
     run: RunFolder, options: Options, context: StageContext, progress: Progress = silent
 ) -> StageResult[Subtasks]:
-    """Write ``subtasks/``: what was kept and refused, one runnable script per kept sub-task, the chain.
+    """Write ``subtasks/``: the kept and the refused, one runnable script per kept sub-task, the chain.
 
     Raises:
         NoFeasibleTask: no chain of kept sub-tasks fulfils the instruction, or without one none is kept; says why.
-        ModelRefused: the reasoner was told what is wrong with its choice of grasps and places and gave no better one.
-        InfeasibleScene: what the chain puts into one receptacle does not fit together, or has no place on the table.
+        ModelRefused: the reasoner gave no valid choice of grasps and places in its rounds.
+        InfeasibleScene: the contents of one receptacle do not fit together, or a thing has no place on the table.
     """
     stage = job(run, options, context)
 
@@ -85,9 +86,7 @@ def execute(
             chains = [worded_chain(*pair, scene, context, reasoner) for pair in zip(chains, steps, strict=True)]
         chosen = with_chosen_slots(steps, by_id, scene, objects, reasoner, rng)
         by_id |= {subtask.id: subtask for chain in chosen for subtask in chain}
-        note_python()
-        for subtask in by_id.values():
-            write_script(subtask, ready_for(subtask, scene, objects), folder / f"{subtask.id}.py")
+        _write_scripts(by_id.values(), scene, objects, folder)
         return Subtasks(
             provenance=provenance,
             instruction=scene.instruction,
@@ -103,67 +102,73 @@ def execute(
     return stage.do(Subtasks, make, force=options.force)
 
 
-def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: StageContext) -> Subtasks:
-    """Sub-tasks and chains as they were edited by hand, with new scripts but for those that were edited too.
+def _write_scripts(
+    subtasks: Iterable[Subtask], scene: Scene, objects: Sequence[SceneObject], folder: Path, keep: Collection[str] = ()
+) -> None:
+    """Write the script of each sub-task, except those to keep."""
+    note_python()
+    for subtask in subtasks:
+        if (name := f"{subtask.id}.py") not in keep:
+            write_script(subtask, ready_for(subtask, scene, objects), folder / name)
+
+
+def _accept(edit: Edit[Subtasks]) -> Subtasks:
+    """Check edited sub-tasks and chains like those of the search, and write the scripts that were not edited.
 
     Raises:
-        InputFileError: a sub-task is about what there is not, or a chain does not bring about what is asked for.
+        InputFileError: a sub-task is not one of this scene, or a chain does not bring about the goals.
     """
-    record, scene = Subtasks.read(run.subtasks), Scene.read(run.layout)
-    objects, by_hand = context.objects(scene), edited_scripts(run.subtasks)
-    for number, subtask in enumerate(record.kept):
-        require_possible(run.subtasks, f"kept.{number}", subtask, scene, objects)
-        script = f"{subtask.id}.py"
-        if subtask.script != run.relative(run.subtasks.with_name(script)):
-            refuse(run.subtasks, f"kept.{number}.script", repr(subtask.script), repr(f"subtasks/{script}"))
-        if script not in by_hand:
-            write_script(subtask, ready_for(subtask, scene, objects), folder / script)
-    if record.instruction != scene.instruction:
-        refuse(run.subtasks, "instruction", repr(record.instruction), repr(scene.instruction))
-    _require_proven(run.subtasks, record, scene, objects)
-    _require_clear(run.subtasks, record, scene, context)
-    return record.model_copy(update={"chains": _named(run.subtasks, record)})
-
-
-def _named(path: Path, record: Subtasks) -> list[Chain]:
-    """The chains with what they are called: the instruction, or the words of their steps, which may be new."""
+    record, scene = edit.record, Scene.read(edit.run.layout)
+    objects = edit.context.objects(scene)
+    require_none(edit.path, _complaints(record, scene, objects, edit.context))
+    _write_scripts(record.kept, scene, objects, edit.folder, edit.keep)
     words = {subtask.id: subtask.text for subtask in record.kept}
-    before = {chain.text for chain in written_record(path, Subtasks).chains}
-    named = []
-    for number, chain in enumerate(record.chains):
-        text = record.instruction or ", then ".join(words[name] for name in chain.subtasks)
-        if chain.text not in {text, *before}:
-            refuse(path, f"chains.{number}.text", repr(chain.text), repr(text))
-        named.append(chain.model_copy(update={"text": text}))
-    return named
+    return record.model_copy(
+        update={
+            "chains": [
+                chain.model_copy(update={"text": scene.instruction or ", then ".join(words[n] for n in chain.subtasks)})
+                for chain in record.chains
+            ]
+        }
+    )
 
 
-def _require_clear(path: Path, record: Subtasks, scene: Scene, context: StageContext) -> None:
-    """Refuse wordings of a chain that do not ask for the goals of the scene, or name what is not clear in it."""
+def _complaints(
+    record: Subtasks, scene: Scene, objects: Sequence[SceneObject], context: StageContext
+) -> Iterator[Complaint]:
     kept = {subtask.id: subtask for subtask in record.kept}
+    for number, subtask in enumerate(record.kept):
+        yield from subtask_complaints(subtask, f"kept.{number}", scene, objects)
+        if subtask.script != (script := f"subtasks/{subtask.id}.py"):
+            yield f"kept.{number}.script", repr(subtask.script), repr(script)
     for number, chain in enumerate(record.chains):
-        task = task_to_word([kept[name] for name in chain.subtasks], scene, context)
-        for place, sentence in enumerate(chain.wordings):
-            if complaints := task.complaints(sentence):
-                wanted = f"a sentence that asks for the same in this scene: {'; '.join(complaints)}"
-                refuse(path, f"chains.{number}.wordings.{place}", repr(sentence), wanted)
-
-
-def _require_proven(path: Path, record: Subtasks, scene: Scene, objects: Sequence[SceneObject]) -> None:
-    """That each chain brings about the goals of the scene, or without any those of its own steps."""
-    kept = {subtask.id: subtask for subtask in record.kept}
-    for number, chain in enumerate(record.chains):
+        steps, field = [kept[name] for name in chain.subtasks], f"chains.{number}"
         if chain in record.chains[:number]:
-            refuse(path, f"chains.{number}", "the same as another", "each chain once")
-        steps = [kept[name] for name in chain.subtasks]
-        if scene.goals:
-            task = Task(initial_state(objects), in_steps(scene.goals))
-        else:
-            joints = {o.id: o.joints for o in ready_for(steps[0], scene, objects).objects}
-            ready = [o.moved(o.pose, joints[o.id]) for o in objects]
-            task = Task(initial_state(ready), tuple(frozenset(step.goals) for step in steps))
-        by_id = {o.id: o for o in objects}
-        unproven = complaints(task, [action_of(step, by_id[step.object]) for step in steps])
-        unproven += [f"{s.object} is to be left alone" for s in steps if s.object in scene.untouched]
-        if unproven:
-            refuse(path, f"chains.{number}.subtasks", "; ".join(unproven), "a chain that does what is asked, in order")
+            yield field, "the same as another", "each chain once"
+        if unproven := _unproven(steps, scene, objects):
+            yield f"{field}.subtasks", "; ".join(unproven), "a chain that does what is asked, in order"
+        task = task_to_word(steps, scene, context)
+        for place, sentence in enumerate(chain.wordings):
+            if unclear := task.complaints(sentence):
+                wanted = f"a sentence that asks for the same in this scene: {'; '.join(unclear)}"
+                yield f"{field}.wordings.{place}", repr(sentence), wanted
+
+
+def _unproven(steps: Sequence[Subtask], scene: Scene, objects: Sequence[SceneObject]) -> list[str]:
+    """Return complaints about a chain that does not bring about the goals of the scene, or else of its steps."""
+    by_id = {o.id: o for o in objects}
+    if scene.goals:
+        task = Task(initial_state(objects), in_steps(scene.goals))
+    else:
+        ready = ready_objects(steps[0], scene, objects)
+        task = Task(initial_state(ready), tuple(frozenset(step.goals) for step in steps))
+    untouched = [f"{step.object} is to be left alone" for step in steps if step.object in scene.untouched]
+    return complaints(task, [action_of(step, by_id[step.object]) for step in steps]) + untouched
+
+
+EDITABLE = Editable(
+    Subtasks,
+    fields=("candidates", "kept", "refused", "chains.#", "chains.*.subtasks", "chains.*.wordings"),
+    pictures=True,
+    accept=_accept,
+)

@@ -24,7 +24,6 @@ otherwise.
 from __future__ import annotations
 
 import logging
-from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -37,13 +36,13 @@ from vcage.base.options import UNSAID, value
 from vcage.base.progress import Progress, silent
 from vcage.base.text import one_line
 from vcage.runs.context import StageContext
-from vcage.runs.edits import written_record
+from vcage.runs.editable import Edit, Editable
 from vcage.runs.stage import Job, ModelOptions, StageResult
 from vcage.scenes.chosen_objects import choose
 from vcage.scenes.placed_scene import photograph, place_until_stable
-from vcage.scenes.possible import edited_scene
-from vcage.scenes.stated_goals import Told
-from vcage.scenes.stated_scene import choose_told
+from vcage.scenes.possible import SCENE_FIELDS, accepted_scene
+from vcage.scenes.stated_goals import StatedTask
+from vcage.scenes.stated_scene import choose_stated
 from vcage.schema.base import Provenance
 from vcage.schema.scene import Scene, SceneTemplate
 from vcage.sim.robots import available, load_template
@@ -74,9 +73,9 @@ class Options(ModelOptions):
     robot: Annotated[str | None, arg(metavar="ROBOT"), UNSAID] = None
     """the robot (default: that of the scene template); ``vcage robots list`` says which"""
 
-    def told(self) -> Told | None:
+    def told(self) -> StatedTask | None:
         """The goals that are told, with all that belongs to them; None where there are none."""
-        return Told.of(self.goals, self.starts, self.objects)
+        return StatedTask.of(self.goals, self.starts, self.objects)
 
 
 def job(run: RunFolder, options: Options, context: StageContext) -> Job:
@@ -162,7 +161,7 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
         if told is None:
             chosen = choose(instruction, template, context, rng)
         else:
-            instruction, chosen = choose_told(told, instruction, template, context, rng)
+            instruction, chosen = choose_stated(told, instruction, template, context, rng)
         for note in chosen.notes:
             logger.warning("%s", note)
         scene = _empty_scene(template, instruction, provenance, stage)
@@ -176,17 +175,16 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
     return stage.do(Scene, make, force=options.force)
 
 
-def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: StageContext) -> Scene:
-    """M as it was edited by hand: as it settles, with pictures of that.
+def _accept(edit: Edit[Scene]) -> Scene:
+    """Check an edited M, and photograph it as it settles."""
+    if not edit.changes(*SCENE_FIELDS):
+        return edit.record
+    settled, notes = accepted_scene(edit), edit.was.checks.get("notes", [])
+    noted = settled.model_copy(update={"checks": {**settled.checks, "notes": notes}})
+    return photograph(noted, edit.context, edit.folder)
 
-    Raises:
-        InputFileError: it is not possible.
-    """
-    if run.scene.name not in edited:
-        return Scene.read(run.scene)
-    settled = edited_scene(run.scene, context)
-    notes = written_record(run.scene, Scene).checks.get("notes", [])
-    return photograph(settled.model_copy(update={"checks": {**settled.checks, "notes": notes}}), context, folder)
+
+EDITABLE = Editable(Scene, fields=SCENE_FIELDS, pictures=True, accept=_accept)
 
 
 def _empty_scene(template: SceneTemplate, instruction: str | None, provenance: Provenance, stage: Job) -> dict:

@@ -1,9 +1,9 @@
-"""Stage 7: judge what was collected again, or any pair of pictures of a run's table (paper, section III-C)."""
+"""Judge collected episodes again, or any pair of pictures of a run's table (paper, section III-C)."""
 
 from __future__ import annotations
 
 import logging
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,6 +13,7 @@ from vcage.base.files import RunFolder
 from vcage.base.options import Flag
 from vcage.base.pictures import write_picture
 from vcage.base.progress import Progress, silent
+from vcage.episodes.decisions import DECISIONS, decided
 from vcage.episodes.differences import draw_difference
 from vcage.episodes.kept_pictures import by_moment, empty_table_of, of_same_attempt, scene_of, top_view
 from vcage.episodes.question import TOP, Asking, verdict
@@ -21,7 +22,7 @@ from vcage.episodes.store import confusion, log_path, read_log
 from vcage.episodes.worlds import other_phrases, reworded
 from vcage.runs.accepted import judged_steps
 from vcage.runs.context import StageContext
-from vcage.runs.edits import by_hand, require_evidence, require_only, written_record
+from vcage.runs.editable import Edit, Editable
 from vcage.runs.stage import Job, ModelOptions, StageResult, stage_seed
 from vcage.schema.base import Provenance
 from vcage.schema.episodes import BY_HAND, Attempt, Difference, Episode, Episodes, SingleVerdict, Verdict, Verdicts
@@ -30,24 +31,20 @@ from vcage.schema.subtasks import Subtasks
 
 logger = logging.getLogger(__name__)
 
-DECIDED = tuple(("episodes", "*", "*", said) for said in ("accepted", "reason", "confidence"))
-"""What a hand may say of verdicts; all else was seen, or counted."""
-
-
 _Tried = tuple[Attempt, JudgedStep]
-"""An attempt, and its sub-task as it was judged then."""
+"""An attempt, and its judged sub-task."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Options(ModelOptions):
-    """Who judges, and what."""
+    """Options of judging again."""
 
     refused: Flag = False
     """judge the attempts that were not accepted, too, of which pictures are kept: to compare two critics"""
 
 
 def job(run: RunFolder, options: Options, context: StageContext) -> Job:
-    """What the stage has to do."""
+    """Return the work of the stage."""
     return Job(
         run=run,
         output=run.verdicts,
@@ -59,7 +56,7 @@ def job(run: RunFolder, options: Options, context: StageContext) -> Job:
 
 
 def summary(record: Verdicts) -> dict[str, Any]:
-    """A few facts for whoever ran the stage."""
+    """Return a few facts for the caller."""
     return {
         "episodes": len(record.episodes),
         "verified": len(record.episodes) - len(record.refused),
@@ -98,7 +95,7 @@ def execute(
 
 
 def _of_other_episodes(stage: Job) -> Verdicts | None:
-    """Earlier verdicts that nothing is wrong with but that there are other episodes by now, more or fewer."""
+    """Return earlier verdicts that are stale only because there are more or fewer episodes by now."""
     try:
         stage.finished(Verdicts, force=False)
     except StaleStage as error:
@@ -111,7 +108,7 @@ def _of_other_episodes(stage: Job) -> Verdicts | None:
 
 
 def _decided(earlier: Verdicts | None, record: Verdicts) -> Verdicts:
-    """Verdicts with what was decided by hand of the same episodes before."""
+    """Return verdicts with earlier decisions by hand on the same episodes."""
     if earlier is None:
         return record
     known = {v.question: v for said in earlier.episodes.values() for v in said if v.provider == BY_HAND}
@@ -119,52 +116,49 @@ def _decided(earlier: Verdicts | None, record: Verdicts) -> Verdicts:
     return record.model_copy(update={"episodes": episodes, "edited": earlier.edited})
 
 
-def take_over(run: RunFolder, folder: Path, edited: Collection[str], context: StageContext) -> Verdicts:
-    """The verdicts as they were edited by hand.
-
-    Raises:
-        InputFileError: something was changed that is no decision.
-    """
-    require_evidence(run.verdicts, edited)
-    record, was = Verdicts.read(run.verdicts), written_record(run.verdicts, Verdicts)
-    require_only(run.verdicts, *DECIDED)
+def _accept(edit: Edit[Verdicts]) -> Verdicts:
+    """Take the decisions of a person."""
+    was = edit.was.episodes
     episodes = {
-        name: [by_hand(*pair) for pair in zip(was.episodes[name], said, strict=True)]
-        for name, said in record.episodes.items()
+        name: [decided(*pair) for pair in zip(was[name], said, strict=True)]
+        for name, said in edit.record.episodes.items()
     }
-    return record.model_copy(update={"episodes": episodes})
+    return edit.record.model_copy(update={"episodes": episodes})
+
+
+EDITABLE = Editable(Verdicts, fields=[f"episodes.*.*.{said}" for said in DECISIONS], accept=_accept)
 
 
 def _named(episode: Episode) -> str:
-    """What the verdicts call an episode."""
+    """Return the name of an episode among the verdicts."""
     return episode.file or f"episode {episode.index}"
 
 
 def _judged(
     run: RunFolder, judge: SecondJudge, folder: Path, provenance: Provenance, progress: Progress, *, refused: bool
 ) -> Verdicts:
-    """Judge every sub-task of the accepted episodes, without whose pictures there is an error; with ``refused`` also
-    every other attempt that can be judged."""
+    """Judge every sub-task of the accepted episodes, whose pictures must be there; with ``refused`` also every other
+    attempt that can be judged."""
     collected = Episodes.read(run.episodes)
     accepted = [episode for episode in collected.episodes if episode.accepted]
     steps = [JudgedStep(e.index, *step) for e in accepted for step in judged_steps(run, e)]
     tried = _tried(run, None if refused else steps)
-    kept = _kept(tried, judge)
-    said = judge.judge_all([*steps, *(step for _, step in kept)], progress)
+    counted = _countable(tried, judge)
+    said = judge.judge_all([*steps, *(step for _, step in counted)], progress)
     return Verdicts(
         provenance=provenance,
         accept=collected.accept,
         episodes={_named(e): [said[tuple(v.pictures)] for v in e.verdicts] for e in accepted},
         taken_over=judge.taken_over,
-        critic=confusion([_judged_as(attempt, said[step.pictures]) for attempt, step in kept]),
-        earlier_critic=confusion([attempt for attempt, _ in kept]),
-        not_kept=len(tried) - len(kept),
-        differences=list(_differences(judge, kept, said, folder)),
+        critic=confusion([_judged_as(attempt, said[step.pictures]) for attempt, step in counted]),
+        earlier_critic=confusion([attempt for attempt, _ in counted]),
+        not_kept=len(tried) - len(counted),
+        differences=list(_differences(judge, counted, said, folder)),
     )
 
 
 def _tried(run: RunFolder, verified: Iterable[JudgedStep] | None) -> list[_Tried]:
-    """Every attempt that was judged; with ``verified`` those alone whose steps are among these."""
+    """Return every judged attempt; with ``verified`` only those of these steps."""
     tried = [(a, JudgedStep(a.episode, a.subtask, a.verdict)) for a in read_log(run.episodes.parent) if a.verdict]
     if verified is None:
         return tried
@@ -172,13 +166,11 @@ def _tried(run: RunFolder, verified: Iterable[JudgedStep] | None) -> list[_Tried
     return [(attempt, step) for attempt, step in tried if step.pictures in pictures]
 
 
-def _kept(tried: Sequence[_Tried], judge: SecondJudge) -> list[_Tried]:
-    """The attempts of which pictures and truth are kept, so that they count."""
+def _countable(tried: Sequence[_Tried], judge: SecondJudge) -> list[_Tried]:
+    """Return the attempts with stored pictures and truth, which count."""
     kept = [(attempt, step) for attempt, step in tried if attempt.truth and judge.has_pictures(step)]
     if tried and not kept:
-        logger.warning(
-            "verify: of none of %d judged attempts are pictures and truth kept: nothing to count", len(tried)
-        )
+        logger.warning("verify: none of %d judged attempts has stored pictures and truth: nothing to count", len(tried))
     return kept
 
 
@@ -192,7 +184,7 @@ def _differences(
     said: Mapping[tuple[str, ...], Verdict],
     folder: Path,
 ) -> Iterator[Difference]:
-    """Record and draw where the verdict on an attempt is not the earlier one."""
+    """Record and draw every attempt on which the two verdicts differ."""
     for attempt, step in kept:
         verdict = said[step.pictures]
         if verdict.accepted == step.earlier.accepted:
@@ -213,7 +205,7 @@ def _differences(
 
 
 def judge_pair(run: RunFolder, context: StageContext, subtask_id: str, before: Path, after: Path) -> SingleVerdict:
-    """A verdict about two pictures from the run's top camera.
+    """Return a verdict about two pictures from the run's top camera.
 
     Example:
         >>> judge_pair(RunFolder("runs/blocks"), StageContext(), "block_red-onto-plate_white", before, after).verdict

@@ -29,7 +29,7 @@ from vcage.episodes.store import read_log
 from vcage.models.exchanges import Exchanges
 from vcage.plans.kept import relations_kept_in
 from vcage.runs.accepted import judged_steps, refusals
-from vcage.runs.running import read_timings
+from vcage.runs.by_products import read_timings
 from vcage.schema.base import StageDocument
 from vcage.schema.compression import Compression
 from vcage.schema.episodes import Difference, Episode, Episodes, Verdict, Verdicts
