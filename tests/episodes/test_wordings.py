@@ -11,7 +11,7 @@ import pytest
 from tests.example_scenes import scene_of, subtask, thing
 from tests.run_folders import Finished
 from vcage.datasets.recordings.opening import open_hdf5
-from vcage.episodes.wordings import MOST, task_to_word, worded_chain, wordings_for
+from vcage.episodes.wordings import MOST_WORDINGS, task_to_word, worded_chain, wordings_for
 from vcage.models.rules.reasoner import OfflineReasoner
 from vcage.models.wordings import TaskToWord, TaskWordings
 from vcage.runs.context import StageContext
@@ -48,7 +48,7 @@ def test_the_sentences_of_a_model_come_first_and_its_dropped_ones_are_counted(co
     assert chain.wordings[0] == "Let the red block rest on the plate."
     assert "Put the block onto the plate." in chain.wordings
     assert chain.wordings_dropped == 3
-    assert len(chain.wordings) < MOST
+    assert len(chain.wordings) < MOST_WORDINGS
 
 
 def test_a_wording_that_is_unclear_in_an_episode_is_left_out_there(context):

@@ -1,4 +1,4 @@
-"""Commands as dataclasses: tyro parses them, and its errors are errors of ours: exit code 2, and a JSON line."""
+"""Commands as dataclasses, which tyro parses; its complaints become errors of ours: exit code 2, and a JSON line."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, kw_only=True)
 class CommonOptions:
-    """What every command takes."""
+    """Options of every command."""
 
     verbose: Annotated[Flag, arg(aliases=("-v",))] = False
     """say more on stderr"""
@@ -39,11 +39,11 @@ class Command(CommonOptions, ABC):
 
     @abstractmethod
     def execute(self) -> Result:
-        """Do it."""
+        """Run the command."""
 
 
 def parse(options: type[T], arguments: Sequence[str], *, prog: str, text: str, about: str) -> T | None:
-    """The options on a command line; None when help was asked for, which is printed.
+    """Parse the options of a command line; None if help was asked for, which is printed.
 
     Args:
         options: a dataclass, whose fields' docstrings are the help.
@@ -70,7 +70,7 @@ def parse(options: type[T], arguments: Sequence[str], *, prog: str, text: str, a
 
 @dataclass(frozen=True)
 class _Option:
-    """A field that is an option: its name in Python (dotted inside another field), what it holds, how it is said."""
+    """A field that is an option: its name in Python (dotted inside another field), its value, default and marks."""
 
     key: str
     value: Any
@@ -79,7 +79,7 @@ class _Option:
 
     @property
     def is_said(self) -> bool:
-        """Whether a command line must say it; a path always, as the default one may be of the current folder."""
+        """True if a command line must give it; a path always, as the default may depend on the current folder."""
         return self.value != self.default or isinstance(self.value, Path)
 
     @property
@@ -88,7 +88,7 @@ class _Option:
 
     @property
     def name(self) -> str:
-        """On a command line, after the two hyphens."""
+        """Its name on a command line, after the two hyphens."""
         named = [name for mark in self.marks if (name := getattr(mark, "name", None))]
         return named[0] if named else self.key.rpartition(".")[2].replace("_", "-")
 
@@ -102,7 +102,7 @@ class _Option:
         return ours and not any(map(_is_option, said))
 
     def words(self) -> list[str]:
-        """As a command line says it."""
+        """Return the words of a command line that give it."""
         name = self.name
         if isinstance(self.value, bool):
             return [f"--{name}" if self.value else f"--no-{name}"]
@@ -122,7 +122,7 @@ def _is_option(word: str) -> bool:
 
 
 def options_of(record: Any, within: str = "") -> Iterator[_Option]:
-    """The options that a dataclass declares, also inside its fields, those that stand by their place first."""
+    """Yield the options that a dataclass declares, also inside its fields; positional ones come first."""
     hints = get_type_hints(type(record), include_extras=True)
     found = []
     for one in fields(record):
@@ -136,7 +136,7 @@ def options_of(record: Any, within: str = "") -> Iterator[_Option]:
 
 
 def words(record: Any) -> list[str]:
-    """The command line of which :func:`parse` makes these options, with paths from the root of the file system."""
+    """Return the command line of which :func:`parse` makes these options, with absolute paths."""
     return [word for option in options_of(record) if option.is_said for word in option.words()]
 
 
@@ -144,13 +144,13 @@ def words(record: Any) -> list[str]:
 
 
 def _without_frames(help_text: str) -> str:
-    """tyro's lists of options, each under its title."""
+    """Return tyro's lists of options, each under its title."""
     titled = re.sub(r"^ ?(\S.*?) *\n *-+ *$", r"\1:", help_text, flags=re.MULTILINE)
     return re.sub(r"^ *-{3,} *\n| +$", "", titled, flags=re.MULTILINE).strip()
 
 
 def _in_one_line(complaint: str) -> tuple[str, str]:
-    """What is wrong, and a question whether something else was meant, if tyro knows of it.
+    """Return a complaint in one line, and the question "did you mean …?" if tyro knows a similar option.
 
     tyro says what is wrong between its title's rule and the next, then what is like it, then where the help is.
     """

@@ -250,37 +250,35 @@ class ImportAssets(Command):
 
 
 def report(entries: list[Imported], into: Path | None) -> Result:
-    """One line per object with its warnings; an error only when nothing was imported.
+    """Report one line per object with its warnings; an error only if nothing was imported.
 
     Args:
         into: where the objects went, when that is not where other commands look for them.
     """
     from vcage.objects.library import imported_objects
 
-    lines = []
+    lines, imported, refused = [], [], []
     for entry in entries:
-        lines.append(f"{entry.name}: {'imported' if entry.error is None else f'refused: {entry.error.as_line()}'}")
+        error = entry.error
+        lines.append(f"{entry.name}: {'imported' if error is None else f'refused: {error.as_line()}'}")
         lines += [f"  warning: {warning}" for warning in entry.warnings]
-    refused = [_refusal(entry.name, entry.error) for entry in entries if entry.error is not None]
-    imported = [entry.name for entry in entries if entry.error is None]
+        if error is None:
+            imported.append(entry.name)
+        else:
+            details = {"code": error.code, "message": error.message, "details": error.details}
+            refused.append({"name": entry.name, **details})
+    warnings = sum(len(entry.warnings) for entry in entries)
     return Result(
         output=into or imported_objects(),
-        summary={
-            "imported": imported,
-            "warnings": sum(len(entry.warnings) for entry in entries),
-            "refused": refused,
-        },
+        summary={"imported": imported, "warnings": warnings, "refused": refused},
         next=vcage_command("assets", "gallery", *imported[:8]) if imported and into is None else "",
         text="\n".join(lines),
         error=None if imported or not entries else _nothing(entries, refused),
     )
 
 
-def _refusal(name: str, error: VcageError) -> dict[str, Any]:
-    return {"name": name, "code": error.code, "message": error.message, "details": error.details}
-
-
 def _nothing(entries: list[Imported], refused: list[dict[str, Any]]) -> VcageError:
+    """Return the error where no object could be imported."""
     first = entries[0].error
     if len(entries) == 1 and first is not None:
         return first

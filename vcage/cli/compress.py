@@ -1,4 +1,4 @@
-"""``vcage compress``: the stage on a run, or anybody's recordings."""
+"""``vcage compress``: the stage on a run, or recordings of others."""
 
 from __future__ import annotations
 
@@ -100,25 +100,30 @@ class Compress(Command):
 
     def execute(self) -> Result:
         """Compress a run or recordings, or look at them."""
-        if self.run is not None and self.input is None:
-            return self._compress_run(self.run)
-        if self.input is None or self.run is not None:
+        if (self.run is None) == (self.input is None):
             help_of_it = vcage_command("compress", "--help")
             raise UsageError("give either INPUT or --run DIR", hint="see", command=help_of_it)
+        if self.run is not None:
+            return self._compress_run(self.run)
+        assert self.input is not None  # as there is no run
         if self.stage.keep_raw:
             raise UsageError("--keep-raw is for --run", hint="leave it out: INPUT is only read")
-        if self.recordings.inspect:
-            found = inspect(self.input, self.recordings.colours or AUTO)
-            shown = show_frames(self.input, [one.recording for one in found if one.recording is not None])
-            return Result(text=as_lines(found), summary={**totals(found), "frames_picture": as_text(shown)})
-        order, workers = self._order(self.input), self.stage.workers
+        return self._inspect(self.input) if self.recordings.inspect else self._compress(self.input)
+
+    def _inspect(self, recordings: Path) -> Result:
+        found = inspect(recordings, self.recordings.colours or AUTO)
+        shown = show_frames(recordings, [one.recording for one in found if one.recording is not None])
+        return Result(text=as_lines(found), summary={**totals(found), "frames_picture": as_text(shown)})
+
+    def _compress(self, recordings: Path) -> Result:
+        order, workers = self._order(recordings), self.stage.workers
         if self.dry_run:
             with progress("estimate") as show:
                 return Result(summary=estimate(order, workers=workers, progress=show), next=not_dry())
         with progress("compress") as show:
             done = pack(order, workers=workers, force=self.stage.force, progress=show)
         record, shown = done.record, done.path.with_name(FRAMES)
-        told = {
+        summary = {
             "fresh": done.fresh,
             **compress.summary(record),
             "reduction_stored": record.reduction_stored,
@@ -128,7 +133,7 @@ class Compress(Command):
             "notes": record.notes,
             **omitted(record.left_out, record.failed),
         }
-        return Result(output=done.path, schema=record.SCHEMA, summary=told)
+        return Result(output=done.path, schema=record.SCHEMA, summary=summary)
 
     def _compress_run(self, run: Path) -> Result:
         for name, given in vars(self.recordings).items():
@@ -141,8 +146,8 @@ class Compress(Command):
         if not clips:  # all were compressed before
             return done
         with progress("estimate") as show:
-            told = estimate_clips(clips, self.stage.compression, workers=self.stage.workers, progress=show)
-        return replace(done, summary={**done.summary, **told})
+            expected = estimate_clips(clips, self.stage.compression, workers=self.stage.workers, progress=show)
+        return replace(done, summary={**done.summary, **expected})
 
     def _order(self, recordings: Path) -> Order:
         asked = self.recordings

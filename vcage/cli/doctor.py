@@ -27,19 +27,19 @@ if TYPE_CHECKING:
     from vcage.models.provider import Provider
 
 MIN_FREE_GB = 2.0
-"""Free space under which a run with a few episodes may not fit."""
+"""With less free space a run of a few episodes may not fit."""
 
 
 @dataclass(frozen=True)
 class Finding:
-    """What a check found.
+    """The finding of a check.
 
-    Attributes:
+    Args:
         name: of the thing.
-        ok: it is there and fit.
-        found: what is there, in words.
-        required: nothing works without it.
-        mend: the one command that mends it; empty when nothing needs mending.
+        ok: True if it is there and fit.
+        found: its state, in words.
+        required: True if nothing works without it.
+        mend: the one command that mends it; empty if nothing needs mending.
     """
 
     name: str
@@ -81,7 +81,7 @@ class Doctor(Command):
 
 
 def table(found: list[Finding]) -> str:
-    """The findings, one a line, each followed by what mends it."""
+    """Return the findings, one a line, each followed by the command that mends it."""
     width = max(len(finding.name) for finding in found)
     lines = []
     for finding in found:
@@ -200,7 +200,7 @@ def keys() -> Finding:
 
 
 def models() -> Finding:
-    """Whether the endpoints that there are keys for serve the models that are set, and for how long."""
+    """Check that the endpoints with a key serve the chosen models, and for how long."""
     from vcage.models.keys import require_key
     from vcage.models.providers import PROVIDERS, found_keys
 
@@ -213,7 +213,7 @@ def models() -> Finding:
 
 
 def ollama() -> Finding:
-    """Which models a server of the user's own has, and which of them answers."""
+    """Check which models the user's own server has, and which of them answers."""
     from vcage.models.ollama import OLLAMA
 
     try:
@@ -230,7 +230,7 @@ def ollama() -> Finding:
 
 
 def _served(provider: Provider, key: str) -> tuple[str, list[str]]:
-    """What is to be said of a provider's models, and what mends it."""
+    """Return the state of a provider's models, in words, and the ways to mend it."""
     try:
         served = provider.served(key)
     except VcageError as error:
@@ -274,7 +274,7 @@ CHECKS: tuple[Callable[[], Finding], ...] = (
 
 
 def _package(module: str, requirement: str, *, name: str = "", distribution: str = "") -> Finding:
-    """Whether a Python package is installed, without importing it."""
+    """Check that a Python package is installed, without importing it."""
     try:
         version = metadata.version(distribution or module)
     except metadata.PackageNotFoundError:

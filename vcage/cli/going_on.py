@@ -1,4 +1,4 @@
-"""The command that goes on from here: after a stage, and after an error that a stage mends."""
+"""The command that comes next: after a stage, and after an error that a stage mends."""
 
 from __future__ import annotations
 
@@ -16,24 +16,24 @@ from vcage.cli.arguments import options_of
 if TYPE_CHECKING:
     from vcage.runs.stage import StageOptions
 
-NOT_KEPT = ("force", "script")
-"""Options that every call gives anew: what throws something away, and what executes a file."""
+NOT_STORED = ("force", "script")
+"""Options that every call gives anew: they throw files away, or execute one."""
 
 
 def following(name: str, run: RunFolder) -> str:
-    """The command that goes on after a stage."""
+    """Return the command to run after a stage."""
     stages = list(PRODUCERS.values())
     later = stages[stages.index(name) + 1 :]
     return stage_command(later[0], run) if later else vcage_command("report", "--run", run)
 
 
 def stage_command(name: str, run: RunFolder, instead: Mapping[str, list[str]] | None = None) -> str:
-    """The command of a stage, with the options that were last given on this run to those that take them."""
+    """Return the command of a stage, with those of its options that were last given on this run."""
     return vcage_command(name.replace("_", "-"), *words_of(name, run, instead))
 
 
 def words_of(name: str, run: RunFolder, instead: Mapping[str, list[str]] | None = None) -> list[str]:
-    """What comes after a stage's name in :func:`stage_command`; ``instead`` stands for options given before."""
+    """Return the words of :func:`stage_command` after the name; ``instead`` replaces options given before."""
     from vcage.runs.running import stage_of  # imported late: `vcage setup` works where no stage does
 
     takes = list(options_of(stage_of(name).Options()))
@@ -45,7 +45,7 @@ def words_of(name: str, run: RunFolder, instead: Mapping[str, list[str]] | None 
 
 @contextlib.contextmanager
 def remembered(run: RunFolder, options: StageOptions) -> Iterator[None]:
-    """Keep the options of a call that is made inside, for :func:`stage_command`, unless it fails by itself.
+    """Store the options of a call that is made inside, for :func:`stage_command`, unless it fails by itself.
 
     Between a stage that asks models and the next that does there is one that takes no ``--models``.
     """
@@ -58,13 +58,13 @@ def remembered(run: RunFolder, options: StageOptions) -> Iterator[None]:
 
 
 def _remember(run: RunFolder, options: StageOptions, *, instead: bool = False) -> None:
-    """Add options to those kept; or put all that the stage takes, said or not, in their place."""
+    """Add options to those stored; with ``instead`` replace all options of the stage, given or not."""
     if not any((run.root / folder).is_dir() for folder in PRODUCERS):
         return  # it has not begun
-    own = [option for option in options_of(options) if option.key not in NOT_KEPT]
+    own = [option for option in options_of(options) if option.key not in NOT_STORED]
     others = {option.key for option in own} if instead else set()
-    kept = {key: words for key, words in _given(run).items() if key not in others}
-    write_json(run.options, kept | {option.key: option.words() for option in own if option.is_said})
+    stored = {key: words for key, words in _given(run).items() if key not in others}
+    write_json(run.options, stored | {option.key: option.words() for option in own if option.is_said})
 
 
 def _given(run: RunFolder) -> dict[str, list[str]]:
@@ -72,11 +72,11 @@ def _given(run: RunFolder) -> dict[str, list[str]]:
     from vcage.runs.by_products import read_by_product
 
     given = read_by_product(run.options, list[str])
-    return {key: words for key, words in given.items() if key not in NOT_KEPT}
+    return {key: words for key, words in given.items() if key not in NOT_STORED}
 
 
 def not_dry() -> str:
-    """The command that this process carries out, without ``--dry-run``."""
+    """Return the command of this process without ``--dry-run``."""
     return shlex.join(word for word in shlex.split(CALLED.get()) if word != "--dry-run")
 
 
@@ -95,7 +95,7 @@ def naming_stages(run: Path | None) -> Iterator[None]:
 
 
 def _name_stage(error: VcageError, run: RunFolder) -> None:
-    """Give an error the command of the stage that mends it; where something would be lost by it, in words alone."""
+    """Give an error the command of the stage that mends it; a command that loses files stands in the hint alone."""
     if "more" in error.details:
         error.command = stage_command(error.maker, run, error.details["more"])
         return

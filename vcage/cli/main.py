@@ -55,12 +55,12 @@ COMMANDS: dict[str, tuple[str, str]] = {
 
 @dataclass(frozen=True)
 class Entry:
-    """A command that was imported.
+    """An imported command.
 
     Args:
-        options: what tyro parses.
-        text: the help, but for the options.
-        execute: does what the options say.
+        options: a dataclass that tyro parses.
+        text: the help without the options.
+        execute: runs the command with its options.
     """
 
     options: type[CommonOptions]
@@ -96,7 +96,7 @@ def script_main(command: str) -> int:
 
 
 def _run(arguments: Sequence[str], prog: str = "") -> Result | None:
-    """Run the command that the arguments begin with; None where only something about commands was asked."""
+    """Run the command that the arguments begin with; None if only help was asked for."""
     about = _about(arguments)
     if about:
         print_text(about.rstrip("\n"))
@@ -123,7 +123,7 @@ def _is_group(word: str) -> bool:
 
 
 def _about(arguments: Sequence[str]) -> str:
-    """What is asked about all commands or a group of them; nothing where one is to be run."""
+    """Return the help of all commands or a group of them if that is asked for, else nothing."""
     if arguments[:1] in (["-h"], ["--help"]):
         return help_text()
     if arguments[:1] == ["--version"]:
@@ -134,7 +134,7 @@ def _about(arguments: Sequence[str]) -> str:
 
 
 def _named(arguments: Sequence[str]) -> tuple[str, Sequence[str]]:
-    """A command's name, of one word or two, and what comes after it."""
+    """Split a command's name, of one word or two, from the words after it."""
     if not arguments:
         raise UsageError("no command given", hint="see", command=vcage_command("--help"))
     words = 2 if _is_group(arguments[0]) else 1
@@ -145,7 +145,7 @@ def _named(arguments: Sequence[str]) -> tuple[str, Sequence[str]]:
 
 
 def help_text(group: str = "") -> str:
-    """The text of ``vcage --help``, or of a group of commands (``vcage assets --help``)."""
+    """Return the text of ``vcage --help``, or of a group of commands (``vcage assets --help``)."""
     shown = {name: text for name, (_, text) in COMMANDS.items() if name.startswith(group)}
     width = max(map(len, shown))
     lines = [f"  {name:<{width}}  {text}" for name, text in shown.items()]

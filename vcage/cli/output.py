@@ -1,4 +1,4 @@
-"""What a command owes its caller: diagnostics on stderr, results on stdout, and one JSON object as the last line.
+"""The output of a command: diagnostics on stderr, results on stdout, and one JSON object as the last line.
 
 Success: ``{"ok": true, "schema": …, "output": …, "summary": {…}, "next": …}``.
 Failure: ``{"ok": false, "error": {"code", "message", "hint", "retryable", "details"}, "next": …}``, and one line on
@@ -41,16 +41,16 @@ class Bug(VcageError):
 
 @dataclass(frozen=True)
 class Result:
-    """What a command did.
+    """The result of a command.
 
     Args:
         output: the file or folder that it wrote.
         summary: a few facts for the caller, JSON-serialisable.
         schema: id of the schema of ``output``.
-        next: the command that goes on from here, also after an error.
-        text: what a person reads, printed before the JSON line.
-        error: set when the command did its work and the finding is a failure.
-        facts: results that stand at the top of the JSON line, beside ``ok``, in either case.
+        next: the command to run next, also after an error.
+        text: for a person, printed before the JSON line.
+        error: set if the command did its work and the finding is a failure.
+        facts: results at the top of the JSON line, beside ``ok``, in either case.
     """
 
     output: Path | None = None
@@ -98,8 +98,10 @@ def run_cli(function: Callable[P, Result | None], *arguments: P.args, **options:
 
 
 def _report(result: Result) -> int:
-    """Say on stderr what went wrong, print text and record; the exit code, that of a full disk where stdout takes
-    nothing and nothing else went wrong."""
+    """Print the error on stderr, then text and record; return the exit code.
+
+    It is that of a full disk if stdout takes nothing and nothing else went wrong.
+    """
     code = 0
     if result.error is not None:
         code = result.error.exit_code

@@ -1,4 +1,4 @@
-"""The process that a command runs in, made fit for it: its streams, its folder, its open files."""
+"""Prepare the process of a command: its streams, its folder, its open files."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ STREAMS = ("stdin", "stdout", "stderr")
 
 @dataclass(frozen=True)
 class FileLimits:
-    """How many files may be open at a time; a run with two workers has up to a hundred.
+    """Limits of open files; a run with two workers has up to a hundred.
 
     Args:
-        required: with fewer, no command is begun.
+        required: with fewer, no command begins.
         wanted: the limit is raised to this where the system allows it.
     """
 
@@ -31,7 +31,7 @@ LIMITS = FileLimits()
 
 
 def prepare() -> None:
-    """Make this process fit for a command; to be called first."""
+    """Prepare this process for a command; call it first."""
     _open_closed_streams()
     with contextlib.suppress(OSError, ValueError):
         most = resource.getrlimit(resource.RLIMIT_NOFILE)
@@ -41,7 +41,7 @@ def prepare() -> None:
 
 
 def require_fit() -> None:
-    """Nothing if a command can work in this process.
+    """Check that a command can work in this process.
 
     Raises:
         UsageError: the current folder was removed.
@@ -58,7 +58,7 @@ def require_fit() -> None:
 
 
 def folder_is_gone() -> bool:
-    """Check whether the current folder was removed."""
+    """True if the current folder was removed."""
     try:
         Path.cwd()
     except FileNotFoundError:
@@ -67,7 +67,7 @@ def folder_is_gone() -> bool:
 
 
 def removed_folder() -> UsageError:
-    """The error where :func:`folder_is_gone`."""
+    """Return the error for :func:`folder_is_gone`."""
     return UsageError("the current folder was removed", hint="go to one that exists: cd")
 
 

@@ -1,4 +1,4 @@
-"""What a person sees while a command works: log lines, and a bar where stderr is a terminal."""
+"""Progress of a command for a person: log lines, and a bar if stderr is a terminal."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from vcage.cli.streams import print_record
 
 logger = logging.getLogger(__name__)
 
-WORTH_TELLING = 10.0
-"""Seconds that must have passed, and be left, before the time left is told."""
+LEAST_S = 10.0
+"""Seconds that must have passed, and be left, before the remaining time is shown."""
 
 
 class _Stderr(logging.StreamHandler):
@@ -37,7 +37,7 @@ class _Formatter(logging.Formatter):
 
 
 _lines_of: ContextVar[Literal["text", "json"]] = ContextVar("lines_of", default="text")
-"""What the steps of work are told in."""
+"""Format of progress."""
 
 
 def set_up(verbose: bool, lines_of: Literal["text", "json"]) -> None:
@@ -51,7 +51,7 @@ def set_up(verbose: bool, lines_of: Literal["text", "json"]) -> None:
 
 @contextlib.contextmanager
 def progress(title: str) -> Iterator[Progress]:
-    """Show the steps of one job: a bar on a terminal, otherwise a line for each, of JSON where that is asked for."""
+    """Show the steps of one job: a bar on a terminal, else a line each, of JSON if that is asked for."""
     if _lines_of.get() == "json":
         yield _records(title)
     elif sys.stderr.isatty():
@@ -83,17 +83,17 @@ def _records(title: str) -> Progress:
 
 
 def time_left(elapsed: float, done: int, total: int) -> str:
-    """How long the rest takes if it goes on as before, in words; empty while too little is known, or it is short.
+    """Estimate the remaining time, in words; empty while too little is known, or it is short.
 
     Args:
         elapsed: seconds since the start.
         done: steps that are finished.
         total: steps in all.
     """
-    if done == 0 or elapsed < WORTH_TELLING:
+    if done == 0 or elapsed < LEAST_S:
         return ""
     seconds = elapsed / done * (total - done)
-    if seconds < WORTH_TELLING:
+    if seconds < LEAST_S:
         return ""
     if seconds < 90:
         return f"about {round(seconds, -1):.0f} s"

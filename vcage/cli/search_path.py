@@ -1,4 +1,4 @@
-"""Where this process finds packages; put in order before any is imported that a folder of others may hold."""
+"""Order the folders in which this process finds packages, before any is imported that another folder may hold."""
 
 from __future__ import annotations
 
@@ -23,15 +23,11 @@ def own_packages_first() -> None:
     named = os.environ.get("PYTHONPATH")
     listed = [os.path.abspath(path) for path in named.split(os.pathsep)] if named else []  # noqa: PTH100
     beside = [current] if sys.argv[:1] == ["-m"] and sys.path[:1] == [current] else []
-    foreign = [path for path in (*beside, *listed) if path != home]
-    if not foreign:
-        return
-    later = [path for path in sys.path if path in foreign]
-    sys.path[:] = [path for path in sys.path if path not in foreign] + later
-    if not listed:
-        return
-    import sysconfig
+    foreign = {*beside, *listed} - {home}
+    sys.path.sort(key=lambda path: path in foreign)  # stable
+    if foreign and listed:
+        import sysconfig
 
-    own = [sysconfig.get_path("purelib"), sysconfig.get_path("platlib")]
-    first = [home] if home in listed else []
-    os.environ["PYTHONPATH"] = os.pathsep.join(dict.fromkeys([*first, *own, *(p for p in listed if p != home)]))
+        own = [sysconfig.get_path("purelib"), sysconfig.get_path("platlib")]
+        first = [home] if home in listed else []
+        os.environ["PYTHONPATH"] = os.pathsep.join(dict.fromkeys([*first, *own, *listed]))

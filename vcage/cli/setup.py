@@ -170,12 +170,12 @@ def _pip(part: str, *arguments: str) -> None:
 
 
 def opencv_loads() -> bool:
-    """Whether OpenCV can be imported, found out in another process since an import cannot be undone."""
+    """True if OpenCV can be imported; tried in another process, since an import cannot be undone."""
     return subprocess.run([sys.executable, "-c", "import cv2"], capture_output=True).returncode == 0
 
 
 def cvvdp_version() -> str:
-    """The version of cvvdp that is installed, or an empty text."""
+    """Return the installed version of cvvdp, or an empty text."""
     try:
         return metadata.version("cvvdp")
     except metadata.PackageNotFoundError:

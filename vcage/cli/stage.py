@@ -22,14 +22,14 @@ from vcage.runs.stage import ASKS, ModelOptions, StageOptions, StageResult
 logger = logging.getLogger(__name__)
 
 MOST_PICTURES = 12
-"""Of more pictures than these a result names the folders."""
+"""A result with more pictures names their folders."""
 
 StageO = TypeVar("StageO", bound=StageOptions)
 
 
 @dataclass(frozen=True, kw_only=True)
 class StageCommand(arguments.CommonOptions, Generic[StageO]):
-    """What the command of a stage takes."""
+    """Options of the command of a stage."""
 
     run: Annotated[Path, FOLDER]
     """the run folder"""
@@ -40,24 +40,24 @@ class StageCommand(arguments.CommonOptions, Generic[StageO]):
 
 @dataclass(frozen=True, kw_only=True)
 class BeginCommand(StageCommand[StageO]):
-    """What a command takes that begins a run."""
+    """Options of a command that begins a run."""
 
     run: Annotated[Path, FOLDER, arg(name="out", aliases=("--run",))]
     """the run folder to begin"""
 
 
 def options_of(name: str) -> type[StageCommand]:
-    """What the command of a stage takes."""
+    """Return the options of the command of a stage."""
     kind = BeginCommand if name == "select_place" else StageCommand
     stage = stage_of(name)
     return kind[stage.Options]
 
 
 def context_of(options: StageOptions, run: RunFolder, *stages: str) -> StageContext:
-    """What stages need beyond their files, once it is told who answers them where nobody was named."""
+    """Return the context of stages, and log who answers them where nobody was named."""
     roles = list(dict.fromkeys(role for stage in stages for role in ASKS.get(stage, ())))
-    if isinstance(options, ModelOptions) and (told := options.who(run).announcement(roles)):
-        logger.info("%s", told)
+    if isinstance(options, ModelOptions) and (chosen := options.who(run).announcement(roles)):
+        logger.info("%s", chosen)
     return options.context(run)
 
 
@@ -85,7 +85,7 @@ def execute_stage(name: str, command: StageCommand) -> Result:
 
 
 def about(done: StageResult[Any]) -> dict[str, Any]:
-    """Who answered in a stage, by role; where its pictures are; what was edited by hand of its files; and notes."""
+    """Return who answered in a stage, by role, its pictures, its edited files, and notes."""
     found = sorted(done.path.parent.rglob("*.png"))
     shown = found if len(found) <= MOST_PICTURES else sorted({picture.parent for picture in found})
     return {

@@ -13,7 +13,7 @@ from typing import Any, TextIO
 
 
 def complain(text: str) -> None:
-    """One line on stderr, if that takes any."""
+    """Print one line on stderr, if that takes any."""
     try:
         sys.stderr.write(f"vcage: error: {text}\n")
         sys.stderr.flush()
@@ -50,7 +50,7 @@ def print_text(text: str) -> None:
 
 
 def _lead_nowhere(stream: TextIO) -> None:
-    """Let a stream take all and keep nothing: the interpreter flushes it once more at exit, which must not complain."""
+    """Redirect a stream to nowhere: the interpreter flushes it once more at exit, which must not fail."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, stream.fileno())
     os.close(nowhere)

@@ -25,7 +25,7 @@ from vcage.stages import collect
 
 @dataclass(frozen=True, kw_only=True)
 class ScriptCommand(StageCommand[collect.Options]):
-    """What a script takes."""
+    """Options of a script."""
 
     run: Annotated[Path, FOLDER, arg(name="out")]
     """the run folder"""

@@ -1,9 +1,10 @@
-"""A picture of a question on which two critics differ: what they looked at, what each said of it, and the truth."""
+"""A picture of a question on which two critics differ: what they looked at, their verdicts, and the truth."""
 
 from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,34 +12,43 @@ from vcage.base.drawing import EDGE, INK, PAPER, WARNING, WORDS, Canvas, Colour,
 from vcage.schema.episodes import Difference, Truth, Verdict
 from vcage.tasks.setting import Seen
 
-LINE = 28
-"""Height of a line of words, pixels."""
 
-LETTERS = 120
-"""That fit into a line, as wide as the words of a verdict are on average."""
+@dataclass(frozen=True)
+class TextSettings:
+    """The text under the pictures.
+
+    Args:
+        line_px: height of a line.
+        letters: per line, as wide as those of a verdict are on average.
+    """
+
+    line_px: int = 28
+    letters: int = 120
+
+
+TEXT = TextSettings()
 
 
 def draw_difference(found: Difference, seen: Seen) -> np.ndarray:
-    """The views before and after side by side, those of other moments below, and under them who said what.
+    """Draw the views before and after side by side, those of other moments below, and the verdicts under them.
 
     Args:
-        found: what is drawn; a verdict that the simulator's state does not bear out is red.
+        found: the difference; a verdict that contradicts the simulator's state is red.
         seen: the pictures that both critics looked at, (H, W, 3) uint8 RGB.
 
     Returns:
         (H', W', 3) uint8, two views wide.
     """
     sheet, lines = contact_sheet(_views(seen)), list(_lines(found))
-    below = np.full((len(lines) * LINE + EDGE, sheet.shape[1], 3), PAPER, dtype=np.uint8)
+    below = np.full((len(lines) * TEXT.line_px + EDGE, sheet.shape[1], 3), PAPER, dtype=np.uint8)
     canvas = Canvas(below, text_size=WORDS)
     for number, (line, colour) in enumerate(lines):
-        canvas.text((EDGE, number * LINE), line, fill=colour)
+        canvas.text((EDGE, number * TEXT.line_px), line, fill=colour)
     return np.vstack([sheet, canvas.picture()])
 
 
 def _views(seen: Seen) -> Sequence[tuple[str, np.ndarray]]:
-    """Captions and pictures: before and after of each camera, in the order in which it was looked through; then the
-    others."""
+    """Return captions and pictures: before and after of each camera in the order of use, then the others."""
     cameras = dict.fromkeys(camera for pictures in seen.values() for camera in pictures)
     order = [(when, camera) for camera in cameras for when in ("before", "after")]
     order += [(when, camera) for when in seen if when not in ("before", "after") for camera in cameras]
@@ -46,13 +56,13 @@ def _views(seen: Seen) -> Sequence[tuple[str, np.ndarray]]:
 
 
 def _lines(found: Difference) -> Iterator[tuple[str, Colour]]:
-    """What is written, line by line, and in which colour."""
+    """Yield the text, line by line, with its colour."""
     said = [("while collecting", found.earlier_verdict), ("again", found.verdict)]
     paragraphs = [(f"Episode {found.episode}, step {found.step}, attempt {found.attempt}: {found.text}", INK)]
     paragraphs += [(_verdict(when, v), WARNING if v.accepted != found.truth.success else INK) for when, v in said]
     paragraphs += [(_truth(found.truth), INK)]
     for words, colour in paragraphs:
-        yield from ((line, colour) for line in textwrap.wrap(words, LETTERS, subsequent_indent="    "))
+        yield from ((line, colour) for line in textwrap.wrap(words, TEXT.letters, subsequent_indent="    "))
 
 
 def _verdict(when: str, said: Verdict) -> str:

@@ -1,4 +1,4 @@
-"""Pictures of verdicts as collect keeps them: which attempt, moment and camera they are of, read from their names."""
+"""Pictures of verdicts as collect stores them: attempt, moment and camera are read from their names."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from vcage.schema.scene import Scene
 from vcage.tasks.setting import Seen
 
 _NAMED = re.compile(r"-(before|after|moment|start)-(\w+)\.png$")
-"""How collect names what a verdict looked at: when, and by which camera."""
+"""Names of the pictures of a verdict: moment and camera."""
 
 
 def by_moment(pictures: Sequence[Path], scene: Scene) -> Seen:
-    """Pictures by the moment that their names say that they show, and by camera.
+    """Read pictures by the moment and camera in their names.
 
     Raises:
-        InputFileError: one cannot be read, is not named so, or is of another size than the top camera's.
+        InputFileError: one cannot be read, has another kind of name, or has not the size of the top camera.
     """
     found: dict[str, dict[str, np.ndarray]] = {}
     for path in pictures:
@@ -42,13 +42,13 @@ def by_moment(pictures: Sequence[Path], scene: Scene) -> Seen:
 
 
 def of_same_attempt(picture: Path) -> list[Path]:
-    """All kept pictures of the same attempt; none where the name is not one of collect's."""
+    """Return all stored pictures of the same attempt; none if the name is not one of collect's."""
     named = _NAMED.search(picture.name)
     return sorted(picture.parent.glob(f"{picture.name[: named.start()]}-*.png")) if named else []
 
 
 def scene_of(picture: Path, run: RunFolder) -> Scene:
-    """The scene of the episode that a picture's name tells (``e000002-s0-…``), else the scene of the run."""
+    """Return the scene of the episode in a picture's name (``e000002-s0-…``), else the scene of the run."""
     scene, named = Scene.read(run.layout), re.match(r"e(\d+)-", picture.name)
     if named is None or not run.episodes.exists():
         return scene
@@ -56,14 +56,14 @@ def scene_of(picture: Path, run: RunFolder) -> Scene:
 
 
 def empty_table_of(picture: Path, scene: Scene) -> np.ndarray | None:
-    """The empty table in the light of a kept picture's episode; None where it is not kept."""
+    """Return the empty table in the light of a picture's episode; None if it is not stored."""
     episode = re.match(r"e(\d+)-", picture.name)
     empty = picture.parent.parent / background_name(int(episode[1])) if episode else picture
     return top_view(empty, scene) if episode and empty.exists() else None
 
 
 def top_view(path: Path, scene: Scene) -> np.ndarray:
-    """A picture of the scene's top camera: (H, W, 3) uint8 RGB."""
+    """Read a picture of the scene's top camera: (H, W, 3) uint8 RGB."""
     picture, camera = read_picture(path), scene.top_camera
     height, width = picture.shape[:2]
     if (width, height) != (camera.width, camera.height):

@@ -1,4 +1,4 @@
-"""Edited scripts of a run: executed where they are named, and told of where they are not."""
+"""Edited scripts of a run: executed if an option names them, else mentioned in a note."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from vcage.schema.subtasks import Subtasks
 
 
 def named_scripts(run: RunFolder, paths: Sequence[Path]) -> dict[str, Path]:
-    """Sub-task → the script that is executed for it in place of the generated one.
+    """Map sub-tasks to the scripts that are executed in place of the generated ones.
 
     Raises:
         InputFileError: there is no such file, or it is no regular file.
@@ -36,12 +36,12 @@ def named_scripts(run: RunFolder, paths: Sequence[Path]) -> dict[str, Path]:
 
 
 def _chained(run: RunFolder) -> set[str]:
-    """Ids of the sub-tasks that are carried out."""
+    """Return the ids of the sub-tasks of all chains."""
     return {name for chain in Subtasks.read(run.subtasks).chains for name in chain.subtasks}
 
 
 def unnamed_edits(run: RunFolder, scripts: Collection[str]) -> list[str]:
-    """A sentence on each script of a chain that was edited by hand and is not among those that are executed."""
+    """Return a sentence on each edited script of a chain that is not executed."""
     folder, of_chains = run.subtasks.parent, _chained(run)
     return [
         f"{folder.name}/{name} was edited by hand and is not executed: its sub-task is carried out as "

@@ -1,5 +1,7 @@
-"""What the processes that collect and compress need: imported, while the first stages work, by the one that these are
-forked from (:func:`vcage.base.workers.load_ahead`)."""
+"""Modules for the processes that collect and compress, imported while the first stages work.
+
+The process that imports them is the one that those are forked from (:func:`vcage.base.workers.load_ahead`).
+"""
 
 # ruff: noqa: F401, I001
 

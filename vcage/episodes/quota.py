@@ -1,4 +1,4 @@
-"""How many verified episodes of each chain a collection is to have, and which to begin next."""
+"""The number of verified episodes that a collection needs of each chain, and which to begin next."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from vcage.schema.episodes import Episode
 from vcage.schema.subtasks import Subtasks
 
 RUNS_PER_EPISODE = 3
-"""Episodes that are tried for each that is wanted, before the collection gives up."""
+"""Episodes tried for each that is wanted, before the collection gives up."""
 
 
 @dataclass(frozen=True)
 class Wanted:
-    """How many verified episodes there are to be.
+    """The number of verified episodes to collect.
 
     Args:
         chains: how many there are; the n-th episode of chain c has the number n · chains + c.

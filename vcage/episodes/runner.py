@@ -53,22 +53,22 @@ from vcage.tasks.wording import in_other_words
 
 logger = logging.getLogger(__name__)
 
-TOLD = 1
-"""Which of an episode's random numbers choose the wording of its task."""
+WORDING_STREAM = 1
+"""The random stream of an episode that chooses the wording of its task."""
 
 MILD = ("none", "light")
-"""Ranges of looks in which a critic sees as well as in any: it is shown an episode of others in a light look."""
+"""Ranges of looks in which a critic sees well; episodes of other ranges are shown to it in a light look."""
 
 
 @dataclass(frozen=True)
 class _Work:
-    """What the episodes of a chain do.
+    """The work of a chain's episodes.
 
     Args:
-        text: what that is called.
-        wordings: other sentences that say it, in the words of the run's scene.
+        text: the instruction, or the words of the sub-task.
+        wordings: other sentences for it, in the words of the run's scene.
         steps: sub-tasks with their scripts, in order.
-        own_grasps: ids of those whose named script has other grasps than were planned: it keeps them.
+        own_grasps: ids of sub-tasks whose named script keeps grasps of its own.
         goals: what must be true at the end.
         starts: draws where it begins.
     """
@@ -91,10 +91,10 @@ class _Work:
         named: Mapping[str, Script],
         context: StageContext,
     ) -> _Work:
-        """The scripts of a chain, and where it starts: an instruction's where the scene is, as its plan has proven.
+        """Return the scripts of a chain, and its starts: those of an instruction are where its plan was proven.
 
-        ``relations`` are those of the plan that layouts keep which are drawn; None where none are. ``named`` are the
-        scripts that are executed in place of generated ones.
+        ``relations`` of the plan hold in drawn layouts; None if no layouts are drawn. ``named`` scripts are executed
+        in place of generated ones.
         """
         steps = [(kept[name], named.get(name) or script_of(kept[name])) for name in chain.subtasks]
         own_grasps = frozenset(subtask.id for subtask, script in steps if not script.tries(subtask.grasps))
@@ -108,8 +108,8 @@ class EpisodeRunner:
     """Runs the episodes of a collection, with what all of them share.
 
     Args:
-        stage: the collection; its options say what follows a failed sub-task, and the frames per second.
-        ranges: of what differs from episode to episode.
+        stage: the collection, with its options.
+        ranges: of the differences between episodes.
         context: the library and the models.
         limit_s: seconds after which an episode is given up.
         scripts: by sub-task, in place of generated ones.
@@ -136,8 +136,10 @@ class EpisodeRunner:
         self._chains = [_Work.of(chain, *given) for chain in subtasks.chains]
 
     def one(self, index: int, folder: Path) -> tuple[Episode, list[Attempt]]:
-        """Run an episode and write its files; one that takes too long, or that has no room to begin, is rejected, and
-        nothing of it is kept."""
+        """Run an episode and write its files.
+
+        One that takes too long, or has no room to begin, is rejected without files.
+        """
         try:
             with time_limit(self._limit_s):
                 return self._run(index, folder)
@@ -185,7 +187,7 @@ class EpisodeRunner:
         return self._write(done, index, work, start, drawn, drawer, folder), done.attempts
 
     def _steps(self, work: _Work, start: Start) -> list[tuple[Subtask, Script]]:
-        """The sub-tasks in the words of an episode, and their scripts with the grasps that are feasible there."""
+        """Return the sub-tasks in the words of an episode, and their scripts with grasps that are feasible there."""
         for subtask, script in work.steps:
             if subtask.id not in work.own_grasps:
                 script.try_grasps(start.grasps[subtask.id])
@@ -229,15 +231,16 @@ class EpisodeRunner:
         )
 
     def _facts(self, index: int, work: _Work, start: Start, drawn: Drawn, done: EpisodeRun) -> dict[str, Any]:
-        """What travels inside the episode."""
+        """Return the facts that are written into the episode."""
         said = [reworded(subtask, start.phrases) for subtask, _ in work.steps]
         text = work.text if self._scene.instruction else in_other_words(work.text, start.phrases)
         wordings = [in_other_words(wording, start.phrases) for wording in work.wordings]
-        told = wordings_for(text, wordings, said, start.scene, self._context)
+        sentences = wordings_for(text, wordings, said, start.scene, self._context)
+        chosen = np.random.default_rng([self._stage.seed, index, WORDING_STREAM]).integers(len(sentences))
         return {
             "instruction": text,
-            "task": told[int(np.random.default_rng([self._stage.seed, index, TOLD]).integers(len(told)))],
-            "task_wordings": told,
+            "task": sentences[int(chosen)],
+            "task_wordings": sentences,
             "seed": self._stage.seed,
             "episode": index,
             "accepted": done.accepted,
@@ -254,7 +257,7 @@ _version = cache(metadata.version)
 
 
 def versions() -> dict[str, str]:
-    """What made the data: programs, and the device that drew its pictures."""
+    """Return the versions of the programs that made the data, and the device that drew its pictures."""
     packages = ("sapien", "mani_skill", "mplib", "numpy")
     return {
         "vcage": __version__,

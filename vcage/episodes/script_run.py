@@ -1,4 +1,4 @@
-"""A run folder for one sub-task script, as if the earlier stages had made just that scene and that sub-task."""
+"""A run folder for one sub-task script, with its scene and sub-task in place of the earlier stages' files."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ HINT = "mend it, or search the sub-tasks of its run again"
 
 
 def prepare_run(run: RunFolder, path: Path, *, seed: int, force: bool) -> None:
-    """Write ``optimize/scene.json`` and ``subtasks/`` from what a script says of itself.
+    """Write ``optimize/scene.json`` and ``subtasks/`` from the values of a script.
 
     Raises:
         StaleStage: the folder holds another scene or sub-task, and ``force`` is not set.
         DamagedFile: the script lacks a value that a generated one has.
-        InputFileError: what it says is not possible, see :mod:`~vcage.scenes.possible` and
+        InputFileError: its scene or sub-task is not possible, see :mod:`~vcage.scenes.possible` and
             :mod:`~vcage.scenes.possible_subtask`.
     """
     script, context = load_script(path), StageContext()

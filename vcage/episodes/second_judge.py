@@ -1,4 +1,4 @@
-"""A second verdict on what was judged while it was collected, from the pictures that were kept."""
+"""A second verdict on sub-tasks that were judged while collecting, from the stored pictures."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from vcage.tasks.setting import Seen
 
 @dataclass(frozen=True)
 class JudgedStep:
-    """A sub-task that was judged while it was collected.
+    """A sub-task that was judged while collecting.
 
     Args:
         episode: its number.
@@ -48,7 +48,7 @@ class SecondJudge:
     Args:
         run: the run folder.
         context: with the critic.
-        take_over: keep an earlier verdict where the question is the same.
+        take_over: keep an earlier verdict if the question is the same.
     """
 
     def __init__(self, run: RunFolder, context: StageContext, *, take_over: bool):
@@ -59,32 +59,32 @@ class SecondJudge:
         self.taken_over = 0
 
     def subtask(self, step: JudgedStep) -> Subtask:
-        """The sub-task of a step, in the words of its episode."""
+        """Return the sub-task of a step, in the words of its episode."""
         phrases = other_phrases(self._scene, self._episodes[step.episode].objects)
         return reworded(self._subtasks[step.subtask], phrases)
 
     def has_pictures(self, step: JudgedStep) -> bool:
-        """Check if all pictures that were looked at are kept."""
+        """True if all pictures of the verdict are stored."""
         pictures = (*step.pictures, background_name(step.episode))
         return bool(step.pictures) and all(self._picture(name).is_file() for name in pictures)
 
     def pictures(self, step: JudgedStep) -> Seen:
-        """The pictures that were looked at."""
+        """Return the pictures of the verdict."""
         return by_moment([self._picture(name) for name in step.pictures], self._scene)
 
     def _picture(self, name: str) -> Path:
-        """A picture by its path from the folder of the episodes."""
+        """Return a picture by its path from the folder of the episodes."""
         return self._run.file(name, self._run.episodes.parent.name)
 
     def picture_paths(self, step: JudgedStep) -> list[str]:
-        """Paths of a step's pictures, relative to the folder of the verdicts."""
+        """Return paths of a step's pictures, relative to the folder of the verdicts."""
         return [f"../{self._run.episodes.parent.name}/{name}" for name in step.pictures]
 
     def judge_all(self, steps: Iterable[JudgedStep], progress: Progress) -> dict[tuple[str, ...], Verdict]:
-        """A verdict on each step, by its pictures; one that comes twice is judged once.
+        """Return a verdict on each step, by its pictures; a repeated step is judged once.
 
         Raises:
-            AnswerNeeded: an agent is asked about some; about all of these at once.
+            AnswerNeeded: an agent is asked about some; holds all these questions.
         """
         by_pictures = {step.pictures: step for step in steps}
         said, asked = dict[tuple[str, ...], Verdict](), list[dict[str, Any]]()
@@ -99,7 +99,7 @@ class SecondJudge:
         return said
 
     def judge(self, step: JudgedStep) -> Verdict:
-        """A verdict on a step, or the earlier one where that stands."""
+        """Return a verdict on a step, or the earlier one if the question is the same."""
         empty = read_picture(self._picture(background_name(step.episode)))
         asking = Asking.of(self.subtask(step), self.pictures(step), empty)
         known = self._take_over and step.earlier.question == asking.hash

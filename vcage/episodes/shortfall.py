@@ -1,4 +1,4 @@
-"""Which episodes a collection lacks, and why."""
+"""Episodes that a collection lacks, and why."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The folder in which the episodes of a collection gather, so that a killed one can go on; and its counts."""
+"""The folder of a collection at work, with which a killed one goes on; and the counts of a collection."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class EpisodeStore:
         return self.folder / self._stage.output.name
 
     def begin(self, done: StageResult[Episodes] | None) -> None:
-        """Go on with a killed collection of the same provenance, or with a finished one, or start anew."""
+        """Continue a killed collection of the same provenance, or a finished one, or start anew."""
         recover(self.folder)
         if self._go_on():
             logger.info("collect: going on with the episodes of a run that was interrupted")
@@ -58,7 +58,7 @@ class EpisodeStore:
             self._load()
 
     def _go_on(self) -> bool:
-        """Take up what a killed collection left, if it is whole and was made in the same way."""
+        """Load what a killed collection left; False if it is damaged or of another provenance."""
         keeper = Keeper(self._index, Episodes, self._stage.provenance())
         try:
             if not keeper.knows(keeper.found()):
@@ -80,7 +80,7 @@ class EpisodeStore:
         self._attempts = [a for a in attempts if a.episode in known]
 
     def add(self, episode: Episode, attempts: Sequence[Attempt]) -> None:
-        """Note an episode whose files are written; the index is written last, as it makes the episode count."""
+        """Add an episode whose files are written; the index is written last, since it makes the episode count."""
         self.episodes = sorted([*self.episodes, episode], key=lambda one: one.index)
         self._attempts = sorted([*self._attempts, *attempts], key=lambda one: one.episode)
         lines = [attempt.model_dump_json() + "\n" for attempt in self._attempts]
@@ -114,17 +114,17 @@ class EpisodeStore:
 
 
 def background_name(episode: int) -> str:
-    """File, in the folder of the episodes, of an episode's picture of the empty table."""
+    """Return the name of an episode's picture of the empty table, from the folder of the episodes."""
     return f"critic/e{episode:06d}-background-top.png"
 
 
 def log_path(folder: Path) -> Path:
-    """Where all attempts of the episodes in a folder are noted."""
+    """Return the path of the log of all attempts in a folder of episodes."""
     return folder / "log.jsonl"
 
 
 def read_log(folder: Path) -> list[Attempt]:
-    """The attempts of ``log.jsonl``, in order; none when there is no log.
+    """Read the attempts of ``log.jsonl``, in order; none if there is no log.
 
     Raises:
         DamagedFile: a line is not an attempt.
@@ -148,7 +148,7 @@ def _attempt(line: str, where: str) -> Attempt:
 
 
 def acceptance(attempts: Sequence[Attempt]) -> dict[str, dict[str, int]]:
-    """Asset/variant → how many attempts there were, and how many were accepted."""
+    """Count attempts and accepted ones by asset/variant."""
     counts: dict[str, dict[str, int]] = {}
     for attempt in sorted(attempts, key=lambda a: (a.asset, a.variant)):
         entry = counts.setdefault(f"{attempt.asset}/{attempt.variant}", {"accepted": 0, "attempts": 0})
@@ -158,6 +158,6 @@ def acceptance(attempts: Sequence[Attempt]) -> dict[str, dict[str, int]]:
 
 
 def confusion(attempts: Sequence[Attempt]) -> CriticCounts:
-    """The critic against the simulator's truth, over the attempts that were judged."""
+    """Count the critic's verdicts against the simulator's truth, over the judged attempts."""
     judged = [a for a in attempts if a.verdict is not None and a.truth is not None]
     return CriticCounts.of((a.verdict.accepted, a.truth.success) for a in judged)  # pyrefly: ignore

@@ -1,4 +1,4 @@
-"""How the task of an episode may be said: sentences that are true of its scene, clear in it, and ask for the same."""
+"""Wordings of an episode's task: sentences that are true of its scene, clear in it, and ask for the same."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Chain, Subtask
 from vcage.tasks.task_wording import template_wordings
 
-MOST = 24
-"""Sentences that say a task, the instruction among them."""
+MOST_WORDINGS = 24
+"""Most sentences for a task, with the instruction."""
 
 
 def worded_chain(
     chain: Chain, steps: Sequence[Subtask], scene: Scene, context: StageContext, reasoner: Reasoner
 ) -> Chain:
-    """The chain of an instruction with further sentences that say its task: the reasoner's, then those of templates.
+    """Return the chain of an instruction with more wordings of its task: the reasoner's, then those of templates.
 
     Args:
         chain: that brings about the goals of the scene.
@@ -31,16 +31,16 @@ def worded_chain(
     plain = template_wordings(task, {goal for step in steps if step.template == "push" for goal in step.goals})
     said = reasoner.word_task(task, plain)
     wordings = list(dict.fromkeys([*said.sentences, *plain]))
-    return chain.model_copy(update={"wordings": wordings[: MOST - 1], "wordings_dropped": said.dropped})
+    return chain.model_copy(update={"wordings": wordings[: MOST_WORDINGS - 1], "wordings_dropped": said.dropped})
 
 
 def wordings_for(
     text: str, wordings: Sequence[str], steps: Sequence[Subtask], scene: Scene, context: StageContext
 ) -> list[str]:
-    """The text, and those of further sentences that say the task of an episode, in its scene.
+    """Return the text, and the other wordings that fit an episode and its scene.
 
     Args:
-        text: what the task is called: the instruction, or the words of its sub-task.
+        text: the instruction, or the words of the sub-task.
         wordings: of the chain, in the words of the episode.
         steps: the sub-tasks, in the words of the episode.
         scene: of the episode.
@@ -50,11 +50,11 @@ def wordings_for(
         further = task_to_word(steps, scene, context).reviewed(wordings)
     else:
         further = steps[0].texts if len(steps) == 1 else []
-    return list(dict.fromkeys([text, *further]))[:MOST]
+    return list(dict.fromkeys([text, *further]))[:MOST_WORDINGS]
 
 
 def task_to_word(steps: Sequence[Subtask], scene: Scene, context: StageContext) -> TaskToWord:
-    """Things that a sentence must ask for to say the task of a scene, and that it may name.
+    """Return the task that a sentence must ask for, with the things that it may name.
 
     Args:
         steps: the sub-tasks that do it.

@@ -103,15 +103,19 @@ def _not_offered(subtask: Subtask, field: str, scene: Scene, objects: Sequence[S
         yield f"{field}.receptacle", repr(subtask.receptacle), "another than the object itself"
     if subtask.template == "hand_over" and subtask.hand_to is None:
         yield f"{field}.hand_to", "null", "the arm that it is handed to"
-    asked = {*subtask.goals, *(one.goal for one in scene.goals)}
-    proposals = [p for template in TEMPLATES.values() for p in template.proposals(objects, asked)[0]]
-    offered = [proposal for proposal in proposals if proposal.offers(subtask)]
+    offered = _offering(subtask, scene, objects)
     mine = [proposal for proposal in offered if subtask.template in proposal.templates]
     if not mine:
         yield _wrong_template(subtask, field, offered)
     refusals = [proposal.impossible() for proposal in mine]
     if all(refusals):
         yield field, str(refusals[0] and refusals[0].reason), "what is possible by size"
+
+
+def _offering(subtask: Subtask, scene: Scene, objects: Sequence[SceneObject]) -> list[Proposal]:
+    """Return the proposals of all templates that a sub-task may be one of."""
+    asked = {*subtask.goals, *(one.goal for one in scene.goals)}
+    return [p for template in TEMPLATES.values() for p in template.proposals(objects, asked)[0] if p.offers(subtask)]
 
 
 def _wrong_template(subtask: Subtask, field: str, offered: Sequence[Proposal]) -> Complaint:
