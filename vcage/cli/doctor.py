@@ -208,8 +208,8 @@ def models() -> Finding:
         found = [_served(PROVIDERS[name], require_key(PROVIDERS[name])) for name in found_keys()]
     except VcageError as error:
         return Finding("models", False, error.message, required=False, mend=error.hint)
-    told, mend = "; ".join(words for words, _ in found), [way for _, ways in found for way in ways]
-    return Finding("models", not mend, told or "offline rules", required=False, mend="; ".join(mend))
+    states, mend = "; ".join(words for words, _ in found), [way for _, ways in found for way in ways]
+    return Finding("models", not mend, states or "offline rules", required=False, mend="; ".join(mend))
 
 
 def ollama() -> Finding:
@@ -223,10 +223,10 @@ def ollama() -> Finding:
         return Finding("ollama", not asked_for, error.message, required=False, mend=error.hint if asked_for else "")
     listed = f"{', '.join(found.served.models) or 'no model'} at {url}"
     if not found.served.has(found.model):
-        told = f"{found.model} is not served; {listed}"
-        return Finding("ollama", False, told, required=False, mend=f"ollama pull {found.model}")
-    told = f"{listed}; {found.model} answers{'' if found.sees else ', and sees no pictures'}"
-    return Finding("ollama", True, told, required=False)
+        state = f"{found.model} is not served; {listed}"
+        return Finding("ollama", False, state, required=False, mend=f"ollama pull {found.model}")
+    state = f"{listed}; {found.model} answers{'' if found.sees else ', and sees no pictures'}"
+    return Finding("ollama", True, state, required=False)
 
 
 def _served(provider: Provider, key: str) -> tuple[str, list[str]]:
@@ -235,14 +235,14 @@ def _served(provider: Provider, key: str) -> tuple[str, list[str]]:
         served = provider.served(key)
     except VcageError as error:
         return f"{provider.name}: {error.message}", []
-    told, mend = [], []
+    states, mend = [], []
     for what, model in zip(("TEXT_MODEL", "IMAGE_MODEL"), provider.models):
         ends = served.ends(model, date.today())
-        told.append(f"{model} ends on {ends}" if ends else f"{model}{'' if served.has(model) else ' is not served'}")
+        states.append(f"{model} ends on {ends}" if ends else f"{model}{'' if served.has(model) else ' is not served'}")
         if ends or not served.has(model):
             names = [name for name in served.nearest(model) if name != model]
             mend.append(f"set VCAGE_{provider.name.upper()}_{what} to one that is served: {', '.join(names)}")
-    return f"{provider.name}: {', '.join(told)}", mend
+    return f"{provider.name}: {', '.join(states)}", mend
 
 
 def disk() -> Finding:

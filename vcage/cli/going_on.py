@@ -101,7 +101,7 @@ def _name_stage(error: VcageError, run: RunFolder) -> None:
         return
     again = stage_command(error.maker, run)
     folder = next(folder for folder, stage in PRODUCERS.items() if stage == error.maker)
-    can_begin = error.maker != "select_place" or {"instruction", "goals"} & _given(run).keys()  # told what to do
+    can_begin = error.maker != "select_place" or {"instruction", "goals"} & _given(run).keys()  # which needs a task
     if isinstance(error, StaleStage):
         error.command = again if isinstance(error, NotJudged) else f"{again} --force"
     elif (run.root / folder).is_dir():

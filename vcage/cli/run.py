@@ -60,8 +60,8 @@ class Run(BeginCommand[chain.ChainOptions], Command):
         }
         looked_again = {name: facts["verify"][name] for name in ("verified", "refused")}
         summary = facts["collect"] | looked_again | {"compress": facts["compress"]}
-        told = {name: about(stage) for name, stage in done.items()}
-        more = {key: {name: one[key] for name, one in told.items() if one.get(key)} for key in told["collect"]}
+        facts_of = {name: about(stage) for name, stage in done.items()}
+        more = {key: {name: one[key] for name, one in facts_of.items() if one.get(key)} for key in facts_of["collect"]}
         if done["collect"].short is not None:
             return Result(error=done["collect"].short, facts={"output": str(page), "summary": summary, **more})
         return Result(output=page, summary=summary, facts=more)

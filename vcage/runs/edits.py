@@ -86,7 +86,7 @@ def written_record(path: Path, kind: type[D]) -> D:
 def changes(path: Path) -> Iterator[tuple[Place, str, str]]:
     """Yield where a stage's JSON differs from what was written: the place, what is there, and what was.
 
-    Of a list of another length, that alone is told.
+    A list of another length yields one change, of its length.
     """
     was, now = dict(_leaves(_written(path)["record"])), dict(_leaves(read_json(path)))
     changed = [place for place in was | now if was.get(place, ...) != now.get(place, ...)]

@@ -79,7 +79,7 @@ def run_stage(
         run: the run folder, with what the stages before it wrote.
         options: the stage's ``Options``; None for the defaults.
         context: what stages share; None for what the options choose.
-        progress: told of every step.
+        progress: called at every step.
 
     Raises:
         FolderInUse: another process works on the run.
@@ -107,7 +107,7 @@ def timed(
         run: the run folder, which this process holds.
         options: the stage's.
         context: what stages share.
-        progress: told of every step.
+        progress: called at every step.
 
     Raises:
         VcageError: what the stage raises.

@@ -17,51 +17,51 @@ from vcage.schema.plan import TABLE
 _ACTIONS = {"open": "open", "closed": "open", "pressed": "press", "turned": "turn"}
 
 
-def require_part(said: StatedGoal, place: Mapping[str, str | None], entry: CatalogueEntry) -> None:
+def require_part(stated: StatedGoal, place: Mapping[str, str | None], entry: CatalogueEntry) -> None:
     """Check that a part to be operated exists and can be operated so."""
-    if said.word not in OF_A_PART:
+    if stated.word not in OF_A_PART:
         return
     subject, part = place["subject"], place["part"]
-    able = [name for name in entry.moving_parts if part_that(_ACTIONS[said.word], name)]
+    able = [name for name in entry.moving_parts if part_that(_ACTIONS[stated.word], name)]
     if not able:
-        raise _impossible(said.text, f"{subject} has no part that can be {said.word}")
+        raise _impossible(stated.text, f"{subject} has no part that can be {stated.word}")
     if part is None:
         raise UsageError(
-            f"{shortened(said.text)}: {said.word!r} needs a moving part",
-            hint=f"write {' or '.join(f'{subject}/{name} {said.word}' for name in able)}",
+            f"{shortened(stated.text)}: {stated.word!r} needs a moving part",
+            hint=f"write {' or '.join(f'{subject}/{name} {stated.word}' for name in able)}",
         )
     if part not in able:
-        raise UnknownName(f"part of {subject} that can be {said.word} in {shortened(said.text)}:", part, able)
+        raise UnknownName(f"part of {subject} that can be {stated.word} in {shortened(stated.text)}:", part, able)
 
 
-def require_sense(said: StatedGoal, asked: AskedGoal, arms: Collection[str]) -> None:
+def require_sense(stated: StatedGoal, asked: AskedGoal, arms: Collection[str]) -> None:
     """Check that a goal names an existing arm, and of the table only what can be a goal."""
     arm = asked.goal.reference if asked.goal.relation == "handed" else asked.arm
     if arm is not None and arm not in arms:
-        raise UnknownName(f"arm in {shortened(said.text)}:", arm, arms)
+        raise UnknownName(f"arm in {shortened(stated.text)}:", arm, arms)
     if asked.goal.reference == TABLE and asked.goal.relation != "on":
-        raise UsageError(f"{shortened(said.text)}: of the table only 'on' can be a goal")
+        raise UsageError(f"{shortened(stated.text)}: of the table only 'on' can be a goal")
 
 
-def require_place(told: Description, kinds: Mapping[str, CatalogueEntry]) -> None:
+def require_place(start: Description, kinds: Mapping[str, CatalogueEntry]) -> None:
     """Check that a thing that starts in or on another can be put there."""
-    if told.relation not in ("inside", "on") or told.reference == TABLE:
+    if start.relation not in ("inside", "on") or start.reference == TABLE:
         return
-    there = [("inside" if p.holds == "in" else "on", p.link) for p in kinds[told.reference].functional_points]
-    if (told.relation, told.part) not in there:
-        forms = [f"{word} {told.reference}{f'/{part}' if part else ''}" for word, part in dict.fromkeys(there)]
-        asked = f"{told.relation} {told.reference}{f'/{told.part}' if told.part else ''}"
-        raise _impossible(told.words, f"nothing can be {asked}; what can be: {listed(forms) or 'nothing'}")
+    there = [("inside" if p.holds == "in" else "on", p.link) for p in kinds[start.reference].functional_points]
+    if (start.relation, start.part) not in there:
+        forms = [f"{word} {start.reference}{f'/{part}' if part else ''}" for word, part in dict.fromkeys(there)]
+        asked = f"{start.relation} {start.reference}{f'/{start.part}' if start.part else ''}"
+        raise _impossible(start.words, f"nothing can be {asked}; what can be: {listed(forms) or 'nothing'}")
 
 
-def require_consistent(told: StatedTask, goals: Sequence[AskedGoal], descriptions: Sequence[Description]) -> None:
+def require_consistent(task: StatedTask, goals: Sequence[AskedGoal], descriptions: Sequence[Description]) -> None:
     """Check that no goal is stated twice or true before its turn, and that nothing contradicts the rest."""
     true = {_as_goal(one): 0 for one in descriptions if one.reference != TABLE}
-    for said, asked in zip(told.goals, goals, strict=True):
+    for stated, asked in zip(task.goals, goals, strict=True):
         goal, step = asked.goal, asked.step
         if true.get(goal) == step or (goal in true and goal.relation not in EVENTS):
             when = "at the start already" if not true[goal] else "said before"
-            raise UsageError(f"{shortened(said.text)} is {when}", hint="leave it out")
+            raise UsageError(f"{shortened(stated.text)} is {when}", hint="leave it out")
         true = {g: since for g, since in true.items() if since == step or not supersedes(goal, g)} | {goal: step}
     if found := inconsistencies(goals, descriptions):
         of_start = not inconsistencies(goals, [])

@@ -24,7 +24,7 @@ class Wish:
     number: int = 1
 
 
-def objects_of(told: StatedTask, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator) -> list[NamedObject]:
+def objects_of(task: StatedTask, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator) -> list[NamedObject]:
     """Return the objects of ``--objects``, or else those that the goals name and the tools that they need.
 
     Looks that are not asked for are drawn, different ones first. All have the role ``context``.
@@ -33,11 +33,11 @@ def objects_of(told: StatedTask, catalogue: Sequence[CatalogueEntry], rng: np.ra
         UnknownName: the catalogue has no such kind or look.
     """
     kinds = {entry.name: entry for entry in catalogue}
-    if told.objects is not None:
-        wishes = [_wish(name, kinds, "--objects") for count, name in told.objects for _ in range(count)]
+    if task.objects is not None:
+        wishes = [_wish(name, kinds, "--objects") for count, name in task.objects for _ in range(count)]
     else:
-        wishes = _named(told, kinds)
-        wishes += [Wish(tool, None) for tool in _tools(told, catalogue, [kinds[wish.kind] for wish in wishes])]
+        wishes = _named(task, kinds)
+        wishes += [Wish(tool, None) for tool in _tools(task, catalogue, [kinds[wish.kind] for wish in wishes])]
     taken = Counter((wish.kind, wish.look) for wish in wishes)
     chosen = []
     for wish in wishes:
@@ -63,7 +63,7 @@ def split_part(path: str, kinds: Mapping[str, CatalogueEntry], with_part: bool) 
     return (path, None) if is_look else ("/".join(head), last)
 
 
-def object_meant(name: str, objects: Sequence[NamedObject], said: StatedGoal) -> str:
+def object_meant(name: str, objects: Sequence[NamedObject], stated: StatedGoal) -> str:
     """Return the id of the object that a name means: an id, or a kind or ``kind/look`` that one object alone has.
 
     Raises:
@@ -75,22 +75,22 @@ def object_meant(name: str, objects: Sequence[NamedObject], said: StatedGoal) ->
     found = [o.id for o in objects if name in (o.asset, f"{o.asset}/{o.variant}")]
     if not found:
         hint = "add it to --objects, or take one of those listed"
-        raise UnknownName(f"object in {shortened(said.text)}:", name, [o.id for o in objects], hint)
+        raise UnknownName(f"object in {shortened(stated.text)}:", name, [o.id for o in objects], hint)
     if len(found) > 1:
         raise UsageError(
-            f"{name!r} in {shortened(said.text)} may mean {' or '.join(found)}",
+            f"{name!r} in {shortened(stated.text)} may mean {' or '.join(found)}",
             hint="name one of them",
             details={"name": name, "available": found},
         )
     return found[0]
 
 
-def _named(told: StatedTask, kinds: Mapping[str, CatalogueEntry]) -> list[Wish]:
+def _named(task: StatedTask, kinds: Mapping[str, CatalogueEntry]) -> list[Wish]:
     """Return one object for each name; a bare kind is the object of that kind to which another name gives a look."""
     wishes = dict.fromkeys(
-        _wish(split_part(path, kinds, with_part)[0], kinds, shortened(said.text))
-        for said in (*told.goals, *told.starts)
-        for path, with_part in said.names
+        _wish(split_part(path, kinds, with_part)[0], kinds, shortened(stated.text))
+        for stated in (*task.goals, *task.starts)
+        for path, with_part in stated.names
     )
     with_look = {wish.kind for wish in wishes if wish.look is not None}
     return [wish for wish in wishes if wish.look is not None or wish.kind not in with_look]
@@ -120,9 +120,9 @@ def _only_look(entry: CatalogueEntry) -> str | None:
     return entry.variants[0].id if len(entry.variants) == 1 else None
 
 
-def _tools(told: StatedTask, catalogue: Sequence[CatalogueEntry], there: Sequence[CatalogueEntry]) -> list[str]:
+def _tools(task: StatedTask, catalogue: Sequence[CatalogueEntry], there: Sequence[CatalogueEntry]) -> list[str]:
     """Return the scanner and the scale that goals need and nothing names: the first kind by name."""
-    words = {said.word for said in told.goals}
+    words = {stated.word for stated in task.goals}
     found = []
     for word in ("scanned", "weighed"):
         if word in words and not any(word in entry.tool_for for entry in there):

@@ -29,7 +29,7 @@ from vcage.tasks.task_wording import template_wordings
 
 
 def choose_stated(
-    told: StatedTask, instruction: str | None, template: SceneTemplate, context: StageContext, rng: np.random.Generator
+    task: StatedTask, instruction: str | None, template: SceneTemplate, context: StageContext, rng: np.random.Generator
 ) -> tuple[str, Chosen]:
     """Return the stated objects and goals, and the instruction, or without one a sentence that asks for the goals.
 
@@ -40,13 +40,13 @@ def choose_stated(
         NoFeasibleTask: its objects do not allow a goal.
         InfeasibleScene: an object does not fit into its place at the start.
     """
-    objects = objects_of(told, context.catalogue, rng)
-    goals, descriptions = _resolved(told, objects, context)
+    objects = objects_of(task, context.catalogue, rng)
+    goals, descriptions = _resolved(task, objects, context)
     kinds = entries_of(objects, context.catalogue)
     arms = load_robot(template.robot).arms
-    for said, one in zip(told.goals, goals, strict=True):
-        require_sense(said, one, arms)
-    require_consistent(told, goals, descriptions)
+    for stated, one in zip(task.goals, goals, strict=True):
+        require_sense(stated, one, arms)
+    require_consistent(task, goals, descriptions)
     objects = [replace(o, role=_role(o.id, kinds[o.id], [one.goal for one in goals])) for o in objects]
     for description in descriptions:
         require_place(description, kinds)
@@ -63,34 +63,36 @@ def choose_stated(
 
 
 def _resolved(
-    told: StatedTask, objects: Sequence[NamedObject], context: StageContext
+    task: StatedTask, objects: Sequence[NamedObject], context: StageContext
 ) -> tuple[list[AskedGoal], list[Description]]:
     """Return goals and start conditions about objects of the scene."""
     catalogue = {entry.name: entry for entry in context.catalogue}
     goals, descriptions = [], []
-    for said in told.goals:
-        place = _place(said, objects, catalogue)
-        require_part(said, place, catalogue[next(o.asset for o in objects if o.id == place["subject"])])
-        goals.append(AskedGoal(goal=Goal.model_validate(place), step=said.step, words=said.text, arm=said.arm))
-    for said in told.starts:
-        place = _place(said, objects, catalogue)
-        descriptions.append(Description.model_validate({**place, "words": said.text}))
+    for stated in task.goals:
+        place = _place(stated, objects, catalogue)
+        require_part(stated, place, catalogue[next(o.asset for o in objects if o.id == place["subject"])])
+        goals.append(AskedGoal(goal=Goal.model_validate(place), step=stated.step, words=stated.text, arm=stated.arm))
+    for stated in task.starts:
+        place = _place(stated, objects, catalogue)
+        descriptions.append(Description.model_validate({**place, "words": stated.text}))
     return goals, descriptions
 
 
 def _place(
-    said: StatedGoal, objects: Sequence[NamedObject], catalogue: Mapping[str, CatalogueEntry]
+    stated: StatedGoal, objects: Sequence[NamedObject], catalogue: Mapping[str, CatalogueEntry]
 ) -> dict[str, str | None]:
     """Return the fields that goals and start conditions share."""
     meant = []
-    for path, with_part in said.names:
+    for path, with_part in stated.names:
         name, part = split_part(path, catalogue, with_part)
-        meant.append((object_meant(name, objects, said), part))
+        meant.append((object_meant(name, objects, stated), part))
     (subject, own_part), *others = meant
-    reference, part = others[0] if others else (said.reference, own_part)
+    reference, part = others[0] if others else (stated.reference, own_part)
     if reference == subject:
-        raise UsageError(f"{shortened(said.text)}: {subject} cannot be {said.word} itself", hint="name another object")
-    return {"subject": subject, "relation": said.word, "reference": reference, "part": part}
+        raise UsageError(
+            f"{shortened(stated.text)}: {subject} cannot be {stated.word} itself", hint="name another object"
+        )
+    return {"subject": subject, "relation": stated.word, "reference": reference, "part": part}
 
 
 def _role(name: str, entry: CatalogueEntry, goals: Sequence[Goal]) -> Role:

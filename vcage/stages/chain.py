@@ -127,7 +127,7 @@ def _up_to_date(
 ) -> StageResult[Any]:
     """Run a stage, and make it again where it was made from other files than there are now.
 
-    Episodes and edited files are never lost that way, only where the stage itself is told to.
+    Episodes and edited files are never lost that way, only by --force of the stage itself.
     """
     try:
         return timed(stage, run, options, context, progress)

@@ -84,8 +84,8 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
     """Write ``inpaint/``: the plan L and the target picture.
 
     Raises:
-        ModelRefused: the reasoner was told what is wrong with its plan and found no better one in its rounds (the
-            message lists the complaints), or the editor refuses.
+        ModelRefused: the reasoner found no valid plan in its rounds (the message lists the complaints), or the editor
+            refuses.
         InputFileError: the picture that was given is none, or no edit of the source.
         InfeasibleScene: the offline editor cannot show every object in the planned layout.
     """
