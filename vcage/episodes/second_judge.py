@@ -11,9 +11,9 @@ from vcage.base.errors import AnswerNeeded
 from vcage.base.files import RunFolder
 from vcage.base.pictures import read_picture
 from vcage.base.progress import Progress
-from vcage.episodes.kept_pictures import by_moment
 from vcage.episodes.question import Asking, verdict
 from vcage.episodes.store import background_name
+from vcage.episodes.stored_pictures import by_moment
 from vcage.episodes.worlds import other_phrases, reworded
 from vcage.runs.context import StageContext
 from vcage.schema.episodes import Episodes, Verdict

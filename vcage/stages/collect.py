@@ -214,8 +214,8 @@ _Done = tuple[Episode, list[Attempt]]
 def _fill(store: EpisodeStore, wanted: Wanted, options: Options, context: StageContext, progress: Progress) -> None:
     """Run episodes until enough of each chain are accepted, or :data:`RUNS_PER_EPISODE` times as many were run.
 
-    An episode depends on its number alone, those of a chain are kept in the order of their numbers, and none is begun
-    that would not be needed if all that run are accepted: so the number of processes changes no file.
+    An episode depends on its number alone, those of a chain are stored in the order of their numbers, and none begins
+    that would not be needed if all running ones are accepted: so the number of processes changes no file.
     """
     running, finished = set[int](), dict[int, _Done]()
     crew = _crew(options, wanted.missing(store.episodes), context)
@@ -225,13 +225,13 @@ def _fill(store: EpisodeStore, wanted: Wanted, options: Options, context: StageC
             crew.submit(_Task(store.run.root, options, store.folder, number))
             running.add(number)
 
-    def keep() -> None:
+    def store_finished() -> None:
         """Add finished episodes to the store, each after those of its chain with lower numbers."""
-        kept = {episode.index for episode in store.episodes}
+        stored = {episode.index for episode in store.episodes}
         for number in sorted(finished):
-            if number < wanted.chains or number - wanted.chains in kept:
+            if number < wanted.chains or number - wanted.chains in stored:
                 store.add(*finished.pop(number))
-                kept.add(number)
+                stored.add(number)
 
     with crew:
         submit()
@@ -240,7 +240,7 @@ def _fill(store: EpisodeStore, wanted: Wanted, options: Options, context: StageC
         for done in crew.results():
             running.remove(done[0].index)
             finished[done[0].index] = done
-            keep()
+            store_finished()
             submit()
             if missing := wanted.missing(store.episodes):
                 progress(f"{len(store.episodes)} episodes run", wanted.total - missing, wanted.total)

@@ -15,10 +15,10 @@ from vcage.base.pictures import write_picture
 from vcage.base.progress import Progress, silent
 from vcage.episodes.decisions import DECISIONS, decided
 from vcage.episodes.differences import draw_difference
-from vcage.episodes.kept_pictures import by_moment, empty_table_of, of_same_attempt, scene_of, top_view
 from vcage.episodes.question import TOP, Asking, verdict
 from vcage.episodes.second_judge import JudgedStep, SecondJudge
 from vcage.episodes.store import confusion, log_path, read_log
+from vcage.episodes.stored_pictures import by_moment, empty_table_of, of_same_attempt, scene_of, top_view
 from vcage.episodes.worlds import other_phrases, reworded
 from vcage.runs.accepted import judged_steps
 from vcage.runs.context import StageContext
@@ -74,10 +74,10 @@ def execute(
 ) -> StageResult[Verdicts]:
     """Write ``verify/verdicts.json``: a verdict on every sub-task of the accepted episodes, and both critics counted.
 
-    With ``refused`` also on every other attempt of which pictures and truth are kept; else these are not asked about.
-    What the same critic said of the same pictures while they were collected is taken over, unless ``force`` asks for it
-    to look again; and what was decided by hand stays decided where there are other episodes by now. Where the two
-    critics differ, a picture in ``verify/differences`` shows what they looked at.
+    With ``refused`` also on every other attempt with stored pictures and truth; else these are not judged.
+    Verdicts of the same critic on the same pictures, from collecting, are taken over unless ``force`` is set. Decisions
+    by hand stay where there are other episodes by now. Where the two critics differ, a picture in
+    ``verify/differences`` shows what they looked at.
     """
     stage = job(run, options, context)
     earlier = None if options.force else _of_other_episodes(stage)
@@ -168,10 +168,10 @@ def _tried(run: RunFolder, verified: Iterable[JudgedStep] | None) -> list[_Tried
 
 def _countable(tried: Sequence[_Tried], judge: SecondJudge) -> list[_Tried]:
     """Return the attempts with stored pictures and truth, which count."""
-    kept = [(attempt, step) for attempt, step in tried if attempt.truth and judge.has_pictures(step)]
-    if tried and not kept:
+    found = [(attempt, step) for attempt, step in tried if attempt.truth and judge.has_pictures(step)]
+    if tried and not found:
         logger.warning("verify: none of %d judged attempts has stored pictures and truth: nothing to count", len(tried))
-    return kept
+    return found
 
 
 def _judged_as(attempt: Attempt, verdict: Verdict) -> Attempt:
@@ -180,12 +180,12 @@ def _judged_as(attempt: Attempt, verdict: Verdict) -> Attempt:
 
 def _differences(
     judge: SecondJudge,
-    kept: Iterable[_Tried],
+    counted: Iterable[_Tried],
     said: Mapping[tuple[str, ...], Verdict],
     folder: Path,
 ) -> Iterator[Difference]:
     """Record and draw every attempt on which the two verdicts differ."""
-    for attempt, step in kept:
+    for attempt, step in counted:
         verdict = said[step.pictures]
         if verdict.accepted == step.earlier.accepted:
             continue
