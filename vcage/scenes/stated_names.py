@@ -104,16 +104,18 @@ def _wish(name: str, kinds: Mapping[str, CatalogueEntry], where: str) -> Wish:
         if look not in looks:
             raise UnknownName(f"look of {kind} in {where}:", look, looks)
         return Wish(kind, look)
-    if name in kinds:
-        return Wish(name, _only_look(kinds[name]))
+    return Wish(name, _only_look(kinds[name])) if name in kinds else _wish_of_id(name, kinds, where)
+
+
+def _wish_of_id(name: str, kinds: Mapping[str, CatalogueEntry], where: str) -> Wish:
     ids = {f"{entry.name}_{v.id}": Wish(entry.name, v.id) for entry in kinds.values() for v in entry.variants}
     ids |= {entry.name: Wish(entry.name, look) for entry in kinds.values() if (look := _only_look(entry))}
     stem, _, number = name.rpartition("_")
-    if name not in ids and stem in ids and number.isdecimal():
-        return replace(ids[stem], number=int(number))
-    if name not in ids:
+    if name in ids:
+        return ids[name]
+    if stem not in ids or not number.isdecimal():
         raise UnknownName(f"object in {where}:", name, kinds)
-    return ids[name]
+    return replace(ids[stem], number=int(number))
 
 
 def _only_look(entry: CatalogueEntry) -> str | None:
