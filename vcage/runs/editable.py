@@ -76,6 +76,7 @@ class Editable(Generic[D]):
         Raises:
             InputFileError: what was edited is not possible or not to be edited: names file, field and expectation.
         """
+        was, record = written_record(path, self.document), self.document.read(path)
         for place, found, expected in changes(path):
             if not any(_covers(field.split("."), place) for field in ("edited", *self.fields)):
                 field = ".".join(place).removesuffix(".#")
@@ -83,7 +84,6 @@ class Editable(Generic[D]):
         beside = [name for name in files if name != path.name]
         for name in beside:
             self._require_picture(path.parent / name)
-        was, record = written_record(path, self.document), self.document.read(path)
         keep = frozenset([*beside, *edited_scripts(path)])
         record = self.accept(Edit(run, path, was, record, keep, folder, context))
         return record.model_copy(update={"edited": sorted({*was.edited, *files})})
