@@ -195,11 +195,11 @@ def test_an_attempt_that_lost_a_picture_is_left_out_and_counted(run, finished, m
     assert record.critic.judged == record.earlier_critic.judged == len(read_log(run.episodes.parent)) - 1
 
 
-def test_where_nothing_is_kept_that_is_said(run, finished, monkeypatch, caplog):
+def test_a_warning_says_that_no_attempt_has_stored_pictures(run, finished, monkeypatch, caplog):
     attempts = read_log(run.episodes.parent)
     write_log(run, [a.model_copy(update={"truth": None}) for a in attempts])
     told = verify.summary(judged_by(Says(False), run, finished, monkeypatch))
-    assert f"of none of {len(attempts)} judged attempts" in caplog.text
+    assert f"none of {len(attempts)} judged attempts" in caplog.text
     assert (told["critic"]["judged"], told["differ"], told["not_kept"]) == (0, 0, len(attempts))
     assert told["critic"]["recall"]["share"] is None
 
