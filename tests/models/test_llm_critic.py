@@ -10,13 +10,14 @@ import numpy as np
 import pytest
 
 from tests.models.tabletop import BOX, MARKERS, critic_question
+from vcage.goals import KINDS
+from vcage.goals.thresholds import THRESHOLDS
 from vcage.models import llm_critic
 from vcage.models.exchange import Question, Reply
 from vcage.models.llm_critic import Judgement, LlmCritic, _still, _verdict
 from vcage.models.structured import flat_schema
-from vcage.plans.thresholds import THRESHOLDS
 from vcage.schema.episodes import Failure, Verdict
-from vcage.schema.goals import OF_A_PART, OF_TWO, EventWord, Goal, StateWord
+from vcage.schema.goals import Goal
 from vcage.schema.subtasks import Statement
 
 PHRASES = {"box": "red box", "cabinet": "white cabinet"}
@@ -94,10 +95,10 @@ DEFINED = {
 """How the definition of a word begins."""
 
 
-@pytest.mark.parametrize("word", sorted({*get_args(StateWord), *get_args(EventWord)}))
+@pytest.mark.parametrize("word", sorted(KINDS))
 def test_the_words_that_are_asked_about_are_defined_and_no_others(word: str) -> None:
-    of_part = {"part": "lid"} if word in OF_A_PART else {}
-    of_two = {"reference": "left" if word == "handed" else "black-marker"} if word in OF_TWO else {}
+    of_part = {"part": "lid"} if KINDS[word].acts_on else {}
+    of_two = {"reference": "left" if word == "handed" else "black-marker"} if KINDS[word].refers_to else {}
     prompt = asked_about(Goal(subject="box", relation=word, **of_part, **of_two))
     begun = {start for start in {*DEFINED.values(), "On the table"} if f"\n- {start}" in prompt}
     assert begun == {DEFINED[word]} and "\n- Also moved: " in prompt

@@ -6,8 +6,8 @@ import pytest
 
 from tests.models.tabletop import PLATE, scene_of
 from vcage.base.errors import ConfigurationError, UnknownName
+from vcage.goals.thresholds import THRESHOLDS
 from vcage.models import prompts
-from vcage.plans.thresholds import THRESHOLDS
 
 
 def test_every_model_call_has_a_prompt() -> None:
@@ -22,7 +22,9 @@ def test_an_unknown_prompt_is_named() -> None:
         prompts.fill("nonsense")
 
 
-@pytest.mark.parametrize("values", [{}, {"instruction": "x", "things": {}, "lying": {}, "contents": [], "more": 1}])
+@pytest.mark.parametrize(
+    "values", [{}, dict.fromkeys(("instruction", "things", "lying", "contents", "forms", "more"), "x")]
+)
 def test_placeholders_and_values_must_be_the_same(values: dict[str, object]) -> None:
     with pytest.raises(ConfigurationError, match="placeholders"):
         prompts.fill("read_goals", **values)
@@ -39,12 +41,12 @@ def test_no_words_of_others_begin_a_line(end: str) -> None:
     filled = [
         prompts.fill("select_assets", instruction=said, scene=said, catalogue=[said], legend=said),
         prompts.fill("search_catalogue", instruction=said, scene=said, kinds=9, most=9),
-        prompts.fill("read_goals", instruction=said, things={}, lying={}, contents=[]),
+        prompts.fill("read_goals", instruction=said, things={}, lying={}, contents=[], forms=[[said]]),
         prompts.fill("review_goals", instruction=said, phrases={"mug": said}, lying={"mug": ""}, sentences=[said]),
         prompts.fill("judge_pairs", questions=[{**held[0], "holds": "in"}], instruction=said),
         prompts.fill(
             "judge_subtask", text=said, truths=[said], phrases={"mug": said}, pictures=[said], statements=[said],
-            words={"near"}, limits=THRESHOLDS, cone_rad=1.0, beside_m=0.1, near_m=0.2,
+            meanings=[[said]], limits=THRESHOLDS,
         ),
         prompts.fill("fill_slots", instruction=said, questions=[]),
         prompts.fill("rearrange", scene=scene, plan={"text": said}),

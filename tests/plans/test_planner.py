@@ -11,7 +11,7 @@ from unified_planning.engines.plan_validator import SequentialPlanValidator
 from unified_planning.plans import ActionInstance, SequentialPlan
 from unified_planning.shortcuts import BoolType, Fluent, InstantaneousAction, Not, Problem, get_environment
 
-from vcage.plans.actions import EVENTS, Action, State, overrides
+from vcage.plans.actions import Action, State, overrides
 from vcage.plans.planner import Task, complaints, find_chain
 from vcage.schema.goals import Goal
 
@@ -156,7 +156,7 @@ def _translated(action: Action, fluents: dict[Goal, Fluent]) -> InstantaneousAct
     for goal, fluent in fluents.items():
         if goal.reference is not None and goal.reference == action.moves:
             theirs.add_precondition(Not(fluent))
-        moved = action.moves is not None and goal.subject == action.moves and goal.relation not in EVENTS
+        moved = action.moves is not None and goal.subject == action.moves and not goal.kind.event
         if goal in action.adds:
             theirs.add_effect(fluent, True)
         elif moved or any(overrides(new, goal) for new in action.adds):

@@ -36,7 +36,7 @@ def test_what_lies_still_on_a_scale_for_a_second_is_weighed() -> None:
     world, watch = watched([thing(BAR, (0.3, 0.0)), thing(SCALE)], WEIGHED)
     on_scale(world, BAR)
     world.step(int(1.5 * PHYSICS_HZ))
-    assert watch.lasted(WEIGHED) >= 1.0
+    assert watch.lasted_s(WEIGHED) >= 1.0
     assert goals_hold([WEIGHED], watch.objects, watch).success
 
 
@@ -53,13 +53,13 @@ def test_with_something_else_on_the_scale_nothing_is_weighed() -> None:
     on_scale(world, BAR, -0.03)
     on_scale(world, "block", 0.06)
     world.step(2 * PHYSICS_HZ)
-    assert watch.lasted(WEIGHED) == 0
+    assert watch.lasted_s(WEIGHED) == 0
 
 
 def test_what_lies_on_the_table_is_not_weighed() -> None:
     world, watch = watched([thing(BAR, (0.3, 0.0)), thing(SCALE)], WEIGHED)
     world.step(2 * PHYSICS_HZ)
-    assert watch.lasted(WEIGHED) == 0
+    assert watch.lasted_s(WEIGHED) == 0
 
 
 @pytest.mark.parametrize(("seconds", "read"), [(0.5, True), (0.1, False)])
@@ -78,4 +78,4 @@ def test_what_happens_after_a_watch_has_stopped_is_not_seen() -> None:
     watch.stop()
     on_scale(world, BAR)
     world.step(2 * PHYSICS_HZ)
-    assert watch.lasted(WEIGHED) == 0
+    assert watch.lasted_s(WEIGHED) == 0

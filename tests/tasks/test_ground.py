@@ -12,13 +12,13 @@ from hypothesis import strategies as st
 
 from tests.example_scenes import GROUND, TABLE_TOP, thing
 from vcage.base.geometry import Pose, boxes_overlap
+from vcage.goals.presented import faces_customer, on_customers_half
 from vcage.plans.relations import holds
 from vcage.schema.goals import Goal
 from vcage.schema.plan import TABLE
 from vcage.sim.kinematics import kinematics_of
 from vcage.sim.robots import load_robot
 from vcage.tasks.grasps import grasp_poses
-from vcage.tasks.ground import faces_customer, on_customers_half
 
 PLATE = thing("plate", (0.0, 0.05))
 WORDS = ["left_of", "right_of", "in_front_of", "behind", "beside", "near"]

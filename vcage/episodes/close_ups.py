@@ -20,7 +20,7 @@ CODE, WINDOW = "code", "window"
 
 @dataclass(frozen=True)
 class CloseUpSettings:
-    """Where a camera looks at a face from.
+    """Places from which a camera looks at a face.
 
     Args:
         width, height: of the picture, pixels.

@@ -8,7 +8,7 @@ import numpy as np
 
 from vcage.base.geometry import Pose
 from vcage.episodes.close_ups import scan_cameras
-from vcage.episodes.question import AT_THE_MOMENT, TOP, cameras
+from vcage.episodes.question import TOP, cameras
 from vcage.schema.asset import PhysicalModel
 from vcage.schema.goals import Goal
 from vcage.schema.randomisation import Look
@@ -65,13 +65,13 @@ class Photographer:
             arm: whose wrist camera looks on, and the others only where the moment needs them; without one all look.
         """
         self.world.set_state(state)
-        wanted = arm is None or any(goal.relation in AT_THE_MOMENT for goal in goals)
+        wanted = arm is None or any(goal.kind.shown.moment for goal in goals)
         taken_by = cameras(self._scene, goals) if wanted else {}
         of_robot = robot_cameras(self.world)
         arms = {name: self._robot.cameras[name].arm for name in of_robot}
         taken_by |= {name: c for name, c in of_robot.items() if arms[name] and arm in (None, arms[name])}
         for goal in goals if arm is not None else ():
-            if goal.relation == "scanned":
+            if goal.kind.shown.close_up:
                 taken_by |= scan_cameras(self.world, self._objects, goal.subject)
         return {name: shoot(self.world, camera) for name, camera in taken_by.items()}
 

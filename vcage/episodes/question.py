@@ -1,4 +1,4 @@
-"""What the critic is asked after a sub-task: from which cameras it looks on, and what it is told of the scene."""
+"""The question to the critic after a sub-task: its cameras, and what it is told of the scene."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ import numpy as np
 
 from vcage.base.errors import InputFileError
 from vcage.base.geometry import Camera, Pose, box_corners, look_at
+from vcage.goals.presented import TOWARDS_CUSTOMER
 from vcage.models.protocols import THIN_SUPPORT_M, CriticQuestion
 from vcage.plans.actions import HOLDING
 from vcage.runs.context import StageContext
 from vcage.schema.episodes import Verdict
-from vcage.schema.goals import OF_A_PART, Goal
+from vcage.schema.goals import Goal
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Statement, Subtask
 from vcage.sim.drawer import Drawing, Window
 from vcage.sim.joints import link_poses
-from vcage.tasks.ground import TOWARDS_CUSTOMER
 from vcage.tasks.reading import reading_poses
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.setting import Seen
@@ -28,16 +28,10 @@ from vcage.vision.protocols import Reference, View
 TOP, CUSTOMER = "top", "customer"
 """The scene's camera above the table, and one where the customer stands."""
 
-FROM_CUSTOMER = {"presented", "scanned", "handed"}
-"""Goals that are told from the customer's side: fronts, bar codes and what is in the air are not told from above."""
-
-AT_THE_MOMENT = {"pressed", "scanned", "weighed", "handed"}
-"""Goals that are told by what those cameras see at the moment, and not only the wrist's."""
-
 
 @dataclass(frozen=True)
 class CameraSettings:
-    """Where the critic looks from the customer's side, and when.
+    """The camera on the customer's side, and when it is used.
 
     Args:
         covered_share: share of a support's area, from above, that an object on it may cover before the customer's
@@ -62,12 +56,12 @@ SETTINGS = CameraSettings()
 def cameras(scene: Scene, goals: Collection[Goal]) -> dict[str, Camera]:
     """The cameras through which the critic looks at a sub-task, by name; their calibration is known."""
     found = {TOP: scene.top_camera.camera()}
-    if any(goal.relation in FROM_CUSTOMER or _hides_its_support(scene, goal) for goal in goals):
+    if any(goal.kind.shown.customer or _hides_its_support(scene, goal) for goal in goals):
         (x, y), height = scene.table.rectangle.mean(axis=0), scene.table.height
         edge = np.array([x, y, height]) + TOWARDS_CUSTOMER * scene.table.size[1] / 2
         eye = edge + TOWARDS_CUSTOMER * SETTINGS.away_m + np.array([0.0, 0.0, SETTINGS.above_m])
         top = scene.top_camera
-        at = [x, y, height + SETTINGS.in_the_air_m * any(goal.relation == "handed" for goal in goals)]
+        at = [x, y, height + SETTINGS.in_the_air_m * any(goal.kind.shown.in_the_air for goal in goals)]
         found[CUSTOMER] = Camera(top.width, top.height, SETTINGS.fovy_rad, look_at(eye, at, up=(0, 0, 1)))
     return found
 
@@ -84,7 +78,7 @@ def _hides_its_support(scene: Scene, goal: Goal) -> bool:
 
 @dataclass(frozen=True)
 class Asking:
-    """What a critic is asked about a sub-task, but for what follows from the scene.
+    """The question about a sub-task, but for what follows from the scene.
 
     Args:
         text, goals: the sub-task in words and in the closed vocabulary.
@@ -122,7 +116,7 @@ class Asking:
 
 
 def verdict(context: StageContext, scene: Scene, asking: Asking) -> Verdict:
-    """What the critic says about one sub-task.
+    """Ask the critic about one sub-task.
 
     Args:
         context: with the critic, and how the objects look.
@@ -203,7 +197,7 @@ def _part_looks(
     """Reference views of each object with a part that a goal names, as it looks before, by id."""
     found = {}
     for goal in goals:
-        if goal.relation in OF_A_PART and goal.part is not None:
+        if goal.kind.acts_on is not None and goal.part is not None:
             own = [goal.part] if goal.relation == "closed" else []
             found[goal.subject] = context.look(scene.object(goal.subject), [*opened.get(goal.subject, ()), *own])
     return found

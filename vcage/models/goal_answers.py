@@ -7,10 +7,11 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 from vcage.base.text import listed, one_line
+from vcage.goals import KINDS, words
 from vcage.models.structured import Answer, narrowed, one_of, one_or_none
 from vcage.plans.relations import DIRECTIONS
 from vcage.schema.asset import CatalogueEntry
-from vcage.schema.goals import OF_A_PART, OF_TWO, AskedGoal, Description, GoalWord, Reading, RelationWord, goal_of
+from vcage.schema.goals import AskedGoal, Description, Reading, RelationWord, goal_of
 from vcage.schema.plan import TABLE
 
 ARMS = ("left", "right")
@@ -47,7 +48,7 @@ class Instructed:
 class ReadGoal(Answer):
     """A goal as it is answered; a name that is left out is empty."""
 
-    relation: GoalWord
+    relation: str
     subject: str
     reference: str
     part: str
@@ -82,6 +83,7 @@ def answer_type(read: Instructed) -> type[GoalsAnswer]:
     parts = one_or_none(sorted({part for entry in read.things.values() for part in entry.moving_parts}))
     goal = narrowed(
         ReadGoal,
+        relation=one_of(words()),
         subject=one_of(names),
         reference=one_or_none([*dict.fromkeys([TABLE, *ARMS, *names])]),
         part=parts,
@@ -115,16 +117,17 @@ def misshapen(answer: GoalsAnswer, read: Instructed) -> list[str]:
 
 def _wrong_goal(goal: ReadGoal, untouched: Collection[str], read: Instructed) -> list[str]:
     found = _wrong_words(goal.words, read.instruction)
-    owner = goal.subject if goal.relation in OF_A_PART else goal.reference
+    kind = KINDS[goal.relation]
+    owner = goal.subject if kind.part_of == "subject" else goal.reference
     if goal.step < 1:
         found.append(f"step counts from 1, got {goal.step}")
-    if (goal.relation in OF_TWO) != bool(goal.reference):
-        found.append(f"{goal.relation!r} takes {'a' if goal.relation in OF_TWO else 'no'} reference")
-    elif (goal.relation == "handed") != (goal.reference in ARMS):
+    if (kind.refers_to is not None) != bool(goal.reference):
+        found.append(f"{goal.relation!r} takes {'a' if kind.refers_to else 'no'} reference")
+    elif (kind.refers_to == "arm") != (goal.reference in ARMS):
         found.append(f"{goal.reference!r} is no reference for {goal.relation!r}")
-    if goal.relation in OF_A_PART and not goal.part:
+    if kind.acts_on is not None and not goal.part:
         found.append(f"{goal.relation!r} needs the part")
-    if goal.part and goal.relation not in (*OF_A_PART, "inside", "on"):
+    if goal.part and kind.part_of is None:
         found.append(f"{goal.relation!r} takes no part")
     elif goal.part:
         found += _wrong_part(owner, goal.part, read)

@@ -5,36 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from vcage.base.words import SIDES, WHICH_PART
+from vcage.goals import KINDS
+from vcage.schema.goals import Goal
 
-SAYS: Mapping[str, frozenset[str]] = {
-    word: frozenset(said.split())
-    for word, said in {
-        "inside": "in into inside within",
-        "on": "on onto upon top",
-        "left_of": "left",
-        "right_of": "right",
-        "in_front_of": "front before",
-        "behind": "behind back rear",
-        "beside": "beside next side alongside",
-        "near": "near nearby close far",
-        "open": "open opened",
-        "closed": "close closed shut back",
-        "pressed": "press pressed push hit",
-        "turned": "turn turned rotate rotated twist swing",
-        "weighed": "weigh weighs weighed weight heavy",
-        "scanned": "scan scanned scanner code",
-        "presented": "customer show present turn front before hand",
-        "back": "back return returned stood before",
-        "handed": "hand handed pass give transfer arm hands",
-    }.items()
-}
-"""The words that say a goal: one of them must stand in a sentence that asks for it."""
 
-ASKS_MORE = frozenset(
-    (*SIDES, "behind", "open", "opened", "close", "closed", "shut", "press", "pressed", "turn", "turned", "rotate",
-     "rotated", "twist", "weigh", "weighs", "weighed", "scan", "scanned", "customer", "show", "return", "returned")
-)  # fmt: skip
-"""Words of goals and sides that may stand only where something that is asked for is said so."""
+def says(goal: Goal) -> frozenset[str]:
+    """The words that say a goal: one of them must stand in a sentence that asks for it."""
+    return frozenset(goal.kind.says.split())
+
+
+def claimed() -> frozenset[str]:
+    """Words of goals and sides that may stand only where something that is asked for is said so."""
+    return frozenset(SIDES).union(*(kind.claims.split() for kind in KINDS.values()))
+
 
 IN_ORDER = frozenset(("then", "afterwards", "afterward", "finally", "followed"))
 FIRST = frozenset(("first", "last", "lastly"))

@@ -9,16 +9,14 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
+from vcage.goals import meanings
+from vcage.goals.thresholds import THRESHOLDS
 from vcage.models import prompts
 from vcage.models.exchange import Answerer
 from vcage.models.protocols import CriticQuestion
 from vcage.models.structured import Answer, ask, narrowed, one_of
 from vcage.plans.plain_words import goal_in_words
-from vcage.plans.relations import BESIDE_GAP, CONE, DIRECTIONS, NEAR_GAP
-from vcage.plans.thresholds import THRESHOLDS
 from vcage.schema.episodes import Failure, Verdict
-from vcage.schema.goals import Goal
-from vcage.schema.plan import TABLE
 from vcage.schema.subtasks import Statement
 from vcage.vision.protocols import Reference
 
@@ -55,35 +53,37 @@ class LlmCritic:
         Raises:
             ModelRefused, AnswerNeeded, EndpointFailed, ConfigurationError: see :func:`vcage.models.structured.ask`.
         """
-        named = []
-        for when in ("start", "before", "moment", "after"):
-            shown = {name: view.picture for name, view in getattr(question, when).items()}
-            for by_camera in (shown, question.uncalibrated.get(when, {})):
-                named += [(f"{when}, camera {name}", by_camera[name]) for name in sorted(by_camera)]
-        concerned = dict.fromkeys(name for goal in question.goals for name in (goal.subject, goal.reference))
-        shown = [question.references[name] for name in concerned if name in question.references]
-        named += [(f"the {look.phrase} alone, from above", _on_white(look)) for look in shown]
         phrases = {object_id: reference.phrase for object_id, reference in question.references.items()}
+        pictures = _pictures(question)
         prompt = prompts.fill(
             "judge_subtask",
             text=question.text,
             truths=[goal_in_words(goal, phrases) for goal in question.goals],
-            words={_defined(goal) for goal in question.goals},
+            meanings=meanings(question.goals, THRESHOLDS),
             limits=THRESHOLDS,
-            cone_rad=CONE,
-            beside_m=BESIDE_GAP,
-            near_m=NEAR_GAP,
             phrases=phrases,
-            pictures=[name for name, _ in named],
+            pictures=[name for name, _ in pictures],
             statements=[_still(statement, phrases) for statement in question.statements],
         )
         answer = narrowed(Judgement, also_moved=list[one_of(list(phrases))])  # pyrefly: ignore
         handled = {goal.subject for goal in question.goals} | {question.grasped}
-        said: list[Judgement] = []
-        while not _decided(said, self._votes):
-            vote = {"pictures": named, "complaints": partial(_complaints, handled), "vote": len(said) + 1}
-            said.append(ask(self._who, "critic", prompt, answer, **vote))
-        return _verdict(said, self.provider, phrases)
+        votes: list[Judgement] = []
+        while not _decided(votes, self._votes):
+            asking = {"pictures": pictures, "complaints": partial(_complaints, handled), "vote": len(votes) + 1}
+            votes.append(ask(self._who, "critic", prompt, answer, **asking))
+        return _verdict(votes, self.provider, phrases)
+
+
+def _pictures(question: CriticQuestion) -> list[tuple[str, np.ndarray]]:
+    """All pictures in the order in which the prompt names them, and last what the goals' objects look like alone."""
+    found: list[tuple[str, np.ndarray]] = []
+    for when in ("start", "before", "moment", "after"):
+        calibrated = {name: view.picture for name, view in getattr(question, when).items()}
+        for by_camera in (calibrated, question.uncalibrated.get(when, {})):
+            found += [(f"{when}, camera {name}", by_camera[name]) for name in sorted(by_camera)]
+    concerned = dict.fromkeys(name for goal in question.goals for name in (goal.subject, goal.reference))
+    looks = [question.references[name] for name in concerned if name in question.references]
+    return found + [(f"the {look.phrase} alone, from above", _on_white(look)) for look in looks]
 
 
 def _is_yes(judgement: Judgement) -> bool:
@@ -98,7 +98,7 @@ def _decided(said: Sequence[Judgement], votes: int) -> bool:
 
 
 def _verdict(said: Sequence[Judgement], provider: str, phrases: Mapping[str, str]) -> Verdict:
-    """What the votes come to, in the words of the first one on the side that won."""
+    """The verdict of the votes, in the words of the first one on the side that won."""
     yes = [judgement for judgement in said if _is_yes(judgement)]
     accepted = 2 * len(yes) > len(said)
     won = yes if accepted else [judgement for judgement in said if not _is_yes(judgement)]
@@ -120,13 +120,6 @@ def _failure(judgement: Judgement) -> Failure | None:
     if judgement.done != "yes" and judgement.failure not in ("none", "other"):
         return judgement.failure
     return "disturbed" if judgement.also_moved else None
-
-
-def _defined(goal: Goal) -> str:
-    """The word of the prompt's definition of a goal."""
-    if goal.relation in DIRECTIONS:
-        return "towards"
-    return "on_table" if goal.reference == TABLE else goal.relation
 
 
 def _still(statement: Statement, phrases: Mapping[str, str]) -> str:

@@ -6,6 +6,7 @@ Three checks follow an answer: by code, by a reader without a model where it rea
 from __future__ import annotations
 
 from vcage.base.errors import UnreadInstruction
+from vcage.goals import forms
 from vcage.models import prompts
 from vcage.models.goal_answers import GoalsAnswer, Instructed, answer_type, misshapen, reading_of
 from vcage.models.same_reading import ThirdReader, contradictions
@@ -40,6 +41,7 @@ def read_goals(ask: Asking, read: Instructed, reviewer: Asking | None, third: Th
         things=dict(read.things),
         lying=dict(read.lying),
         contents=list(read.moved),
+        forms=forms(),
     )
     found = ask(prompt, answer_type(read), lambda a: _complaints(a, read, reviewer, third))
     if found.unread or found.wrong_objects:

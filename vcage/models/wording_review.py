@@ -10,21 +10,21 @@ from typing import TYPE_CHECKING
 from vcage.base.text import listed
 from vcage.base.words import COLOURS, NUMBERS, SIDES
 from vcage.models.goal_words import (
-    ASKS_MORE,
     FIRST,
     FROM,
     IN_ORDER,
     LIES,
     NOT,
-    SAYS,
     VERB_TO_PART_WORDS,
     WITHIN,
+    claimed,
     levels,
+    says,
 )
 from vcage.models.quantifiers import quantified
 from vcage.objects.mentions import names_in
 from vcage.objects.scene_names import Mention, words_of
-from vcage.schema.goals import OF_TWO, AskedGoal, Description, Goal, in_steps, part_words
+from vcage.schema.goals import AskedGoal, Description, Goal, in_steps, part_words
 from vcage.schema.plan import TABLE
 
 if TYPE_CHECKING:
@@ -74,12 +74,12 @@ class Review:
     # --- what is asked for -----------------------------------------------------------------------------
 
     def _unsaid(self, asked: AskedGoal) -> Iterator[str]:
-        goal, says = asked.goal, SAYS[asked.goal.relation]
+        goal, words = asked.goal, says(asked.goal)
         if not self._mentions_of(goal.subject):
             yield f"names no {self._task.phrases[goal.subject]}, of which {str(goal)!r} is asked"
-        elif not any(says & {*span} for span in self._spans(goal)):
-            yield f"does not say {str(goal)!r} in one of the words {listed(sorted(says))}"
-        elif goal.relation == "handed" and goal.reference not in self._loose:
+        elif not any(words & {*span} for span in self._spans(goal)):
+            yield f"does not say {str(goal)!r} in one of the words {listed(sorted(words))}"
+        elif goal.kind.refers_to == "arm" and goal.reference not in self._loose:
             yield f"does not say that the {goal.reference} arm has it then"
         if goal.part is not None and not self._says_part(goal, part_words(goal.part)):
             yield f"does not say which part: the {part_words(goal.part)}"
@@ -149,10 +149,10 @@ class Review:
 
     def _verbs(self, goal: Goal) -> list[int]:
         """Places of the words that say a goal and are no part of a name."""
-        return [n for n, word in enumerate(self._said) if word in SAYS[goal.relation] and n not in self._taken]
+        return [n for n, word in enumerate(self._said) if word in says(goal) and n not in self._taken]
 
     def _next_place(self, mention: Mention) -> tuple[int, frozenset[str]]:
-        """Where the place after a mention begins, and its ids; of the last one before where none follows."""
+        """The start and ids of the place after a mention; of the last one before where none follows."""
         after = [place for place in self._places if place[0] >= mention.end and place[1] != mention.ids]
         if after:
             return after[0]
@@ -183,9 +183,9 @@ class Review:
 
     def _loose_words(self) -> Iterator[str]:
         """Complaints about words outside names that no goal or description allows."""
-        allowed = self._allowed()
+        allowed, bound = self._allowed(), claimed()
         for word in sorted(self._loose):
-            if word in ASKS_MORE and word not in allowed:
+            if word in bound and word not in allowed:
                 yield f"{word!r} is not asked for"
             elif word in COLOURS or (word in NUMBERS and word not in ("a", "an")):
                 yield f"{word!r} says nothing of an object that is named"
@@ -194,13 +194,13 @@ class Review:
 
     def _armed(self) -> set[str]:
         """The arms that the task speaks of."""
-        handed = {asked.goal.reference for asked in self._task.goals if asked.goal.relation == "handed"}
+        handed = {asked.goal.reference for asked in self._task.goals if asked.goal.kind.refers_to == "arm"}
         return {arm for arm in {asked.arm for asked in self._task.goals} | handed if arm is not None}
 
     def _allowed(self) -> set[str]:
         """Words of goals, sides and levels that something is asked for in, or described by."""
         goals = [asked.goal for asked in self._task.goals]
-        found = {word for goal in goals for word in SAYS[goal.relation]} | self._armed()
+        found = {word for goal in goals for word in says(goal)} | self._armed()
         for goal in goals:
             found |= {*part_words(goal.part).split()} if goal.part else set()
         for told in self._task.descriptions:
@@ -222,7 +222,7 @@ class Review:
     def _place(self, goal: Goal) -> int:
         """Place of the word by which the sentence asks for a goal."""
         own = [mention.start for mention in self._mentions_of(goal.subject)]
-        return min(own if goal.relation in OF_TWO else self._verbs(goal), default=0)
+        return min(own if goal.kind.refers_to is not None else self._verbs(goal), default=0)
 
     def _other_range(self) -> Iterator[str]:
         ranging, subjects = self._task.ranges_over(self._sentence), {a.goal.subject for a in self._task.goals}

@@ -14,7 +14,7 @@ from vcage.objects.mentions import full_names
 from vcage.objects.scene_names import SceneNames
 from vcage.plans.actions import HOLDING
 from vcage.schema.asset import CatalogueEntry
-from vcage.schema.goals import OF_A_PART, AskedGoal, Description, Goal, named_by
+from vcage.schema.goals import AskedGoal, Description, Goal, named_by
 
 MAX_CHARACTERS = 300
 """Characters of a sentence at most."""
@@ -93,7 +93,7 @@ class TaskToWord:
         lying = {d.subject: d for d in self.descriptions if d.relation in HOLDING and d.reference in self.things}
         first: dict[str, Goal] = {}
         for asked in sorted(self.goals, key=lambda a: a.step):
-            if asked.goal.relation not in OF_A_PART:
+            if asked.goal.kind.acts_on is None:
                 first.setdefault(asked.goal.subject, asked.goal)
         return {goal: lying[name] for name, goal in first.items() if name in lying}
 

@@ -1,4 +1,4 @@
-"""What sub-tasks do to the truth of goals: a small STRIPS world (Fikes and Nilsson, 1971) whose facts are goals.
+"""Effects of sub-tasks on the truth of goals: a small STRIPS world (Fikes and Nilsson, 1971) whose facts are goals.
 
 A state is the set of goals that are true. What makes one true makes others false: a thing is in one place at a time, a
 part is open or closed.
@@ -8,14 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
-from typing import get_args
 
-from vcage.schema.goals import Description, EventWord, Goal
+from vcage.goals import KINDS
+from vcage.schema.goals import Description, Goal
 
 State = frozenset[Goal]
-EVENTS: tuple[EventWord, ...] = get_args(EventWord)
 HOLDING = ("inside", "on")
-_OPPOSITE = {"open": "closed", "closed": "open"}
+"""Words that say what an object lies in or stands on, of goals and of relations."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +53,7 @@ class Action:
         kept = (g for g in state if not any(overrides(new, g) for new in self.adds))
         if self.moves is not None:
             moved = {self.moves, *self._carried(state)}
-            kept = (g for g in kept if g.relation in EVENTS or not moved & {*_placed(g)} or _within(g, moved))
+            kept = (g for g in kept if g.kind.event or not moved & {*_placed(g)} or _within(g, moved))
         return self.adds.union(kept)
 
     def _carried(self, state: State) -> set[str]:
@@ -79,31 +78,37 @@ def _within(goal: Goal, moved: set[str]) -> bool:
 
 def _placed(goal: Goal) -> tuple[str | None, ...]:
     """The objects whose places make a goal true."""
-    return () if goal.relation in _OPPOSITE else (goal.subject, goal.reference)
+    return () if _opposite(goal) is not None else (goal.subject, goal.reference)
 
 
 def overrides(new: Goal | Description, old: Goal | Description) -> bool:
-    """Whether ``new`` cannot be true together with ``old``."""
+    """True where ``new`` cannot be true together with ``old``."""
     if new == old or new.subject != old.subject:
         return False
-    if new.relation in _OPPOSITE:
-        return old.relation == _OPPOSITE[new.relation] and old.part == new.part
+    opposite = _opposite(new)
+    if opposite is not None:
+        return old.relation == opposite and old.part == new.part
     return new.relation in HOLDING and old.relation in HOLDING
 
 
 def supersedes(later: Goal, goal: Goal) -> bool:
-    """Whether a goal that is asked for later excuses an earlier one of the same thing from being true at the end."""
-    if later.subject != goal.subject or goal.relation in EVENTS:
+    """True where a goal that is asked for later excuses an earlier one of the same thing from being true at the end."""
+    if later.subject != goal.subject or goal.kind.event:
         return False
-    if goal.relation in _OPPOSITE:
-        return later.relation in _OPPOSITE and later.part == goal.part
-    return later.relation not in EVENTS and later.relation not in _OPPOSITE
+    if _opposite(goal) is not None:
+        return _opposite(later) is not None and later.part == goal.part
+    return not later.kind.event and _opposite(later) is None
+
+
+def _opposite(stated: Goal | Description) -> str | None:
+    """The word that is true of a part where this one is false; None of a place, which has no opposite."""
+    return KINDS[stated.relation].opposite if stated.relation in KINDS else None
 
 
 def open_at_start(steps: Iterable[Collection[Goal]]) -> set[tuple[str, str]]:
     """(object, part) of every part that is to be closed before anything opens it: it must be open then."""
     first: dict[tuple[str, str], str] = {}
-    for goal in (goal for step in steps for goal in step if goal.relation in _OPPOSITE and goal.part is not None):
+    for goal in (goal for step in steps for goal in step if _opposite(goal) is not None and goal.part is not None):
         first.setdefault((goal.subject, str(goal.part)), goal.relation)
     return {part for part, word in first.items() if word == "closed"}
 
@@ -113,4 +118,4 @@ def lasting(steps: Iterable[Collection[Goal]]) -> list[Goal]:
     found: list[Goal] = []
     for step in steps:
         found = [g for g in found if not any(supersedes(later, g) for later in step)] + sorted(step, key=str)
-    return [goal for goal in found if goal.relation not in EVENTS]
+    return [goal for goal in found if not goal.kind.event]

@@ -1,4 +1,4 @@
-"""Whether a layout plan can be true at all: names, circles, supports, centres.
+"""Contradictions in a layout plan: names, circles, supports, centres.
 
 Every complaint is a sentence that a reasoner can act on. What the sizes of objects allow is the matter of
 :mod:`vcage.layout.capacities`.
@@ -21,10 +21,10 @@ MOST_COMPLAINTS = 20
 """A reasoner is told so many at once."""
 
 PlanCheck = Callable[[LayoutPlan], list[str]]
-"""What is wrong with a plan, one sentence each; empty when nothing is."""
+"""Complaints about a plan, one sentence each; empty when nothing is wrong."""
 
 SizeCheck = Callable[[Sequence[Relation]], list[str]]
-"""What sizes rule out of relations, one sentence each (:func:`vcage.layout.capacities.size_complaints`)."""
+"""Relations that sizes rule out, one sentence each (:func:`vcage.layout.capacities.size_complaints`)."""
 
 AXES: tuple[tuple[str, RelationWord, RelationWord], ...] = (
     ("left of", "left_of", "right_of"),
@@ -34,7 +34,7 @@ AXES: tuple[tuple[str, RelationWord, RelationWord], ...] = (
 
 
 def plan_complaints(plan: LayoutPlan, scene: Scene, sizes: SizeCheck | None = None) -> list[str]:
-    """What makes a plan unusable for a scene; empty when it may be possible.
+    """Complaints that make a plan unusable for a scene; empty when it may be possible.
 
     Args:
         plan: text and relations.
@@ -89,7 +89,7 @@ def _stowed(relations: Sequence[Relation], scene: Scene) -> list[str]:
 
 
 def contradictions(relations: Sequence[Relation]) -> list[str]:
-    """What cannot be true at once in a plan, one sentence each; empty for a plan that may be possible.
+    """Contradictions in a plan, one sentence each; empty for a plan that may be possible.
 
     Finds relations to oneself or of the table, circles (a left of b left of c left of a, also through what things lie
     in), objects in or on two things, in something and next to it, two objects in one centre, one object in two thirds
@@ -121,7 +121,7 @@ def containments(relations: Sequence[Relation]) -> list[Relation]:
 
 
 def supports_in(relations: Sequence[Relation]) -> dict[str, str]:
-    """What each object lies in or on, the first that is named; nothing of a plan with a circle."""
+    """The support of each object, the first that is named; empty for a plan with a circle."""
     pairs = [(r.subject, r.reference) for r in containments(relations)]
     return {} if circles(pairs) else dict(reversed(pairs))
 
@@ -249,7 +249,7 @@ def order_along(
 
 
 def _siblings(a: str, b: str, supports: Mapping[str, str]) -> tuple[str, str]:
-    """What ``a`` and ``b`` lie in, or they, such that both stand on the same thing; equal if one is in the other."""
+    """The supports of ``a`` and ``b``, or they, that stand on the same thing; equal if one is in the other."""
     up_a, up_b = _above(a, supports)[::-1], _above(b, supports)[::-1]
     if up_a[0] != up_b[0]:
         return up_a[0], up_b[0]

@@ -1,4 +1,4 @@
-"""How much of a plan a layout keeps: the one metric for every stage, benchmark and report.
+"""The share of a plan that a layout keeps: the one metric for every stage, benchmark and report.
 
 When a relation holds is the matter of :mod:`vcage.plans.relations`, whether a plan can be true at all that of
 :mod:`vcage.plans.check`.
@@ -19,7 +19,7 @@ from vcage.schema.scene import Scene
 
 @dataclass(frozen=True)
 class Kept:
-    """How much of a plan a layout keeps: the share in [0, 1], and the relations that do not hold."""
+    """The share of a plan that a layout keeps, in [0, 1], and the relations that do not hold."""
 
     share: float
     broken: list[Relation]
@@ -31,7 +31,7 @@ class Kept:
 
 
 def relations_kept(relations: Sequence[Relation], aabbs: Mapping[str, ArrayLike], ground: ArrayLike) -> Kept:
-    """Which of a plan's relations hold among the world boxes (2, 3) by object id; 1.0 of a plan without any.
+    """Measure which of a plan's relations hold among world boxes (2, 3); the share is 1 for a plan without any.
 
     Args:
         relations: of the plan.

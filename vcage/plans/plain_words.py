@@ -4,21 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from vcage.schema.goals import AskedGoal, Description, Goal, Reading, RelationWord, part_words
+from vcage.schema.goals import AskedGoal, Description, Goal, Reading, part_words
 from vcage.schema.plan import TABLE
 
-_BETWEEN: Mapping[RelationWord, str] = {
+_BETWEEN: Mapping[str, str] = {
     "inside": "inside", "on": "on", "left_of": "to the left of", "right_of": "to the right of",
     "in_front_of": "in front of", "behind": "behind", "beside": "beside", "near": "near",
     "center": "in the middle of",
 }  # fmt: skip
-_ON_TABLE: Mapping[RelationWord, str] = {
+_ON_TABLE: Mapping[str, str] = {
     "on": "on", "left_of": "on the left of", "right_of": "on the right of", "in_front_of": "at the front of",
     "behind": "at the back of", "center": "in the middle of",
 }  # fmt: skip
 
 
-def relation_in_words(word: RelationWord, reference: str, phrases: Mapping[str, str], part: str | None = None) -> str:
+def relation_in_words(word: str, reference: str, phrases: Mapping[str, str], part: str | None = None) -> str:
     """A relation and its reference as a person says it: ``to the left of the blue plate``.
 
     Args:
@@ -40,21 +40,14 @@ def in_words(description: Description, phrases: Mapping[str, str]) -> str:
     return f"the {phrases.get(d.subject, d.subject)} is {where}"
 
 
-_DONE: Mapping[str, str] = {
-    "open": "is open", "closed": "is closed", "pressed": "was pressed", "turned": "was turned",
-    "back": "is back where it stood", "scanned": "was scanned", "weighed": "was weighed",
-    "presented": "was shown to the customer",
-}  # fmt: skip
-
-
 def goal_in_words(goal: Goal, phrases: Mapping[str, str]) -> str:
     """A goal as a sentence without its full stop: ``the red marker is inside the top drawer of the cabinet``."""
-    thing = f"the {phrases.get(goal.subject, goal.subject)}"
-    if goal.relation == "handed":
-        return f"{thing} was handed to the {goal.reference} arm"
-    if goal.relation in _DONE:
-        return f"{f'the {part_words(goal.part)} of ' if goal.part else ''}{thing} {_DONE[goal.relation]}"
-    return f"{thing} is {relation_in_words(goal.relation, str(goal.reference), phrases, goal.part)}"  # pyrefly: ignore
+    thing, where = f"the {phrases.get(goal.subject, goal.subject)}", ""
+    if goal.kind.refers_to == "object":
+        where = relation_in_words(goal.relation, str(goal.reference), phrases, goal.part)
+    elif goal.part is not None:
+        thing = f"the {part_words(goal.part)} of {thing}"
+    return goal.kind.plain.format(thing=thing, where=where, reference=goal.reference)
 
 
 def reading_in_words(reading: Reading, phrases: Mapping[str, str]) -> list[str]:

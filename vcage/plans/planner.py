@@ -21,7 +21,7 @@ MOST_STATES = 200_000
 
 @dataclass(frozen=True)
 class Task:
-    """What is to be done.
+    """A planning problem.
 
     Args:
         initial: what is true at the start; of every moving part whether it is open or closed.
@@ -39,7 +39,7 @@ class Task:
 
 @dataclass(frozen=True)
 class _Node:
-    """How far a chain has come: the state, the step that is worked on, and which of its goals were brought about."""
+    """A search node: the state, the step that is worked on, and those of its goals that were brought about."""
 
     state: State
     step: int

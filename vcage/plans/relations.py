@@ -1,7 +1,8 @@
 """Geometry of the relation words: when a relation holds between axis-aligned world boxes.
 
-+x is right and −y is in front, as the robot sees the table. Thresholds are the module's constants. The table is no box
-like others: it has a left, right, front and back third and a middle one, of what may be covered of it (the workspace).
++x is right and −y is in front, as the robot sees the table. Limits are those of :mod:`vcage.goals.thresholds`. The
+table is no box like others: the part of it that may be covered (the workspace) has a left, right, front, back and
+middle third.
 """
 
 from __future__ import annotations
@@ -11,23 +12,12 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import ArrayLike
 
+from vcage.goals.thresholds import THRESHOLDS
 from vcage.schema.plan import TABLE, RelationWord
 from vcage.schema.scene import Workspace
 
-INSIDE_TOLERANCE = 0.005
-"""Metres that the subject may stick out of the box of what it is inside of, in the plane."""
-REST_TOLERANCE = 0.01
-"""Metres that the subject's bottom may be above the top of what it stands on."""
-CONE = np.deg2rad(60)
-"""Largest angle between the direction of a word (left: −x) and the line between the centres."""
-BESIDE_GAP = 0.10
-"""Largest gap in the plane between two boxes that are beside each other, metres."""
-NEAR_GAP = 0.20
-"""Largest gap in the plane between two boxes that are near each other, metres."""
-CENTRE_SHARE = 0.15
-"""Largest offset of the centre along each axis, as a share of the reference's size."""
-CENTRE_MINIMUM = 0.02
-"""Offset that always counts as central, metres."""
+CONE, BESIDE_GAP, NEAR_GAP = THRESHOLDS.cone_rad, THRESHOLDS.beside_m, THRESHOLDS.near_m
+CENTRE_SHARE, CENTRE_MINIMUM = THRESHOLDS.centre_share, THRESHOLDS.centre_least_m
 
 DIRECTIONS: dict[RelationWord, tuple[float, float]] = {
     "left_of": (-1.0, 0.0),
@@ -39,7 +29,7 @@ DIRECTIONS: dict[RelationWord, tuple[float, float]] = {
 
 
 def holds(relation: RelationWord, subject: ArrayLike, reference: ArrayLike) -> bool:
-    """Whether the relation holds between two world boxes (2, 3); a box with a NaN stands in no relation.
+    """True where the relation holds between two world boxes (2, 3); a box with a NaN stands in no relation.
 
     - ``inside``: the subject's rectangle lies in the reference's, its bottom between the reference's bottom and top.
     - ``on``: the subject's centre is over the reference, and its bottom not above the reference's top.
@@ -158,15 +148,17 @@ def plane_gaps(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def _inside(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    contained = np.all(a[..., 0, :2] >= b[..., 0, :2] - INSIDE_TOLERANCE, axis=-1)
-    contained &= np.all(a[..., 1, :2] <= b[..., 1, :2] + INSIDE_TOLERANCE, axis=-1)
-    return contained & (b[..., 0, 2] - INSIDE_TOLERANCE <= a[..., 0, 2]) & (a[..., 0, 2] < b[..., 1, 2])
+    contained = np.all(a[..., 0, :2] >= b[..., 0, :2] - THRESHOLDS.inside_m, axis=-1)
+    contained &= np.all(a[..., 1, :2] <= b[..., 1, :2] + THRESHOLDS.inside_m, axis=-1)
+    return contained & (b[..., 0, 2] - THRESHOLDS.inside_m <= a[..., 0, 2]) & (a[..., 0, 2] < b[..., 1, 2])
 
 
 def _on(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     centre = middles(a)
     over = np.all((b[..., 0, :2] <= centre) & (centre <= b[..., 1, :2]), axis=-1)
-    return over & (b[..., 0, 2] - REST_TOLERANCE <= a[..., 0, 2]) & (a[..., 0, 2] <= b[..., 1, 2] + REST_TOLERANCE)
+    return (
+        over & (b[..., 0, 2] - THRESHOLDS.rest_m <= a[..., 0, 2]) & (a[..., 0, 2] <= b[..., 1, 2] + THRESHOLDS.rest_m)
+    )
 
 
 def _towards(direction: np.ndarray, a: np.ndarray, b: np.ndarray) -> np.ndarray:

@@ -20,7 +20,7 @@ from vcage.runs.edits import Complaint, require_none
 from vcage.scenes.known_names import all_names, near_names, unknown_name
 from vcage.scenes.stability import STABILITY, moved_objects, settle_checks
 from vcage.schema.base import PoseRecord, box_record
-from vcage.schema.goals import Reading
+from vcage.schema.goals import Goal, Reading
 from vcage.schema.plan import TABLE
 from vcage.schema.scene import ObjectRecord, Scene
 from vcage.sim.bodies import Body
@@ -30,7 +30,7 @@ from vcage.sim.state import SettleReport
 from vcage.sim.world import World
 from vcage.tasks.described import untrue
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.truth import resting_point
+from vcage.tasks.state import resting_point
 
 ROUNDING_M = 1e-6
 """Metres (or radians) by which a joint may be outside its range, and an object beyond the table's edge."""
@@ -142,12 +142,18 @@ def _wrong_goals(scene: Scene, objects: Sequence[SceneObject]) -> Iterator[Compl
             yield f"{field}.goal", f"there is no {unknown}", all_names(objects)
         if goal.subject == goal.reference or goal.subject in scene.untouched:
             yield f"{field}.goal.subject", repr(goal.subject), "not its own reference, nor what is left alone"
-        places = arms if goal.relation == "handed" else by_id if goal.relation == "inside" else {*by_id, TABLE}
-        yield from _unknown_name(f"{field}.goal.reference", goal.reference, places)
+        yield from _unknown_name(f"{field}.goal.reference", goal.reference, _places(goal, by_id, arms))
         yield from _unknown_name(f"{field}.arm", asked.arm, arms)
         yield from _other_words(field, asked.words, scene)
     for number, name in enumerate(scene.untouched):
         yield from _unknown_name(f"untouched.{number}", name, by_id)
+
+
+def _places(goal: Goal, objects: Collection[str], arms: Collection[str]) -> Collection[str]:
+    """Names that a goal may refer to."""
+    if goal.kind.refers_to == "arm":
+        return arms
+    return objects if goal.relation == "inside" else {*objects, TABLE}
 
 
 def _unknown_name(field: str, name: str | None, known: Collection[str]) -> Iterator[Complaint]:

@@ -7,22 +7,22 @@ from collections.abc import Collection, Mapping, Sequence
 from vcage.base.commands import vcage_command
 from vcage.base.errors import NoFeasibleTask, UnknownName, UsageError
 from vcage.base.text import listed
-from vcage.plans.actions import EVENTS, supersedes
+from vcage.goals import KINDS
+from vcage.plans.actions import supersedes
 from vcage.plans.consistency import inconsistencies
 from vcage.scenes.stated_goals import StatedGoal, StatedTask, shortened
 from vcage.schema.asset import CatalogueEntry
-from vcage.schema.goals import OF_A_PART, AskedGoal, Description, Goal, part_that
+from vcage.schema.goals import AskedGoal, Description, Goal, part_that
 from vcage.schema.plan import TABLE
-
-_ACTIONS = {"open": "open", "closed": "open", "pressed": "press", "turned": "turn"}
 
 
 def require_part(stated: StatedGoal, place: Mapping[str, str | None], entry: CatalogueEntry) -> None:
     """Check that a part to be operated exists and can be operated so."""
-    if stated.word not in OF_A_PART:
+    action = KINDS[stated.word].acts_on if stated.word in KINDS else None
+    if action is None:
         return
     subject, part = place["subject"], place["part"]
-    able = [name for name in entry.moving_parts if part_that(_ACTIONS[stated.word], name)]
+    able = [name for name in entry.moving_parts if part_that(action, name)]
     if not able:
         raise _impossible(stated.text, f"{subject} has no part that can be {stated.word}")
     if part is None:
@@ -36,7 +36,7 @@ def require_part(stated: StatedGoal, place: Mapping[str, str | None], entry: Cat
 
 def require_sense(stated: StatedGoal, asked: AskedGoal, arms: Collection[str]) -> None:
     """Check that a goal names an existing arm, and of the table only what can be a goal."""
-    arm = asked.goal.reference if asked.goal.relation == "handed" else asked.arm
+    arm = asked.goal.reference if asked.goal.kind.refers_to == "arm" else asked.arm
     if arm is not None and arm not in arms:
         raise UnknownName(f"arm in {shortened(stated.text)}:", arm, arms)
     if asked.goal.reference == TABLE and asked.goal.relation != "on":
@@ -59,7 +59,7 @@ def require_consistent(task: StatedTask, goals: Sequence[AskedGoal], description
     true = {_as_goal(one): 0 for one in descriptions if one.reference != TABLE}
     for stated, asked in zip(task.goals, goals, strict=True):
         goal, step = asked.goal, asked.step
-        if true.get(goal) == step or (goal in true and goal.relation not in EVENTS):
+        if true.get(goal) == step or (goal in true and not goal.kind.event):
             when = "at the start already" if not true[goal] else "said before"
             raise UsageError(f"{shortened(stated.text)} is {when}", hint="leave it out")
         true = {g: since for g, since in true.items() if since == step or not supersedes(goal, g)} | {goal: step}

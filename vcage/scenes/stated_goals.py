@@ -13,11 +13,11 @@ from typing import get_args
 
 from vcage.base.errors import UnknownName, UsageError
 from vcage.base.text import listed, one_line
-from vcage.schema.goals import OF_A_PART, OF_TWO, GoalWord, RelationWord
+from vcage.goals import KINDS, words
+from vcage.schema.goals import RelationWord
 from vcage.schema.plan import TABLE
 from vcage.schema.scene import MOST_OF_A_KIND
 
-GOAL_WORDS: tuple[str, ...] = get_args(GoalWord)
 START_WORDS: tuple[str, ...] = get_args(RelationWord)
 OF_THE_TABLE = ("center", "left_of", "right_of", "in_front_of", "behind")
 """Words of start conditions that may refer to the table: its middle third, or an outer one."""
@@ -54,8 +54,8 @@ class StatedGoal:
     @property
     def names(self) -> list[tuple[str, bool]]:
         """Return the names of objects, the subject first, each with True if it may end with a part."""
-        found = [(self.subject, self.word in OF_A_PART)]
-        if self.reference is not None and self.reference != TABLE and self.word != "handed":
+        found = [(self.subject, self.word in KINDS and KINDS[self.word].acts_on is not None)]
+        if self.reference is not None and self.reference != TABLE and not _names_an_arm(self.word):
             found.append((self.reference, self.word in ("inside", "on")))
         return found
 
@@ -111,8 +111,8 @@ def _goals(texts: Sequence[str]) -> Iterator[StatedGoal]:
                 raise UsageError(f"the first goal, {shortened(text)}, has none before it", hint="leave out 'then'")
             step, rest = step + 1, text.removeprefix("then ")
         arm = _ARM.fullmatch(rest)
-        subject, word, reference = _parts(text, arm[1] if arm else rest, "goal", GOAL_WORDS)
-        if arm and word == "handed":
+        subject, word, reference = _parts(text, arm[1] if arm else rest, "goal", words())
+        if arm and _names_an_arm(word):
             raise UsageError(f"the goal {shortened(text)} names two arms", hint="leave out 'with the … arm'")
         yield StatedGoal(text, subject, word, reference, step, arm[2] if arm else None)
 
@@ -137,10 +137,14 @@ def _parts(text: str, sentence: str, what: str, known: Collection[str]) -> tuple
             raise UsageError(f"{shortened(text)} is no {what}: {shortened(name)} is no name", hint=FORMS)
     if word not in known:
         raise UnknownName(f"word in the {what} {shortened(text)}:", word[:_LONGEST_SHOWN], known)
-    takes = word in OF_TWO or what != "goal"
+    takes = what != "goal" or KINDS[word].refers_to is not None
     if takes != bool(reference):
         raise UsageError(f"{shortened(text)}: {word!r} takes {'a' if takes else 'no'} reference", hint=FORMS)
     return subject, word, reference
+
+
+def _names_an_arm(word: str) -> bool:
+    return word in KINDS and KINDS[word].refers_to == "arm"
 
 
 def _objects(text: str) -> Iterator[tuple[int, str]]:

@@ -22,7 +22,7 @@ from vcage.scenes.stated_checks import require_consistent, require_part, require
 from vcage.scenes.stated_goals import StatedGoal, StatedTask, shortened
 from vcage.scenes.stated_names import object_meant, objects_of, split_part
 from vcage.schema.asset import CatalogueEntry
-from vcage.schema.goals import OF_A_PART, AskedGoal, Description, Goal, Reading
+from vcage.schema.goals import AskedGoal, Description, Goal, Reading
 from vcage.schema.scene import Role, SceneTemplate
 from vcage.sim.robots import load_robot
 from vcage.tasks.task_wording import template_wordings
@@ -97,9 +97,9 @@ def _place(
 
 def _role(name: str, entry: CatalogueEntry, goals: Sequence[Goal]) -> Role:
     """Return the role that goals give an object."""
-    own = [goal.relation for goal in goals if goal.subject == name]
+    own = [goal for goal in goals if goal.subject == name]
     words = {goal.relation for goal in goals}
-    if any(word not in OF_A_PART for word in own):
+    if any(goal.kind.acts_on is None for goal in own):
         return "content"
     if own or any(goal.reference == name for goal in goals):
         return "receptacle"

@@ -6,6 +6,7 @@ from typing import ClassVar, Literal
 
 from pydantic import Field, model_validator
 
+from vcage.goals import KINDS
 from vcage.schema.base import Document, Finite, Identifier, Point3, Record, UnitVec3, Vec3, require_unique, the
 
 Holds = Literal["in", "on"]
@@ -189,8 +190,7 @@ class CatalogueEntry(Record):
     @property
     def tool_for(self) -> frozenset[str]:
         """Goal words that need a thing of this kind: ``scanned``, ``weighed``."""
-        able = {"scanned": self.reads_codes, "weighed": self.weighs}
-        return frozenset(word for word, is_tool in able.items() if is_tool)
+        return frozenset(kind.word for kind in KINDS.values() if kind.tool and getattr(self, kind.tool))
 
 
 class Joint(Record):

@@ -3,27 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Literal
+from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
+from pydantic_core import PydanticKnownError
 
+from vcage.goals import KINDS, kind_of, words
+from vcage.goals.kind import GoalKind
+from vcage.goals.parts import part_words as part_words
 from vcage.schema.base import Identifier, Record
 
-StateWord = Literal[
-    "inside", "on", "left_of", "right_of", "in_front_of", "behind", "beside", "near", "open", "closed", "back"
-]  # fmt: skip
-"""Goals that can be seen of a state; ``back``: where it stood at the start."""
 
-EventWord = Literal["pressed", "turned", "scanned", "weighed", "presented", "handed"]
-"""Goals that say what was done, whatever it looks like afterwards."""
+def _known_word(word: str) -> str:
+    """Refuse a word that no kind of goal has, as pydantic refuses what is none of some literals."""
+    if word not in KINDS:
+        *most, last = map(repr, words())
+        raise PydanticKnownError("literal_error", {"expected": f"{', '.join(most)} or {last}"})
+    return word
 
-GoalWord = Literal[StateWord, EventWord]
+
+GoalWord = Annotated[str, AfterValidator(_known_word)]
+"""The word of a kind of goal (:data:`vcage.goals.KINDS`)."""
 
 RelationWord = Literal["inside", "on", "left_of", "right_of", "in_front_of", "behind", "beside", "near", "center"]
 """Left and right as the robot sees them (+x is right); in front is towards the robot (−y)."""
-
-OF_A_PART = ("open", "closed", "pressed", "turned")
-"""Goals whose subject is a moving part."""
 
 PARTS_THAT: dict[str, tuple[str, ...]] = {
     "open": ("drawer", "door", "lid", "screen"),
@@ -38,16 +41,6 @@ def part_that(action: str, part: str) -> bool:
     return part.split("_")[0] in PARTS_THAT[action]
 
 
-def part_words(part: str) -> str:
-    """Return the words for a moving part: "top drawer" for ``drawer_top``."""
-    kind, *which = part.split("_")
-    return " ".join([*which, kind])
-
-
-OF_TWO = ("inside", "on", "left_of", "right_of", "in_front_of", "behind", "beside", "near", "handed")
-"""Goals that need a reference: another object, ``table``, or for ``handed`` an arm."""
-
-
 class Goal(Record):
     """Something that must be true, or must have been done."""
 
@@ -58,15 +51,21 @@ class Goal(Record):
 
     @model_validator(mode="after")
     def _has_what_its_word_needs(self) -> Goal:
-        if (self.reference is not None) != (self.relation in OF_TWO):
-            raise ValueError(f"{self.relation!r} takes {'a' if self.relation in OF_TWO else 'no'} reference")
-        if self.relation in OF_A_PART and self.part is None:
+        takes = KINDS[self.relation].refers_to is not None
+        if (self.reference is not None) != takes:
+            raise ValueError(f"{self.relation!r} takes {'a' if takes else 'no'} reference")
+        if self.kind.acts_on is not None and self.part is None:
             raise ValueError(f"{self.relation!r} needs the moving part")
         return self
 
+    @property
+    def kind(self) -> GoalKind:
+        """All that is known of such goals."""
+        return kind_of(self)
+
     def __str__(self) -> str:
         """As in ``marker_red inside cabinet/drawer_top``."""
-        if self.relation in OF_A_PART:
+        if self.kind.acts_on is not None:
             return f"{self.subject}/{self.part} {self.relation}"
         place = f" {self.reference}" if self.reference else ""
         return f"{self.subject} {self.relation}{place}{f'/{self.part}' if self.part else ''}"

@@ -8,12 +8,10 @@ from typing import Any, ClassVar
 from pydantic import Field, model_validator
 
 from vcage.base.graphs import circles
+from vcage.goals.kind import TABLE as TABLE
 from vcage.schema.base import Identifier, Record, RunPath, StageDocument
 from vcage.schema.goals import RelationWord
 from vcage.schema.scene import Role
-
-TABLE = "table"
-"""The reference of a relation to the table itself (``center``)."""
 
 
 class SelectedAsset(Record):

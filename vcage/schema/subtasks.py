@@ -9,9 +9,8 @@ from pydantic import Field, ValidationInfo, field_validator, model_validator
 from vcage.schema.base import Finite, Identifier, Point3, Record, RunPath, StageDocument, require_unique
 from vcage.schema.goals import Goal
 
-TemplateName = Literal[
-    "place", "stack", "weigh", "set_down", "push", "present", "scan", "open", "close", "press", "turn", "hand_over"
-]  # fmt: skip
+TemplateName = Identifier
+"""Name of a kind of sub-task (:data:`vcage.tasks.templates.TEMPLATES`)."""
 
 
 class Check(Record):

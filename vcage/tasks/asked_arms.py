@@ -36,7 +36,7 @@ def asked_arms(asked: Iterable[AskedGoal]) -> dict[Goal, str]:
 
 
 def require_arms(asked: Iterable[AskedGoal], arms: Collection[str]) -> None:
-    """Nothing, unless a goal is asked of an arm that the robot does not have, or that cannot do it.
+    """Check that every goal is asked of an arm that the robot has, and that can do it.
 
     Raises:
         NoFeasibleTask: names the goal, the arm, and those that there are.
@@ -45,7 +45,7 @@ def require_arms(asked: Iterable[AskedGoal], arms: Collection[str]) -> None:
         why = None
         if arm not in arms:
             why = f"the robot has no arm {arm!r}, it has {', '.join(arms)}"
-        elif goal.relation == "handed" and arm == goal.reference:
+        elif goal.kind.refers_to == "arm" and arm == goal.reference:
             why = f"the {arm} arm cannot give what it is to be given"
         if why is not None:
             raise NoFeasibleTask(f"{goal}: {why}", hint=ANY_ARM, details={"missing": [str(goal)], "reasons": [why]})
@@ -60,10 +60,10 @@ def arm_for(goals: Iterable[Goal], arms: Mapping[Goal, str], hand_to: str | None
         hand_to: the arm that the object is handed to: what is true afterwards is its doing.
     """
     named = {goal: arms[goal] for goal in goals if goal in arms}
-    takes = {arm for goal, arm in named.items() if hand_to is None or goal.relation == "handed"}
+    takes = {arm for goal, arm in named.items() if hand_to is None or goal.kind.refers_to == "arm"}
     if len(takes) > 1:
         return None, f"it is asked of the {' and of the '.join(sorted(takes))} arm at once"
-    puts = {arm for goal, arm in named.items() if hand_to is not None and goal.relation != "handed"}
+    puts = {arm for goal, arm in named.items() if hand_to is not None and goal.kind.refers_to != "arm"}
     if puts - {hand_to}:
         return None, f"the {hand_to} arm would put it down, not the {min(puts)} arm"
     return next(iter(takes), None), None

@@ -1,4 +1,4 @@
-"""Which descriptions of a scene are true of its objects where they stand, with their moving parts where these are."""
+"""Check the descriptions of a scene against its objects and their moving parts where they are."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def complaints(scene: Scene, objects: Sequence[SceneObject]) -> list[str]:
 
 
 def require_described(scene: Scene, objects: Sequence[SceneObject], where: str) -> None:
-    """Nothing, if all descriptions of a scene are true.
+    """Check that all descriptions of a scene are true.
 
     Args:
         scene, objects: as :func:`untrue` takes them.

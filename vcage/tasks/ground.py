@@ -14,16 +14,12 @@ from vcage.base.geometry import Pose, world_aabb
 from vcage.layout.items import TableItem, table_item
 from vcage.layout.placement.place import place
 from vcage.plans.relations import BESIDE_GAP, DIRECTIONS, NEAR_GAP, holds
-from vcage.plans.thresholds import THRESHOLDS
 from vcage.schema.goals import Goal
 from vcage.schema.scene import Scene
 from vcage.sim.kinematics import ArmKinematics, kinematics_of
 from vcage.sim.robots import load_robot
 from vcage.tasks.grasps import grasp_poses
 from vcage.tasks.scene_objects import SceneObject
-
-TOWARDS_CUSTOMER = np.array([0.0, 1.0, 0.0])
-"""Direction from the robot to the customer, who stands on the other side of the table."""
 
 DIRECTIONS_OF_ARMS = {"left": -1, "right": 1}
 """Side of the table's middle, along x, on which an arm puts down an object that it was handed."""
@@ -155,17 +151,6 @@ class Ground:
                 lower, upper = np.maximum(zone[0], self.lower), np.minimum(zone[1], self.upper)
                 if np.all(lower < upper):
                     yield lower, upper
-
-
-def on_customers_half(pose: Pose) -> bool:
-    """True if a thing at ``pose`` is nearer to the customer than to the robot; the table's middle is the origin."""
-    return float(pose.p @ TOWARDS_CUSTOMER) > 0
-
-
-def faces_customer(pose: Pose, most: float = THRESHOLDS.shown_rad) -> bool:
-    """True if a thing at ``pose`` stands upright with its front (−y) towards the customer."""
-    shown = float(-pose.rotation()[:, 1] @ TOWARDS_CUSTOMER)
-    return bool(shown >= np.cos(most) and pose.rotation()[2, 2] >= np.cos(most))
 
 
 def _yaws(thing: SceneObject, goal: Goal) -> list[tuple[float, ...]]:

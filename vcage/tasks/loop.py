@@ -35,7 +35,7 @@ logger = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class EpisodeRun:
-    """What came of an episode: the recording of what was verified, and every attempt with its pictures.
+    """An episode that was played: the recording of its verified sub-tasks, and every attempt with its pictures.
 
     Args:
         log: states of the accepted sub-tasks, gapless; when one failed for good, its last attempt follows.
@@ -85,7 +85,7 @@ def run_episode(
     trials: list[_Trial] = []
     verified = True
     for number, (subtask, script) in enumerate(chain):
-        slots = {s.object: setting.slots[s.id] for s in (*(s for s, _ in chain), subtask) if s.id in setting.slots}
+        slots = _slots_during(subtask, chain, setting.slots)
         step = _Step(setting, recording, index, number, subtask, script, slots, start)
         world, tried = step.until_verified(world)
         trials += tried
@@ -103,9 +103,16 @@ def run_episode(
     )
 
 
+def _slots_during(
+    subtask: Subtask, chain: Sequence[tuple[Subtask, Script]], slots: Mapping[str, Slot]
+) -> dict[str, Slot]:
+    """Slots by object: where each goes in the chain at last, and where the object of this sub-task goes now."""
+    return {s.object: slots[s.id] for s in (*(s for s, _ in chain), subtask) if s.id in slots}
+
+
 @dataclass(frozen=True)
 class _Trial:
-    """What came of one attempt at a sub-task.
+    """One attempt at a sub-task.
 
     Args:
         attempt: its record.
@@ -123,7 +130,7 @@ class _Trial:
 
     @property
     def failed(self) -> Failed:
-        """What a further attempt is told of it."""
+        """The attempt as further ones see it."""
         record = self.attempt
         failure = None if record.verdict is None else record.verdict.failure
         return Failed(record.contact, record.arm, self.slot, blamed(record.stage, failure))
@@ -210,12 +217,12 @@ class _Step:
         return subtask_done(self.subtask, asked.goals, self.setting.now(world), watch)
 
     def _seen(self, before: PicturesByCamera, world: World, task: Task) -> Seen:
-        """What the critic looks at."""
+        """The pictures for the critic."""
         goals, photograph = self.subtask.goals, self.setting.photograph
         seen = {"before": before, "after": photograph(world.state(), goals, None)}
         if task.moment is not None:
             seen["moment"] = photograph(task.moment, goals, task.arm)
-        if any(goal.relation == "back" for goal in goals):
+        if any(goal.kind.shown.start for goal in goals):
             seen["start"] = photograph(self.start, goals, None)
         return seen
 

@@ -47,12 +47,9 @@ def reached_by(objects: Sequence[SceneObject], asked: Iterable[AskedGoal]) -> di
 
 
 def _met(goal: Goal, objects: dict[str, SceneObject]) -> set[str]:
-    """What the subject of a goal is brought to by the arm that takes it."""
-    kinds = [(o, o.asset.annotation) for o in objects.values()]
-    if goal.relation == "weighed":
-        return {o.id for o, kind in kinds if any(point.weighs for point in kind.functional_points)}
-    if goal.relation == "scanned":
-        return {o.id for o, kind in kinds if kind.faces_of("reader")}
+    """Ids of objects to which an arm brings the subject of a goal."""
+    if goal.kind.tool is not None:
+        return {o.id for o in objects.values() if goal.relation in o.kind().tool_for}
     below = objects.get(goal.reference or "")
     if goal.relation == "on" and below is not None:
         points = [point for point in below.asset.annotation.functional_points if point.link == goal.part]

@@ -15,7 +15,7 @@ from vcage.tasks.findings import hand_check, reach_check
 from vcage.tasks.grasps import GraspPose, approach_opening, grasp_poses, hand_boxes
 from vcage.tasks.primitives.pick import lift_heights, reached_lift
 from vcage.tasks.scene_objects import REMEMBERED, SceneObject, SolidBox, first_met
-from vcage.tasks.truth import resting_point
+from vcage.tasks.state import resting_point
 
 
 @dataclass(frozen=True)

@@ -3,32 +3,42 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
 
 from vcage.base.geometry import Pose
-from vcage.plans.thresholds import THRESHOLDS
+from vcage.goals.thresholds import THRESHOLDS
 from vcage.schema.asset import Face
 from vcage.tasks.scene_objects import SceneObject
 
-DISTANCES = (0.04, 0.055, 0.03)
-"""Between a window and the code before it, metres, in the order to try them."""
 
-SURELY = 0.025
-"""Farther beside its axis than this nothing is held on purpose, metres: a hand comes some millimetres beside."""
+@dataclass(frozen=True)
+class HoldingSettings:
+    """Distances and turns at which a code and a window are held before each other.
 
-TURNS = tuple(np.radians(degrees) for degrees in (0.0, 20.0, -20.0))
-"""How far a code and a window are turned from facing each other, in the order to try them."""
+    Args:
+        distances_m: between a window and the code before it, in the order to try them.
+        aside_m: farther beside its axis nothing is held on purpose: a hand comes some millimetres beside.
+        turns_deg: how far a code and a window are turned from facing each other, in the order to try them.
+        over_table_m: what is held keeps so far off the table.
+    """
 
-OVER_TABLE = 0.006
-"""What is held keeps so far off the table, metres."""
+    distances_m: tuple[float, ...] = (0.04, 0.055, 0.03)
+    aside_m: float = 0.025
+    turns_deg: tuple[float, ...] = (0.0, 20.0, -20.0)
+    over_table_m: float = 0.006
+
+
+SETTINGS = HoldingSettings()
+
 
 _OTHER = {"code": "reader", "reader": "code"}
 
 
 def reads(one: SceneObject, other: SceneObject) -> bool:
-    """Whether one of two objects has a window that reads a bar code of the other where they are now."""
+    """True where one of two objects has a window that reads a bar code of the other."""
     return any(_sees(one, a, other, b) for a, b in _pairs(one, other))
 
 
@@ -40,7 +50,7 @@ def reading_poses(mover: SceneObject, still: SceneObject, support: float) -> Ite
         still: what stays; codes and windows that look up or down are left out.
         support: z of the table top, metres.
     """
-    for aside, (mine, theirs) in product(TURNS, list(_pairs(mover, still))):
+    for aside, (mine, theirs) in product(np.radians(SETTINGS.turns_deg), list(_pairs(mover, still))):
         normal = still.pose.rotation() @ np.asarray(theirs.axis)
         outward = mover.pose.rotation() @ np.asarray(mine.axis)
         if abs(normal[2]) > np.sin(THRESHOLDS.code_slant_rad) or abs(outward[2]) > np.sin(THRESHOLDS.code_slant_rad):
@@ -51,10 +61,10 @@ def reading_poses(mover: SceneObject, still: SceneObject, support: float) -> Ite
         # On the axis of what reads, whichever of the two that is: however they are turned, the code is not beside it.
         out = normal if theirs.kind == "reader" else -rotation.apply(mine.axis)
         low = float(mover.moved(rotation).aabb[0, 2])
-        for distance in DISTANCES:
+        for distance in SETTINGS.distances_m:
             x, y, z = still.pose.apply(theirs.position) + distance * out - offset
-            pose = Pose([x, y, max(z, support + OVER_TABLE - low)], rotation.q)
-            if _sees(mover.moved(pose), mine, still, theirs, SURELY):
+            pose = Pose([x, y, max(z, support + SETTINGS.over_table_m - low)], rotation.q)
+            if _sees(mover.moved(pose), mine, still, theirs, SETTINGS.aside_m):
                 yield pose
 
 

@@ -1,4 +1,4 @@
-"""What a further attempt at a sub-task does otherwise: another grasp, arm or slot, by why the earlier ones failed.
+"""Choose another grasp, arm or slot for a further attempt, by why the earlier ones failed.
 
 A choice that is to blame is made last, and one that is not is kept: what was lost on the way is held otherwise and goes
 to the same slot, what came to lie on a rim goes to another slot by the same grasp. Where nobody knows what went wrong,
@@ -23,17 +23,17 @@ BLAMED_FOR: Mapping[Failure, frozenset[Choice]] = {
     "astray": frozenset({"slot"}),
     "disturbed": frozenset({"arm", "slot"}),
 }
-"""What the critic sees → what is to blame."""
+"""Choices to blame for a failure that the critic reports."""
 
 BLAMED_AT: Mapping[AttemptStage, frozenset[Choice]] = {
     "plan": frozenset({"arm"}),
     "grasp": frozenset({"grasp"}),
     "place": frozenset({"slot"}),
 }
-"""How far an attempt came that no critic was asked about → what is to blame."""
+"""Choices to blame, by how far an attempt came that no critic was asked about."""
 
 UNKNOWN: frozenset[Choice] = frozenset({"grasp", "slot"})
-"""What changes where nobody says what went wrong."""
+"""Choices that change where nobody says what went wrong."""
 
 SAME = 1e-3
 """Slots that differ by less are one, metres: objects stand a trifle otherwise in a world that was built anew."""
@@ -46,7 +46,7 @@ Place = TypeVar("Place", bound="Slot | None")
 
 
 def blamed(stage: AttemptStage, failure: Failure | None) -> frozenset[Choice]:
-    """What a failed attempt is put down to.
+    """The choices to blame for a failed attempt.
 
     Args:
         stage: how far it came.
@@ -57,7 +57,7 @@ def blamed(stage: AttemptStage, failure: Failure | None) -> frozenset[Choice]:
 
 @dataclass(frozen=True)
 class Failed:
-    """What a failed attempt took, and what of it is to blame."""
+    """A failed attempt: its choices, and those to blame."""
 
     contact: int | None
     arm: str | None
@@ -65,7 +65,7 @@ class Failed:
     blamed: frozenset[Choice]
 
     def took(self, slot: Slot | None) -> bool:
-        """Whether it had this slot, or one at the same place; None is that of what is put nowhere."""
+        """True where it had this slot, or one at the same place; None stands for no slot."""
         if slot is None or self.slot is None:
             return slot is self.slot
         mine, other = self.slot, slot
@@ -103,7 +103,7 @@ class Retry:
         yield from again
 
     def _blame(self, grasp: tuple[int | None, str]) -> tuple[int, int]:
-        """How often its arm was to blame, and how often it was itself."""
+        """Count how often the arm of a grasp was to blame, and the grasp itself."""
         contact, arm = grasp
         by_arm = [one for one in self.failed if one.arm == arm]
         arms = sum("arm" in one.blamed for one in by_arm)

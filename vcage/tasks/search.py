@@ -23,10 +23,10 @@ from vcage.sim.joints import joint_positions
 from vcage.tasks.asked_arms import ANY_ARM
 from vcage.tasks.primitives.grip import stays_level
 from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.state import resting_point
 from vcage.tasks.stowing import point_in
 from vcage.tasks.templates import TEMPLATES
 from vcage.tasks.templates.proposal import Proposal
-from vcage.tasks.truth import resting_point
 from vcage.tasks.workplace import Workplace
 
 Judge = Callable[[Sequence[PairQuestion]], list[PairAnswer]]

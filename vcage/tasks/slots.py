@@ -20,7 +20,7 @@ from vcage.layout.placement.place import place
 from vcage.schema.asset import FunctionalPoint
 from vcage.tasks.access import closed_part
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.truth import place_complaint
+from vcage.tasks.state import place_complaint
 
 CONTENT_GAP_M = 0.006
 """Gap between contents, and between contents and wall."""

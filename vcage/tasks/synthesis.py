@@ -26,7 +26,7 @@ from vcage.schema.subtasks import Grasp, Subtask
 from vcage.tasks.templates import TEMPLATES
 
 SAID_ELSEWHERE = {"id", "text", "texts", "grasps", "requires", "goals", "statements", "script", "checks"}
-"""What a script's SUBTASK leaves out: it has names of its own, or follows from the script; checks are not repeated."""
+"""Fields that a script's SUBTASK leaves out: those with names of their own, and those that follow from the script."""
 
 
 def render_script(subtask: Subtask, scene: Scene) -> str:

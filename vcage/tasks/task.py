@@ -19,7 +19,7 @@ from vcage.sim.world import PHYSICS_HZ, World
 from vcage.tasks.choices import Choices
 from vcage.tasks.primitives.grip import Grip, feel, minding
 from vcage.tasks.primitives.pick import carry_out_pick
-from vcage.tasks.primitives.place import RAISES, Surroundings, carry_out_place, plan_place
+from vcage.tasks.primitives.place import SETTINGS, Surroundings, carry_out_place, plan_place
 from vcage.tasks.primitives.push import carry_out_push
 from vcage.tasks.retry import Retry
 from vcage.tasks.scene_objects import SceneObject
@@ -27,12 +27,12 @@ from vcage.tasks.slots import Slot
 from vcage.tasks.workcell import TaskFailed, failing_at
 
 SHOWN_FOR = 0.5
-"""How long a scanner is held before a code, seconds."""
+"""Time for which a scanner is held before a code, seconds."""
 
 
 @dataclass(frozen=True)
 class Asked:
-    """What the critic is asked after a sub-task."""
+    """The question to the critic after a sub-task."""
 
     text: str
     goals: list[Goal]
@@ -116,11 +116,19 @@ class Task(Choices):
         feel(cell, grip)
         with failing_at("place"):
             cell.put_off(grip.arm, cell.planner(grip.arm).line(shown.path.end, shown.way.above, grip.load))
-        put, _ = plan_place(cell, grip, replace(hover, raises=RAISES), [(None, [plan.target.pose])])
+        put, _ = plan_place(cell, grip, replace(hover, raises=SETTINGS.raises_m), [(None, [plan.target.pose])])
         carry_out_place(cell, put)
 
     def wait(self, seconds: float) -> None:
-        """Let time pass."""
+        """Let time pass; what was picked is lifted first, and held.
+
+        Raises:
+            TaskFailed: it cannot be lifted, or slips out of the fingers.
+        """
+        if self._grip is not None:
+            feel(self._cell, self._grip)
+            with minding(self._cell, self._grip):
+                self._cell.carry_out(self._grip.arm, self._cell.begun(self._grip.arm))
         self.moment = self.world.state()
         self.world.step(round(seconds * PHYSICS_HZ))
 

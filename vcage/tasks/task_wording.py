@@ -34,7 +34,7 @@ def _together(task: TaskToWord, step: Sequence[AskedGoal]) -> Iterator[list[Aske
     places: dict[object, list[AskedGoal]] = {}
     for number, asked in enumerate(step):
         goal, told = asked.goal, task.sources.get(asked.goal)
-        alone = number if goal.reference is None or goal.relation == "handed" else None
+        alone = number if goal.kind.refers_to != "object" else None
         source = told and (told.relation, told.reference, told.part)
         places.setdefault((goal.relation, goal.reference, goal.part, asked.arm, source, alone), []).append(asked)
     yield from places.values()

@@ -1,22 +1,32 @@
-"""What differs between two episodes of one scene: small shifts of the objects, never a collision."""
+"""Small shifts of objects between two episodes of one scene, never a collision."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from vcage.base.geometry import Pose, boxes_overlap
 from vcage.tasks.scene_objects import SceneObject
 
-SHIFT = 0.008
-"""Largest shift along an axis, metres."""
 
-TURN = np.radians(6)
-"""Largest turn, radians."""
+@dataclass(frozen=True)
+class VariationSettings:
+    """Limits of the shifts.
 
-GAP = 0.035
-"""Gap that two objects keep, so that a finger finds room between them, metres."""
+    Args:
+        shift_m: largest shift along an axis.
+        turn_rad: largest turn.
+        gap_m: gap that two objects keep, so that a finger finds room between them.
+    """
+
+    shift_m: float = 0.008
+    turn_rad: float = np.radians(6)
+    gap_m: float = 0.035
+
+
+SETTINGS = VariationSettings()
 
 
 def shifted_poses(objects: Sequence[SceneObject], rng: np.random.Generator) -> dict[str, Pose]:
@@ -27,11 +37,11 @@ def shifted_poses(objects: Sequence[SceneObject], rng: np.random.Generator) -> d
     holding = {o.record.container for o in objects} - {None}
     placed = {o.id: o for o in objects}
     for o in objects:
-        dx, dy, turn = rng.uniform(-1, 1, size=3) * [SHIFT, SHIFT, TURN]
+        dx, dy, turn = rng.uniform(-1, 1, size=3) * [SETTINGS.shift_m, SETTINGS.shift_m, SETTINGS.turn_rad]
         if o.record.container is not None or o.id in holding:
             continue
         moved = o.moved(Pose(o.pose.p + [dx, dy, 0.0], (Pose.from_yaw([0, 0, 0], turn) * Pose(q=o.pose.q)).q))
         others = [other for key, other in placed.items() if key != o.id]
-        if not any(boxes_overlap(moved.aabb, other.aabb, GAP) for other in others):
+        if not any(boxes_overlap(moved.aabb, other.aabb, SETTINGS.gap_m) for other in others):
             placed[o.id] = moved
     return {key: o.pose for key, o in placed.items()}

@@ -18,8 +18,8 @@ from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.paths import OPEN_HAND, JointPath, Leg
 from vcage.sim.world import World
 from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.state import resting_point
 from vcage.tasks.touching import SETTINGS, Allowance, Touched, only_touching
-from vcage.tasks.truth import resting_point
 
 CAREFUL = 0.85
 """Share of the speed limit near things that are to be touched."""

@@ -9,8 +9,8 @@ from vcage.base.geometry import Pose
 from vcage.tasks.primitives.grip import stays_level
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import Slot
+from vcage.tasks.state import resting_point
 from vcage.tasks.task import Task
-from vcage.tasks.truth import resting_point
 from vcage.tasks.workcell import TaskFailed, Workcell
 
 

@@ -15,7 +15,7 @@ from vcage.sim.paths import JointPath, Load
 from vcage.sim.robots import load_robot
 from vcage.tasks.grasps import GraspPose, grasp_poses
 from vcage.tasks.primitives.pick import (
-    CLEARANCE,
+    SETTINGS,
     lift_heights,
     pick_way,
     plan_pick,
@@ -28,6 +28,8 @@ from vcage.tasks.workcell import Workcell
 
 GRIPPER = robot().arms["left"].gripper
 
+CLEAR = SETTINGS.clearance_m
+
 
 def grasps_of(target: SceneObject) -> list[GraspPose]:
     contact = target.asset.annotation.contact_point(0)
@@ -36,32 +38,32 @@ def grasps_of(target: SceneObject) -> list[GraspPose]:
 
 def test_an_object_is_carried_over_the_highest_thing_on_the_table():
     bottle, block = thing("lotion_bottle", (0.2, 0.1)), thing("block")
-    assert transfer_height([block, bottle], TABLE_TOP) == pytest.approx(bottle.box.top + CLEARANCE)
+    assert transfer_height([block, bottle], TABLE_TOP) == pytest.approx(bottle.box.top + CLEAR)
 
 
 def test_an_empty_table_asks_for_the_clearance_alone():
-    assert transfer_height([], TABLE_TOP) == TABLE_TOP + CLEARANCE
+    assert transfer_height([], TABLE_TOP) == TABLE_TOP + CLEAR
 
 
 def test_where_an_arm_is_too_short_an_object_is_carried_lower_but_over_what_it_goes_into():
     bottle, box = thing("lotion_bottle", (0.2, 0.1)), thing("packaging_box", (-0.2, 0.1))
     highest, middle, least = transfer_heights([bottle, box], TABLE_TOP, [box.rim(0)])
     rim = max(wall.top for wall in box.walls(0))
-    assert (highest, least) == pytest.approx((bottle.box.top + CLEARANCE, rim + CLEARANCE))
+    assert (highest, least) == pytest.approx((bottle.box.top + CLEAR, rim + CLEAR))
     assert least < middle < highest
 
 
 def test_an_object_is_carried_over_the_flat_top_it_is_put_on():
     cabinet = thing("hinged_cabinet")
-    assert transfer_heights([cabinet], TABLE_TOP, [cabinet.rim(0)])[-1] >= cabinet.rim(0) + CLEARANCE
+    assert transfer_heights([cabinet], TABLE_TOP, [cabinet.rim(0)])[-1] >= cabinet.rim(0) + CLEAR
 
 
 def test_an_object_is_lifted_out_of_what_it_lies_in():
     box = thing("packaging_box")
     inside = thing("block", height=TABLE_TOP + box.asset.opening(box.asset.annotation.functional_points[0]).floor)
     rim = max(wall.top for wall in box.walls(0))
-    assert lift_heights(inside, [box, thing("thermos", (0.3, 0.1))], TABLE_TOP)[-1] == pytest.approx(rim + CLEARANCE)
-    assert lift_heights(thing("block", (0.3, 0.0)), [box], TABLE_TOP)[-1] == pytest.approx(TABLE_TOP + CLEARANCE)
+    assert lift_heights(inside, [box, thing("thermos", (0.3, 0.1))], TABLE_TOP)[-1] == pytest.approx(rim + CLEAR)
+    assert lift_heights(thing("block", (0.3, 0.0)), [box], TABLE_TOP)[-1] == pytest.approx(TABLE_TOP + CLEAR)
 
 
 def test_a_short_arm_lifts_as_high_as_it_reaches():

@@ -16,7 +16,7 @@ from vcage.sim.kinematics import kinematics_of
 from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.robots import load_robot
 from vcage.tasks.grasps import GraspPose, approach_opening, grasp_poses, hand_boxes
-from vcage.tasks.primitives.place import RAISES, SLACK, Surroundings
+from vcage.tasks.primitives.place import SETTINGS, Surroundings
 from vcage.tasks.primitives.place_way import SET_DOWN, PlaceWay, place_way, reached_place
 from vcage.tasks.scene_objects import Obstacles, SceneObject, SolidBox
 
@@ -88,7 +88,7 @@ def test_a_hand_draws_back_no_higher_than_its_arm_reaches():
     assert reached_place(arm, PlaceWay(after, release, after, drop=0.0), arm.home) is None
 
 
-@pytest.mark.parametrize("raises", [(), RAISES])
+@pytest.mark.parametrize("raises", [(), SETTINGS.raises_m])
 def test_what_must_not_come_higher_than_planned_has_no_higher_ways(raises):
     arm, block = kinematics_of(robot().arms["left"]), thing("block", (-0.2, 0.0))
     around = Surroundings("table", Obstacles([]), (TABLE_TOP + 0.1,), raises)
@@ -114,7 +114,7 @@ def test_a_place_at_the_very_end_of_an_arms_reach_is_not_enough():
 
     last = next(pose for pose in reversed(ends) if enough(pose))
     assert last != ends[-1]
-    assert arm.reachable(Pose(last.p + [0.99 * SLACK, 0, SET_DOWN], last.q) * held)
+    assert arm.reachable(Pose(last.p + [0.99 * SETTINGS.slack_m, 0, SET_DOWN], last.q) * held)
 
 
 def test_without_obstacles_an_object_is_set_down_gently():

@@ -1,20 +1,14 @@
-"""Every template that a record can name is there."""
+"""What templates try, refuse, and tell the robot."""
 
 from __future__ import annotations
 
 import ast
-from typing import get_args
 
 import pytest
 
 from tests.example_scenes import block_and_plate, subtask, thing
-from vcage.schema.subtasks import TemplateName
 from vcage.tasks.templates import TEMPLATES
 from vcage.tasks.templates.place import PLACE
-
-
-def test_every_template_that_a_record_can_name_is_searched():
-    assert set(TEMPLATES) == set(get_args(TemplateName))
 
 
 @pytest.mark.parametrize("template", TEMPLATES.values())

@@ -7,8 +7,8 @@ import numpy as np
 from vcage.apps.proof.trials import OBJECT, Tally, TrialPlaces, scene_object, world_with
 from vcage.base.errors import InfeasibleScene, VcageError
 from vcage.base.geometry import Pose
+from vcage.goals.thresholds import THRESHOLDS
 from vcage.objects.asset import Asset
-from vcage.plans.thresholds import THRESHOLDS
 from vcage.schema.asset import ContactPoint, MovingLink
 from vcage.schema.proof import ProofCheck
 from vcage.sim.world import PHYSICS_HZ, World

@@ -22,7 +22,7 @@ from vcage.schema.scene import Table
 from vcage.sim.bodies import Body
 from vcage.sim.joints import link_poses
 from vcage.sim.world import PHYSICS_HZ, World
-from vcage.tasks.truth import place_complaint
+from vcage.tasks.state import place_complaint
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from vcage.sim.drawer import Drawing, Window
 
 @dataclass(frozen=True)
 class BrightnessSettings:
-    """How a drawing is made as bright as a picture.
+    """Limits within which a drawing is made as bright as a picture.
 
     Args:
         samples_px: pixels by which the brightness is told.

@@ -13,20 +13,27 @@ from vcage.models.rules.cutouts import Cutout
 from vcage.models.rules.light import Light
 from vcage.models.rules.prism import Prism, cells_of, look_up, prism_of
 
-LEAN = 1.5
-"""How far neighbouring slices of a tall object may be apart in the picture, pixels."""
 
-PAD = 12
-"""Room around an object in the window that it is drawn in, pixels."""
+@dataclass(frozen=True)
+class PaintSettings:
+    """Measures of a drawn object.
 
-SHADING = (0.6, 1.6)
-"""Least and largest change of a side's brightness when it is turned in the light."""
+    Args:
+        lean_px: how far neighbouring slices of a tall object may be apart in the picture.
+        pad_px: room around an object in the window that it is drawn in.
+        shading: least and largest change of a side's brightness when it is turned in the light.
+        sharpness: slope of the edge of a slice, which interpolation has made soft twice.
+        softness_px: standard deviation of the blur of a shadow's edge.
+    """
 
-SHARPNESS = 2.0
-"""Slope of the edge of a slice, which interpolation has made soft twice."""
+    lean_px: float = 1.5
+    pad_px: int = 12
+    shading: tuple[float, float] = (0.6, 1.6)
+    sharpness: float = 2.0
+    softness_px: float = 1.0
 
-SOFTNESS = 1.0
-"""Standard deviation of the blur of a shadow's edge, pixels."""
+
+SETTINGS = PaintSettings()
 
 
 @dataclass(frozen=True)
@@ -48,7 +55,7 @@ class Painting:
 
 @dataclass(frozen=True)
 class _Move:
-    """Where an object goes: (2,) world x, y of its box's centre, and how far it turns from where it stands, radians."""
+    """A new place of an object: (2,) world x, y of its box's centre, and its turn, radians."""
 
     centre: np.ndarray
     turn: float
@@ -89,7 +96,7 @@ def paint_objects(
     canvas = background.astype(np.float32)
     if light is not None and sprites:
         shade = np.max([_cast(s, light, camera, table, background.shape[:2]) for s in sprites], axis=0)
-        shade = cv2.GaussianBlur(shade, (0, 0), SOFTNESS)[..., None]
+        shade = cv2.GaussianBlur(shade, (0, 0), SETTINGS.softness_px)[..., None]
         canvas *= 1 - shade * (1 - light.left)
     owner = np.full(background.shape[:2], -1)
     drawn = {}
@@ -129,7 +136,9 @@ def _sprite(
 ) -> _Sprite:
     """The object's pixels at its new place, slice upon slice."""
     whole = _with_contents(item, items)
-    slices = 1 + int(np.ceil(max(_lean(item, item.centre, camera), _lean(item, move.centre, camera)) / LEAN))
+    slices = 1 + int(
+        np.ceil(max(_lean(item, item.centre, camera), _lean(item, move.centre, camera)) / SETTINGS.lean_px)
+    )
     prism = prism_of(whole, camera, slices)
     colour = _spread_colour(picture, item.mask, whole.mask)
     corner, shape = _window(item, move, camera)
@@ -139,7 +148,7 @@ def _sprite(
     turn = rotation_2d(move.turn)
     for index, z in enumerate(prism.heights):
         here = (camera.unproject(pixels, z)[..., :2] - move.centre) @ turn
-        alpha = np.clip(SHARPNESS * (prism.sample(index, here)[..., None] - 0.5) + 0.5, 0, 1)
+        alpha = np.clip(SETTINGS.sharpness * (prism.sample(index, here)[..., None] - 0.5) + 0.5, 0, 1)
         top = index == len(prism.heights) - 1
         unseen = _unseen(prism, index, camera)
         hidden = look_up(unseen, cells_of(here, unseen))[..., None] > 0.5
@@ -162,7 +171,7 @@ def _with_contents(item: Cutout, items: Sequence[Cutout]) -> Cutout:
 
 
 def _lean(item: Cutout, centre: np.ndarray, camera: Camera) -> float:
-    """How far the top of the object's box is from its base in the picture, pixels."""
+    """Distance of the top of the object's box from its base in the picture, pixels."""
     ends = np.array([[*centre, z] for z in item.box[:, 2]])
     base, top = camera.project(ends)
     spread = np.linalg.norm(item.size) / 2
@@ -186,8 +195,8 @@ def _window(item: Cutout, move: _Move, camera: Camera) -> tuple[tuple[int, int],
     half = item.half_size(move.turn)
     corners = box_corners([*(move.centre - half), item.box[0, 2]], [*(move.centre + half), item.box[1, 2]])
     pixels = camera.project(corners)
-    lower = np.floor(pixels.min(axis=0)).astype(int) - PAD
-    upper = np.ceil(pixels.max(axis=0)).astype(int) + PAD
+    lower = np.floor(pixels.min(axis=0)).astype(int) - SETTINGS.pad_px
+    upper = np.ceil(pixels.max(axis=0)).astype(int) + SETTINGS.pad_px
     return (int(lower[0]), int(lower[1])), (int(upper[1] - lower[1]), int(upper[0] - lower[0]))
 
 
@@ -219,14 +228,14 @@ def _side_shading(prism: Prism, index: int, turn: float, light: Light, unseen: n
     strength = np.linalg.norm(normals, axis=-1)
     after = light.on_side(normals @ rotation_2d(turn).T)
     before = light.on_side(np.where(unseen[..., None] > 0, -normals, normals))
-    factor = np.where(strength > 0.5, np.clip(after / before, *SHADING), 1.0)
+    factor = np.where(strength > 0.5, np.clip(after / before, *SETTINGS.shading), 1.0)
     return cv2.GaussianBlur(factor.astype(np.float32), (0, 0), 2)
 
 
 def _cast(sprite: _Sprite, light: Light, camera: Camera, table: float, shape: tuple[int, ...]) -> np.ndarray:
     """(H, W) in [0, 1]: the object's shadow on the table."""
     shade = np.zeros(shape, np.float32)
-    half = sprite.item.half_size(sprite.move.turn) + PAD / camera.focal
+    half = sprite.item.half_size(sprite.move.turn) + SETTINGS.pad_px / camera.focal
     tops = [sprite.move.centre + light.offset * (z - table) for z in sprite.item.box[:, 2]]
     corners = [[*(top + sign * half), table] for top in tops for sign in (-1, 1)]
     pixels = camera.project(np.array(corners))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,17 +17,19 @@ from vcage.vision.protocols import View
 
 @dataclass(frozen=True)
 class SightSettings:
-    """Colour distances (CIELAB) that pixels cost.
+    """Colour distances (CIELAB) that pixels cost, and how a pose of least cost is found.
 
     Args:
         cap_lab: most that a pixel can cost.
         unfilled_lab: of a pixel of an outline that a drawing leaves open.
         hidden_lab: of a pixel that something hides.
+        steps: first steps along x, y (metres) and in heading (radians) with which a pose is refined.
     """
 
     cap_lab: float = 30.0
     unfilled_lab: float = 20.0
     hidden_lab: float = 6.0
+    steps: tuple[float, float, float] = (0.004, 0.004, math.radians(5.0))
 
 
 SETTINGS = SightSettings()
@@ -87,3 +90,18 @@ def unlikeness(pose: np.ndarray, height: float, sights: Sequence[Sight], draw: D
         apart = np.where(sight.hidden, SETTINGS.hidden_lab, seen)[drawing.covered].mean()
         costs.append(apart + SETTINGS.unfilled_lab * (sight.outline & ~drawing.covered).sum() / drawing.covered.sum())
     return float(np.mean(costs))
+
+
+def refined(
+    pose: np.ndarray,
+    least: float,
+    unlike: Callable[[np.ndarray], float],
+    rounds: int = 5,
+) -> tuple[float, np.ndarray]:
+    """The least cost near (3,) x, y and heading, and where it is."""
+    steps = np.array(SETTINGS.steps)
+    for _ in range(rounds):
+        around = [pose + sign * steps * axis for axis in np.eye(3) for sign in (1, -1)]
+        value, nearby = min(((unlike(p), tuple(p)) for p in around), key=lambda found: found[0])
+        pose, least, steps = (np.array(nearby), value, steps) if value < least else (pose, least, steps / 2)
+    return least, pose

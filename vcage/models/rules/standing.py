@@ -1,57 +1,64 @@
-"""Where an object stands in the pictures: found from above, and told apart from its other sides by drawing it."""
+"""Find an object in pictures from above, and tell its sides apart by drawing it."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
 from vcage.base.geometry import Camera, Pose
 from vcage.models.rules.drawings import Draw, as_bright, cut, drawn_whole, inside, window_around
-from vcage.models.rules.evidence import CHANGED, FILLED, middles, places, salience
-from vcage.models.rules.sights import Sight, unlikeness
+from vcage.models.rules.pixels import PIXELS, middles, places, salience
+from vcage.models.rules.sights import Sight, refined, unlikeness
 from vcage.vision.colour import LabImage, distance, smoothed, to_lab
 from vcage.vision.detector import MIN_AREA, components
 from vcage.vision.object_templates import template_from_reference
 from vcage.vision.protocols import Reference, View
 
-FLIPS = np.radians([0.0, 90.0, 180.0, 270.0])
-"""Headings besides that at which an object seems to stand: a plain box looks the same from several sides."""
 
-STEPS, ROUNDS = np.array([0.004, 0.004, np.radians(5.0)]), 5
-"""First steps along x, y and in heading with which a pose is refined by drawing the object, and how often."""
+@dataclass(frozen=True)
+class StandingSettings:
+    """Places where an object is looked for, and limits from which on it is there.
 
-CANDIDATES, REFINED = 3, 2
-"""Places that are drawn, and poses of those that are refined."""
+    Args:
+        flips_deg: headings besides that at which an object seems to stand: a plain box looks the same from several
+            sides.
+        rounds, rounds_near: how often a pose is refined; and one that is known to be nearly right.
+        candidates, refined: places that are drawn, and poses of those that are refined.
+        headings_deg: headings that are tried besides, where something stands that nothing fits at first sight.
+        near_px: so far from what has been seen to stand or change an object is looked for.
+        clearly_lab: so much more like the object another place must be than that where the layout put it.
+        surely_lab: so unlike at most is what is not looked for elsewhere.
+        gone_share: share of what tells an object from the bare table below which it is not there; more of it may lie in
+            shadow.
+        apart_m: poses that are nearer to each other than this are at one place.
+        unlike_lab: mean colour distance to drawings of an object from which on what stands there is another.
+    """
 
-HEADINGS = np.radians([0.0, 30.0, 60.0])
-"""Headings that are tried besides, where something stands that nothing fits at first sight."""
+    flips_deg: tuple[float, ...] = (0.0, 90.0, 180.0, 270.0)
+    rounds: int = 5
+    rounds_near: int = 3
+    candidates: int = 3
+    refined: int = 2
+    headings_deg: tuple[float, ...] = (0.0, 30.0, 60.0)
+    near_px: int = 12
+    clearly_lab: float = 3.0
+    surely_lab: float = 9.0
+    gone_share: float = 0.2
+    apart_m: float = 0.02
+    unlike_lab: float = 14.0
 
-NEAR = 12
-"""So far from what has been seen to stand or change an object is looked for, pixels."""
 
-FEW = 3
-"""Rounds in which a pose is refined that is known to be nearly right."""
-
-CLEARLY, SURELY = 3.0, 9.0
-"""So much more like an object another place must be than that where the layout put it; and so unlike at most is what is
-not looked for elsewhere."""
-
-GONE = 0.2
-"""Share of what tells an object from the bare table below which it is not there; more of it may lie in shadow."""
-
-APART = 0.02
-"""Poses that are nearer to each other than this are at one place, metres."""
-
+SETTINGS = StandingSettings()
 
 _NOTHING: Mapping[str, np.ndarray] = {}
 
 
 @dataclass(frozen=True)
 class Standing:
-    """Where an object is seen to stand.
+    """The place where an object is seen to stand.
 
     Args:
         pose: of the object in the world.
@@ -95,7 +102,7 @@ class Sought:
     planned: Pose | None = None
 
     def standing(self, views: Mapping[str, View], among: np.ndarray | None = None) -> Standing | None:
-        """Where the object stands; None where nothing stands that it could be.
+        """Find the object; None where nothing stands that it could be.
 
         Args:
             views: of the same moment; the ``top`` one finds it, all tell its sides apart.
@@ -119,7 +126,7 @@ class Sought:
         patches: Sequence[np.ndarray],
         outline: np.ndarray | None,
     ) -> Standing | None:
-        """Where it is likeliest to stand on something of a height; None where no patch shows a place for it.
+        """Find it on something of a height; None where no patch shows a place for it.
 
         Args:
             outline: (H, W) bool, what it should fill from above.
@@ -133,7 +140,7 @@ class Sought:
         return self._likeliest(shown, height, views, outline)
 
     def lying(self, views: Mapping[str, View], floor: Pose, among: np.ndarray) -> Standing:
-        """Where the object is likeliest to lie on a floor.
+        """Find the likeliest place of the object on a floor.
 
         Args:
             views: of one moment; the ``top`` one tells.
@@ -157,19 +164,19 @@ class Sought:
         for rough in roughs:
             middle = np.array([rough[0], rough[1], height + size[2] / 2])
             sights = [Sight.of(view, middle, size, outline if name == "top" else None) for name, view in views.items()]
-            tries += [
-                (unlikeness(p, height, sights, draw), tuple(p), sights) for p in rough + FLIPS[:, None] * [0, 0, 1]
-            ]
+            flipped = rough + np.radians(SETTINGS.flips_deg)[:, None] * [0, 0, 1]
+            tries += [(unlikeness(p, height, sights, draw), tuple(p), sights) for p in flipped]
         if not tries:
             return None
         best: tuple[float, np.ndarray, list[Sight]] = (np.inf, np.zeros(3), [])
-        for least, start, sights in sorted(tries, key=lambda tried: tried[0])[:REFINED]:
-            nearby = refined(np.array(start), least, lambda p, s=sights: unlikeness(p, height, s, draw))
+        for least, start, sights in sorted(tries, key=lambda tried: tried[0])[: SETTINGS.refined]:
+            here = partial(unlikeness, height=height, sights=sights, draw=draw)
+            nearby = refined(np.array(start), least, here, SETTINGS.rounds)
             best = min(best, (*nearby, sights), key=lambda found: found[0])
         return self._seen_at(best[1], height, best[2], views["top"].camera)
 
     def where_planned(self, views: Mapping[str, View]) -> Standing | None:
-        """Where the object stands if it does so about where the layout put it; None where that is not known.
+        """Find the object about where the layout put it; None where that is not known.
 
         Args:
             views: of the same moment.
@@ -181,7 +188,7 @@ class Sought:
     def near(
         self, starts: Sequence[Pose], views: Mapping[str, View], hidden: Mapping[str, np.ndarray] = _NOTHING
     ) -> Standing:
-        """Where the object stands if it does so near one of some poses of one height.
+        """Find the object near one of some poses of one height.
 
         Args:
             starts: those poses.
@@ -194,12 +201,12 @@ class Sought:
             sights = [Sight.of(view, middle, self.look.size, None, hidden.get(name)) for name, view in views.items()]
             tries.append((unlikeness(at, height, sights, self.draw), tuple(at), sights))
         least, at, sights = min(tries, key=lambda tried: tried[0])
-        rounds = FEW if len(starts) == 1 else ROUNDS
-        _, pose = refined(np.array(at), least, lambda p: unlikeness(p, height, sights, self.draw), rounds=rounds)
+        rounds = SETTINGS.rounds_near if len(starts) == 1 else SETTINGS.rounds
+        _, pose = refined(np.array(at), least, lambda p: unlikeness(p, height, sights, self.draw), rounds)
         return self._seen_at(pose, height, sights, views["top"].camera)
 
     def found(self, views: Mapping[str, View], among: np.ndarray | None = None) -> Standing | None:
-        """Where the object stands: where the layout put it, unless nothing stands there or another place fits better.
+        """Find the object where the layout put it, or elsewhere if nothing stands there or another place fits better.
 
         Args:
             views, among: see :meth:`standing`.
@@ -208,21 +215,21 @@ class Sought:
         if there is None or not there.covered.any():
             return self.standing(views, among)
         empty = self.gone(there, views["top"])
-        if not empty and there.unlike < SURELY:
+        if not empty and there.unlike < SETTINGS.surely_lab:
             return there
         elsewhere = self.standing(views, among)
         # A full box looks less like its drawing than does the bare table of its colour around a smaller thing.
         if elsewhere is not None and self.gone(elsewhere, views["top"]):
             elsewhere = None
-        if elsewhere is not None and (empty or elsewhere.unlike + CLEARLY < there.unlike):
+        if elsewhere is not None and (empty or elsewhere.unlike + SETTINGS.clearly_lab < there.unlike):
             return elsewhere
         return None if empty else there
 
     def gone(self, there: Standing, top: View) -> bool:
-        """Whether a view from above shows the empty table where the object would stand."""
+        """True where a view from above shows the empty table in the place of the object."""
         if self.background is None:
-            return float(salience(top.picture, None)[there.covered].mean()) < FILLED
-        return self.speaks(there, top, self.background)[0] < GONE
+            return float(salience(top.picture, None)[there.covered].mean()) < PIXELS.filled_share
+        return self.speaks(there, top, self.background)[0] < SETTINGS.gone_share
 
     def speaks(
         self, there: Standing, view: View, without: np.ndarray, hidden: np.ndarray | None = None
@@ -241,7 +248,7 @@ class Sought:
         unseen = np.zeros_like(drawing.covered) if hidden is None else cut(hidden, window)
         own = to_lab(as_bright(drawing, picture, unseen).astype(np.uint8))
         seen, bare = smoothed(picture), smoothed(cut(without, window))
-        telling = drawing.covered & inside(view.picture, window) & ~unseen & (distance(own, bare) > CHANGED)
+        telling = drawing.covered & inside(view.picture, window) & ~unseen & (distance(own, bare) > PIXELS.changed_lab)
         share = float((distance(seen, own) < distance(seen, bare))[telling].mean()) if telling.any() else 1.0
         return share, int(telling.sum())
 
@@ -258,41 +265,29 @@ class Sought:
         return Standing(at, self.look.size, unlike, drawn_whole(self.draw, at, camera).covered)
 
 
-def refined(
-    pose: np.ndarray,
-    least: float,
-    unlike: Callable[[np.ndarray], float],
-    steps: np.ndarray = STEPS,
-    rounds: int = ROUNDS,
-) -> tuple[float, np.ndarray]:
-    """The least cost near (3,) x, y and heading, and where it is."""
-    for _ in range(rounds):
-        around = [pose + sign * steps * axis for axis in np.eye(3) for sign in (1, -1)]
-        value, nearby = min(((unlike(p), tuple(p)) for p in around), key=lambda found: found[0])
-        pose, least, steps = (np.array(nearby), value, steps) if value < least else (pose, least, steps / 2)
-    return least, pose
-
-
 def _apart(poses: np.ndarray) -> list[np.ndarray]:
     """The first few poses (3,) of the best-first (n, 4), one for each place."""
     found: list[np.ndarray] = []
     for pose in poses[:, :3]:
-        if all(np.linalg.norm(pose[:2] - other[:2]) > APART for other in found):
+        if all(np.linalg.norm(pose[:2] - other[:2]) > SETTINGS.apart_m for other in found):
             found.append(pose)
-        if len(found) == CANDIDATES:
+        if len(found) == SETTINGS.candidates:
             break
     return found
 
 
 def _upon(patches: Sequence[np.ndarray], camera: Camera, height: float) -> list[np.ndarray]:
     """Poses (3,) upon the largest patches of a picture, at headings that its flips go on from."""
-    largest = sorted(patches, key=lambda patch: -int(patch.sum()))[:CANDIDATES]
+    largest = sorted(patches, key=lambda patch: -int(patch.sum()))[: SETTINGS.candidates]
     at = camera.unproject(middles(largest), height)
-    return [np.array([x, y, heading]) for x, y, _ in at for heading in HEADINGS]
+    return [np.array([x, y, heading]) for x, y, _ in at for heading in np.radians(SETTINGS.headings_deg)]
 
 
 def _shown(pose: np.ndarray, patches: Sequence[np.ndarray], camera: Camera, height: float) -> bool:
-    """Whether one of the patches, or what is around it, shows the place of a pose (3,)."""
+    """True where one of the patches, or its surroundings, shows the place of a pose (3,)."""
     u, v = np.round(camera.project(np.array([[pose[0], pose[1], height]]))[0]).astype(int)
-    around = np.s_[max(0, v - NEAR) : max(0, v + NEAR), max(0, u - NEAR) : max(0, u + NEAR)]
+    around = np.s_[
+        max(0, v - SETTINGS.near_px) : max(0, v + SETTINGS.near_px),
+        max(0, u - SETTINGS.near_px) : max(0, u + SETTINGS.near_px),
+    ]
     return any(bool(patch[around].any()) for patch in patches)

@@ -18,7 +18,7 @@ from vcage.tasks.workcell import TaskFailed, Workcell
 
 @dataclass(frozen=True)
 class CarrySettings:
-    """How things are carried.
+    """Limits for carried objects.
 
     Args:
         swing_lever_m: an object that is held farther from its middle than this, seen from above, turns between the
@@ -69,13 +69,13 @@ class Grip:
 
 
 def lever(target: SceneObject, at: np.ndarray) -> float:
-    """How far from its middle an object is held at a point (3,), seen from above, metres; 0 where it hardly turns."""
+    """Distance of the middle of an object from a point (3,) where it is held, metres; 0 where it hardly turns."""
     distance = float(np.linalg.norm((target.aabb.mean(axis=0) - at)[:2]))
     return distance if distance > SETTINGS.swing_lever_m else 0.0
 
 
 def sag(target: SceneObject, contact: ContactPoint) -> float:
-    """How much lower an object hangs that is lifted at a contact point, metres."""
+    """Height by which an object sags that is lifted at a contact point, metres."""
     return SETTINGS.sag_share * lever(target, target.pose.apply([contact.position])[0])
 
 

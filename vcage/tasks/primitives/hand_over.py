@@ -29,12 +29,12 @@ TRIED = 16
 
 
 def _all_do(_hold: Hold) -> None:
-    """Where nothing comes next."""
+    """Accept every hold, where nothing comes next."""
 
 
 @dataclass(frozen=True)
 class HandOver:
-    """How an object is handed to an arm.
+    """The hand-over of an object to an arm.
 
     Args:
         cell: as it stands.
@@ -49,7 +49,7 @@ class HandOver:
     suits: Suits = _all_do
 
     def leads_on(self, planner: MotionPlanner, way: PickWay, _: np.ndarray, contact: ContactPoint) -> None:
-        """That the object can be handed over by the planner's arm if it grasps it so where it stands.
+        """Check that the object can be handed over by the planner's arm if it grasps it so where it stands.
 
         Raises:
             MotionFailed: it cannot.
@@ -86,7 +86,7 @@ class HandOver:
     # --- planning ---
 
     def _meetings(self, target: SceneObject, given: Hold, giver: ArmKinematics) -> Iterator[Meeting]:
-        """Where it can change hands, obstacles aside.
+        """Poses at which it can change hands, obstacles aside.
 
         Raises:
             NoMeeting: nowhere.
@@ -134,7 +134,7 @@ class HandOver:
         raise TaskFailed("plan", message)
 
     def _check(self, giver: str, meeting: Meeting, giving: np.ndarray, given: Hold) -> None:
-        """That the second arm gets to the object that the first, at joints ``giving`` (n,), holds, and the first away.
+        """Check that the second arm gets to the object, and the first, which holds it at joints ``giving`` (n,), away.
 
         Raises:
             MotionFailed: it does not.

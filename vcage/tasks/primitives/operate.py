@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from vcage.plans.thresholds import THRESHOLDS
+from vcage.goals.thresholds import THRESHOLDS
 from vcage.schema.asset import ContactPoint
 from vcage.sim.arms import ArmControl
 from vcage.sim.bodies import Body
@@ -140,7 +140,7 @@ class Operation:
         self.confirm()
 
     def confirm(self) -> None:
-        """That a part moved by its handle still is where it was brought; what was pressed may spring back.
+        """Check that a part moved by its handle still is where it was brought; a pressed button may spring back.
 
         Raises:
             TaskFailed: it is not.

@@ -19,15 +19,26 @@ from vcage.sim.paths import JointPath, Load
 from vcage.tasks.grasps import GraspPose, approach_opening, command_of, grasp_poses
 from vcage.tasks.primitives.grip import Grip, feel, lever, minding, sag
 from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.state import resting_point
 from vcage.tasks.touching import at_rest
-from vcage.tasks.truth import resting_point
 from vcage.tasks.workcell import CAREFUL, TaskFailed, Workcell, failing_at, first_reasons
 
-CLEARANCE = 0.03
-"""Metres between what is carried and the highest thing on the table."""
 
-LIFTS = 3
-"""Heights of a lift that are tried, from above everything to just above what the object comes out of or goes into."""
+@dataclass(frozen=True)
+class LiftSettings:
+    """Heights of a lift.
+
+    Args:
+        clearance_m: between what is carried and the highest thing on the table.
+        heights: heights that are tried, from above everything to just above what the object comes out of or
+            goes into.
+    """
+
+    clearance_m: float = 0.03
+    heights: int = 3
+
+
+SETTINGS = LiftSettings()
 
 
 @dataclass(frozen=True)
@@ -84,7 +95,7 @@ def transfer_heights(
     """
     top = max([table_height, *(o.box.top for o in others)])
     least = max([table_height, *over])
-    return tuple(dict.fromkeys((np.linspace(top, min(least, top), LIFTS) + CLEARANCE).tolist()))
+    return tuple(dict.fromkeys((np.linspace(top, min(least, top), SETTINGS.heights) + SETTINGS.clearance_m).tolist()))
 
 
 def lift_heights(target: SceneObject, others: Sequence[SceneObject], table_height: float) -> tuple[float, ...]:

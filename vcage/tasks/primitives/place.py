@@ -22,12 +22,22 @@ from vcage.tasks.scene_objects import Obstacles
 from vcage.tasks.touching import at_rest
 from vcage.tasks.workcell import CAREFUL, TaskFailed, Workcell, failing_at, first_reasons
 
-SLACK = 0.006
-"""What is held comes to lie otherwise between the fingers by up to so much, metres: a place must not be at the very end
-of an arm's reach."""
 
-RAISES = (0.01, 0.02, 0.035)
-"""How much higher an object is let go where the hand meets something at the lowest height, metres."""
+@dataclass(frozen=True)
+class PlaceSettings:
+    """Margins with which an object is let go.
+
+    Args:
+        slack_m: what is held comes to lie otherwise between the fingers by up to so much: a place must not be
+            at the very end of an arm's reach.
+        raises_m: how much higher an object is let go where the hand meets something at the lowest height.
+    """
+
+    slack_m: float = 0.006
+    raises_m: tuple[float, ...] = (0.01, 0.02, 0.035)
+
+
+SETTINGS = PlaceSettings()
 
 
 @dataclass(frozen=True)
@@ -48,9 +58,9 @@ class PlacePlan:
 
 
 def _farther(kinematics: ArmKinematics, pose: Pose) -> Pose:
-    """The pose :data:`SLACK` farther from where the arm stands."""
+    """The pose that is farther from where the arm stands, by the slack of a held object."""
     away = (pose.p - kinematics.arm.base.pose().p) * [1.0, 1.0, 0.0]
-    return Pose(pose.p + SLACK * away / np.linalg.norm(away), pose.q)
+    return Pose(pose.p + SETTINGS.slack_m * away / np.linalg.norm(away), pose.q)
 
 
 Choice = TypeVar("Choice")
@@ -108,7 +118,7 @@ def _holds(cell: Workcell, grip: Grip, around: Surroundings) -> Iterator[tuple[H
 
 @dataclass(frozen=True)
 class Surroundings:
-    """What is around a place where an object is put down, as it stands.
+    """Surroundings of a place where an object is put down, as they stand.
 
     Args:
         receptacle: id of what receives the object, or ``table``.
@@ -120,7 +130,7 @@ class Surroundings:
     receptacle: str
     obstacles: Obstacles
     heights: tuple[float, ...]
-    raises: tuple[float, ...] = RAISES
+    raises: tuple[float, ...] = SETTINGS.raises_m
 
     @classmethod
     def of(cls, cell: Workcell, object_id: str, receptacle: str, point: int | None) -> Surroundings:
@@ -173,8 +183,7 @@ class Surroundings:
         return [*near, *(way.raised(x) for way in near for x in self.raises if way.drop + x <= MAX_DROP)]
 
     def check(self, planner: MotionPlanner, start: np.ndarray, held: Held, width: float, poses: Sequence[Pose]) -> None:
-        """That a hold leads to a place: the arm comes down to it with the object, the fingers can open, and the hand
-        gets away from there.
+        """Check that a hold leads to a place: the arm comes down to it, the fingers can open, and the hand gets away.
 
         Args:
             planner: of the arm.

@@ -23,35 +23,42 @@ from vcage.tasks.scene_objects import SceneObject, SolidBox
 from vcage.tasks.touching import Allowance
 from vcage.tasks.workcell import CAREFUL, TaskFailed, Workcell, failing_at, first_reasons
 
-SLOW = 0.25
-"""Share of the speed limit while an object is pushed: it must not run ahead of the fingers."""
 
-GAP = 0.02
-"""Between the face and the finger tips that have come down behind it, metres."""
+@dataclass(frozen=True)
+class PushSettings:
+    """The motion of a push, and limits from which on the object got out of hand.
 
-OVER_TABLE = 0.004
-"""Metres between the finger tips and the table."""
+    Args:
+        speed_share: share of the speed limit while an object is pushed: it must not run ahead of the fingers.
+        gap_m: between the face and the finger tips that have come down behind it.
+        over_table_m: between the finger tips and the table.
+        leans_deg: turns about the closing axis that take the palm away from the object: it stands out before
+            the fingers.
+        spread_share: share of the face's width that the fingers are apart, where they open so wide.
+        away_m: how far behind the face the hand is drawn back before it goes up.
+        over_object_m: between the tips and the top of the object when the hand comes and goes.
+        corrections: how often the hand goes on along the line where the object did not come far enough.
+        position_tolerance_m: what is missing of a push that is not made up for.
+        off_m: an object farther from where it was pushed to got out of hand,
+        turned_rad: or that was turned by more,
+        tipped_rad: or tipped.
+    """
 
-LEANS = tuple(np.radians(degrees) for degrees in (0.0, 35.0, 45.0))
-"""Turns about the closing axis that take the palm away from the object: it stands out before the fingers."""
+    speed_share: float = 0.25
+    gap_m: float = 0.02
+    over_table_m: float = 0.004
+    leans_deg: tuple[float, ...] = (0.0, 35.0, 45.0)
+    spread_share: float = 0.5
+    away_m: float = 0.03
+    over_object_m: float = 0.03
+    corrections: int = 4
+    position_tolerance_m: float = 0.004
+    off_m: float = 0.03
+    turned_rad: float = np.radians(15)
+    tipped_rad: float = np.radians(10)
 
-SPREAD = 0.5
-"""Share of the face's width that the fingers are apart, where they open so wide."""
 
-AWAY = 0.03
-"""How far behind where the face would be the hand is drawn back before it goes up, metres."""
-
-OVER_OBJECT = 0.03
-"""Between the tips and the top of the object when the hand comes and goes, metres."""
-
-CORRECTIONS = 4
-"""How often the hand goes on along the line where the object did not come far enough."""
-
-THERE = 0.004
-"""What is missing of a push that is not made up for, metres."""
-
-OFF, TURNED, TIPPED = 0.03, np.radians(15), np.radians(10)
-"""An object farther from where it was pushed to (metres), turned or tipped by more than this got out of hand."""
+SETTINGS = PushSettings()
 
 
 @dataclass(frozen=True)
@@ -112,20 +119,20 @@ def push_ways(thing: SceneObject, goal: Pose, gripper: Gripper) -> Iterator[Push
     outline = thing.outline
     beside = outline @ across[:2]
     width, middle = np.ptp(beside), (beside.min() + beside.max()) / 2 * across + (outline @ along[:2]).min() * along
-    opening = min(gripper.max_width, SPREAD * float(width))
-    rise = max(gripper.approach, thing.box.top - thing.box.bottom + OVER_OBJECT)
+    opening = min(gripper.max_width, SETTINGS.spread_share * float(width))
+    rise = max(gripper.approach, thing.box.top - thing.box.bottom + SETTINGS.over_object_m)
     x, tip = gripper.finger_width / 2, gripper.tip_depth
-    for lean in LEANS:
+    for lean in np.radians(SETTINGS.leans_deg):
         ahead, below = x * np.cos(lean) + tip * np.sin(lean), x * np.sin(lean) + tip * np.cos(lean)
         at = middle - along * ahead
-        at[2] = thing.box.bottom + OVER_TABLE + below
+        at[2] = thing.box.bottom + SETTINGS.over_table_m + below
         approach = np.sin(lean) * along - [0.0, 0.0, np.cos(lean)]
         if SolidBox(hand_boxes(gripper, opening)[-1], frame_from_axes(at, approach, across)).overlaps(thing.box):
             continue
         for closing in (across, -across):
             touch = frame_from_axes(at, approach, closing)
-            before, pushed = _shifted(touch, -GAP * along), _shifted(touch, way)
-            after, up = _shifted(pushed, -AWAY * along), np.array([0.0, 0.0, rise])
+            before, pushed = _shifted(touch, -SETTINGS.gap_m * along), _shifted(touch, way)
+            after, up = _shifted(pushed, -SETTINGS.away_m * along), np.array([0.0, 0.0, rise])
             yield PushWay(_shifted(before, up), before, touch, pushed, after, _shifted(after, up), opening)
 
 
@@ -161,7 +168,7 @@ def _plan(cell: Workcell, planner: MotionPlanner, arm: str, thing: SceneObject, 
     then = [way.before, way.touch, way.pushed, way.after, way.up]
     reach = planner.move(begun.end, way.above, Load(opening), then=then)
     down = planner.line(reach.end, way.before, Load(opening, speed=CAREFUL))
-    near = planner.line(down.end, way.touch, Load(opening, ignore=cell.parts(thing.id), speed=SLOW))
+    near = planner.line(down.end, way.touch, Load(opening, ignore=cell.parts(thing.id), speed=SETTINGS.speed_share))
     push = planner.line(near.end, way.pushed, _pushing(thing, way.touch, opening))
     return PushPlan(arm, way, goal, begun.then(reach).then(down), near.then(push))
 
@@ -169,7 +176,7 @@ def _plan(cell: Workcell, planner: MotionPlanner, arm: str, thing: SceneObject, 
 def _pushing(thing: SceneObject, hand: Pose, opening: float) -> Load:
     """The object goes with the hand as if it were held, and must touch nothing."""
     held = Held(thing.id, thing.asset.model, hand.inverse() * thing.pose, thing.joints)
-    return Load(opening, held=held, speed=SLOW)
+    return Load(opening, held=held, speed=SETTINGS.speed_share)
 
 
 def carry_out_push(cell: Workcell, thing: SceneObject, plan: PushPlan) -> None:
@@ -196,10 +203,10 @@ def carry_out_push(cell: Workcell, thing: SceneObject, plan: PushPlan) -> None:
     along = plan.way.pushed.p - plan.way.touch.p
     along /= np.linalg.norm(along)
     done, last, stopped = plan.push.end, plan.way.pushed, ""
-    for _ in range(CORRECTIONS):
+    for _ in range(SETTINGS.corrections):
         now = cell.object(thing.id)
         missing = float((plan.goal.p - now.pose.p) @ along)
-        if missing < THERE:
+        if missing < SETTINGS.position_tolerance_m:
             break
         here, last = last, _shifted(last, missing * along)
         try:
@@ -216,7 +223,7 @@ def carry_out_push(cell: Workcell, thing: SceneObject, plan: PushPlan) -> None:
 
 
 def _confirm(now: SceneObject, before: SceneObject, goal: Pose, stopped: str) -> None:
-    """That an object is where it was pushed to, and stands as it stood.
+    """Check that an object is where it was pushed to, and stands as it stood.
 
     Args:
         now, before: the object after the push and before it.
@@ -230,11 +237,11 @@ def _confirm(now: SceneObject, before: SceneObject, goal: Pose, stopped: str) ->
     tipped = float(np.arccos(np.clip(now.pose.rotation()[:, 2] @ before.pose.rotation()[:, 2], -1, 1)))
     turned = abs(float(wrap_angle(now.pose.yaw - goal.yaw)))
     off = float(np.linalg.norm((now.pose.p - goal.p)[:2]))
-    if tipped > TIPPED:
+    if tipped > SETTINGS.tipped_rad:
         raise TaskFailed("place", f"{phrase} tipped by {np.degrees(tipped):.0f}° when it was pushed")
-    if turned > TURNED:
+    if turned > SETTINGS.turned_rad:
         raise TaskFailed("place", f"{phrase} turned by {np.degrees(turned):.0f}° when it was pushed")
-    if off > OFF:
+    if off > SETTINGS.off_m:
         raise TaskFailed("place", f"{phrase} is {off * 100:.1f} cm from where it was pushed to{stopped}")
 
 

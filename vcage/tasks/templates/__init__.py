@@ -31,13 +31,13 @@ class SubtaskTemplate(Protocol):
 
     @property
     def name(self) -> TemplateName:
-        """What records call it."""
+        """Its name in records."""
         ...
 
     def proposals(
         self, objects: Sequence[SceneObject], asked: Collection[Goal]
     ) -> tuple[Sequence[Proposal], list[Refusal]]:
-        """What the template can be tried on in a scene, and what its preconditions exclude.
+        """Proposals for a scene, and refusals of what the preconditions exclude.
 
         Args:
             objects: all of the scene.

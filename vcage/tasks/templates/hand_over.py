@@ -50,7 +50,7 @@ class Handing(Move):
     """An object and the arm that shall have it: that arm puts it down."""
 
     def impossible(self) -> Refusal | None:
-        """What cannot be carried."""
+        """Refuse an object that cannot be carried."""
         return None if self.candidates else self.not_carried()
 
     def examine(self, workplace: Workplace) -> tuple[Subtask | None, list[Refusal]]:

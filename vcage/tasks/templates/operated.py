@@ -1,4 +1,4 @@
-"""What opening, closing, pressing and turning have in common: a moving part that is brought to a position by a hand."""
+"""The common part of opening, closing, pressing and turning: a hand brings a moving part to a position."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
 from vcage.schema.asset import ContactPoint, Joint
-from vcage.schema.goals import Goal, GoalWord, part_that
+from vcage.schema.goals import Goal, part_that
 from vcage.schema.subtasks import Refusal, Subtask, TemplateName
 from vcage.tasks.access import shut_above
 from vcage.tasks.operating import examine_operation
@@ -29,10 +29,10 @@ class Operated:
 
     name: TemplateName
     action: str
-    word: GoalWord
+    word: str
     start: Callable[[Joint], float]
     target: Callable[[Joint], float]
-    opposite: GoalWord | None = None
+    opposite: str | None = None
 
     def proposals(
         self, objects: Sequence[SceneObject], asked: Collection[Goal]
@@ -68,7 +68,7 @@ class Operable(Proposal):
         return 1
 
     def offers(self, subtask: Subtask) -> bool:
-        """Whether a sub-task brings the part there."""
+        """True where a sub-task brings the part there."""
         target = round(self.template.target(self.thing.asset.model.link(self.part).joint), 4)
         return super().offers(subtask) and subtask.target == target
 
@@ -98,7 +98,7 @@ class Operable(Proposal):
         )
 
     def _requires(self) -> list[Goal]:
-        """That it is in the other position, and that no drawer above it hangs out over the hand."""
+        """Goals that must be true before: the other position, and no open drawer above the hand."""
         opposite = self.template.opposite
         if opposite is None:
             return []

@@ -10,12 +10,13 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import permutations
+from typing import NamedTuple
 
 import numpy as np
 
 from vcage.base.errors import InfeasibleScene
 from vcage.schema.asset import FunctionalPoint
-from vcage.schema.goals import EventWord, Goal, StateWord, part_words
+from vcage.schema.goals import Goal, part_words
 from vcage.schema.subtasks import Check, PairQuestion, Refusal, Subtask, TemplateName
 from vcage.tasks.access import access, open_to_a_hand
 from vcage.tasks.feasibility import Transfer, examine, fits
@@ -27,9 +28,21 @@ from vcage.tasks.stowing import reached
 from vcage.tasks.templates.proposal import Proposal
 from vcage.tasks.workplace import Workplace
 
-SLOTS, OUT_OF_REACH = 12, 5
-"""Places in the receptacle that are tried before a contact point is refused for what is wrong with its place, and where
-all that is wrong is that no arm reaches it."""
+
+@dataclass(frozen=True)
+class SlotSettings:
+    """Numbers of places in a receptacle that are tried.
+
+    Args:
+        slots: before a contact point is refused for what is wrong with its place.
+        slots_out_of_reach: and where all that is wrong is that no arm reaches it.
+    """
+
+    slots: int = 12
+    slots_out_of_reach: int = 5
+
+
+SETTINGS = SlotSettings()
 
 
 @dataclass(frozen=True)
@@ -38,14 +51,14 @@ class Placing:
 
     Args:
         name: of the template.
-        takes: whether it is this template that a pair of objects with a functional point belongs to.
+        takes: True for a pair of objects with a functional point that belongs to this template.
         word: the goal that it brings about besides that the object lies there; None for no other.
         waits: how long the object then stays there alone, seconds.
     """
 
     name: TemplateName
     takes: Callable[[SceneObject, SceneObject, FunctionalPoint], bool]
-    word: EventWord | None = None
+    word: str | None = None
     waits: float = 0.0
 
     def proposals(self, objects: Sequence[SceneObject], asked: Collection[Goal]) -> tuple[list[Pair], list[Refusal]]:
@@ -84,19 +97,19 @@ class Placing:
 
 
 def lying(target: SceneObject, receptacle: SceneObject, point: FunctionalPoint) -> Goal:
-    """That an object is in or on another, at one of its functional points."""
-    word: StateWord = "inside" if point.holds == "in" else "on"
+    """The goal that an object is in or on another, at one of its functional points."""
+    word = "inside" if point.holds == "in" else "on"
     return Goal(subject=target.id, relation=word, reference=receptacle.id, part=point.link)
 
 
 def stands_flush(target: SceneObject, receptacle: SceneObject, point: FunctionalPoint) -> bool:
-    """Whether an object fills the top that it is put on, as a block on a block does."""
+    """True where an object fills the top that it is put on, as a block on a block does."""
     spare = np.array(receptacle.asset.opening(point).size) - target.asset.footprint
     return point.holds == "on" and float(np.max(spare)) < 2 * CONTENT_GAP_M
 
 
 def _elsewhere(refusal: Refusal) -> bool:
-    """Whether the hand may get to another place in the receptacle."""
+    """True where the hand may get to another place in the receptacle."""
     return any(check.name in ("drop", "reach_place") and not check.passed for check in refusal.checks)
 
 
@@ -104,8 +117,16 @@ PLACE = Placing("place", takes=lambda target, receptacle, point: not stands_flus
 
 
 def _out_of_reach(refusal: Refusal) -> bool:
-    """Whether an arm that takes the object does not reach its place."""
+    """True where an arm that takes the object does not reach its place."""
     return any(check.name == "reach_place" and not check.passed for check in refusal.checks)
+
+
+class _AtSlot(NamedTuple):
+    """Transfers to one slot by contact point, those that are feasible, and refusals of the others."""
+
+    transfers: dict[int, Transfer]
+    feasible: list[Feasibility]
+    refused: list[Refusal]
 
 
 @dataclass(frozen=True)
@@ -127,7 +148,7 @@ class Pair(Proposal):
 
     @property
     def goals(self) -> list[Goal]:
-        """What it would bring about, what it is for first."""
+        """Goals that it would bring about, its own first."""
         return list(dict.fromkeys([self.goal, lying(self.thing, self.receptacle, self.point)]))
 
     @property
@@ -136,7 +157,7 @@ class Pair(Proposal):
         return (self.name, "hand_over") if self.name == "place" else (self.name,)
 
     def offers(self, subtask: Subtask) -> bool:
-        """Whether a sub-task puts the object there."""
+        """True where a sub-task puts the object there."""
         here = (subtask.object, subtask.receptacle, subtask.functional_point)
         return here == (self.thing.id, self.receptacle.id, self.point.id) and {*subtask.goals} == {*self.goals}
 
@@ -162,7 +183,7 @@ class Pair(Proposal):
         return None
 
     def question(self) -> PairQuestion:
-        """Whether the receptacle can sensibly hold the object."""
+        """The question whether the receptacle can sensibly hold the object."""
         opening = self.receptacle.asset.opening(self.point)
         x, y, z = self.thing.asset.size.tolist()
         return PairQuestion(
@@ -182,36 +203,42 @@ class Pair(Proposal):
             workplace: with all objects of the scene.
         """
         there = reached(self.thing, workplace.others(self.thing.id))
-        thing, others = there.thing, [self._opened if o.id == self.receptacle.id else o for o in there.others]
+        others = [self._opened if o.id == self.receptacle.id else o for o in there.others]
+        try:
+            tried = self._at_some_slot(there.thing, others, workplace)
+        except InfeasibleScene as error:
+            return None, [self.refusal(error.message)]
+        if tried.feasible:
+            return self._subtask(workplace.objects, tried.feasible, there.requires), tried.refused
+        if self.goal not in self.asked or self.name != "place" or not any(map(_out_of_reach, tried.refused)):
+            return None, tried.refused
+        passing = replace(self, name="hand_over")
+        to, findings = examine_detour(list(tried.transfers.values()), workplace.kinematics, workplace.ground.height)
+        if to is not None:
+            return passing._subtask(workplace.objects, findings, there.requires, to), tried.refused
+        return None, tried.refused + passing.judged(dict(zip(tried.transfers, findings, strict=False)))[1]
+
+    def _at_some_slot(self, thing: SceneObject, others: Sequence[SceneObject], workplace: Workplace) -> _AtSlot:
+        """Examine slots until one is feasible, or more of them would not help.
+
+        Raises:
+            InfeasibleScene: there is no room for the object.
+        """
         present = lying_in(self.receptacle, self.point, others)
-        transfers: dict[int, Transfer] = {}
-        findings: list[Feasibility] = []
-        refused: list[Refusal] = []
-        for tried in range(SLOTS):
-            try:
-                slot = allocate(self._opened, self.point.id, [self.thing], workplace.rng, present)[self.thing.id]
-            except InfeasibleScene as error:
-                return None, [self.refusal(error.message)]
+        tried = _AtSlot({}, [], [])
+        for number in range(SETTINGS.slots):
+            slot = allocate(self._opened, self.point.id, [self.thing], workplace.rng, present)[self.thing.id]
             poses = Slot(self.receptacle.id, self.point.id, slot).poses({self.receptacle.id: self._opened})
             transfers = {
                 c.id: Transfer.into(thing, c, self._opened, self.point, poses, others)
                 for c in thing.asset.annotation.carrying_points
             }
-            findings, refused = self.judged(
-                {c: examine(t, workplace.kinematics, workplace.ground.height) for c, t in transfers.items()}
-            )
-            far = tried + 1 >= OUT_OF_REACH and all(map(_out_of_reach, refused))
-            if findings or far or not any(map(_elsewhere, refused)):
+            found = {c: examine(t, workplace.kinematics, workplace.ground.height) for c, t in transfers.items()}
+            tried = _AtSlot(transfers, *self.judged(found))
+            far = number + 1 >= SETTINGS.slots_out_of_reach and all(map(_out_of_reach, tried.refused))
+            if tried.feasible or far or not any(map(_elsewhere, tried.refused)):
                 break
-        if findings:
-            return self._subtask(workplace.objects, findings, there.requires), refused
-        if self.goal not in self.asked or self.name != "place" or not any(map(_out_of_reach, refused)):
-            return None, refused
-        passing = replace(self, name="hand_over")
-        to, findings = examine_detour(list(transfers.values()), workplace.kinematics, workplace.ground.height)
-        if to is not None:
-            return passing._subtask(workplace.objects, findings, there.requires, to), refused
-        return None, refused + passing.judged(dict(zip(transfers, findings, strict=False)))[1]
+        return tried
 
     def _place_words(self) -> str:
         phrase = self.receptacle.record.phrase
@@ -247,6 +274,6 @@ class Pair(Proposal):
         )
 
     def refusal(self, reason: str, contact: int | None = None, checks: Sequence[Check] = ()) -> Refusal:
-        """That it cannot be done, or not by a contact point."""
+        """The refusal of it, or of a contact point."""
         where = {"receptacle": self.receptacle.id, "functional_point": self.point.id}
         return super().refusal(reason, contact, checks).model_copy(update=where)

@@ -33,12 +33,12 @@ class Proposal(ABC):
 
     @property
     def candidates(self) -> int:
-        """How many ways there are to try it: one for each contact point that the object is carried by."""
+        """Number of ways to try it: one for each contact point that the object is carried by."""
         return len(self.thing.asset.annotation.carrying_points)
 
     @property
     def goals(self) -> list[Goal]:
-        """What it would bring about, what it is for first."""
+        """Goals that it would bring about, its own first."""
         return [self.goal]
 
     @property
@@ -51,16 +51,16 @@ class Proposal(ABC):
         return None
 
     def question(self) -> PairQuestion | None:
-        """What the reasoner is asked about it; None where nobody needs to be asked."""
+        """The question to the reasoner; None where nobody needs to be asked."""
         return None
 
     @property
     def templates(self) -> tuple[TemplateName, ...]:
-        """What the sub-task that comes of it may be called."""
+        """Templates that its sub-task may name."""
         return (self.name,)
 
     def offers(self, subtask: Subtask) -> bool:
-        """Whether a sub-task is this with a way to do it: what is put down besides stands on the table."""
+        """True where a sub-task is this one with a way to do it."""
         told = {self.goal} <= {*subtask.goals} <= {*self.goals}
         return told and subtask.object == self.thing.id and subtask.receptacle in (None, TABLE)
 
@@ -86,7 +86,7 @@ class Proposal(ABC):
         """
 
     def refusal(self, reason: str, contact: int | None = None, checks: Sequence[Check] = ()) -> Refusal:
-        """That it cannot be done, or not by a contact point."""
+        """A refusal of the proposal, or of one contact point."""
         return Refusal(
             template=self.name,
             object=self.thing.id,
@@ -97,7 +97,7 @@ class Proposal(ABC):
         )
 
     def not_carried(self) -> Refusal:
-        """That nothing holds the object where it could be carried."""
+        """The refusal of an object without a contact point to carry it by."""
         return self.refusal(f"{self.thing.record.phrase} has no contact point to carry it by")
 
     def judged(self, findings: Mapping[int, Feasibility]) -> tuple[list[Feasibility], list[Refusal]]:

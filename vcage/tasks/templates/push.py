@@ -17,11 +17,24 @@ from vcage.tasks.workplace import Workplace
 
 NAME: TemplateName = "push"
 
-FLATTEST = 0.012
-"""What is lower slips under the finger tips, metres."""
 
-GRAVITY, STRONGEST = 9.81, 24.0
-"""Acceleration, m/s², and the friction on the table against which an arm still pushes exactly, newtons."""
+@dataclass(frozen=True)
+class PushableSettings:
+    """Limits of what can be pushed.
+
+    Args:
+        flattest_m: what is lower slips under the finger tips.
+        gravity_m_per_s2: acceleration.
+        strongest_n: friction on the table against which an arm still pushes exactly.
+    """
+
+    flattest_m: float = 0.012
+    gravity_m_per_s2: float = 9.81
+    strongest_n: float = 24.0
+
+
+SETTINGS = PushableSettings()
+
 
 _RELATIONS = ("left_of", "right_of", "in_front_of", "behind", "beside", "near")
 
@@ -53,19 +66,19 @@ class Shove(Proposal):
 
     @property
     def candidates(self) -> int:
-        """How many directions there are, though none is tried of what a hand can carry."""
+        """Number of directions, though none is tried for an object that a hand can carry."""
         return len(headings(self.thing))
 
     def impossible(self) -> Refusal | None:
-        """What stands in or on something, is flat or heavy cannot be pushed."""
+        """Refuse an object that stands in or on another, or is flat or heavy."""
         phrase, model = self.thing.record.phrase, self.thing.asset.model
         if self.thing.record.container is not None:
             return self.refusal(f"{phrase} does not stand on the table")
-        height, force = float(self.thing.asset.size[2]), model.total_mass * model.friction * GRAVITY
-        if height < FLATTEST:
+        height, force = float(self.thing.asset.size[2]), model.total_mass * model.friction * SETTINGS.gravity_m_per_s2
+        if height < SETTINGS.flattest_m:
             return self.refusal(f"{phrase} is {height * 1000:.0f} mm high, too flat for finger tips to push it")
-        if force > STRONGEST:
-            return self.refusal(f"{phrase} resists a push with {force:.0f} N, more than {STRONGEST:.0f} N")
+        if force > SETTINGS.strongest_n:
+            return self.refusal(f"{phrase} resists a push with {force:.0f} N, more than {SETTINGS.strongest_n:.0f} N")
         return None
 
     def examine(self, workplace: Workplace) -> tuple[Subtask | None, list[Refusal]]:

@@ -60,11 +60,11 @@ class Reading(Proposal):
 
     @property
     def candidates(self) -> int:
-        """How many contact points there are on what can be moved."""
+        """Number of contact points on the objects that can be moved."""
         return sum(len(mover.asset.annotation.carrying_points) for mover, _ in self._ways)
 
     def offers(self, subtask: Subtask) -> bool:
-        """Whether a sub-task shows the one to the other."""
+        """True where a sub-task shows the one to the other."""
         carried = [mover.id for mover, _ in self._ways]
         return super().offers(subtask) and subtask.tool == self.scanner.id and subtask.grasped in carried
 

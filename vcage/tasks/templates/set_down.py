@@ -72,7 +72,7 @@ class Move(Proposal):
         return list(dict.fromkeys([self.goal, Goal(subject=self.thing.id, relation="on", reference=TABLE)]))
 
     def impossible(self) -> Refusal | None:
-        """What did not stand on the table cannot be put back there."""
+        """Refuse to put back on the table an object that did not stand there."""
         if self.goal.relation == "back" and self.thing.record.container is not None:
             return self.refusal(f"{self.thing.record.phrase} did not stand on the table at the start")
         return None
@@ -95,7 +95,7 @@ class Move(Proposal):
 
     @property
     def _wanted(self) -> str:
-        """What its place must be like."""
+        """A condition on its place, in words."""
         return f"so that {self.goal}"
 
     def _finding(self, transfer: Transfer, workplace: Workplace) -> Feasibility:

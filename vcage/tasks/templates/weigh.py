@@ -5,6 +5,6 @@ from __future__ import annotations
 from vcage.tasks.templates.place import Placing
 
 STILL = 1.0
-"""How long it lies there alone, seconds."""
+"""Time for which it lies there alone, seconds."""
 
 WEIGH = Placing("weigh", takes=lambda _target, _scale, point: point.weighs, word="weighed", waits=STILL)

@@ -11,7 +11,8 @@ import numpy as np
 from vcage.base.geometry import Pose
 from vcage.models.rules.change import Change, grown
 from vcage.models.rules.drawings import Draw, drawn_whole
-from vcage.models.rules.evidence import CHANGED, changed
+from vcage.models.rules.pixels import PIXELS, changed
+from vcage.models.rules.standing import SETTINGS as STANDING
 from vcage.models.rules.standing import Sought, Standing
 from vcage.vision.colour import distance, smoothed
 from vcage.vision.protocols import View
@@ -61,7 +62,7 @@ SETTINGS = SupportSettings()
 
 @dataclass(frozen=True)
 class Lying:
-    """Where an object would lie in or on its support, and what speaks for it.
+    """The place where an object would lie in or on its support, and what speaks for it.
 
     Args:
         standing: its likeliest pose there.
@@ -183,9 +184,8 @@ def find_support(
     change: Change,
     before: Mapping[str, View],
     after: Mapping[str, View],
-    unlike: float,
 ) -> Support:
-    """Where a support stands afterwards: what hides it cannot show that it moved.
+    """Find a support afterwards: what hides it cannot show that it moved.
 
     Args:
         place: the support.
@@ -193,7 +193,6 @@ def find_support(
         lies: what may hide it.
         change: between the views from above.
         before, after: views of one moment each, by camera.
-        unlike: colour distance from which on what stands somewhere is another object.
     """
     if lies is not None and not lies.seen:
         lies = None
@@ -203,11 +202,12 @@ def find_support(
     if enough and _stays(place, stands, change, before["top"], after["top"], hidden):
         return Support(stands)
     borne = lies is not None and lies.aloft is not None  # something bears what lies there
-    best = place.near(_starts(stands, lies, around=not borne or enough), after, hides)
-    least = SETTINGS.stays_share * _shown(place, stands, before["top"], hidden) if enough or not borne else 0.0
-    if best.unlike < unlike and _shown(place, best, after["top"], hidden) >= least:
-        return Support(stands if _at(best, stands) else best, enough or borne)
-    return Support(_elsewhere(place, after["top"], change, unlike), enough or borne)
+    by_itself = enough or not borne
+    best = place.near(_starts(stands, lies, around=by_itself), after, hides)
+    least = SETTINGS.stays_share * _shown(place, stands, before["top"], hidden) if by_itself else 0.0
+    there = best.unlike < STANDING.unlike_lab and _shown(place, best, after["top"], hidden) >= least
+    now = _settled(best, stands) if there else _elsewhere(place, after["top"], change)
+    return Support(now, enough or borne)
 
 
 def _enough_visible(stands: Standing, hidden: np.ndarray) -> bool:
@@ -216,14 +216,14 @@ def _enough_visible(stands: Standing, hidden: np.ndarray) -> bool:
     return visible >= SETTINGS.fewest_px and visible >= SETTINGS.visible_share * max(1, int(stands.covered.sum()))
 
 
-def _elsewhere(place: Sought, top: View, change: Change, unlike: float) -> Standing | None:
-    """Where a support stands among what the view from above shows changed; None where it is not found."""
+def _elsewhere(place: Sought, top: View, change: Change) -> Standing | None:
+    """Find a support among what changed in the view from above; None where it is not found."""
     now = place.standing({"top": top}, change.all)
-    return now if now is not None and now.unlike < unlike and not place.gone(now, top) else None
+    return now if now is not None and now.unlike < STANDING.unlike_lab and not place.gone(now, top) else None
 
 
 def _starts(stands: Standing, lies: Lying | None, *, around: bool) -> list[Pose]:
-    """Where a support may stand: where it stood, under what lies on it, and nudged ``around``."""
+    """Places to look for a support: where it stood, under what lies on it, and nudged ``around``."""
     starts = [stands.pose]
     if lies is not None:
         under = lies.standing.pose.p
@@ -235,11 +235,11 @@ def _starts(stands: Standing, lies: Lying | None, *, around: bool) -> list[Pose]
     return starts
 
 
-def _at(one: Standing, other: Standing) -> bool:
-    """True when two places are one, as well as pictures tell."""
-    turn = (one.pose.yaw - other.pose.yaw + np.pi) % (2 * np.pi) - np.pi
-    near = np.linalg.norm(one.pose.p - other.pose.p) < SETTINGS.still_m
-    return bool(near and abs(np.degrees(turn)) < SETTINGS.still_deg)
+def _settled(found: Standing, stood: Standing) -> Standing:
+    """The place where something stood, if it is found there as well as pictures tell; else where it is found."""
+    turn = (found.pose.yaw - stood.pose.yaw + np.pi) % (2 * np.pi) - np.pi
+    near = np.linalg.norm(found.pose.p - stood.pose.p) < SETTINGS.still_m
+    return stood if near and abs(np.degrees(turn)) < SETTINGS.still_deg else found
 
 
 def _shown(place: Sought, there: Standing, top: View, hidden: np.ndarray) -> float:
@@ -269,8 +269,8 @@ def _bared(place: Sought, stands: Standing, before: View, after: View, hidden: n
     was, now, bare = (
         smoothed(np.ascontiguousarray(p[v, u])) for p in (before.picture, after.picture, place.background)
     )
-    seen = (stands.covered & ~hidden)[v, u] & (distance(was, bare) > CHANGED)
-    lost = seen & (distance(now, bare) < distance(now, was)) & (distance(was, now) > CHANGED)
+    seen = (stands.covered & ~hidden)[v, u] & (distance(was, bare) > PIXELS.changed_lab)
+    lost = seen & (distance(now, bare) < distance(now, was)) & (distance(was, now) > PIXELS.changed_lab)
     return float(lost.sum()) / max(1, int(seen.sum()))
 
 

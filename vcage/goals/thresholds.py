@@ -1,7 +1,4 @@
-"""When a goal counts as true, and a thing as disturbed: the simulator's state is judged by it, and critics are told it.
-
-The gaps and the cone of ``beside``, ``near`` and the directions are those of :mod:`vcage.plans.relations`.
-"""
+"""When a goal counts as true, and an object as disturbed: the simulator's state is judged so, and critics are told."""
 
 from __future__ import annotations
 
@@ -20,17 +17,23 @@ class Thresholds:
             edge.
         upright_rad: a receptacle that leans more is tipped.
         borne_share: share of its weight that the table may bear of what lies in or on something.
-        back_m: what is nearer than this to where it stood is back there.
-        disturbed_m, tipped_rad: what was moved farther, or turned over by more than this, was disturbed.
+        back_m: an object that is nearer than this to where it stood is back there.
+        disturbed_m, tipped_rad: an object that was moved farther, or turned over by more than this, was disturbed.
         opened_share: share of the range beyond which a joint counts as opened, pressed or turned.
         closed_share: share of the range below which it counts as closed.
         weighed_s, scanned_s, handed_s: how long an event must go on without a break.
-        still_m_per_s: what moves less than this lies still.
+        still_m_per_s: an object that moves more slowly lies still.
         code_away_m, code_aside_m: a scanner reads a code that is at most this far before its window, and this far
             beside the window's axis.
         code_slant_rad: and turned away from the window by at most this.
-        shown_rad: largest angle between where the front of a thing faces and the customer, and between its axis and
+        shown_rad: largest angle between where the front of an object faces and the customer, and between its axis and
             upright.
+        cone_rad: largest angle between the direction of a side (left: −x) and the line between the centres.
+        beside_m, near_m: largest gap in the plane between two boxes that are beside, or near, each other.
+        inside_m: a box may stick out of the box of what it is inside of by this, in the plane.
+        rest_m: the bottom of a box may be above the top of what it stands on by this.
+        centre_share, centre_least_m: largest offset of a box in the middle of another along each axis, as a share of
+            that one's size; an offset that always counts as central.
     """
 
     edge_m: float = 0.005
@@ -51,6 +54,13 @@ class Thresholds:
     code_aside_m: float = 0.03
     code_slant_rad: float = math.radians(30)
     shown_rad: float = math.radians(25)
+    cone_rad: float = math.radians(60)
+    beside_m: float = 0.10
+    near_m: float = 0.20
+    inside_m: float = 0.005
+    rest_m: float = 0.01
+    centre_share: float = 0.15
+    centre_least_m: float = 0.02
 
 
 THRESHOLDS = Thresholds()

@@ -1,8 +1,9 @@
-"""What stands out in a view from above, where an object may be in it, and which pixels of two views differ."""
+"""Pixels of views: those that stand out of the table, those that differ, and where among them an object may be."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -15,26 +16,35 @@ from vcage.vision.pose_search import search
 from vcage.vision.protocols import View
 from vcage.vision.table_model import fit_table
 
-CHANGED = 4.0
-"""Least colour distance between the two pictures above which a pixel has changed."""
 
-NOISE_FACTOR, NOISIEST = 8.0, 12.0
-"""That limit grows with the noise: so many times the median distance between the pictures, but no farther."""
+@dataclass(frozen=True)
+class PixelSettings:
+    """The comparison of pixels, and the search for an object among them.
 
-HEADINGS, STARTS = 24, 8
-"""Headings around the circle that are tried where something stands, and how many more poses than things are refined."""
+    Args:
+        changed_lab: least colour distance (CIELAB) between two pictures above which a pixel has changed.
+        noise_factor, noisiest_lab: that limit grows with the noise: so many times the median distance between the
+            pictures, but no farther.
+        headings: headings around the circle that are tried where something stands.
+        starts: how many more poses than things are refined.
+        good_fit: goodness of fit where something stands that makes a search of the whole picture needless.
+        filled_share: a place of which less stands out of the table is empty, though a thing may have its colour.
+        steps: first steps along x, y (metres), angle (radians) and log scale with which a place is refined.
+        rounds: how often it is refined.
+    """
 
-GOOD_FIT = 0.75
-"""Goodness of fit where something stands that makes a search of the whole picture needless."""
+    changed_lab: float = 4.0
+    noise_factor: float = 8.0
+    noisiest_lab: float = 12.0
+    headings: int = 24
+    starts: int = 8
+    good_fit: float = 0.75
+    filled_share: float = 0.4
+    steps: tuple[float, float, float, float] = (0.003, 0.003, 0.06, 0.015)
+    rounds: int = 8
 
-LEFT = 0.5
-"""Share of the old outline of what was moved that must have changed."""
 
-FILLED = 0.4
-"""A place of which less stands out of the table is empty, though a thing may be of the table's colour."""
-
-STEPS, ROUNDS = np.array([0.003, 0.003, 0.06, 0.015]), 8
-"""First steps along x, y (metres), angle (radians) and log scale with which its new place is refined, and how often."""
+PIXELS = PixelSettings()
 
 
 def salience(picture: np.ndarray, background: np.ndarray | None) -> np.ndarray:
@@ -52,24 +62,24 @@ def middles(masks: Sequence[np.ndarray]) -> np.ndarray:
 
 def places(image: LabImage, template: ObjectTemplate, standing: np.ndarray) -> Fit:
     """Poses at which an object may be, the best first: where something stands; anywhere, if it does not fit there."""
-    headings = np.linspace(0, 2 * np.pi, HEADINGS, endpoint=False)
+    headings = np.linspace(0, 2 * np.pi, PIXELS.headings, endpoint=False)
     there = [(u, v, heading, 0.0) for u, v in standing for heading in headings]
     seen = fit(image, template, from_pixels(template, np.reshape(there, (-1, 4))))
-    seen = seen.where(seen.term("fill") > FILLED).best_first()
-    found = refine(image, template, seen.poses[: len(standing) + STARTS], STEPS, ROUNDS)
-    if found.goodness.max(initial=0) < GOOD_FIT:
+    seen = seen.where(seen.term("fill") > PIXELS.filled_share).best_first()
+    found = refine(image, template, seen.poses[: len(standing) + PIXELS.starts], np.array(PIXELS.steps), PIXELS.rounds)
+    if found.goodness.max(initial=0) < PIXELS.good_fit:
         # The middle of the picture as well: there is an answer for an empty table, if a poor one.
         middle = [image.lab.shape[1] / 2, image.lab.shape[0] / 2]
         anywhere = search(image, template, np.vstack([standing, middle]))
-        found = found.with_those(anywhere.where(anywhere.term("fill") > FILLED))
+        found = found.with_those(anywhere.where(anywhere.term("fill") > PIXELS.filled_share))
         found = found if len(found.poses) else anywhere
     return found.best_first()
 
 
-def changed(before: np.ndarray, after: np.ndarray, *, least: float = CHANGED) -> np.ndarray:
+def changed(before: np.ndarray, after: np.ndarray, *, least: float = PIXELS.changed_lab) -> np.ndarray:
     """(H, W) bool: pixels that differ by more than noise and than a colour distance, without specks."""
     away = distance(before, after)
-    change = away > np.clip(NOISE_FACTOR * float(np.median(away)), least, NOISIEST)
+    change = away > np.clip(PIXELS.noise_factor * float(np.median(away)), least, PIXELS.noisiest_lab)
     return cv2.morphologyEx(change.astype(np.uint8), cv2.MORPH_OPEN, np.ones((2, 2), np.uint8)).astype(bool)
 
 

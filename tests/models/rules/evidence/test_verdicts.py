@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from vcage.base.geometry import Pose
-from vcage.models.rules.evidence_of_parts import PartEvidence
-from vcage.models.rules.evidence_of_places import Handed
-from vcage.models.rules.evidence_of_placing import Placed
+from vcage.models.rules.critic import judge_others
+from vcage.models.rules.evidence.in_the_air import InTheAir
+from vcage.models.rules.evidence.parts import PartEvidence
+from vcage.models.rules.evidence.placed import Placed
 from vcage.models.rules.standing import Standing
-from vcage.models.rules.verdicts import decide_handed, decide_others, decide_part, decide_placed
 from vcage.schema.episodes import Failure
 from vcage.schema.goals import Goal
 
@@ -35,17 +35,26 @@ STANDS = Standing(Pose(), (0.1, 0.1, 0.1), 0.0, np.ones((1, 1), bool))
 @pytest.mark.parametrize(
     ("evidence", "accepted", "words"),
     [
-        (Handed(0.9, 0.9, (0.3, 0.4), STANDS, STANDS), True, "is in the air while both arms reach out: 30 % and 40 %"),
-        (Handed(0.1, 0.9, (0.3, 0.4), STANDS, STANDS), False, "lies where it was at the moment"),
-        (Handed(0.9, 0.1, (0.3, 0.4), STANDS, STANDS), False, "was put down before the moment"),
-        (Handed(0.9, 0.9, (0.3, 0.01), STANDS, STANDS), False, "not both arms reach out"),
-        (None, False, "is not found before and after"),
+        (
+            InTheAir(0.9, 0.9, (0.3, 0.4), STANDS, STANDS),
+            True,
+            "is in the air while both arms reach out: 30 % and 40 %",
+        ),
+        (InTheAir(0.1, 0.9, (0.3, 0.4), STANDS, STANDS), False, "lies where it was at the moment"),
+        (InTheAir(0.9, 0.1, (0.3, 0.4), STANDS, STANDS), False, "was put down before the moment"),
+        (InTheAir(0.9, 0.9, (0.3, 0.01), STANDS, STANDS), False, "not both arms reach out"),
     ],
 )
-def test_a_hand_over_needs_a_thing_in_the_air_and_both_arms(evidence: Handed | None, accepted: bool, words: str):
-    verdict = decide_handed(evidence, "red hammer")
+def test_a_hand_over_needs_both_arms(evidence: InTheAir, accepted: bool, words: str):
+    verdict = evidence.verdict("red hammer", 2, "the hand-over")
     assert verdict.accepted is accepted
     assert words in verdict.reason
+
+
+@pytest.mark.parametrize(("arms", "accepted"), [((0.3, 0.01), True), ((0.01, 0.01), False)])
+def test_a_lift_needs_one_arm(arms: tuple[float, float], accepted: bool):
+    verdict = InTheAir(0.9, 0.9, arms, STANDS, STANDS).verdict("red hammer", 1, "the lift")
+    assert verdict.accepted is accepted
 
 
 @pytest.mark.parametrize(
@@ -65,7 +74,7 @@ def test_a_hand_over_needs_a_thing_in_the_air_and_both_arms(evidence: Handed | N
 )
 def test_a_no_about_what_was_put_somewhere_says_what_went_wrong(changed: dict[str, float], failure: Failure | None):
     goal = Goal(subject="block", relation="inside", reference="box")
-    verdict = decide_placed(replace(IN, **changed), goal, "red block", "brown box")
+    verdict = replace(IN, **changed).verdict(goal, "red block", "brown box")
     assert (verdict.accepted, verdict.failure) == (not changed, failure)
 
 
@@ -73,7 +82,7 @@ def test_a_no_about_what_was_put_somewhere_says_what_went_wrong(changed: dict[st
     ("area", "vanished", "failure"), [(0.0, [], None), (0.01, [], "disturbed"), (0.0, ["white bowl"], "disturbed")]
 )
 def test_what_was_moved_besides_is_told(area: float, vanished: list[str], failure: Failure | None):
-    assert decide_others(area, vanished).failure == failure
+    assert judge_others(area, vanished).failure == failure
 
 
 @pytest.mark.parametrize(
@@ -82,5 +91,5 @@ def test_what_was_moved_besides_is_told(area: float, vanished: list[str], failur
 def test_a_part_counts_as_open_only_where_the_picture_tells_it_from_a_part_that_is_not(rest: float, accepted: bool):
     costs = np.array([rest, *[9.0] * 12, 6.0, 5.0, 3.0, 2.0])
     evidence = PartEvidence(500, 0.0, 1.0, costs, np.inf, 0.0, np.zeros((2, 2), bool))
-    told = decide_part(evidence, Goal(subject="laptop", relation="open", part="screen"), "laptop")
+    told = evidence.moved(Goal(subject="laptop", relation="open", part="screen"), "laptop")
     assert told.accepted is accepted

@@ -9,7 +9,7 @@ import pytest
 from tests.models.tabletop import BLOCKS, BOX, CAMERA, HEIGHT, view
 from vcage.base.geometry import Pose, box_corners
 from vcage.models.rules.change import Change
-from vcage.models.rules.evidence_of_placing import _besides_shift, _margin
+from vcage.models.rules.evidence.places import besides_shift, margin_of
 
 ROOM = box_corners([-0.1, -0.05, 0.0], [0.1, 0.05, 0.04])[None]
 POSE = Pose.from_yaw((0.1, 0.05, HEIGHT), 0.4)
@@ -20,14 +20,14 @@ def test_what_was_only_shifted_is_no_change(shift: tuple[float, float]) -> None:
     nudged = BOX.moved(at=(BOX.at[0] + shift[0], BOX.at[1] + shift[1]))
     was, now = view([BOX]), view([nudged])
     change = Change.between(was, now).all
-    left = _besides_shift(was.picture, now.picture, change)
+    left = besides_shift(was.picture, now.picture, change)
     assert left.sum() <= 0.3 * change.sum()
 
 
 def test_what_came_is_seen_beside_what_was_shifted() -> None:
     nudged, block = BOX.moved(at=(BOX.at[0] + 0.01, BOX.at[1])), BLOCKS[0].moved(at=BOX.at, base=0.005)
     was, now = view([BOX]), view([nudged, block])
-    left = _besides_shift(was.picture, now.picture, Change.between(was, now).all)
+    left = besides_shift(was.picture, now.picture, Change.between(was, now).all)
     shown = view([nudged]).picture.astype(int) - now.picture
     assert left[np.abs(shown).max(axis=2) > 40].mean() > 0.9
 
@@ -37,8 +37,8 @@ def test_the_margin_is_how_far_the_middle_is_from_the_edge(local: tuple[float, f
     u, v = CAMERA.project(POSE.apply(np.array([[*local, 0.0]])))[0]
     blob = np.zeros((CAMERA.height, CAMERA.width), np.uint8)
     cv2.circle(blob, (round(u - 0.5), round(v - 0.5)), 5, (1,), -1)
-    assert _margin(blob.astype(bool), ROOM, POSE, CAMERA) == pytest.approx(margin, abs=0.003)
+    assert margin_of(blob.astype(bool), ROOM, POSE, CAMERA) == pytest.approx(margin, abs=0.003)
 
 
 def test_what_is_not_seen_is_nowhere() -> None:
-    assert _margin(np.zeros((CAMERA.height, CAMERA.width), bool), ROOM, POSE, CAMERA) == -np.inf
+    assert margin_of(np.zeros((CAMERA.height, CAMERA.width), bool), ROOM, POSE, CAMERA) == -np.inf

@@ -1,0 +1,71 @@
+"""Kinds of goals hold together: with each other, with the critic, and with what people are told."""
+
+from __future__ import annotations
+
+import pytest
+
+from vcage.goals import KINDS, PROMPT_WIDTH, forms, kind_of, meanings, words
+from vcage.goals.kind import GoalKind
+from vcage.goals.thresholds import THRESHOLDS
+from vcage.models.rules.evidence import EVIDENCE
+from vcage.schema.goals import Goal
+from vcage.tasks.wording import worded
+
+
+def goal_of_kind(kind: GoalKind, reference: str = "box") -> Goal:
+    """A goal of a kind about a pen or a drawer."""
+    part = "drawer_top" if kind.part_of == "subject" else None
+    names = {None: None, "object": reference, "arm": "left"}
+    return Goal(subject="pen", relation=kind.word, reference=names[kind.refers_to], part=part)
+
+
+@pytest.mark.parametrize("kind", KINDS.values(), ids=list(KINDS))
+def test_the_offline_critic_has_the_evidence_that_a_kind_names(kind: GoalKind) -> None:
+    assert kind.evidence in EVIDENCE
+
+
+@pytest.mark.parametrize("kind", KINDS.values(), ids=list(KINDS))
+def test_every_kind_is_said_in_ten_ways_that_a_review_recognises(kind: GoalKind) -> None:
+    texts = worded(goal_of_kind(kind), "the pen", "the box")
+    assert len(set(texts)) >= 10
+    recognised = [text for text in texts if {*kind.says.split()} & {*text.lower().rstrip(".?").split()}]
+    assert len(recognised) >= 5
+
+
+@pytest.mark.parametrize("kind", KINDS.values(), ids=list(KINDS))
+def test_words_that_only_one_kind_may_use_say_it(kind: GoalKind) -> None:
+    assert {*kind.claims.split()} <= {*kind.says.split()} | {"returned", "rotated"}
+
+
+@pytest.mark.parametrize("kind", [kind for kind in KINDS.values() if kind.opposite], ids=lambda kind: kind.word)
+def test_opposites_are_mutual(kind: GoalKind) -> None:
+    assert KINDS[str(kind.opposite)].opposite == kind.word
+
+
+@pytest.mark.parametrize("kind", [kind for kind in KINDS.values() if kind.happens], ids=lambda kind: kind.word)
+def test_what_happens_once_is_an_event(kind: GoalKind) -> None:
+    assert kind.event
+
+
+def test_on_the_table_is_judged_otherwise_than_on_an_object() -> None:
+    on = KINDS["on"]
+    assert kind_of(goal_of_kind(on)) is on
+    assert kind_of(goal_of_kind(on, "table")).evidence == "moved"
+
+
+def test_words_of_states_come_before_those_of_events() -> None:
+    events = [KINDS[word].event for word in words()]
+    assert events == sorted(events)
+
+
+def test_lines_of_prompts_fit_their_width() -> None:
+    goals = [goal_of_kind(kind) for kind in KINDS.values()]
+    lines = [line for lines in (*forms(), *meanings(goals, THRESHOLDS)) for line in lines]
+    assert max(map(len, lines)) <= PROMPT_WIDTH + 2
+
+
+def test_a_meaning_that_two_kinds_share_is_told_once() -> None:
+    goals = [goal_of_kind(KINDS[word]) for word in ("left_of", "right_of", "inside", "on")]
+    assert [lines[0].split(":")[0] for lines in meanings(goals, THRESHOLDS)] == [
+        "Inside or on an object", "Left of, right of, in front of, behind",
+    ]  # fmt: skip

@@ -1,0 +1,66 @@
+"""Kinds of goals, one file each: word, meaning for the planner, truth in the simulator, wordings, evidence for critics.
+
+A new kind is a file here, and its name in :data:`KINDS`. The package stands low, so that every other may ask a kind; a
+kind asks the simulator through :class:`vcage.goals.kind.State`.
+"""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterable
+from inspect import cleandoc
+
+from vcage.goals.back import BACK
+from vcage.goals.beside import BESIDE
+from vcage.goals.closed import CLOSED
+from vcage.goals.handed import HANDED
+from vcage.goals.inside import INSIDE
+from vcage.goals.kind import TABLE, GoalKind, Stated
+from vcage.goals.near import NEAR
+from vcage.goals.on import ON, ON_TABLE
+from vcage.goals.open import OPEN
+from vcage.goals.presented import PRESENTED
+from vcage.goals.pressed import PRESSED
+from vcage.goals.scanned import SCANNED
+from vcage.goals.sides import SIDES
+from vcage.goals.thresholds import Thresholds
+from vcage.goals.turned import TURNED
+from vcage.goals.weighed import WEIGHED
+
+KINDS: dict[str, GoalKind] = {
+    kind.word: kind
+    for kind in (
+        INSIDE, ON, *SIDES, BESIDE, NEAR, OPEN, CLOSED, PRESSED, TURNED,
+        SCANNED, WEIGHED, PRESENTED, BACK, HANDED,
+    )
+}  # fmt: skip
+"""By word, in the order in which prompts explain them."""
+
+PROMPT_WIDTH = 120
+"""Columns of a prompt's lines."""
+
+
+def words() -> list[str]:
+    """The words of all kinds: first those of a state, then those of events."""
+    return sorted(KINDS, key=lambda word: KINDS[word].event)
+
+
+def kind_of(goal: Stated) -> GoalKind:
+    """The kind of a goal; of the table ``on`` has a meaning of its own."""
+    return ON_TABLE if goal.reference == TABLE else KINDS[goal.relation]
+
+
+def meanings(goals: Iterable[Stated], limits: Thresholds) -> list[list[str]]:
+    """The meanings of the words of some goals, each once: lines of a prompt."""
+    order = list(KINDS)
+    kinds = sorted(map(kind_of, goals), key=lambda kind: order.index(kind.word))
+    return [cleandoc(text).split("\n") for text in dict.fromkeys(kind.meaning(limits) for kind in kinds)]
+
+
+def forms() -> list[list[str]]:
+    """Words and fields of all kinds of goals, the words of one form together: lines of a prompt."""
+    of_form: dict[str, list[str]] = {}
+    for kind in KINDS.values():
+        of_form.setdefault(kind.listed, []).append(f"`{kind.word}`{kind.gloss}")
+    texts = [f"{', '.join(named)}: {fields}" for fields, named in of_form.items()]
+    return [textwrap.wrap(text, PROMPT_WIDTH, break_long_words=False, break_on_hyphens=False) for text in texts]

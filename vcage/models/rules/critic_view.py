@@ -1,0 +1,122 @@
+"""The one view of a question that all judgements of the offline critic share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Mapping
+from functools import cached_property, partial
+from typing import TypeVar
+
+import numpy as np
+
+from vcage.base.errors import InputFileError
+from vcage.base.geometry import Camera, Pose
+from vcage.models.protocols import CriticQuestion, DrawObject
+from vcage.models.rules.change import Change, grown
+from vcage.models.rules.drawings import Draw
+from vcage.models.rules.pixels import salience
+from vcage.models.rules.standing import Sought, Standing
+from vcage.sim.drawer import Drawing, Window
+from vcage.vision.protocols import Reference
+
+AROUND_PX = 8.0
+"""So much around an outline belongs to it."""
+
+Found = TypeVar("Found")
+
+
+class CriticView:
+    """Pictures, cameras and references of a question, and what of them several judgements need.
+
+    Args:
+        question: what is asked.
+
+    Attributes:
+        question: as given.
+        before, after, moment, start: views by camera, see :class:`vcage.models.protocols.CriticQuestion`.
+    """
+
+    def __init__(self, question: CriticQuestion):
+        self.question = question
+        self.before, self.after = question.before, question.after
+        self.moment, self.start = question.moment, question.start
+        if "top" not in self.before or "top" not in self.after:
+            raise InputFileError("the critic needs a 'top' view before and after", hint="render the top camera")
+        self._found: dict[Hashable, object] = {}
+
+    @property
+    def camera(self) -> Camera:
+        """The camera of the views from above."""
+        return self.before["top"].camera
+
+    @cached_property
+    def change(self) -> Change:
+        """Changes from before to after, seen from above."""
+        return Change.between(self.before["top"], self.after["top"])
+
+    @cached_property
+    def stood_before(self) -> np.ndarray:
+        """(H, W) bool, where something stood before."""
+        return salience(self.before["top"].picture, self.question.background) > 0.5
+
+    @cached_property
+    def stands_after(self) -> np.ndarray:
+        """(H, W) bool, where something stands afterwards."""
+        return salience(self.after["top"].picture, self.question.background) > 0.5
+
+    @property
+    def metres_per_pixel(self) -> float:
+        """Of the table, seen from above."""
+        return (self.camera.pose.p[2] - self.question.table_height) / self.camera.focal
+
+    @property
+    def nowhere(self) -> np.ndarray:
+        """(H, W) bool, no pixel of the view from above."""
+        return np.zeros(self.before["top"].picture.shape[:2], bool)
+
+    def around(self, *standing: Standing | None) -> np.ndarray:
+        """(H, W) bool, where some things stand, and a little around them."""
+        masks = [one.covered for one in standing if one is not None]
+        return grown(np.any(masks, axis=0), AROUND_PX) if masks else self.nowhere
+
+    def look(self, name: str) -> Reference:
+        """The reference picture of an object.
+
+        Raises:
+            InputFileError: there is no picture of it.
+        """
+        if name not in self.question.references:
+            raise InputFileError(f"no reference picture of {name!r}", hint="render one for each object of the scene")
+        return self.question.references[name]
+
+    def phrase(self, name: str) -> str:
+        """The words for an object."""
+        return self.look(name).phrase
+
+    def draw(self, name: str, shares: Mapping[str, float]) -> Draw:
+        """Draws an object with its parts at shares of their ranges.
+
+        Raises:
+            InputFileError: nothing draws the scene's objects.
+        """
+        if self.question.draw is None:
+            raise InputFileError(f"nothing draws {name!r}", hint="give the run's scene, as collect and verify do")
+        return partial(_drawn, self.question.draw, name, shares)
+
+    def sought(self, name: str, *, upon: bool = False) -> Sought:
+        """An object with its parts as they are by the plan; with ``upon`` it may stand on another."""
+        asked = self.question
+        draw = self.draw(name, dict.fromkeys(asked.opened.get(name, ()), 1.0))
+        tops, planned = asked.tops if upon else (), asked.planned.get(name)
+        return Sought(self.look(name), draw, asked.background, asked.table_height, tops, planned)
+
+    def once(self, key: Hashable, find: Callable[[], Found]) -> Found:
+        """Return what ``find`` returns, which is called once for a key: several goals may be about one object."""
+        if key not in self._found:
+            self._found[key] = find()
+        return self._found[key]  # pyrefly: ignore[bad-return]
+
+
+def _drawn(
+    draw: DrawObject, name: str, shares: Mapping[str, float], pose: Pose, camera: Camera, window: Window
+) -> Drawing:
+    return draw(name, pose, camera, window, shares)

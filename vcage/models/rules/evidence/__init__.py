@@ -1,0 +1,30 @@
+"""Judgements of the offline critic, one file each: what is measured in pictures, and what makes a yes of it.
+
+A kind of goal names its judgement (``evidence`` of :class:`vcage.goals.kind.GoalKind`).
+"""
+
+from __future__ import annotations
+
+from vcage.models.rules.evidence.in_the_air import held_by
+from vcage.models.rules.evidence.moved import judge_moved, judge_presented, judge_related
+from vcage.models.rules.evidence.parts import judge_part, judge_pressed
+from vcage.models.rules.evidence.placed import judge_placed
+from vcage.models.rules.evidence.returned import judge_returned
+from vcage.models.rules.evidence.scanned import judge_scanned
+from vcage.models.rules.evidence.told import Judgement
+from vcage.models.rules.evidence.weighed import judge_weighed
+
+EVIDENCE: dict[str, Judgement] = {
+    "part": judge_part,
+    "pressed": judge_pressed,
+    "placed": judge_placed,
+    "moved": judge_moved,
+    "related": judge_related,
+    "presented": judge_presented,
+    "returned": judge_returned,
+    "scanned": judge_scanned,
+    "weighed": judge_weighed,
+    "lifted": held_by(1, "the lift"),
+    "handed": held_by(2, "the hand-over"),
+}
+"""By the name of the evidence."""

@@ -1,0 +1,154 @@
+"""Evidence of an object that was put down on the table, pushed, or shown to the customer."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from vcage.models.rules.critic_view import CriticView
+from vcage.models.rules.evidence.looks import looks_like
+from vcage.models.rules.evidence.support import SETTINGS as SUPPORT
+from vcage.models.rules.evidence.told import LEFT_SHARE, LOOKS_SHARE, Told, decided, refused
+from vcage.models.rules.pixels import share_of
+from vcage.models.rules.standing import SETTINGS as STANDING
+from vcage.models.rules.standing import Sought, Standing
+from vcage.plans.relations import holds
+from vcage.schema.episodes import Verdict
+from vcage.schema.goals import Goal
+from vcage.vision.colour import smoothed
+from vcage.vision.protocols import View
+
+
+@dataclass(frozen=True)
+class MovedSettings:
+    """Limits for a yes about where an object was and is.
+
+    Args:
+        slid_m: an object seen farther than this from where it stood was moved, though it may cover part of that place.
+        greyish_lab: what is less like an object than this may only be its edges.
+        bare_share: share of the outline of what stands on the table that must have been empty table before.
+        facing_rad: largest angle between where a front is seen to face and the customer.
+    """
+
+    slid_m: float = 0.02
+    greyish_lab: float = 5.0
+    bare_share: float = 0.8
+    facing_rad: float = np.radians(40)
+
+
+SETTINGS = MovedSettings()
+
+
+@dataclass(frozen=True)
+class Moved:
+    """Measurements of an object that was moved, all from pixels.
+
+    Args:
+        left: share of its old outline that has changed; of what was only pushed along, of the part that it left.
+        old, new: where it stood and stands; None where it is not found.
+        bare: share of its new outline that was empty table before.
+        alike: share of what came to be seen there that looks like it; of what has the table's colour the share of
+            what tells a drawing of it from the table.
+    """
+
+    left: float
+    old: Standing | None
+    new: Standing | None
+    bare: float
+    alike: float
+
+    @classmethod
+    def of(cls, view: CriticView, name: str) -> Moved:
+        """Find an object before and after among what has changed; once for each question."""
+        return view.once(("moved", name), lambda: cls._gather(view, view.sought(name)))
+
+    @classmethod
+    def _gather(cls, view: CriticView, thing: Sought) -> Moved:
+        before, after, change = view.before, view.after, view.change
+        old = thing.found(before, change.things)
+        taken = view.nowhere if old is None else old.covered
+        came = change.things & ~taken
+        left = 0.0 if old is None else thing.left(old, change.all, after["top"])
+        slid = _slid(thing, old, after, change.all) if old is not None and left < LEFT_SHARE else None
+        if old is not None and slid is not None:
+            left = share_of(change.all, old.covered & ~slid.covered)
+        new = slid or _come(thing, after, came, change.all & ~taken)
+        here = new.covered & ~taken if new is not None else taken
+        bare = 1 - share_of(view.stood_before, here) if here.any() else 0.0
+        return cls(left=left, old=old, new=new, bare=bare, alike=_alike(view, thing, new, came & here))
+
+    def verdict(self, thing: str) -> Verdict:
+        """Judge whether the object left its place and stands on the bare table."""
+        if self.old is None or self.left < LEFT_SHARE:
+            return refused(f"the {thing} still lies where it was", 1 - self.left, "lost")
+        if self.new is None or self.alike < LOOKS_SHARE:
+            return refused(f"the {thing} left its place and is not found on the table", 0.7, "lost")
+        seen = f"the {thing} left its place, and {100 * self.bare:.0f} % of where it is now was empty table"
+        enough = self.bare >= SETTINGS.bare_share
+        return decided(enough, seen, 0.5 + abs(self.bare - SETTINGS.bare_share), "astray")
+
+
+def judge_moved(view: CriticView, goal: Goal) -> Told:
+    """Judge whether an object was put down on the table."""
+    moved = Moved.of(view, goal.subject)
+    return Told(moved.verdict(view.phrase(goal.subject)), view.around(moved.old, moved.new))
+
+
+def judge_related(view: CriticView, goal: Goal) -> Told:
+    """Judge whether an object was put down or pushed to stand as it should beside another."""
+    moved, thing = Moved.of(view, goal.subject), view.phrase(goal.subject)
+    verdict, explained = judge_moved(view, goal)
+    if not verdict.accepted or moved.new is None:
+        return Told(verdict, explained)
+    other, word = view.sought(str(goal.reference)), goal.relation.replace("_", " ")
+    reference = other.found(view.after)
+    if reference is None or reference.unlike > STANDING.unlike_lab:
+        unfound = f"the {other.look.phrase} is not found, so that nothing is told to be {word} it"
+        return Told(refused(unfound, 0.6), explained)
+    there = holds(goal.relation, moved.new.aabb, reference.aabb)  # pyrefly: ignore[bad-argument-type]
+    seen = f"the {thing} left its place and is {'' if there else 'not '}seen {word} the {other.look.phrase}"
+    return Told(decided(there, seen, 0.8, "astray"), explained)
+
+
+def judge_presented(view: CriticView, goal: Goal) -> Told:
+    """Judge whether an object was put on the customer's half of the table with its front to the customer."""
+    moved, thing = Moved.of(view, goal.subject), view.phrase(goal.subject)
+    verdict, explained = judge_moved(view, goal)
+    if not verdict.accepted or moved.new is None:
+        return Told(verdict, explained)
+    stands, towards = moved.new.pose, view.question.towards_customer
+    if stands.p @ towards < 0:
+        return Told(refused(f"the {thing} is not on the customer's half of the table", 0.8, "astray"), explained)
+    angle = float(np.arccos(np.clip(-stands.rotation()[:, 1] @ towards, -1, 1)))
+    seen = f"the front of the {thing} is seen {np.degrees(angle):.0f}° from the customer"
+    limit = SETTINGS.facing_rad
+    return Told(decided(angle <= limit, seen, 0.5 + min(0.5, abs(angle - limit)), "astray"), explained)
+
+
+def _alike(view: CriticView, thing: Sought, new: Standing | None, came: np.ndarray) -> float:
+    """Share of what came to be seen (H, W) where an object stands that looks like it."""
+    after = view.after["top"]
+    seen = smoothed(after.picture)[came]
+    if new is not None and len(seen) < SUPPORT.fewest_px:  # what has the table's colour changes it as a shadow does
+        share, pixels = thing.speaks(new, after, view.before["top"].picture)
+        return share if pixels >= SUPPORT.fewest_px and share >= SUPPORT.shown_share else 0.0
+    return float(looks_like(thing.look, seen).mean()) if len(seen) else 0.0
+
+
+def _come(thing: Sought, after: Mapping[str, View], came: np.ndarray, changed: np.ndarray) -> Standing | None:
+    """The place of an object among what came (H, W), or among all that changed: as grey as the table, it looks like its
+    shadow."""
+    new = thing.standing(after, came)
+    if new is not None and new.unlike <= SETTINGS.greyish_lab:
+        return new
+    grey = thing.standing(after, changed)
+    return min((one for one in (new, grey) if one is not None), key=lambda one: one.unlike, default=None)
+
+
+def _slid(thing: Sought, old: Standing, after: Mapping[str, View], change: np.ndarray) -> Standing | None:
+    """Find an object that was pushed by less than its size, and still covers a part of where it stood; None
+    for one that stands where it stood."""
+    new = thing.standing(after, change | old.covered)
+    return new if new is not None and np.linalg.norm(new.pose.p - old.pose.p) > SETTINGS.slid_m else None

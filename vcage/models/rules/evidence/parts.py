@@ -1,0 +1,256 @@
+"""Evidence of a moving part: of drawings of it at many positions the likeliest is told from above.
+
+Drawings have no shadows, while a drawer that comes out lies in that of its cabinet: a grey drawer in the sun looks like
+a grey table in the shade. So pictures and drawings are compared by their edges and hues, which a shadow leaves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import cv2
+import numpy as np
+
+from vcage.base.errors import InputFileError
+from vcage.models.rules.change import grown
+from vcage.models.rules.critic_view import AROUND_PX, CriticView
+from vcage.models.rules.drawings import brightness, drawn_whole
+from vcage.models.rules.evidence.told import Told, decided, refused
+from vcage.models.rules.pixels import changed
+from vcage.schema.episodes import Verdict
+from vcage.schema.goals import Goal, part_words
+from vcage.sim.drawer import Drawing
+from vcage.vision.colour import distance, to_lab
+
+POSITIONS = np.linspace(0.0, 1.0, 17)
+"""Positions of a joint that are drawn, as shares of its range."""
+
+
+@dataclass(frozen=True)
+class PartSettings:
+    """The comparison of a picture with drawings of a part, and limits for a yes.
+
+    Args:
+        blur_px: standard deviation with which both are blurred: a pose is found to a pixel or two.
+        floor: light, of 1 for white, that is added to all, for black has no logarithm.
+        edge_cap_per_px: most by which a pixel's gradients of the logarithm of light can differ.
+        hue_weight_per_lab: of a difference in hue beside one of such gradients.
+        hue_cap_lab: most that a pixel's hues (CIELAB a, b) can differ by.
+        different_lab: least colour distance between two of the drawings of a pixel that tells positions apart.
+        fewest_px: so many pixels must do so.
+        open_share, closed_share: share of its range at which a part must seem to be: at least, to count as open or
+            turned; at most, to count as closed.
+        stirred_share: share of its range by which a part must be seen to have moved.
+        margin_share: share of the range of costs by which the positions that a goal allows must beat all others.
+        touched_share: share of what is seen of a button that the hand covers while it presses it.
+    """
+
+    blur_px: float = 1.3
+    floor: float = 0.004
+    edge_cap_per_px: float = 0.3
+    hue_weight_per_lab: float = 0.005
+    hue_cap_lab: float = 20.0
+    different_lab: float = 10.0
+    fewest_px: int = 25
+    open_share: float = 0.7
+    closed_share: float = 0.15
+    stirred_share: float = 0.2
+    margin_share: float = 0.08
+    touched_share: float = 0.15
+
+
+SETTINGS = PartSettings()
+
+
+@dataclass(frozen=True)
+class PartEvidence:
+    """Measurements of a moving part, all from pixels.
+
+    Args:
+        told_by: pixels in which the drawings differ.
+        before, after: share of its range at which the part is likeliest.
+        costs: (17,) how unlike the picture afterwards the drawing at each of :data:`POSITIONS` is, in edges and hues.
+        rival: by how much less unlike the best of them is than the best drawing in which another part of the object
+            moved instead; inf where it has no other.
+        touched: share of what is seen of the part that has changed in the picture of the moment; 0 without one.
+        covered: (H, W) bool, where the object is with its part anywhere.
+    """
+
+    told_by: int
+    before: float
+    after: float
+    costs: np.ndarray
+    rival: float
+    touched: float
+    covered: np.ndarray
+
+    @classmethod
+    def gather(cls, view: CriticView, goal: Goal) -> PartEvidence | None:
+        """Measure the part of a goal's subject; None where the subject is not found before.
+
+        Raises:
+            InputFileError: there is no picture of the empty table, or nothing draws the object.
+        """
+        question, name, part = view.question, goal.subject, str(goal.part)
+        if question.draw is None or question.background is None:
+            raise InputFileError(
+                f"whether the {part_words(part)} of {name!r} moved is told beside the empty table",
+                hint="give pictures that lie in episodes/critic, as collect keeps them",
+            )
+        before, after, background = view.before["top"], view.after["top"], question.background
+        start = float(goal.relation == "closed")  # share of its range that the part is at before, by the plan
+        rest = {**dict.fromkeys(question.opened.get(name, ()), 1.0), part: start}
+        thing = replace(view.sought(name), look=question.looks[name], draw=view.draw(name, rest))
+        stands = thing.found({"top": before})
+        if stands is None:
+            return None
+        pose = stands.pose
+
+        def drawings(moving: str, shares: Iterable[float]) -> list[Drawing]:
+            draws = (view.draw(name, {**rest, moving: float(share)}) for share in shares)
+            return [drawn_whole(draw, pose, view.camera) for draw in draws]
+
+        own = drawings(part, POSITIONS)
+        gain = brightness(own[-1] if start else own[0], before.picture)
+        sight = _Sight(own, gain, background)
+        rivals = [other for other in question.parts.get(name, ()) if other != part]
+        sights = {part: sight} | {r: _Sight(drawings(r, POSITIONS), gain, background) for r in rivals}
+        where = np.any([one.telling for one in sights.values()], axis=0)
+        least: dict[str, float] = {}
+        for moving, one in sights.items():
+            costs = one.costs(after.picture, where)
+            # Drawers look so much alike that a step between two positions hides which of them moved.
+            between = _Sight(drawings(moving, [likeliest(costs)]), gain, background).costs(after.picture, where)
+            least[moving] = float(min(costs.min(), between.min()))
+        first, then = sight.costs(before.picture), sight.costs(after.picture)
+        return cls(
+            told_by=int(sight.telling.sum()),
+            before=likeliest(first),
+            after=likeliest(then),
+            costs=then,
+            rival=min((least[name] for name in rivals), default=np.inf) - least[part],
+            touched=_touched(sight, view),
+            covered=sight.covered,
+        )
+
+    def pressed(self, goal: Goal, thing: str) -> Verdict:
+        """Judge by the hand that covers the part at the moment."""
+        part, touched = part_words(str(goal.part)), self.touched
+        seen = f"{100 * touched:.0f} % of the {part} of the {thing} is under the hand at the moment of the press"
+        return decided(touched >= SETTINGS.touched_share, seen, 0.5 + 0.5 * abs(touched - SETTINGS.touched_share))
+
+    def moved(self, goal: Goal, thing: str) -> Verdict:
+        """Judge by the position at which the part is likeliest."""
+        part = part_words(str(goal.part))
+        if self.told_by < SETTINGS.fewest_px:
+            return refused(f"whether the {part} of the {thing} moved cannot be seen from above", 0.5)
+        if abs(self.after - self.before) < SETTINGS.stirred_share:
+            return refused(f"the {part} of the {thing} stays {100 * self.before:.0f} % of its way from rest", 0.8)
+        closes = goal.relation == "closed"
+        seen, limit = self.after, SETTINGS.closed_share if closes else SETTINGS.open_share
+        accepted = seen <= limit if closes else seen >= limit
+        looks = (
+            f"the {part} of the {thing} looks {100 * seen:.0f} % {'turned' if goal.relation == 'turned' else 'open'}"
+        )
+        if accepted and self.rival <= 0:
+            return refused(f"it looks as if another part of the {thing} moved, not its {part}", 0.7)
+        if accepted and self._margin(closes) < SETTINGS.margin_share:
+            return refused(f"{looks}, but nearly as much as if it were not", 0.5)
+        return decided(accepted, f"{looks}, {100 * self.before:.0f} % before", 0.5 + min(0.5, abs(seen - limit)))
+
+    def _margin(self, closes: bool) -> float:
+        """By how much the best position that a goal allows beats the best of all others, over the costs' range."""
+        meant = SETTINGS.closed_share >= POSITIONS if closes else SETTINGS.open_share <= POSITIONS
+        return float((self.costs[~meant].min() - self.costs[meant].min()) / max(np.ptp(self.costs), 1e-6))
+
+
+def judge_part(view: CriticView, goal: Goal) -> Told:
+    """Judge whether a part was opened, closed or turned."""
+    return _judged(view, goal, PartEvidence.moved)
+
+
+def judge_pressed(view: CriticView, goal: Goal) -> Told:
+    """Judge whether a button was pressed."""
+    return _judged(view, goal, PartEvidence.pressed)
+
+
+def _judged(view: CriticView, goal: Goal, decide: Callable[[PartEvidence, Goal, str], Verdict]) -> Told:
+    evidence = PartEvidence.gather(view, goal)
+    phrase = view.question.looks[goal.subject].phrase
+    if evidence is None:
+        return Told(refused(f"the {phrase} is not found", 0.5), view.nowhere)
+    return Told(decide(evidence, goal, phrase), grown(evidence.covered, AROUND_PX))
+
+
+def _touched(sight: _Sight, view: CriticView) -> float:
+    """Share of what is seen of a part that has changed in the picture of the moment; 0 without one."""
+    if "top" not in view.moment:
+        return 0.0
+    part = sight.telling if sight.telling.any() else sight.covered
+    return float(changed(*(to_lab(one["top"].picture) for one in (view.after, view.moment)))[part].mean())
+
+
+class _Sight:
+    """Drawings of an object at one pose with a part at one position after another.
+
+    Args:
+        drawings: in their order.
+        gain: (3,) by which they are made as bright as the pictures are.
+        background: the empty table.
+
+    Attributes:
+        covered: (H, W) bool, where the object is in any of them.
+        telling: (H, W) bool, where they differ.
+    """
+
+    def __init__(self, drawings: Sequence[Drawing], gain: np.ndarray, background: np.ndarray):
+        pictures = [_composed(drawing, background, gain) for drawing in drawings]
+        self._drawn = [_edges_and_hues(picture) for picture in pictures]
+        self.covered = np.any([drawing.covered for drawing in drawings], axis=0)
+        first, *rest = [to_lab(picture) for picture in pictures]
+        differ = [distance(lab, first) > SETTINGS.different_lab for lab in rest]
+        self.telling = self.covered & np.any(differ, axis=0) if differ else np.zeros_like(self.covered)
+
+    def costs(self, picture: np.ndarray, where: np.ndarray | None = None) -> np.ndarray:
+        """(n,) mean unlikeness of a picture (H, W, 3) uint8 RGB to each drawing, where drawings differ or ``where``
+        (H, W) bool says."""
+        where = self.telling if where is None else where
+        if not where.any():
+            return np.zeros(len(self._drawn))
+        seen = _edges_and_hues(picture)[where]
+        return np.array([_unlike(seen, drawn[where]) for drawn in self._drawn])
+
+
+def _edges_and_hues(picture: np.ndarray) -> np.ndarray:
+    """(H, W, 4) float32: the gradient of the logarithm of light, per pixel, and CIELAB a and b, of an RGB picture."""
+    smooth = cv2.GaussianBlur(picture, (0, 0), SETTINGS.blur_px)
+    grey = cv2.cvtColor(smooth, cv2.COLOR_RGB2GRAY).astype(np.float32) / 255
+    light = np.log(grey**2.2 + SETTINGS.floor)
+    along_x, along_y = (cv2.Sobel(light, cv2.CV_32F, *axis, ksize=3, scale=1 / 8) for axis in ((1, 0), (0, 1)))
+    return np.dstack([along_x, along_y, to_lab(smooth)[..., 1:]])
+
+
+def _unlike(seen: np.ndarray, drawn: np.ndarray) -> float:
+    """Mean difference of edges and hues of pixels, (n, 4) each."""
+    apart = seen - drawn
+    edge, hue = np.linalg.norm(apart[:, :2], axis=1), np.linalg.norm(apart[:, 2:], axis=1)
+    edge, hue = np.minimum(edge, SETTINGS.edge_cap_per_px), np.minimum(hue, SETTINGS.hue_cap_lab)
+    return float((edge + SETTINGS.hue_weight_per_lab * hue).mean())
+
+
+def likeliest(costs: np.ndarray) -> float:
+    """The position of least cost, refined between its neighbours."""
+    k = int(np.argmin(costs))
+    if k in (0, len(costs) - 1):
+        return float(POSITIONS[k])
+    left, middle, right = costs[k - 1 : k + 2]
+    bend = left - 2 * middle + right
+    offset = 0.5 * (left - right) / bend if bend > 1e-6 else 0.0
+    return float(POSITIONS[k] + offset * (POSITIONS[1] - POSITIONS[0]))
+
+
+def _composed(drawing: Drawing, background: np.ndarray, gain: np.ndarray) -> np.ndarray:
+    """The drawing, brighter by a factor (3,), on the empty table."""
+    bright = np.clip(drawing.picture.astype(np.float32) * gain, 0, 255)
+    return np.where(drawing.covered[..., None], bright, background).astype(np.uint8)
