@@ -1,6 +1,6 @@
 """What openpi's ALOHA configuration asks of a data set, said in our own words, holds of an export of ``aloha_agilex``.
 
-openpi loads LeRobot v2.1, looks keys up by a mapping (README, "Training with openpi"), and hands on three pictures, a
+openpi loads LeRobot v2.1, looks keys up by a mapping (docs/data-formats.md, "Training with openpi"), and hands on three pictures, a
 state and a window of actions, of 14 numbers each: six joints and the gripper of the left arm, then of the right.
 """
 
@@ -182,7 +182,7 @@ def test_a_window_of_actions_ends_with_its_episode(data_set, info, number):
     np.testing.assert_allclose(actions[length - 4 :, 0], own[-1], atol=1e-5)
 
 
-def test_the_readme_has_the_mapping_of_this_test():
-    text = (REPOSITORY / "README.md").read_text(encoding="utf-8")
+def test_the_page_of_data_formats_has_the_mapping_of_this_test():
+    text = (REPOSITORY / "docs/data-formats.md").read_text(encoding="utf-8")
     for name, key in {**MAPPING["images"], "state": MAPPING["state"], "actions": MAPPING["actions"]}.items():
         assert f'"{name}": "{key}"' in text
