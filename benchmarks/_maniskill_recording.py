@@ -1,4 +1,4 @@
-"""What a peer's recording takes: ManiSkill's motion-planning runner on StackCube, with cameras like ours.
+"""Time a peer's recording: ManiSkill's motion-planning runner on StackCube, with cameras like ours.
 
 As ``mani_skill.examples.motionplanning.panda.run`` does it with ``--only-count-success``: the same solver, the same
 ``RecordEpisode`` with the same arguments, which keeps actions, states of the environment and pictures (gzip) in HDF5,
@@ -6,7 +6,8 @@ and by default the same shaders. Its own environment has one camera and keeps no
 keeps a frame of every second step.
 
 A process of its own (``python -m benchmarks._maniskill_recording COUNT FOLDER SHADERS``) that prints a line whenever a
-successful trajectory is written: its number, the seconds since the start of the process, and its frames.
+successful trajectory is written: its number, the seconds since the start, its frames, and the CPU seconds of the
+process.
 """
 
 from __future__ import annotations
@@ -130,7 +131,7 @@ def record(count: int, folder: Path, shaders: str) -> None:
             continue
         env.flush_trajectory()
         done += 1
-        print(done, round(time.perf_counter() - start, 3), env.frames, flush=True)
+        print(done, round(time.perf_counter() - start, 3), env.frames, round(time.process_time(), 3), flush=True)
     env.close()
 
 

@@ -21,7 +21,6 @@ import sys
 import time
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import chain
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -31,6 +30,7 @@ from benchmarks._compression_episodes import episode_path
 from benchmarks._compression_formats import Format, formats
 from benchmarks._compression_measures import Measured, measure_clip
 from benchmarks._compression_rows import rows
+from benchmarks._efforts import effort_formats, effort_rows
 from vcage.base.workers import in_processes
 
 logger = logging.getLogger(__name__)
@@ -53,30 +53,48 @@ class Job:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The benchmark's own options."""
+    parser.add_argument("--efforts", action="store_true", help="compare the efforts of each codec instead")
     parser.add_argument("--plot", type=Path, help=f"draw the curves here (default: {PLOT}, and none with --quick)")
 
 
-def run(quick: bool, plot: Path | None = None) -> dict[str, Any]:
+def run(quick: bool, plot: Path | None = None, efforts: bool = False) -> dict[str, Any]:
     """Rows (see :func:`benchmarks._compression_rows.rows`), and the points of the curves of bytes against loss.
 
     Args:
         quick: the beginnings of two episodes, no noisy clips, and no other GOPs than the project's and LeRobot's; no
             curves unless ``plot`` is given.
         plot: picture of the curves, of the first clip and the last.
+        efforts: rows of :func:`benchmarks._efforts.effort_rows` instead, of the rendered clips.
     """
     chosen = clips(quick)
-    drawn = [] if quick and plot is None else [chosen[0], chosen[-1]]
     _render(chosen)
-    jobs = [Job(clip, formats(quick)) for clip in chosen] + [Job(clip) for clip in drawn]
-    results = dict(_watched(in_processes(_do, jobs, WORKERS), len(jobs)))
-    measured = chain.from_iterable(results[clip.name, "formats"] for clip in chosen)
-    figures: dict[str, Any] = {"rows": rows(one for one in measured if isinstance(one, Measured))}
+    if efforts:
+        rendered = [clip for clip in chosen if clip.kind == "rendered"]
+        return {"rows": effort_rows(_measured(rendered, effort_formats()))}
+    drawn = [] if quick and plot is None else [chosen[0], chosen[-1]]
+    figures: dict[str, Any] = {"rows": rows(_measured(chosen, formats(quick)))}
     if drawn:
-        points = chain.from_iterable(results[clip.name, "curve"] for clip in drawn)
-        line = [point for point in points if isinstance(point, Point)]
+        line = _points(drawn)
         logger.info("curves: %s", draw(line, plot or PLOT))
         figures["curves"] = [vars(point) for point in line]
     return figures
+
+
+def _measured(chosen: Sequence[Clip], wanted: Sequence[Format]) -> list[Measured]:
+    """Clips in formats, in the order of the clips."""
+    found = _results([Job(clip, wanted) for clip in chosen])
+    return [one for clip in chosen for one in found[clip.name] if isinstance(one, Measured)]
+
+
+def _points(chosen: Sequence[Clip]) -> list[Point]:
+    """The points of the curves of clips."""
+    found = _results([Job(clip) for clip in chosen])
+    return [one for clip in chosen for one in found[clip.name] if isinstance(one, Point)]
+
+
+def _results(jobs: Sequence[Job]) -> dict[str, list[Measured] | list[Point]]:
+    """The name of a clip → what its job measured."""
+    return dict(_watched(in_processes(_do, jobs, WORKERS), len(jobs)))
 
 
 def _render(chosen: Sequence[Clip]) -> None:
@@ -86,13 +104,13 @@ def _render(chosen: Sequence[Clip]) -> None:
         logger.info("episode %d of %d: %s", number, len(recipes), episode_path(recipe))
 
 
-def _do(job: Job) -> tuple[tuple[str, str], list[Measured] | list[Point]]:
+def _do(job: Job) -> tuple[str, list[Measured] | list[Point]]:
     # The process may be a new one, which has no log yet, and in which SVT-AV1 is not silent.
     logging.basicConfig(level=logging.INFO, format="%(message)s", stream=sys.stderr)
     os.environ["SVT_LOG"] = "1"
     if job.formats is None:
-        return (job.clip.name, "curve"), curve(job.clip)
-    return (job.clip.name, "formats"), measure_clip(job.clip, job.formats)
+        return job.clip.name, curve(job.clip)
+    return job.clip.name, measure_clip(job.clip, job.formats)
 
 
 def _watched(results: Iterable[T], count: int) -> Iterator[T]:

@@ -1,14 +1,18 @@
-"""The critic, counted: on outcomes of sub-tasks whose truth the simulator knows.
+"""Count the critic's verdicts on outcomes of sub-tasks whose truth the simulator knows.
 
-Half of them are successes, some of them ugly; the others failed, each in one of a score of ways that were made in the
-simulator, by the robot or by hand. Scenes are those of five templates and of the sentences that ``benchmarks
+Half of the outcomes are successes, some of them ugly. The others failed, each in one of a score of ways that were made
+in the simulator, by the robot or by hand. Scenes are those of five templates and of the sentences that ``benchmarks
 sentences`` runs whole. They are drawn until there are twenty successes and as many failures of each template of
-sub-tasks, or too many have been drawn; what is missing then is said. The critic is shown what it is shown while data
-is collected. Half of the kinds of objects and two of the scenes (``untouched``) are never looked at while the offline
-critic is tuned. Precision and recall stand with the lower end of their Wilson interval (95 %). ``--keep`` leaves the
-outcomes in a folder, for other critics; ``--pictures`` reads such a folder. Its folders and files have neutral names,
-numbers drawn from the seed, and ``outcomes.json`` lists only what is asked: what is true of each stands in
-``truth.json`` alone, so a judge that does not open that is blind.
+sub-tasks, or too many have been drawn; the log names what is missing then. The critic sees what it sees while data is
+collected.
+
+``untouched`` outcomes are those that nobody looks at while the offline critic is tuned: of two scenes, and of about
+half of the kinds of objects that its unit tests do not show (drawn on 2026-11-26, ``_critic/scenes.py``). Precision and
+recall stand with the lower end of their Wilson interval (95 %).
+
+``--keep`` leaves the outcomes in a folder, for other critics; ``--pictures`` reads such a folder. Its folders and files
+have neutral names, numbers drawn from the seed. ``outcomes.json`` lists only the questions, and ``truth.json`` alone
+the truth, so a judge that does not open that is blind.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """V-CAGE: an instruction in plain language goes in, a verified robot-manipulation dataset comes out.
 
 What most programs need is here by name, and imported when it is first used; every name has an example in its
-docstring, and README.md ("From Python") has all of them at work.
+docstring, and the programs in ``examples/`` show them at work.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from vcage.base.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from vcage.apps.appending import append_to
+    from vcage.apps.replay import replay_episode
     from vcage.apps.report.page import write_report
     from vcage.base.files import RunFolder
     from vcage.datasets.packing.pack import Order, pack
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from vcage.objects.library import Library
     from vcage.runs.context import StageContext
     from vcage.runs.running import run_stage
+    from vcage.schema.episodes import Episodes
     from vcage.schema.scene import Scene
     from vcage.sim.world import World
     from vcage.stages.chain import ChainOptions, run_chain
@@ -30,6 +32,7 @@ __all__ = [
     "ChainOptions",
     "CompressionSettings",
     "EpisodeReader",
+    "Episodes",
     "Library",
     "Order",
     "RunFolder",
@@ -39,6 +42,7 @@ __all__ = [
     "append_to",
     "judge_pair",
     "pack",
+    "replay_episode",
     "run_chain",
     "run_stage",
     "write_report",
@@ -48,6 +52,7 @@ _PLACES = {
     "ChainOptions": "vcage.stages.chain",
     "CompressionSettings": "vcage.datasets.packing.settings",
     "EpisodeReader": "vcage.datasets.reader",
+    "Episodes": "vcage.schema.episodes",
     "Library": "vcage.objects.library",
     "Order": "vcage.datasets.packing.pack",
     "RunFolder": "vcage.base.files",
@@ -57,6 +62,7 @@ _PLACES = {
     "append_to": "vcage.apps.appending",
     "judge_pair": "vcage.stages.verify",
     "pack": "vcage.datasets.packing.pack",
+    "replay_episode": "vcage.apps.replay",
     "run_chain": "vcage.stages.chain",
     "run_stage": "vcage.runs.running",
     "write_report": "vcage.apps.report.page",

@@ -30,7 +30,28 @@ FURTHER = (
 """Sentences beside those that are run whole: piles, deep walls, tall tops, and what can only be pushed."""
 
 UNTOUCHED_SCENES = ("bathroom", "office_desk")
-"""Never looked at while a critic is tuned; nor are half of the kinds of objects of the others."""
+"""Scenes that nobody looks at while a critic is tuned."""
+
+SPLIT = "2026-11-26"
+"""The day on which the untouched kinds of objects were drawn. Figures of an earlier day are of another split."""
+
+SEEN_BY_TESTS = frozenset(
+    (
+        *(
+            "apple",
+            "bagel",
+            "banana",
+            "barcode_scanner",
+            "block",
+            "bowl",
+            "cabinet_one_drawer",
+            "cabinet_three_drawers",
+        ),
+        *("cereal_box", "croissant", "cup", "electronic_scale", "hinged_cabinet", "kitchen_timer", "laptop", "mug"),
+        *("plate", "sponge", "stapler", "tap", "tray"),
+    )
+)
+"""Kinds of objects that the unit tests of the offline critic show it: they count as looked at, in every scene."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +83,12 @@ def settings() -> Mapping[str, select_place.Options]:
 
 
 def part_of(scene: str, asset: str) -> Part:
-    """Tell "tuning" from "untouched": the latter is never looked at while a critic is tuned."""
-    odd = hashlib.sha256(asset.encode()).digest()[0] % 2
-    return "untouched" if scene in UNTOUCHED_SCENES or odd else "tuning"
+    """Tell "tuning" from "untouched" outcomes; nobody looks at the latter while a critic is tuned.
+
+    Untouched are about half of the kinds of objects that no unit test shows the critic, and all of these in
+    :data:`UNTOUCHED_SCENES`.
+    """
+    if asset in SEEN_BY_TESTS:
+        return "tuning"
+    drawn = hashlib.sha256(f"{SPLIT} {asset}".encode()).digest()[0] % 2
+    return "untouched" if scene in UNTOUCHED_SCENES or drawn else "tuning"

@@ -19,9 +19,11 @@ from benchmarks._compression_formats import JPEG, LEROBOT, OURS, PNG, Found, Mad
 from benchmarks._compression_measures import Measured, code_hash, measure_clip
 from benchmarks._compression_rows import rows
 from benchmarks._compression_stored import store_pictures
+from benchmarks._efforts import effort_formats, effort_rows
 from tests.recordings import FPS
 from tests.recordings import clip as pictures
 from vcage.base.files import cache_dir, write_json
+from vcage.video.encoders import CODECS
 
 ASKED = {
     "format",
@@ -96,6 +98,22 @@ def test_losses_are_those_of_the_worst_clip() -> None:
     row = rows([*a_clip(), worse])[-1]
     assert (row["jod_loss_keyframes_max"], row["jod_loss_heldout_max"], row["clips_in_limit"]) == (0.3, 0.2, 1)
     assert row["jod_loss_heldout_mean"] == 0.1
+
+
+def test_efforts_are_compared_with_the_default_of_their_codec() -> None:
+    sizes = {"fast": 150, "default": 100, "best": 80}
+    found = effort_rows(measured(f"hevc-{effort}", size) for effort, size in sizes.items())
+    assert [(row["codec"], row["effort"], row["of_default"]) for row in found] == [
+        ("hevc", "fast", 1.5),
+        ("hevc", "default", 1.0),
+        ("hevc", "best", 0.8),
+    ]
+
+
+def test_every_codec_is_measured_with_every_effort() -> None:
+    assert {form.name for form in effort_formats()} == {
+        f"{codec}-{effort}" for codec in CODECS for effort in ("fast", "default", "best")
+    }
 
 
 # --- measuring -----------------------------------------------------------------------------------------

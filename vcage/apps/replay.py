@@ -103,6 +103,9 @@ def episodes_at(path: Path) -> list[Path]:
 def replay_episode(path: Path, context: StageContext) -> Replayed:
     """Simulate an episode again, draw it again, and compare both with its file.
 
+    Example:
+        >>> replay_episode(Path("runs/blocks/episodes/episode_000000.hdf5"), StageContext("offline")).equal
+
     Args:
         path: the ``.hdf5`` file; a rejected one has states and no pictures.
         context: the library.

@@ -171,7 +171,11 @@ class CriticCounts(Record):
 
 
 class Episodes(StageDocument):
-    """``episodes/episodes.json``."""
+    """``episodes/episodes.json``.
+
+    Example:
+        >>> Episodes.read(RunFolder("runs/blocks").episodes).episodes[0].task
+    """
 
     SCHEMA: ClassVar[str] = "vcage.episodes/4"
 

@@ -1,7 +1,8 @@
 """What openpi's ALOHA configuration asks of a data set, said in our own words, holds of an export of ``aloha_agilex``.
 
-openpi loads LeRobot v2.1, looks keys up by a mapping (docs/data-formats.md, "Training with openpi"), and hands on three pictures, a
-state and a window of actions, of 14 numbers each: six joints and the gripper of the left arm, then of the right.
+openpi loads LeRobot v2.1, looks keys up by a mapping (docs/data-formats.md, "Training with openpi"), and hands on three
+pictures, a state and a window of actions, of 14 numbers each: six joints and the gripper of the left arm, then of the
+right.
 """
 
 from __future__ import annotations

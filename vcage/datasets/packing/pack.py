@@ -8,7 +8,7 @@ import shutil
 from collections import Counter
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from itertools import chain
 from pathlib import Path
 from typing import Any, TypeVar
@@ -58,7 +58,7 @@ class Order:
     """A request to compress recordings.
 
     Example:
-        >>> Order(Path("robotwin"), Path("small"), CompressionSettings(), OutputSpec(fps=16.67))
+        >>> Order(Path("robotwin"), Path("small"), CompressionSettings())
 
     Args:
         root: the recordings: a file or a folder; only read.
@@ -73,7 +73,7 @@ class Order:
     root: Path
     out: Path
     settings: CompressionSettings
-    wanted: OutputSpec
+    wanted: OutputSpec = field(default_factory=OutputSpec)
     cameras: tuple[str, ...] = ()
     skip_damaged: bool = False
     colours: str = AUTO

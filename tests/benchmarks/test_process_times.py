@@ -1,0 +1,16 @@
+"""Commands of the benchmarks are timed with every process below them."""
+
+from __future__ import annotations
+
+import sys
+
+from benchmarks._process_times import timed
+
+BURN = "import time\nwhile time.process_time() < 0.4: pass\n"
+
+
+def test_a_process_that_outlives_its_parent_is_counted() -> None:
+    orphan = f"import os\nif os.fork() == 0:\n    os.setsid()\n    exec({BURN!r})\n    os._exit(0)\nprint('ended')"
+    done = timed([sys.executable, "-c", orphan])
+    assert (done.code, done.stdout) == (0, "ended\n")
+    assert done.cpu_s > 0.35
