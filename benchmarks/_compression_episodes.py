@@ -57,7 +57,7 @@ SPARSE_FPS = collect.Options().fps
 """Frames per second of a collection unless more are asked for; more changes from one to the next."""
 
 SUBTASKS = 2
-"""How many sub-tasks of its chain an episode carries out: reach, grasp, lift, carry, release, each about 7 seconds."""
+"""Number of sub-tasks that an episode carries out: reach, grasp, lift, carry, release, each about 7 seconds."""
 
 FRAMES = 120
 """An episode is cut after so many frames."""
@@ -70,7 +70,7 @@ TRIES = 4
 
 @dataclass(frozen=True)
 class Recipe:
-    """What an episode shows.
+    """Content of an episode.
 
     Args:
         template: of the scene.

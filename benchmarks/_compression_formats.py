@@ -1,4 +1,4 @@
-"""What clips are stored as: single pictures, LeRobot's video, and videos searched for a loss."""
+"""Formats of clips: single pictures, LeRobot's video, and videos searched for a loss."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ LIMIT = 0.1
 """Loss that every searched format must stay below, JOD."""
 
 SLACK = 1.1
-"""Where a codec that has no form without loss cannot reach the limit, a clip may lose so much more than at its best."""
+"""Factor on a clip's least loss, for a codec without a lossless form that cannot reach the limit."""
 
 AHEAD = 3
 """So far above the CRF that is known of another GOP the first encoding is."""
@@ -64,7 +64,7 @@ class Made:
 
 @dataclass(frozen=True)
 class Found:
-    """What another format found on the same clip: the largest loss of the keyframes, and more as in :class:`Made`."""
+    """Result of another format on the same clip: the largest loss of the keyframes, and more as in :class:`Made`."""
 
     loss: float
     crf: int | None
@@ -72,7 +72,7 @@ class Found:
 
 
 Before = Mapping[str, Found]
-"""What the formats that come earlier found, by name."""
+"""Results of the earlier formats, by name."""
 
 
 class Format(Protocol):
@@ -108,7 +108,7 @@ class StillPictures:
 
 @dataclass(frozen=True)
 class LeRobot:
-    """What LeRobot writes without further options.
+    """LeRobot's own video, without further options.
 
     As its ``encode_video_frames`` (https://github.com/huggingface/lerobot) does, the pictures go to PyAV as they are,
     and the colours are converted and tagged as PyAV does by itself.
@@ -187,7 +187,7 @@ class Searched:
         return bool(self.choices.settings().facts.lossless_format)
 
     def _task(self, film: Film, metric: JodMetric, before: Before) -> tuple[Choices, float]:
-        """What there is to choose from, and the loss to stay below."""
+        """Return the choices, and the loss to stay below."""
         if self.like is not None:
             return self.choices, before[self.like].loss
         if not self._has_lossless:
@@ -232,7 +232,7 @@ GOP, SHORT, LONG = 10, 2, 250
 """The project's, LeRobot's, and the encoders' own default."""
 
 DEFAULTS = replace(CompressionSettings().choices(), gops=(GOP,))
-"""How the project compresses when nobody says otherwise."""
+"""The project's own choices without options."""
 
 OURS = Searched(f"vcage-g{GOP}", DEFAULTS)
 AS_LEROBOT = Searched(

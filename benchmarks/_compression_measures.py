@@ -1,4 +1,4 @@
-"""What a clip in a format measures: bytes, losses, times; kept in the cache, as a clip takes minutes."""
+"""Measure a clip in a format: bytes, losses, times; kept in the cache, as a clip takes minutes."""
 
 from __future__ import annotations
 

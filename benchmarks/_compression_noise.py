@@ -57,7 +57,7 @@ class RealCamera:
     seed: int = 0
 
     def film(self, frames: NDArray[np.uint8]) -> NDArray[np.uint8]:
-        """What this camera would have recorded of a rendered clip, both (T, H, W, 3) uint8 sRGB, H and W even."""
+        """Record a rendered clip with this camera, both (T, H, W, 3) uint8 sRGB, H and W even."""
         rng = np.random.default_rng(self.seed)
         height, width = frames.shape[1:3]
         fixed = _falloff(height, width, self.vignette) * rng.normal(1, self.uneven, (height, width)).astype(np.float32)

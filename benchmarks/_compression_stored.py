@@ -26,7 +26,7 @@ class Stored(Protocol):
 
     @property
     def bytes(self) -> int:
-        """What its pictures take."""
+        """Bytes of its pictures."""
 
     def read(self, indices: Sequence[int]) -> NDArray[np.uint8]:
         """(N, H, W, 3) uint8 RGB of the frames ``indices``, increasing; the file is opened and closed."""

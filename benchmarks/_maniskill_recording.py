@@ -63,7 +63,7 @@ class RecordedStackCube(StackCubeEnv):
 
     @property
     def next_is_drawn(self) -> bool:
-        """Whether the observation that comes next has pictures."""
+        """True if the next observation has pictures."""
         return self._steps % EVERY == 0
 
     def get_obs(self, *args: Any, **kwargs: Any) -> Any:

@@ -1,4 +1,4 @@
-"""Whether objects of a layout collide, independent of the optimiser: boxes of the assets' own vertices, and meshes."""
+"""Check for collisions of a layout, independent of the optimiser: boxes of the assets' own vertices, and meshes."""
 
 from __future__ import annotations
 
@@ -89,5 +89,5 @@ def colliding_meshes(placed: Mapping[str, PlacedAsset]) -> list[tuple[str, str]]
 
 
 def meshes_collide(a: PlacedAsset, b: PlacedAsset) -> bool:
-    """Whether some piece of ``a`` enters some piece of ``b`` by more than :data:`~benchmarks._shapes.TOUCHING`."""
+    """True if some piece of ``a`` enters some piece of ``b`` by more than :data:`~benchmarks._shapes.TOUCHING`."""
     return boxes_overlap(a.box, b.box, -TOUCHING) and pieces_collide(a.pieces, b.pieces)

@@ -1,4 +1,4 @@
-"""What a scene of the optimisation benchmark holds: which objects, which of them lie in which, and where in there."""
+"""Draft a scene of the optimisation benchmark: its objects, which of them lie in which, and where in there."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ NESTED = 0.3
 
 
 class Draft:
-    """Which objects there are, which lie in which, and the layout in every container."""
+    """The objects, which of them lie in which, and the layout in every container."""
 
     def __init__(self, kinds: Sequence[Kind], n: int, containers: int, rng: np.random.Generator):
         self._rng, self._all = rng, kinds
@@ -56,7 +56,7 @@ class Draft:
         return np.array([[-ASPECT, -1.0], [ASPECT, 1.0]]) * depth / 2
 
     def place_items(self, allowed: Mapping[str, np.ndarray]) -> list[TableItem]:
-        """What stands on the table, to be placed; ``allowed`` as in :class:`TableItem`, by id."""
+        """The objects on the table, to be placed; ``allowed`` as in :class:`TableItem`, by id."""
         return [
             replace(self.kinds[id].room, id=id, yaws=(self.yaws[id],), allowed=allowed.get(id)) for id in self.roots
         ]

@@ -54,7 +54,7 @@ class Kind:
         allowed: np.ndarray | None,
         hand: HandClearance | None = None,
     ) -> TableItem:
-        """What the optimiser is told about it, as the stage tells it: the swept room, its middle and the body in it.
+        """The item for the optimiser, as the stage makes it: the swept room, its middle and the body in it.
 
         The stage gives openings that nothing is meant to lie in too; to the optimiser that is the same.
         """

@@ -11,7 +11,7 @@ from vcage.plans.relations import BESIDE_GAP, DIRECTIONS, NEAR_GAP, holds, plane
 from vcage.schema.plan import Relation, RelationWord
 
 ROBUST = 0.02
-"""How far an object may be moved without breaking a relation of the plan, metres."""
+"""Distance that an object may be moved without breaking a relation of the plan, metres."""
 NEIGHBOURS = 3
 """A relation is to one of so many of the nearest objects."""
 SECOND = 0.5

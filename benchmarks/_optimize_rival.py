@@ -1,4 +1,4 @@
-"""What most would write: L-BFGS-B on the same cost from the targets, with scipy's own finite differences."""
+"""A plain rival: L-BFGS-B on the same cost from the targets, with scipy's own finite differences."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Part:
 
 
 def parts(clean: CleanScene, targets: Mapping[str, np.ndarray]) -> dict[str | None, Part]:
-    """What every container holds, in its frame, and what stands on the table (None); it is told what lies in what."""
+    """Split a scene into problems: each container in its frame, and the table (None). The rival knows the contents."""
     items = {item.id: item for item in clean.items(targets)}
     inside: dict[str | None, list[TableItem]] = {}
     for item in items.values():

@@ -1,4 +1,4 @@
-"""What came of the scenes of the optimisation benchmark, and the figures of a row."""
+"""Outcomes of the scenes of the optimisation benchmark, and the figures of a row."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of one scene; from ``boxes`` on all but ``longer_solves`` is None where it was declared infeasible.
+    """Outcome of one scene; from ``boxes`` on all but ``longer_solves`` is None where it was declared infeasible.
 
     Args:
         fill: share of the workspace that is covered.

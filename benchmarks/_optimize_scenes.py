@@ -32,7 +32,7 @@ def _hand() -> HandClearance:
 
 @dataclass(frozen=True)
 class Setting:
-    """What is asked of the optimiser beside the targets and the plan.
+    """Conditions for the optimiser beside the targets and the plan.
 
     Args:
         name: in the table.
@@ -48,7 +48,7 @@ class Setting:
 PLAIN = Setting("plain", 0.01, hands=False)
 """Boxes a centimetre apart, as others measure."""
 STAGE = Setting("stage", Options().margin, hands=True)
-"""What the pipeline's own stage asks for: its margin, and hand room around its contents."""
+"""The conditions of the pipeline's own stage: its margin, and hand room around its contents."""
 FILL = (0.1, 0.6)
 """Least and largest share of the workspace that is covered by the rooms of what stands on the table."""
 LOOSEN = 0.95
@@ -105,12 +105,12 @@ class CleanScene:
         }
 
     def in_bounds(self, thing: PlacedAsset) -> bool:
-        """Whether all that it needs is in the workspace."""
+        """True if the whole area of an object is in the workspace."""
         room, (lower, upper) = thing.room_in(Pose())[:, :2], self.workspace
         return bool(np.all(room[0] >= lower - ROUNDING) and np.all(room[1] <= upper + ROUNDING))
 
     def in_reach(self, placed: Mapping[str, PlacedAsset]) -> bool:
-        """Whether what is bound and stands on the table is where it may be."""
+        """True if every bound object on the table is where it may be."""
         bound = {id: thing for id, thing in placed.items() if thing.container is None and id in self.allowed}
         return all(is_within(_middle(thing), self.allowed[id], ROUNDING) for id, thing in bound.items())
 
@@ -176,6 +176,6 @@ def _reach(workspace: np.ndarray) -> np.ndarray:
 
 
 def is_within(point: np.ndarray, rectangles: np.ndarray, tolerance: float = 0.0) -> bool:
-    """Whether a point (2,) lies in one of the rectangles (m, 2, 2), or within ``tolerance`` metres of one."""
+    """True if a point (2,) lies in one of the rectangles (m, 2, 2), or within ``tolerance`` metres of one."""
     lower, upper = rectangles[:, 0] - tolerance, rectangles[:, 1] + tolerance
     return bool(((lower <= point) & (point <= upper)).all(axis=1).any())

@@ -1,4 +1,4 @@
-"""What a placed scene is worth, measured on the objects' own shapes and not on the rectangles of the placement."""
+"""Measure a placed scene on the objects' own shapes, not on the rectangles of the placement."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from vcage.sim.world import PHYSICS_HZ, World
 from vcage.tasks.grasps import grasp_poses
 
 SECONDS = 2.0
-"""How long the physics runs."""
+"""Length of the simulation."""
 
 LOST_MM = 20_000.0
 """Drift of what physics flings beyond all numbers: as far as it would have fallen, millimetres."""
@@ -46,7 +46,7 @@ class TrueShapes:
         """(2, 3) axis-aligned box around the vertices of all pieces, by id."""
 
     def within(self, workspace: np.ndarray) -> int:
-        """How many of the objects are in the workspace (2, 2), seen from above."""
+        """Number of objects in the workspace (2, 2), seen from above."""
         return sum(
             bool(np.all(box[0, :2] >= workspace[0] - ROUNDING) and np.all(box[1, :2] <= workspace[1] + ROUNDING))
             for box in self.boxes.values()
@@ -61,7 +61,7 @@ class TrueShapes:
         return [(names[i], names[j]) for i, j in sorted(pairs.tolist(), key=lambda pair: -depths[pair[0], pair[1]])]
 
     def collide(self, a: str, b: str) -> bool:
-        """Whether two pieces of the objects penetrate by more than :data:`~benchmarks._shapes.TOUCHING`."""
+        """True if two pieces of the objects penetrate by more than :data:`~benchmarks._shapes.TOUCHING`."""
         return pieces_collide(self._pieces[a], self._pieces[b])
 
 
@@ -70,7 +70,7 @@ class TrueShapes:
 
 @dataclass(frozen=True)
 class Drift:
-    """How far an object went in :data:`SECONDS` of physics: its origin, millimetres, and its turn, degrees."""
+    """Motion of an object in :data:`SECONDS` of physics: of its origin, millimetres, and its turn, degrees."""
 
     mm: float
     degrees: float
@@ -82,7 +82,7 @@ class Drift:
 
 
 def drifts(scene: BenchmarkScene, poses: Mapping[str, Pose]) -> list[Drift]:
-    """How far every placed object goes when it is let go where it was put, on a table around the workspace."""
+    """Motion of every placed object when it is let go where it was put, on a table around the workspace."""
     bodies = {thing.id: Body(thing.asset.model, poses[thing.id]) for thing in scene.things if thing.id in poses}
     world = World(scene.table, bodies)
     world.step(round(SECONDS * PHYSICS_HZ))
@@ -104,7 +104,7 @@ def _drift(world: World, name: str, before: Pose) -> Drift:
 def reached_points(
     scene: BenchmarkScene, poses: Mapping[str, Pose], kinematics: Mapping[str, ArmKinematics]
 ) -> tuple[int, int]:
-    """How many of the points that a robot needs some arm reaches, and how many there are.
+    """Number of the points that a robot needs and some arm reaches, and number of all.
 
     They are the contact points by which the placed contents are carried, and the functional points of the placed
     receptacles. What is in the way of the arm is not asked.
@@ -122,7 +122,7 @@ def reached_points(
 
 
 def _grasped(pose: Pose, contact: ContactPoint, arms: Iterable[ArmKinematics], support: float) -> bool:
-    """Whether an arm reaches a grasp of the contact point and the pose before it."""
+    """True if an arm reaches a grasp of the contact point and the pose before it."""
     return any(
         _follows(arm, [grasp.pose * Pose([0, 0, -arm.arm.gripper.approach]), grasp.pose])
         for arm in arms
@@ -131,7 +131,7 @@ def _grasped(pose: Pose, contact: ContactPoint, arms: Iterable[ArmKinematics], s
 
 
 def _come_down_on(pose: Pose, point: FunctionalPoint, arms: Iterable[ArmKinematics]) -> bool:
-    """Whether an arm reaches straight down to above the functional point, at any heading."""
+    """True if an arm reaches straight down to above the functional point, at any heading."""
     place, down = pose.apply(point.position), Pose(q=[0, 1, 0, 0])
     return any(
         arm.reachable(Pose.from_yaw(place + [0, 0, arm.arm.gripper.approach], heading) * down)

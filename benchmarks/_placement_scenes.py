@@ -33,10 +33,10 @@ MOST_CONTENTS, MOST_RECEPTACLES = 6, 2
 ROBOT = "dual_panda"
 
 REACHED_AREA = ((-1.0, -0.5), (1.0, 0.5))
-"""Where reach is computed, metres; both arms' bases stand at its near edge, and what is beyond is out of reach."""
+"""Area in which reach is computed, metres; both arms' bases stand at its near edge, beyond it nothing is reached."""
 
 EDGE = 0.2
-"""How far the table goes on beyond the workspace on every side, metres."""
+"""Margin of the table beyond the workspace on every side, metres."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class Thing:
 
 @dataclass(frozen=True)
 class BenchmarkScene:
-    """What every method has to solve.
+    """The task of every method.
 
     Args:
         things: contents first, then receptacles, then context.
@@ -69,7 +69,7 @@ class BenchmarkScene:
     height: float = field(default=Table().height)
 
     def items(self, reach: np.ndarray) -> list[TableItem]:
-        """What our placement is asked for.
+        """The items for our placement.
 
         Args:
             reach: (m, 2, 2) rectangles of the plane where an arm reaches; contents and receptacles must lie in one.
@@ -79,7 +79,7 @@ class BenchmarkScene:
         return [replace(item, allowed=a) for item, a in zip(self.plain_items(), allowed, strict=True)]
 
     def plain_items(self) -> list[TableItem]:
-        """What the other methods are asked for: they know no reach."""
+        """The items for the other methods: they know no reach."""
         return [replace(t.room, id=t.id) for t in self.things]
 
     def poses(self, placed: dict[str, Placement]) -> dict[str, Pose]:
@@ -94,7 +94,7 @@ class BenchmarkScene:
 
 
 class Stock:
-    """What scenes are drawn from, and the robot that must reach into them; made once per process."""
+    """The kinds that scenes are drawn from, and the robot that must reach into them; made once per process."""
 
     def __init__(self) -> None:
         self.library = Library.load()

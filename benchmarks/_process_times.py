@@ -17,7 +17,7 @@ _PR_SET_CHILD_SUBREAPER = 36
 
 @dataclass(frozen=True)
 class Timed:
-    """How a command ended.
+    """End of a command.
 
     Args:
         code: its exit code.

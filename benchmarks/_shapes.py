@@ -1,4 +1,4 @@
-"""Whether solids made of convex pieces meet: the one exact test of every benchmark, independent of what it judges."""
+"""Test if solids of convex pieces meet: the one exact test of every benchmark, independent of what it judges."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def penetration(a: np.ndarray, b: np.ndarray) -> float:
 
 
 def pieces_collide(first: Sequence[np.ndarray], second: Sequence[np.ndarray]) -> bool:
-    """Whether a piece of one object penetrates one of the other by more than :data:`TOUCHING`.
+    """True if a piece of one object penetrates one of the other by more than :data:`TOUCHING`.
 
     Args:
         first, second: (n, 3) vertices of each convex piece, metres, in one frame.

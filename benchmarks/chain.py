@@ -30,7 +30,7 @@ SHADERS = ("default", "minimal")
 
 @dataclass(frozen=True)
 class Recorded:
-    """What a successful trajectory of ManiSkill's runner takes: wall seconds, CPU seconds, frames."""
+    """Cost of a successful trajectory of ManiSkill's runner: wall seconds, CPU seconds, frames."""
 
     wall_s: float
     cpu_s: float

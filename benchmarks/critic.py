@@ -55,7 +55,7 @@ CONFIDENCES = (0.5, 0.7, 0.9, 1.0)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """What can be chosen."""
+    """Add the options."""
     parser.add_argument("--models", default="offline", help="whose critic: offline, or a provider")
     parser.add_argument("--robot", default="dual_panda", help="which one")
     parser.add_argument("--part", choices=PARTS, default="all", help="which outcomes are made")
@@ -169,7 +169,7 @@ class Judged:
 
     @property
     def wrong(self) -> bool:
-        """Whether the verdict is not the truth."""
+        """True if the verdict is not the truth."""
         return self.accepted != self.record.success
 
     @property
@@ -234,7 +234,7 @@ def _share(some: int, of: int) -> float | None:
 
 
 def _shares(judged: Iterable[Judged], key: Any) -> dict[str, dict[str, int]]:
-    """How many were judged, how many of these succeeded and failed, and how many were judged wrongly, each way."""
+    """Count verdicts by a key: all, of successes, of failures, and the wrong ones, each way."""
     found: dict[str, Counter[str]] = defaultdict(Counter)
     for j in judged:
         done, yes, no = j.record.success, j.accepted and j.wrong, not j.accepted and j.wrong
@@ -243,7 +243,7 @@ def _shares(judged: Iterable[Judged], key: Any) -> dict[str, dict[str, int]]:
 
 
 def _calibration(judged: Sequence[Judged]) -> dict[str, Any]:
-    """How often a verdict of a stated confidence is right."""
+    """Share of right verdicts, by stated confidence."""
     found = {}
     for low, high in zip((0.0, *CONFIDENCES[:-1]), CONFIDENCES, strict=True):
         some = [j for j in judged if low < j.confidence <= high or (low == 0.0 and j.confidence == 0.0)]

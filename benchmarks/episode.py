@@ -50,7 +50,7 @@ MANISKILL = (
 """``python -m mani_skill.examples.motionplanning.panda.run``, with SAPIEN's import as quiet as in our own process."""
 
 PROGRESS = re.compile(r"(\d+)/\d+ \[")
-"""How many trajectories its progress bar says are done."""
+"""Pattern of the trajectories that its progress bar counts as done."""
 
 
 def run(quick: bool) -> dict[str, float]:

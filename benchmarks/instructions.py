@@ -1,4 +1,4 @@
-"""How sentences are read: right, refused, or misread; of those that the grammar was written for, and of the others.
+"""Count sentences that are read right, refused, or misread: those that the grammar was written for, and others.
 
 ``libero`` and ``robotwin`` are sentences of these benchmarks, of tasks whose objects exist here; ``reasons`` says why
 the others are refused (:mod:`benchmarks._instructions.tasks`).
@@ -28,7 +28,7 @@ logger = logging.getLogger(__name__)
 
 FOLDER = Path(__file__).with_name("_instructions")
 TASKS = Path("../shared/tasks")
-"""Where the sentences of others are looked for; they are no part of this project."""
+"""Folder of the sentences of others; they are no part of this project."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -105,7 +105,7 @@ def read(case: Mapping[str, Any], things: Mapping[str, CatalogueEntry]) -> tuple
 
 
 def agrees(found: Sequence[AskedGoal], steps: Sequence[Sequence[Sequence[str]]]) -> bool:
-    """Whether the goals are those of the record, each once, and none comes before what must come before it."""
+    """True if the goals are those of the record, each once, and none comes before what must come before it."""
     wanted = [(number, goal) for number, step in enumerate(steps) for goal in _spread(step, found)]
     if len(wanted) != len(found):
         return False
@@ -131,7 +131,7 @@ def _spread(step: Sequence[Sequence[str]], found: Sequence[AskedGoal]) -> Iterat
 
 
 def _fits(asked: AskedGoal, goal: Sequence[str]) -> bool:
-    """Whether a goal is one of those that a record allows: ``[inside, apple_red|apple_green, bowl]``."""
+    """True if a goal is one of those that a record allows: ``[inside, apple_red|apple_green, bowl]``."""
     word, *names = goal
     found = asked.goal
     subject = f"{found.subject}/{found.part}" if found.reference is None and found.part else found.subject

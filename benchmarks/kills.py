@@ -121,7 +121,7 @@ def compared(undisturbed: Mapping[str, str], files: Mapping[str, str]) -> tuple[
 
 @dataclass(frozen=True)
 class _Place:
-    """Where all runs take place, one after the other at the same path, with temporary files of their own."""
+    """Folder in which all runs take place, one after the other at the same path, with temporary files of their own."""
 
     folder: Path
 

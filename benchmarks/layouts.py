@@ -41,7 +41,7 @@ DRAWS, QUICK_DRAWS = 100, 10
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """What can be chosen."""
+    """Add the options."""
     parser.add_argument("--robot", default="dual_panda", help="which one")
     parser.add_argument("--tasks", nargs="+", choices=TASKS, default=list(TASKS), help="which ones")
 
@@ -89,7 +89,7 @@ def _row(name: str, robot: str, draws: int, context: StageContext) -> dict[str, 
 
 
 def _layouts_of(sentence: str, robot: str, context: StageContext) -> tuple[Layouts, Scene]:
-    """What draws the layouts of an instruction's first chain, from the first seed that no stage refuses."""
+    """Return the source of layouts of an instruction's first chain, from the first seed that no stage refuses."""
     for seed in range(10):
         with tempfile.TemporaryDirectory() as folder:
             made = RunFolder(Path(folder) / "run")
@@ -123,7 +123,7 @@ def _spread(found: Sequence[Layout], scene: Scene, context: StageContext) -> lis
 
 
 def _cut(rectangles: np.ndarray, bounds: np.ndarray) -> np.ndarray:
-    """What of (m, 2, 2) rectangles lies in another (2, 2)."""
+    """Cut (m, 2, 2) rectangles to another (2, 2)."""
     cut = np.stack([np.maximum(rectangles[:, 0], bounds[0]), np.minimum(rectangles[:, 1], bounds[1])], axis=1)
     return cut[np.all(cut[:, 0] < cut[:, 1], axis=1)]
 

@@ -1,4 +1,4 @@
-"""What the closed loop is worth: verified long trajectories per hour, with failures that are planted by hand.
+"""Measure the closed loop: verified long trajectories per hour, with failures that are planted by hand.
 
 A chain of sub-tasks is carried out over and over. First what was put down is taken away again in a share of the
 attempts, so that a step fails as often as is asked for, whoever looks: once trying again from the last verified state
@@ -54,14 +54,14 @@ LOOPS: Mapping[Critic, Sequence[Mode]] = {"pictures": ("resample", "abort", "ope
 """Who judges → what follows a failure that happens by chance."""
 
 PLAIN = ("abort", "blind")
-"""What the others are measured by."""
+"""The policy that the others are compared with."""
 
 MOST_ATTEMPTS = 300
 """A row ends when one trajectory takes more attempts than that: seven times what theory asks of the longest."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """What can be chosen."""
+    """Add the options."""
     parser.add_argument("--trajectories", type=int, help="accepted ones of each row (default: 8, with --quick 1)")
 
 
@@ -90,7 +90,7 @@ def run(quick: bool, trajectories: int | None = None) -> dict[str, Any]:
 
 @dataclass
 class Tally:
-    """What came of the episodes of a row.
+    """Outcomes of the episodes of a row.
 
     Args:
         accepted: episodes whose every step was.

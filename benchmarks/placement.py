@@ -75,7 +75,7 @@ CHUNK = 5
 
 @dataclass(frozen=True)
 class Answer:
-    """What a method made of a scene: places by id, None when it refused; and how long it took, milliseconds."""
+    """A method's answer to a scene: places by id, None when it refused; and its time, milliseconds."""
 
     placed: dict[str, Placement] | None
     ms: float

@@ -55,7 +55,7 @@ COMPARED = (("raw/varied", "ours/varied"), ("raw/varied", "lerobot/varied"), ("r
 
 @dataclass(frozen=True)
 class Plan:
-    """How much is done.
+    """Amount of work.
 
     Args:
         episodes: of training, of each kind of layout.
@@ -76,7 +76,7 @@ QUICK = Plan(episodes=3, held_out=2, seeds=2, steps=5, rollouts=1)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """What can be chosen."""
+    """Add the options."""
     for name, what in (
         ("episodes", "of training, of each kind of layout"),
         ("held-out", "episodes of testing"),
@@ -219,7 +219,7 @@ class Row:
 
 
 def differences(found: Mapping[str, Sequence[float]]) -> dict[str, dict[str, Any]]:
-    """What each pair of :data:`COMPARED` differs by, the second less the first, seed by seed."""
+    """Difference of each pair of :data:`COMPARED`, the second less the first, seed by seed."""
     told = {}
     for first, second in COMPARED:
         by_seed = np.subtract(found[second], found[first])

@@ -1,4 +1,4 @@
-"""What pictures cost: the first of a process, and a frame of a robot's three cameras in a full scene.
+"""Measure the cost of pictures: the first of a process, and a frame of a robot's three cameras in a full scene.
 
 Beside it the same with SAPIEN's ``default`` shaders, and with the robot's meshes as they came. Figures are CPU time of
 all threads, which other work on the machine changes less than wall time; the worlds take turns, frame by frame.

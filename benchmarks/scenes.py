@@ -51,7 +51,7 @@ Outcome = dict[str, str]
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """What can be chosen."""
+    """Add the options."""
     parser.add_argument("--scenes", nargs="+", choices=SCENES, default=SCENES, help="which ones")
     parser.add_argument("--robot", default="dual_panda", help="which one")
     parser.add_argument("--workers", type=int, default=cores(), help="processes")
@@ -85,7 +85,7 @@ def run(quick: bool, scenes: Sequence[str] = SCENES, robot: str = "dual_panda", 
 
 @dataclass
 class Tally:
-    """What came of the sub-tasks of a scene in one kind of layout, with every seed."""
+    """Outcomes of the sub-tasks of a scene in one kind of layout, with every seed."""
 
     outcomes: list[Outcome] = field(default_factory=list)
 
@@ -105,7 +105,7 @@ class Tally:
         }
 
     def reasons(self) -> Counter[str]:
-        """How often, by sub-task's template and reason."""
+        """Counts by the sub-task's template and the reason."""
         return Counter(
             f"{name.partition(' ')[0]}: {reason}"
             for outcome in self.outcomes
@@ -130,7 +130,7 @@ def _context() -> StageContext:
 
 
 def _outcomes(task: _Task) -> tuple[_Task, dict[str, Outcome]]:
-    """What came of each sub-task, by layout."""
+    """Outcome of each sub-task, by layout."""
     context = _context()
     with tempfile.TemporaryDirectory() as folder:
         first = RunFolder(Path(folder) / "first")
@@ -157,7 +157,7 @@ def found_subtasks(scene: Scene, context: StageContext) -> list[str]:
 
 
 def _name(found: Subtask | Refusal) -> str:
-    """What a sub-task is known by, whether it is feasible or not."""
+    """Name of a sub-task, feasible or not."""
     goal = found.goals[0] if isinstance(found, Subtask) else found.goal
     return f"{found.template} {goal} {found.functional_point}"
 
@@ -179,7 +179,7 @@ def _lay_out(run: RunFolder, drawn: Scene, seed: int, layout: str, context: Stag
 
 
 def _played(run: RunFolder, names: Sequence[str], seed: int, context: StageContext) -> Outcome:
-    """What comes of each sub-task in the layout of a run."""
+    """Carry out each sub-task in the layout of a run."""
     search_subtasks.execute(run, ModelOptions(models="offline", seed=seed), context)
     scene, searched = Scene.read(run.layout), Subtasks.read(run.subtasks)
     kept = {_name(subtask): subtask for subtask in searched.kept}

@@ -1,4 +1,4 @@
-"""How long the search for sub-tasks takes in scenes of 40 objects, and why it refuses what it refuses.
+"""Time the search for sub-tasks in scenes of 40 objects, and count the reasons of its refusals.
 
 No model is called: the rules that stand in for one judge what is sensible.
 """
@@ -110,7 +110,7 @@ def _objects(scene: BenchmarkScene, poses: dict[str, Pose]) -> list[SceneObject]
 
 
 def kinds_of_reasons(objects: Sequence[SceneObject], found: FoundSubtasks) -> Counter[str]:
-    """How many refusals there are of each kind: reasons without what things are called and how large they are."""
+    """Count refusals by reason, without the names and sizes in it."""
     phrases = sorted({o.record.phrase for o in objects}, key=len, reverse=True)
     names = re.compile("|".join(map(re.escape, phrases)))
 

@@ -1,4 +1,4 @@
-"""How well the offline reasoner finds what an instruction needs: sixty sentences over the library's own kinds."""
+"""Measure the offline reasoner's choice of objects: sixty sentences over the library's own kinds."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Slot:
         return cls(record["role"], kinds, least, most, record.get("colour"))
 
     def answers(self, chosen: SelectedAsset, colour: str) -> bool:
-        """Whether a chosen object is one of those that the slot asks for."""
+        """True if a chosen object is one of those that the slot asks for."""
         return (
             self.role in ("any", chosen.role)
             and (self.kinds is None or chosen.asset in self.kinds)

@@ -62,7 +62,7 @@ FPS = 10
 
 @dataclass
 class Tally:
-    """What came of a task.
+    """Outcome of a task.
 
     Args:
         steps, done: steps that were begun, and those that succeeded.
@@ -77,7 +77,7 @@ class Tally:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """What can be chosen."""
+    """Add the options."""
     parser.add_argument("--robot", default="dual_panda", help="which one")
     parser.add_argument("--tasks", nargs="+", choices=TASKS, default=list(TASKS), help="which tasks")
     parser.add_argument("--layout", choices=("varied", "fixed"), default="varied", help="where objects start")

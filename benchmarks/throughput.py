@@ -91,7 +91,7 @@ def _command(*arguments: str | Path) -> list[str]:
 
 @dataclass
 class _Watch:
-    """What is seen of a process and all that come of it while they run.
+    """Memory and CPU time of a process and all below it, watched while they run.
 
     Args:
         peak: most bytes that each held, by process.

@@ -24,7 +24,7 @@ FLOOR = -3.0
 """Far below the table: what has fallen off it is out of every picture."""
 
 DISTURBED = (0.08, 0.16)
-"""How far a thing is moved that has nothing to do with the sub-task, metres."""
+"""Range of the distance by which an unrelated thing is moved, metres."""
 
 
 def nothing(played: Played) -> Shots:
@@ -38,7 +38,7 @@ def nothing(played: Played) -> Shots:
 
 
 def lost(played: Played) -> Shots | None:
-    """What was carried fell on the way."""
+    """The carried thing fell on the way."""
     if played.goal.relation not in MOVED:
         return None
     thing, old, new = played.subject, *played.ends
@@ -49,7 +49,7 @@ def lost(played: Played) -> Shots | None:
 
 
 def off_table(played: Played) -> Shots | None:
-    """What was moved fell off the table."""
+    """The moved thing fell off the table."""
     if played.goal.relation not in MOVED:
         return None
     state = played.shots.after
@@ -287,7 +287,7 @@ def _joint_at(played: Played, between: tuple[float, float]) -> Shots | None:
 
 
 def _still(played: Played) -> str | None:
-    """What stays while it is read."""
+    """The thing that does not move while a code is read."""
     if played.goal.relation != "scanned":
         return None
     return played.goal.subject if played.subtask.grasped == played.subtask.tool else played.subtask.tool

@@ -112,7 +112,7 @@ def _asked(objects: Sequence[SceneObject], arms: Sequence[str], rng: np.random.G
 
 
 def _beside(thing: SceneObject, others: Sequence[SceneObject], rng: np.random.Generator) -> set[Goal]:
-    """That a thing stands beside another in some way; nothing where that is the thing itself."""
+    """Draw the goal that a thing stands beside another in some way; nothing where that is the thing itself."""
     other = others[int(rng.integers(len(others)))]
     word = RELATED[int(rng.integers(len(RELATED)))]
     return {Goal(subject=thing.id, relation=word, reference=other.id)} if other.id != thing.id else set()
@@ -186,7 +186,7 @@ class _Maker:
         )
 
     def outcomes(self, used: Counter[str]) -> Iterator[Outcome]:
-        """What the robot did, an ugly success, and two failures of kinds that were ``used`` least."""
+        """Yield the robot's own outcome, an ugly success, and two failures of the kinds that were ``used`` least."""
         played = self._case.play()
         failures = 0
         if played.gave_up or not played.shots.truth.success:

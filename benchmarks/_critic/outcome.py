@@ -21,7 +21,7 @@ from vcage.tasks.setting import Seen
 Part = Literal["tuning", "untouched"]
 
 SUCCESS = "success"
-"""What successes as they came are filed under; those that were made ugly have names of their own."""
+"""Kind of the successes as they came; those that were made ugly have names of their own."""
 
 README = """# Outcomes of manipulation sub-tasks, for critics
 
@@ -121,7 +121,7 @@ def neutral_id(name: str, seed: int) -> str:
 
 
 def picture_paths(outcome: str, seen: Mapping[str, Mapping[str, np.ndarray]]) -> dict[str, dict[str, str]]:
-    """Where the pictures of an outcome lie in its folder."""
+    """Paths of the pictures of an outcome in its folder."""
     return {when: {camera: f"{outcome}/{when}-{camera}.png" for camera in shown} for when, shown in seen.items()}
 
 

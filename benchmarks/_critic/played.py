@@ -108,7 +108,7 @@ class Played:
 
     @property
     def subtask(self) -> Subtask:
-        """What was done."""
+        """The sub-task that was done."""
         return self.case.subtask
 
     @property
@@ -118,7 +118,7 @@ class Played:
 
     @property
     def goal(self) -> Goal:
-        """What it is for."""
+        """The goal of the sub-task."""
         return self.subtask.goals[0]
 
     def now(self, state: WorldState) -> dict[str, SceneObject]:
@@ -140,7 +140,7 @@ class Played:
 
     @property
     def ends(self) -> tuple[Pose, Pose]:
-        """Where what the goal is about was before, and where it is afterwards."""
+        """Poses of the goal's subject before and afterwards."""
         shots, name = self.shots, self.goal.subject
         return shots.before.objects[name], shots.after.objects[name]
 
@@ -161,7 +161,7 @@ class Played:
         ]
 
     def surface(self, at: np.ndarray, thing: SceneObject) -> float:
-        """How high the tops are above which a thing is dropped, metres."""
+        """Height of the highest top under a point, or of the table, metres: a thing is dropped from above it."""
         under = [
             o.around_boxes[1, 2]
             for o in self.now(self.shots.before).values()
@@ -224,7 +224,7 @@ class Played:
         return replace(shots, after=after, moment=moment, truth=truth)
 
     def about(self, other: Subtask) -> Shots:
-        """What came of it, in the words of another sub-task."""
+        """The same outcome, in the words of another sub-task."""
         world = self.case.build()
         world.restore(self.ended)
         watch = Watch(world, self.case.objects, other.goals)

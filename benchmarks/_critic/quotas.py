@@ -1,4 +1,4 @@
-"""How many outcomes of each kind of sub-task there are to be, and which scenes give those that are missing."""
+"""Quotas of outcomes for each kind of sub-task, and the scenes that can fill them."""
 
 from __future__ import annotations
 

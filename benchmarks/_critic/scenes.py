@@ -19,7 +19,7 @@ SCENES = {
     "office_desk": select_place.Options(template="office_desk"),
     "scale": select_place.Options(instruction="Weigh the tomato and the chocolate bar, then put both in the basket"),
 }
-"""Where the outcomes happen: in a template as it is, or in the scene of an instruction."""
+"""Scenes of the outcomes: a template as it is, or the scene of an instruction."""
 
 FURTHER = (
     "Stack the three blocks",

@@ -10,7 +10,7 @@ from vcage.plans.actions import HOLDING
 from vcage.schema.plan import TABLE
 
 PUSHED = (0.06, 0.18)
-"""How far a support is pushed away, metres."""
+"""Range of the distance by which a support is pushed away, metres."""
 
 DIRECTIONS = 12
 """Ways to push it of which one is looked for that is free."""

@@ -115,7 +115,7 @@ class Chain:
 
 @dataclass(frozen=True)
 class Played:
-    """What came of an episode.
+    """Outcome of an episode.
 
     Args:
         run: of the closed loop.

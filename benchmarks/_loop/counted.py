@@ -1,4 +1,4 @@
-"""What knowing the reason saves, counted without physics: every choice that is made is carried out, and good or bad."""
+"""Count what knowing the reason saves, without physics: every choice is carried out, and is good or bad."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ STEP = Subtask(
 
 
 def attempts(causes: Causes, retries: int, steered: bool) -> tuple[int, bool]:
-    """How many attempts a step takes, and whether the last one does it.
+    """Draw the number of attempts of a step, and whether the last one does it.
 
     Args:
         causes: which grasps and slots are bad.

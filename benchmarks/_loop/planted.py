@@ -22,7 +22,7 @@ class Planted(Protocol):
     """Says of each attempt whether it is to fail, and how."""
 
     def failure(self, subtask: Subtask, grasp: tuple[int | None, str | None], slot: Slot | None) -> Failure | None:
-        """What befalls an attempt.
+        """Return the planted failure of an attempt; None lets it succeed.
 
         Args:
             subtask: that was attempted.
@@ -45,7 +45,7 @@ class Chance:
     rng: np.random.Generator
 
     def failure(self, subtask: Subtask, grasp: tuple[int | None, str | None], slot: Slot | None) -> Failure | None:
-        """What befalls an attempt, see :class:`Planted`."""
+        """Return the planted failure, see :class:`Planted`."""
         return "lost" if self.rng.random() >= self.share else None
 
 
@@ -64,7 +64,7 @@ class Causes:
     seed: int
 
     def failure(self, subtask: Subtask, grasp: tuple[int | None, str | None], slot: Slot | None) -> Failure | None:
-        """What befalls an attempt, see :class:`Planted`."""
+        """Return the planted failure, see :class:`Planted`."""
         if grasp in self.bad_grasps(subtask):
             return "lost"
         if slot is not None and self._bad(f"{subtask.id} slot {np.round(1000 * slot.pose.p).astype(int).tolist()}"):
@@ -89,7 +89,7 @@ def befallen(
     ground: Ground,
     rng: np.random.Generator,
 ) -> Pose:
-    """Where an object is found after a failure, in the world: it falls on the table from there.
+    """Pose of an object after a failure, in the world: it falls on the table from there.
 
     Args:
         failure: lost: near where it was, turned; astray: beside what was to receive it, else as if it were lost.

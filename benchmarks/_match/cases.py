@@ -22,7 +22,7 @@ REFERENCES = "references"
 DOCUMENT = "docs/match-pictures.md"
 
 FILES = ("scene.json", "source.png", "segmentation.png", "background.png", "target.png", "truth.json")
-"""What a case consists of; ``plan.json`` may be there too."""
+"""Files of a case; ``plan.json`` may be there too."""
 
 
 @dataclass(frozen=True)
@@ -163,7 +163,7 @@ def read_raw(path: Path) -> np.ndarray:
 
 
 def _complaint(case: Case) -> str:
-    """What does not fit together in a case; empty when all does."""
+    """Name what does not fit together in a case; empty when all does."""
     size = (case.scene.top_camera.height, case.scene.top_camera.width)
     for name, picture in (
         ("source.png", case.source),

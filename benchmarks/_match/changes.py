@@ -1,4 +1,4 @@
-"""How image models change what they redraw: colour, sharpness, size, shadows, and shapes by a few pixels.
+"""Change pictures as image models do when they redraw: colour, sharpness, size, shadows, shapes by a few pixels.
 
 Every function takes a (H, W, 3) uint8 RGB picture and a generator, and returns the changed picture and what was done,
 in numbers, for ``truth.json``.

@@ -1,4 +1,4 @@
-"""What a scene looks like: renders of tables, things on them, and the shares of things that a picture shows."""
+"""Draw scenes: renders of tables, things on them, and the shares of things that a picture shows."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def _repainted(texture: str, number: int) -> np.ndarray:
 
 
 def photograph(template: SceneTemplate, things: Sequence[Thing], poses: Mapping[str, Pose], look: Appearance) -> Shot:
-    """What the top camera sees; segmentation values are the places in ``things``, from 1."""
+    """The view of the top camera; segmentation values are the places in ``things``, from 1."""
     bodies = {thing.id: Body(thing.asset.model, poses[thing.id]) for thing in things}
     return observe(World(template.table, bodies, appearance=look, render=True), template.top_camera)
 

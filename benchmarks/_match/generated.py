@@ -35,7 +35,7 @@ def wanted(levels: list[str], quick: bool) -> list[tuple[str, int]]:
 
 
 def cases_folder() -> Path:
-    """Where the cases of this generator, this version and this library lie; made on demand."""
+    """Folder of the cases of this generator, this version and this library; made on demand."""
     return cache_dir("benchmarks", "match", _key())
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Level:
-    """What is done to a target picture beside moving and turning every object.
+    """Changes of a target picture beside moving and turning every object.
 
     Args:
         light: other direction, strength and warmth of the light, and painted shadows.

@@ -34,7 +34,7 @@ TRIES = 40
 """Draws of objects and places before a scene is given up."""
 
 CONTACT_STEP, CONTACT_PRECISION = 0.004, 0.0004
-"""How two objects are brought together: step, and the gap that may be left, metres."""
+"""Step and allowed gap with which two objects are brought together, metres."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ def choose_looks(count: int, workspace: Workspace, rng: np.random.Generator) -> 
 
 
 def _area(asset: Asset) -> float:
-    """What the axis-aligned rectangle of a turned object takes on average over all turns, m²."""
+    """Mean area of the axis-aligned rectangle of a turned object over all turns, m²."""
     (width, depth), margin = asset.footprint, MARGIN
     return float(width * depth + (width**2 + depth**2) / np.pi + margin * (width + depth))
 
@@ -169,6 +169,6 @@ def _reach(shape: BaseGeometry) -> float:
 
 
 def _outline(asset: Asset, pose: Pose) -> BaseGeometry:
-    """What an object covers of the plane, seen from straight above."""
+    """Footprint of an object, seen from straight above."""
     parts = [shapely.MultiPoint(pose.apply(piece.vertices)[:, :2]).convex_hull for piece in asset.pieces]
     return shapely.union_all(parts)

@@ -1,4 +1,4 @@
-"""What a list of matches is worth against the truth of its picture, and the figures of a level."""
+"""Score a list of matches against the truth of its picture, and compute the figures of a level."""
 
 from __future__ import annotations
 

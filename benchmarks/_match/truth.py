@@ -1,4 +1,4 @@
-"""What is known about a target picture: ``truth.json`` of a case (see ``docs/match-pictures.md``)."""
+"""The truth of a target picture: ``truth.json`` of a case (see ``docs/match-pictures.md``)."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from vcage.schema.base import Document, Finite, Identifier, Point2, Record
 
 
 class TrueObject(Record):
-    """Where one object of the scene is in the target picture."""
+    """Pose of one object of the scene in the target picture."""
 
     id: Identifier
     present: bool = Field(description="false: the target picture does not show it")

@@ -1,4 +1,4 @@
-"""What an object looks like from straight above: its symmetry, and whether two looks can be told apart at all.
+"""Views of objects from straight above: their symmetry, and which looks cannot be told apart.
 
 Measured for the truth alone; nothing here is shared with what is scored. Objects are drawn in light from everywhere,
 so that their shading turns with them, and compared as sharply as the top camera sees.
@@ -91,7 +91,7 @@ def symmetry_of(view: np.ndarray) -> int:
 
 @functools.cache
 def alike(a: Look, b: Look) -> bool:
-    """Whether two looks cannot be told apart from straight above: variants that differ in a label on their side."""
+    """True if two looks cannot be told apart from straight above: variants that differ in a label on their side."""
     first, second = _view(a), _view(b)
     return first.shape == second.shape and _same(_square(first, SOFTENING), _square(second, SOFTENING))
 
@@ -117,7 +117,7 @@ def _turned(view: np.ndarray, angle: float) -> np.ndarray:
 
 
 def _unseen(view: np.ndarray, turn: float) -> bool:
-    """Whether a view from :func:`_square` turned by so many radians differs from itself by less than the limits."""
+    """True if a view from :func:`_square` turned by so many radians differs from itself by less than the limits."""
     other = _turned(view, turn)
     either = (view[..., 3] > 127) | (other[..., 3] > 127)
     if not either.any():
@@ -135,7 +135,7 @@ def _lab(view: np.ndarray) -> np.ndarray:
 
 
 def _same(view: np.ndarray, other: np.ndarray) -> bool:
-    """Whether two views look the same: silhouettes that cover each other, and nearly the same colours."""
+    """True if two views look the same: silhouettes that cover each other, and nearly the same colours."""
     before, after = ((one[..., 3] > 127).astype(np.uint8) for one in (view, other))
     if not (_covers(before, after) and _covers(after, before)):
         return False
@@ -145,5 +145,5 @@ def _same(view: np.ndarray, other: np.ndarray) -> bool:
 
 
 def _covers(one: np.ndarray, other: np.ndarray) -> bool:
-    """Whether a silhouette (h, w) of 0 and 1, grown by :data:`EDGE`, covers another."""
+    """True if a silhouette (h, w) of 0 and 1, grown by :data:`EDGE`, covers another."""
     return bool((other & ~np.asarray(cv2.dilate(one, EDGE), dtype=np.uint8)).sum() <= UNCOVERED * other.sum())

@@ -28,7 +28,7 @@ SCENE_SEED, HELD_OUT_SEED = 0, 1
 
 @dataclass(frozen=True)
 class Task:
-    """What the episodes show.
+    """The content of the episodes.
 
     Args:
         instruction: in plain language.

@@ -38,7 +38,7 @@ ENCODINGS: tuple[Encoding, ...] = get_args(Encoding)
 
 @dataclass(frozen=True)
 class View:
-    """What a policy sees: names of cameras, and the height and width of the pictures, pixels."""
+    """Input of a policy: names of cameras, and the height and width of the pictures, pixels."""
 
     cameras: tuple[str, ...]
     height: int

@@ -15,7 +15,7 @@ from torch import nn
 
 @dataclass(frozen=True)
 class Size:
-    """How large a policy is.
+    """Size of a policy.
 
     Args:
         chunk: actions that it predicts at once.

@@ -45,7 +45,7 @@ LIGHT_SEED = 11
 
 @dataclass(frozen=True)
 class Outcome:
-    """How far a rollout came.
+    """The progress of a rollout.
 
     Args:
         touched: a hand touched what it was to move.
@@ -77,7 +77,7 @@ class Rollouts:
         return len(self._starts)
 
     def outcome(self, policy: Policy, number: int) -> Outcome:
-        """How far a policy comes; the number gives the start, and the light."""
+        """Roll a policy out; the number gives the start, and the light."""
         start = self._starts[number % len(self._starts)]
         rng = np.random.default_rng([LIGHT_SEED, number])
         of = start.scene, start.models, start.robot
@@ -91,7 +91,7 @@ class Rollouts:
         return trial.outcome
 
     def replayed(self, number: int) -> bool:
-        """Whether the recorded actions of an episode do the task again, carried out as those of a policy are."""
+        """True if the recorded actions of an episode do the task again, carried out as those of a policy are."""
         start = self._starts[number % len(self._starts)]
         world = start.world()
         trial = _Trial(world, self._watch(world, start.scene), self._subtasks, start.episode.fps)
@@ -141,7 +141,7 @@ class _Trial:
             self._look()
 
     def _look(self) -> None:
-        """Whether all is true that was to be brought about, and no hand touches what was moved any more."""
+        """True if all goals hold and no hand touches a moved object any more."""
         world, watch = self._world, self._watch
         touching = {name.partition("/")[0] for thing in self._moved for name in world.touching(thing)}
         touched = not touching.isdisjoint(world.arms)

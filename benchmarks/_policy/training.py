@@ -29,7 +29,7 @@ SPOKEN_EVERY = 50
 
 @dataclass(frozen=True)
 class Settings:
-    """How a policy is trained.
+    """Settings of the training of a policy.
 
     Args:
         steps: of the optimiser.
@@ -57,7 +57,7 @@ class Scale:
 
     @classmethod
     def of(cls, numbers: NDArray[np.float32]) -> Scale:
-        """That of (F, D) numbers."""
+        """The scaling of (F, D) numbers."""
         spread = np.maximum(numbers.std(axis=0), SMALLEST_SPREAD)
         return cls(torch.from_numpy(numbers.mean(axis=0)), torch.from_numpy(spread))
 

@@ -1,4 +1,4 @@
-"""Which sentences are run: those that our own pages tell people to try, and those of LIBERO that can be asked for."""
+"""Collect the sentences that are run: the examples of our own pages, and those of LIBERO that can be asked for."""
 
 from __future__ import annotations
 

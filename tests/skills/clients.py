@@ -14,11 +14,16 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+import yaml
+
 from tests.skills.scripted_model import ScriptedModel
 from vcage.base import files
 
 SKILLS = files.resource("skills").resolve()
 NAMES = {path.parent.name for path in SKILLS.glob("*/SKILL.md")}
+CHECKOUT = SKILLS.parent
+GUIDE = "vcage-guide"
+"""The name of the page at the top of the checkout."""
 CLIENTS = files.cache_path("clients")
 LONGEST = 900
 """Seconds until a client is stopped."""
@@ -60,6 +65,11 @@ def linked(folder: Path) -> None:
         (folder / name).symlink_to(SKILLS / name)
 
 
+def checkout_linked(folder: Path) -> None:
+    folder.mkdir(parents=True)
+    (folder / GUIDE).symlink_to(CHECKOUT)
+
+
 def copied(folder: Path) -> None:
     shutil.copytree(SKILLS, folder)
 
@@ -88,13 +98,13 @@ def pi(desk: Desk, *options: str | Path) -> None:
     desk.call("pi", "-p", "hello", "--provider", "loop", "--model", "mock", *options)
 
 
-def openclaw(desk: Desk, *, extra: bool = False, installed: bool = False) -> None:
+def openclaw(desk: Desk, *, extra: Path | None = None, installed: bool = False) -> None:
     model = {"id": "mock", "name": "mock", "input": ["text", "image"], "contextWindow": 200000, "maxTokens": 8192}
     loop = {"baseUrl": f"{desk.server.url}/v1", "apiKey": "x", "api": "openai-completions", "models": [model]}
     configuration = {
         "agents": {"defaults": {"model": {"primary": "loop/mock"}, "workspace": str(desk.work)}},
         "models": {"mode": "merge", "providers": {"loop": loop}},
-        "skills": {"load": {"extraDirs": [str(SKILLS)] if extra else []}},
+        "skills": {"load": {"extraDirs": [str(extra)] if extra else []}},
     }
     path = desk.write("openclaw.json", json.dumps(configuration))
     for name in NAMES if installed else ():
@@ -120,7 +130,23 @@ WAYS: dict[str, Callable[[Desk], None]] = {
     "pi, named in the call": lambda desk: pi(desk, "--skill", SKILLS),
     "pi, linked into the project": put(linked, "work", ".agents/skills", pi),
     "pi, copied for the user": put(copied, "home", ".agents/skills", pi),
-    "openclaw, named in extraDirs": lambda desk: openclaw(desk, extra=True),
+    "openclaw, named in extraDirs": lambda desk: openclaw(desk, extra=SKILLS),
     "openclaw, installed one by one": lambda desk: openclaw(desk, installed=True),
     "openclaw, copied into the workspace": put(copied, "work", "skills", openclaw),
 }
+
+WAYS_OF_THE_CHECKOUT: dict[str, Callable[[Desk], None]] = {
+    "claude, linked into the project": put(checkout_linked, "work", ".claude/skills", claude),
+    "codex, linked into the project": put(checkout_linked, "work", ".agents/skills", codex),
+    "pi, named in the call": lambda desk: pi(desk, "--skill", CHECKOUT),
+    "pi, linked into the project": put(checkout_linked, "work", ".agents/skills", pi),
+    "openclaw, named in extraDirs": lambda desk: openclaw(desk, extra=CHECKOUT),
+}
+"""Ways to give a client the whole checkout."""
+
+
+def descriptions() -> dict[str, str]:
+    """Name → description of the page at the top and of every skill; what clients tell their model of it."""
+    pages = [CHECKOUT / "SKILL.md", *SKILLS.glob("*/SKILL.md")]
+    heads = [yaml.safe_load(page.read_text(encoding="utf-8").split("---\n")[1]) for page in pages]
+    return {head["name"]: head["description"] for head in heads}

@@ -1,4 +1,4 @@
-"""The real clients of agents find all skills in each way that the README tells; in them an agent runs the chain."""
+"""The real clients of agents find all skills in each way of docs/agents.md; in them an agent runs the chain."""
 
 from __future__ import annotations
 
@@ -13,7 +13,17 @@ import pytest
 
 from tests.run_folders import FPS, QUICK_VIDEOS
 from tests.scripted_agent import Act, Read, ScriptedAgent
-from tests.skills.clients import CLIENTS, NAMES, SKILLS, WAYS, Desk, is_here
+from tests.skills.clients import (
+    CLIENTS,
+    GUIDE,
+    NAMES,
+    SKILLS,
+    WAYS,
+    WAYS_OF_THE_CHECKOUT,
+    Desk,
+    descriptions,
+    is_here,
+)
 from tests.skills.scripted_model import Call, Script, scripted_model
 from tests.skills.tools import TOOLS
 
@@ -51,9 +61,23 @@ def test_a_client_tells_its_model_of_every_skill_and_runs_a_script_of_one(way: s
     find = script.format(desk.home.parent, desk.home.parent, SKILLS)  # where this way has put it
     desk.server.play(once(tools.run(f"python3 {find}/scripts/assets_list.py --json")))
     WAYS[way](desk)
-    told = "".join(desk.server.asked)
-    assert {name for name in NAMES if f"{name}/SKILL.md" in told or f"- {name}:" in told} == NAMES
+    assert found_by(desk) == dict.fromkeys(NAMES, 1)
     assert "left_out" in desk.server.asked[-1], "what the script said last"
+
+
+@pytest.mark.parametrize("way", WAYS_OF_THE_CHECKOUT)
+def test_a_client_that_is_given_the_checkout_finds_the_page_at_its_top_and_nothing_twice(way: str, desk: Desk) -> None:
+    desk.server.play(once(TOOLS[client_of(way)].run("echo hello")))
+    WAYS_OF_THE_CHECKOUT[way](desk)
+    found = found_by(desk)
+    assert found[GUIDE] == 1
+    assert set(found.values()) == {1}
+
+
+def found_by(desk: Desk) -> dict[str, int]:
+    """Skills of ours that a client tells its model of → how often one request describes it."""
+    counts = {name: max(asked.count(text) for asked in desk.server.asked) for name, text in descriptions().items()}
+    return {name: count for name, count in counts.items() if count}
 
 
 CHAINS = {

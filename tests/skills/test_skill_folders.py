@@ -42,23 +42,37 @@ def test_all_skills_are_there() -> None:
 
 
 @pytest.mark.parametrize("folder", SKILLS, ids=lambda path: path.name)
+def test_a_skill_has_the_name_of_its_folder(folder: Path) -> None:
+    assert front_matter(folder)[1]["name"] == folder.name
+
+
+@pytest.mark.parametrize("folder", [files.resource("skills").parent, *SKILLS], ids=lambda path: path.name)
 def test_the_head_is_what_every_client_accepts(folder: Path) -> None:
     text, head = front_matter(folder)
     assert set(head) == {"name", "description", "license", "metadata"}
-    assert head["name"] == folder.name
     assert re.fullmatch(r"[a-z0-9]+(-[a-z0-9]+)*", head["name"]) and len(head["name"]) <= 64
     assert len(head["description"]) <= 160 and not set("<>\n") & set(head["description"])
     assert {"version", "homepage"} <= set(head["metadata"])
     assert "{" not in text, "metadata must be block YAML"
 
 
-def test_the_page_at_the_top_points_to_every_skill_and_has_the_head_of_the_whole_chain() -> None:
-    top = files.resource("skills").parent
-    text = (top / "SKILL.md").read_text(encoding="utf-8")
+TOP = files.resource("skills").parent
+
+
+def test_the_page_at_the_top_points_to_every_skill_and_has_a_name_of_its_own() -> None:
+    """A client that searches the whole checkout finds this page and all skills: no two may have one name."""
+    text = (TOP / "SKILL.md").read_text(encoding="utf-8")
     links = re.findall(r"^\| \[([\w-]+)\]\(([\w./-]+)\)", text, re.MULTILINE)
-    assert front_matter(top) == front_matter(SKILLS[0])
     assert sorted(name for name, _ in links) == names(SKILLS)
-    assert all((top / path).parent.name == name and (top / path).is_file() for name, path in links)
+    assert all((TOP / path).parent.name == name and (TOP / path).is_file() for name, path in links)
+    heads = [front_matter(folder)[1] for folder in (TOP, *SKILLS)]
+    for key in ("name", "description"):
+        assert len({head[key] for head in heads}) == len(heads)
+
+
+def test_every_script_that_the_page_at_the_top_names_exists() -> None:
+    scripts = re.findall(r"\{baseDir\}/([\w./-]+)", (TOP / "SKILL.md").read_text(encoding="utf-8"))
+    assert scripts and all((TOP / path).is_file() for path in scripts)
 
 
 @pytest.mark.parametrize("folder", SKILLS, ids=lambda path: path.name)
