@@ -13,7 +13,7 @@ import vcage
 
 run = vcage.RunFolder(sys.argv[1] if len(sys.argv) > 1 else "runs/blocks")
 options = vcage.ChainOptions(
-    instruction="Put the blocks on the plate",
+    instruction="Put two blocks on the plate",
     models="offline",  # rules answer; "auto" takes a provider whose key is there
     episodes=1,
     fps=5,

@@ -21,7 +21,7 @@ from vcage.runs.context import StageContext
 from vcage.stages import chain
 
 REPOSITORY = Path(__file__).resolve().parents[1]
-INSTRUCTION = "Put the blocks on the plate"
+INSTRUCTION = "Put two blocks on the plate"
 FPS = 5
 VIDEOS = CompressionSettings(crf=20, effort="fast", keyframes=2)
 """Nothing is searched: that is for tests/video, tests/datasets and tests/stages/test_compress_export.py."""

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.run_folders import Finished, command
+from tests.run_folders import INSTRUCTION, Finished, command
 from vcage.base.files import PRODUCERS, RunFolder, read_json, sha256_file, write_json
 from vcage.cli.going_on import words_of
 from vcage.runs.edits import seal
@@ -25,7 +25,7 @@ COMMANDS = {
     "verify": ("verify", "--run", "{run}", *OFFLINE),
     "compress": ("compress", "--run", "{run}", "--force"),
     "export": ("export", "--run", "{run}", "--append-to", "{run}-sets"),
-    "run": ("run", "Put the blocks on the plate", "--out", "{run}", *OFFLINE),
+    "run": ("run", INSTRUCTION, "--out", "{run}", *OFFLINE),
     "report": ("report", "--run", "{run}"),
     "replay": ("replay", "{run}"),
     "render": ("render", "{run}", "--workers", "1"),

@@ -329,7 +329,7 @@ IMPOSSIBLE = {
     ),
     "what the instruction does not say": (
         lambda s: s["goals"][0]["goal"].update(relation="beside"),
-        r"goals: .*; expected what the instruction says: 'Put the blocks on the plate'",
+        rf"goals: .*; expected what the instruction says: '{INSTRUCTION}'",
     ),
     "an arm that nobody asked for": (
         lambda s: s["goals"][0].update(arm="left"),
@@ -338,7 +338,7 @@ IMPOSSIBLE = {
     "no goals": (lambda s: s.update(goals=[]), "goals: none; expected those of the instruction"),
     "another instruction": (
         lambda s: s.update(instruction="Cook the soup"),
-        'instruction: "Cook the soup"; expected "Put the blocks on the plate"',
+        f'instruction: "Cook the soup"; expected "{INSTRUCTION}"',
     ),
     "a camera that looks elsewhere": (
         lambda s: s["top_camera"].update(fovy=0.1),

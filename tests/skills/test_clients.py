@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from tests.run_folders import FPS, QUICK_VIDEOS
-from tests.scripted_agent import Act, Read, ScriptedAgent
+from tests.scripted_agent import Act, Read, Run, ScriptedAgent
 from tests.skills.clients import (
     CLIENTS,
     GUIDE,
@@ -25,7 +25,7 @@ from tests.skills.clients import (
     is_here,
 )
 from tests.skills.scripted_model import Call, Script, scripted_model
-from tests.skills.tools import TOOLS
+from tests.skills.tools import TOOLS, Tools
 
 TASK = "Put the red block and the green block into the box"
 
@@ -50,8 +50,13 @@ def client_of(way: str) -> str:
     return client
 
 
-def once(call: Call) -> Script:
-    yield call
+def run_once(tools: Tools, command: str) -> Script:
+    """Run a command, and wait for it where the client puts it into the background."""
+
+    def acts() -> Generator[Act, Any, None]:
+        yield Run(command)
+
+    return tools.carry_out(acts())
 
 
 @pytest.mark.parametrize("way", WAYS)
@@ -59,7 +64,7 @@ def test_a_client_tells_its_model_of_every_skill_and_runs_a_script_of_one(way: s
     tools = TOOLS[client_of(way)]
     script = "$(ls -d {}/*/skills/vcage-objects {}/*/.*/skills/vcage-objects {}/vcage-objects 2>/dev/null | head -1)"
     find = script.format(desk.home.parent, desk.home.parent, SKILLS)  # where this way has put it
-    desk.server.play(once(tools.run(f"python3 {find}/scripts/assets_list.py --json")))
+    desk.server.play(run_once(tools, f"python3 {find}/scripts/assets_list.py --json"))
     WAYS[way](desk)
     assert found_by(desk) == dict.fromkeys(NAMES, 1)
     assert "left_out" in desk.server.asked[-1], "what the script said last"
@@ -67,7 +72,7 @@ def test_a_client_tells_its_model_of_every_skill_and_runs_a_script_of_one(way: s
 
 @pytest.mark.parametrize("way", WAYS_OF_THE_CHECKOUT)
 def test_a_client_that_is_given_the_checkout_finds_the_page_at_its_top_and_nothing_twice(way: str, desk: Desk) -> None:
-    desk.server.play(once(TOOLS[client_of(way)].run("echo hello")))
+    desk.server.play(run_once(TOOLS[client_of(way)], "echo hello"))
     WAYS_OF_THE_CHECKOUT[way](desk)
     found = found_by(desk)
     assert found[GUIDE] == 1
