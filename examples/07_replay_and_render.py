@@ -16,7 +16,7 @@ run = vcage.RunFolder(sys.argv[1] if len(sys.argv) > 1 else "runs/blocks")
 context = vcage.StageContext("offline")
 
 for episode in vcage.Episodes.read(run.episodes).episodes:
-    if episode.accepted:
+    if episode.accepted and episode.file:
         replayed = vcage.replay_episode(run.root / episode.file, context)
         print(f"{episode.file}: {'equal' if replayed.equal else replayed.states}, pictures {replayed.pictures}")
 

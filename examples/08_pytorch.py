@@ -20,9 +20,9 @@ from torch.utils.data import ConcatDataset, DataLoader, Dataset
 class Episode(Dataset):
     """The frames of one episode: state, action, task and one camera's picture, (3, H, W) from 0 to 1."""
 
-    def __init__(self, root: Path, index: int, camera: str, tasks: dict[int, str]):
+    def __init__(self, root: Path, number: int, camera: str, tasks: dict[int, str]):
         info = json.loads((root / "meta/info.json").read_text())
-        where = {"episode_chunk": index // info["chunks_size"], "episode_index": index, "video_key": camera}
+        where = {"episode_chunk": number // info["chunks_size"], "episode_index": number, "video_key": camera}
         table = parquet.read_table(root / info["data_path"].format(**where))
         self.state = torch.tensor(np.stack(table["observation.state"].to_numpy()))
         self.action = torch.tensor(np.stack(table["action"].to_numpy()))
@@ -33,9 +33,9 @@ class Episode(Dataset):
     def __len__(self) -> int:
         return len(self.action)
 
-    def __getitem__(self, row: int) -> dict[str, torch.Tensor | str]:
-        picture = torch.from_numpy(self.pictures[row]).permute(2, 0, 1) / 255
-        return {"picture": picture, "state": self.state[row], "action": self.action[row], "task": self.task[row]}
+    def __getitem__(self, index: int) -> dict[str, torch.Tensor | str]:
+        picture = torch.from_numpy(self.pictures[index]).permute(2, 0, 1) / 255
+        return {"picture": picture, "state": self.state[index], "action": self.action[index], "task": self.task[index]}
 
 
 root = Path(sys.argv[1] if len(sys.argv) > 1 else "runs/blocks/export/lerobot-v2.1")
