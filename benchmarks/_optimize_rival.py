@@ -12,7 +12,7 @@ from benchmarks._optimize_scenes import CleanScene
 from vcage.base.geometry import Pose
 from vcage.layout.cost import CostWeights, LayoutProblem
 from vcage.layout.items import TableItem
-from vcage.layout.placement.contents import CONTENT_MARGIN
+from vcage.layout.placement.contents import CONTENT_MARGIN_M
 from vcage.layout.placement.free_region import nearest_in_rectangles
 from vcage.layout.relation_cost import RelatedBox, RelationTerms, relation_terms
 
@@ -63,7 +63,7 @@ def _in_container(items: Sequence[TableItem], container: TableItem) -> Part:
         half=half,
         target=(np.array([item.target for item in items]) - container.target) @ turn + middles,
         bounds=np.stack([centre - room, centre + room]),
-        margin=CONTENT_MARGIN,
+        margin=CONTENT_MARGIN_M,
         allowed=(None,) * len(items),
     )
     return Part([item.id for item in items], middles, problem)

@@ -31,7 +31,7 @@ from benchmarks._compression_formats import Format, formats
 from benchmarks._compression_measures import Measured, measure_clip
 from benchmarks._compression_rows import rows
 from benchmarks._efforts import effort_formats, effort_rows
-from vcage.base.workers import in_processes
+from vcage.base.workers import map_in_processes
 
 logger = logging.getLogger(__name__)
 
@@ -94,7 +94,7 @@ def _points(chosen: Sequence[Clip]) -> list[Point]:
 
 def _results(jobs: Sequence[Job]) -> dict[str, list[Measured] | list[Point]]:
     """The name of a clip → what its job measured."""
-    return dict(_watched(in_processes(_do, jobs, WORKERS), len(jobs)))
+    return dict(_watched(map_in_processes(_do, jobs, WORKERS), len(jobs)))
 
 
 def _render(chosen: Sequence[Clip]) -> None:

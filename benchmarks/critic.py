@@ -36,7 +36,7 @@ from benchmarks._critic.scenes import SCENES, Draw, settings
 from benchmarks._sentences.sources import by_template, slug
 from vcage.base.errors import VcageError
 from vcage.base.proportions import wilson
-from vcage.base.workers import cores, in_processes
+from vcage.base.workers import cores, map_in_processes
 from vcage.episodes.question import Asking, verdict
 from vcage.runs.context import StageContext
 from vcage.schema.episodes import Verdict
@@ -101,7 +101,7 @@ def run(
             else:
                 filled(draws, lambda more, before: make(more, folder, workers, before), Quotas())
         tasks = [_Task(folder, models, n, workers) for n in range(workers)]
-        judged = [one for some in in_processes(_judged, tasks, workers) for one in some]
+        judged = [one for some in map_in_processes(_judged, tasks, workers) for one in some]
     judged.sort(key=lambda one: one.record.id)
     for one in judged:
         if one.wrong:
@@ -132,7 +132,7 @@ def make(
         The new ones.
     """
     records: list[OutcomeRecord] = []
-    for made in in_processes(outcomes, draws, workers):
+    for made in map_in_processes(outcomes, draws, workers):
         for outcome in made:
             outcome.write(folder)
             records.append(outcome.record)

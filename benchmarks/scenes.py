@@ -24,7 +24,7 @@ import numpy as np
 from benchmarks.tasks import play
 from vcage.base.errors import VcageError
 from vcage.base.files import RunFolder
-from vcage.base.workers import cores, in_processes
+from vcage.base.workers import cores, map_in_processes
 from vcage.models.selection_check import NamedObject
 from vcage.plans.actions import lasting
 from vcage.runs.context import StageContext
@@ -68,7 +68,7 @@ def run(quick: bool, scenes: Sequence[str] = SCENES, robot: str = "dual_panda", 
     """
     tasks = [_Task(scene, seed, robot, quick) for scene in scenes for seed in range(1 if quick else SEEDS)]
     tallies = {(scene, layout): Tally() for scene in scenes for layout in LAYOUTS}
-    for task, outcomes in in_processes(_outcomes, tasks, workers):
+    for task, outcomes in map_in_processes(_outcomes, tasks, workers):
         for layout, outcome in outcomes.items():
             tallies[task.scene, layout].add(outcome)
             done = sum(not reason for reason in outcome.values())

@@ -20,7 +20,7 @@ from typing import Any
 from benchmarks._sentences.sources import Sentence, by_template, sentences
 from benchmarks._sentences.whole import Ran, Tried, Whole, ran
 from vcage.base.errors import UsageError
-from vcage.base.workers import cores, in_processes
+from vcage.base.workers import cores, map_in_processes
 from vcage.tasks.templates import TEMPLATES
 
 logger = logging.getLogger(__name__)
@@ -65,7 +65,7 @@ def run(
         raise UsageError("no seed leaves nothing to run", hint="give --seeds a number from 1 on")
     tasks = [Whole(s, seed, robot, keep) for seed in range(seeds) for s in chosen(quick, only)]
     done = []
-    for one in in_processes(ran, tasks, workers):
+    for one in map_in_processes(ran, tasks, workers):
         done.append(one)
         for line in told(one):
             logger.info("[%d/%d] %s", len(done), len(tasks), line)

@@ -14,7 +14,7 @@ import pytest
 from tests.example_scenes import ON_PLATE, Critic, block_and_plate, robot, scene_of, script_of, setting, subtask
 from tests.run_folders import command
 from vcage.apps.replay import Difference, compare_pictures, replay_episode
-from vcage.base.errors import DamagedFile, NoDrives
+from vcage.base.errors import DamagedFile, DrivesNotRecorded
 from vcage.datasets.hdf5 import write_episode
 from vcage.datasets.reader import EpisodeReader
 from vcage.episodes.runner import versions
@@ -155,7 +155,7 @@ def test_another_version_is_told_though_all_is_equal(copy, context):
 def test_an_episode_of_an_earlier_version_is_to_be_recorded_again(copy, context):
     with h5py.File(copy, "r+") as file:
         del file["drives"]
-    with pytest.raises(NoDrives, match="does not hold") as error:
+    with pytest.raises(DrivesNotRecorded, match="does not hold") as error:
         replay_episode(copy, context)
     assert "record the episode again" in error.value.hint
 

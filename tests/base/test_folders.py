@@ -5,7 +5,7 @@ import os
 import pytest
 
 from vcage.base.errors import InputFileError, OutputFolderError
-from vcage.base.folders import FolderLimits, entries, files_below, holds_nothing, natural_key, require_utf8
+from vcage.base.folders import FolderLimits, entries, files_below, is_empty_folder, natural_key, require_utf8
 
 
 def made(folder, *names):
@@ -39,8 +39,8 @@ def test_hidden_names_are_passed_over(tmp_path):
 
 
 def test_a_folder_with_hidden_names_holds_nothing(tmp_path):
-    assert holds_nothing(made(tmp_path, ".DS_Store"))
-    assert not holds_nothing(made(tmp_path, "a"))
+    assert is_empty_folder(made(tmp_path, ".DS_Store"))
+    assert not is_empty_folder(made(tmp_path, "a"))
 
 
 def test_a_hidden_folder_that_was_named_is_searched(tmp_path):

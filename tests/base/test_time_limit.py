@@ -4,11 +4,11 @@ import time
 
 import pytest
 
-from vcage.base.time_limit import TimeIsUp, time_limit, undisturbed
+from vcage.base.time_limit import TimeLimitReached, time_limit, undisturbed
 
 
 def test_what_takes_too_long_is_interrupted_past_every_handler_of_errors():
-    with pytest.raises(TimeIsUp), time_limit(0.05):
+    with pytest.raises(TimeLimitReached), time_limit(0.05):
         while True:
             try:
                 time.sleep(0.01)
@@ -24,7 +24,7 @@ def test_what_is_quick_enough_is_not_interrupted():
 
 def test_what_is_undisturbed_is_done_before_the_time_is_up():
     done = []
-    with pytest.raises(TimeIsUp), time_limit(0.05):
+    with pytest.raises(TimeLimitReached), time_limit(0.05):
         with undisturbed(), undisturbed():
             time.sleep(0.1)
             done.append("inside")
@@ -33,17 +33,17 @@ def test_what_is_undisturbed_is_done_before_the_time_is_up():
 
 
 def test_a_time_that_was_up_is_not_held_against_the_next():
-    with pytest.raises(TimeIsUp), time_limit(0.05), undisturbed():
+    with pytest.raises(TimeLimitReached), time_limit(0.05), undisturbed():
         time.sleep(0.1)
     with time_limit(5.0), undisturbed():
         pass
 
 
 def test_an_error_that_the_interruption_was_taken_for_is_the_time_being_up():
-    with pytest.raises(TimeIsUp), time_limit(0.05):
+    with pytest.raises(TimeLimitReached), time_limit(0.05):
         try:
             time.sleep(1.0)
-        except TimeIsUp:
+        except TimeLimitReached:
             raise TypeError("incompatible arguments") from None  # as a binding does while it converts them
 
 
@@ -53,10 +53,10 @@ def test_an_error_before_the_time_is_up_is_itself():
 
 
 def test_an_interruption_that_was_swallowed_is_followed_by_another():
-    with pytest.raises(TimeIsUp), time_limit(0.05):
+    with pytest.raises(TimeLimitReached), time_limit(0.05):
         while True:
             try:
                 time.sleep(5.0)
-            except TimeIsUp:
+            except TimeLimitReached:
                 break
         time.sleep(5.0)

@@ -16,7 +16,7 @@ import pytest
 from threadpoolctl import threadpool_info
 
 from vcage.base.errors import DamagedFile, PartlyDone
-from vcage.base.workers import Processes, cores, in_processes, one_blas_thread
+from vcage.base.workers import Processes, cores, map_in_processes, one_blas_thread
 
 WAIT = 20.0
 """Seconds after which a process that should have ended counts as left behind."""
@@ -50,19 +50,19 @@ def _before_long(happens) -> bool:
 
 
 def test_one_worker_is_this_process_and_keeps_the_order():
-    assert list(in_processes(double, [3, 1, 2], 1)) == [(6, os.getpid()), (2, os.getpid()), (4, os.getpid())]
+    assert list(map_in_processes(double, [3, 1, 2], 1)) == [(6, os.getpid()), (2, os.getpid()), (4, os.getpid())]
 
 
 def test_one_task_needs_no_process_of_its_own():
-    assert list(in_processes(double, [4], 8)) == [(8, os.getpid())]
+    assert list(map_in_processes(double, [4], 8)) == [(8, os.getpid())]
 
 
 def test_no_task_gives_nothing():
-    assert list(in_processes(double, [], 4)) == []
+    assert list(map_in_processes(double, [], 4)) == []
 
 
 def test_several_workers_are_other_processes_and_give_every_result():
-    found = list(in_processes(double, range(6), 2))
+    found = list(map_in_processes(double, range(6), 2))
     assert sorted(result for result, _ in found) == [0, 2, 4, 6, 8, 10]
     assert os.getpid() not in {process for _, process in found}
     assert nothing_left()
@@ -71,7 +71,7 @@ def test_several_workers_are_other_processes_and_give_every_result():
 def test_an_error_of_a_task_comes_whole_and_ends_the_others():
     begun = time.monotonic()
     with pytest.raises(DamagedFile) as refused:
-        list(in_processes(refuse_two, [0, 1, 2, 3], 2))
+        list(map_in_processes(refuse_two, [0, 1, 2, 3], 2))
     assert (refused.value.message, refused.value.hint) == ("two.hdf5 is damaged", "leave it out")
     assert refused.value.details == {"recording": "two"}
     assert nothing_left() and time.monotonic() - begun < 60
@@ -79,7 +79,7 @@ def test_an_error_of_a_task_comes_whole_and_ends_the_others():
 
 def test_a_worker_that_is_killed_is_work_that_remains():
     with pytest.raises(PartlyDone, match="worker process was ended") as partly:
-        list(in_processes(vanish, [0, 1, 2], 2))
+        list(map_in_processes(vanish, [0, 1, 2], 2))
     assert "--workers" in partly.value.hint
     assert nothing_left()
 
@@ -163,8 +163,8 @@ def test_processes_begin_again_after_the_one_was_killed_that_they_are_forked_fro
 
 
 LOADED_AHEAD = """
-from vcage.base.workers import Processes, load_ahead
-load_ahead("colorsys")
+from vcage.base.workers import Processes, preload_module
+preload_module("colorsys")
 LOADED = "'colorsys' in __import__('sys').modules"
 with Processes(eval, 1) as processes:
     processes.submit(LOADED)
@@ -187,14 +187,14 @@ def test_what_lies_in_the_current_folder_is_not_taken_for_what_is_loaded_ahead(t
 
 INTERRUPTED = """
 import os, signal, time
-from vcage.base.process_start import leave_nothing
-from vcage.base.workers import load_ahead
+from vcage.base.process_start import remove_server_files
+from vcage.base.workers import preload_module
 signal.signal(signal.SIGINT, lambda *_: None)
-load_ahead("slow")
+preload_module("slow")
 time.sleep(0.5)
 os.killpg(0, signal.SIGINT)
 time.sleep(0.5)
-leave_nothing()
+remove_server_files()
 os._exit(0)
 """
 
@@ -233,7 +233,7 @@ def test_a_result_that_cannot_be_sent_is_an_error_that_says_so():
 
 
 def test_who_goes_away_leaves_no_process():
-    results = in_processes(refuse_two, [0, 1, 3, 4], 2)
+    results = map_in_processes(refuse_two, [0, 1, 3, 4], 2)
     next(results)
     results.close()
     assert nothing_left()
@@ -258,8 +258,8 @@ def test_every_blas_has_one_thread_inside_and_its_own_number_again_after():
 PARENT = """
 import signal, time
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job inherits that it is ignored
-from vcage.base.workers import in_processes
-for _ in in_processes(time.sleep, [0, 0, 600, 600], 2):
+from vcage.base.workers import map_in_processes
+for _ in map_in_processes(time.sleep, [0, 0, 600, 600], 2):
     print("working", flush=True)
 """
 
@@ -282,9 +282,9 @@ SETS_A_VARIABLE = "import os; os.environ['OF_AN_IMPORT'] = 'set'"
 
 ENVIRONMENT_AFTER_IMPORT = """
 import os
-from vcage.base.workers import Processes, load_ahead
+from vcage.base.workers import Processes, preload_module
 os.environ["LEFT_OUT_LATER"] = os.environ["CHANGED_LATER"] = "before"
-load_ahead("sets_a_variable")
+preload_module("sets_a_variable")
 del os.environ["LEFT_OUT_LATER"]
 os.environ["CHANGED_LATER"] = "after"
 with Processes(eval, 1) as processes:
@@ -309,15 +309,15 @@ def test_what_an_import_sets_in_the_environment_stays_there_whatever_this_proces
 BARE_SCRIPT = """
 import math, os
 from vcage.base.errors import UsageError
-from vcage.base.workers import in_processes
+from vcage.base.workers import map_in_processes
 print("begun")
-print(sorted(in_processes(math.factorial, [3, 4], 2)))
+print(sorted(map_in_processes(math.factorial, [3, 4], 2)))
 
 class Mine(int):
     pass
 
 try:
-    list(in_processes(math.factorial, [Mine(3), Mine(4)], 2))
+    list(map_in_processes(math.factorial, [Mine(3), Mine(4)], 2))
 except UsageError as error:
     print(error.as_line())
 """
@@ -347,8 +347,8 @@ def test_a_script_needs_no_main_guard_and_what_it_defines_itself_is_refused_by_n
 
 KILLED = """
 import os, signal
-from vcage.base.workers import in_processes
-list(in_processes(abs, [1, 2], 2))
+from vcage.base.workers import map_in_processes
+list(map_in_processes(abs, [1, 2], 2))
 print("begun", flush=True)
 signal.pause()
 """

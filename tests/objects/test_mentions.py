@@ -6,7 +6,7 @@ import pytest
 
 from tests.models.catalogue import CATALOGUE, entry
 from vcage.base.words import tokens
-from vcage.objects.mentions import full_names, names_in, nouns
+from vcage.objects.mentions import find_names, full_names, nouns
 
 KINDS = [
     *CATALOGUE,
@@ -43,8 +43,8 @@ def test_one_with_a_colour_is_any_object_of_that_colour() -> None:
 
 def test_names_of_what_is_not_there_are_found() -> None:
     names = full_names([entry("banana", "banana", "fruit"), entry("can", "tin can", "packed food", synonyms=("can",))])
-    assert names_in(tokens("Can you put the banana and a tin can in the box?"), names, taken=[]) == [
+    assert find_names(tokens("Can you put the banana and a tin can in the box?"), names, taken=[]) == [
         "banana",
         "tin can",
     ]
-    assert names_in(tokens("Can you put the banana away?"), names, taken=[4]) == []
+    assert find_names(tokens("Can you put the banana away?"), names, taken=[4]) == []

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tests.models.catalogue import entry
-from vcage.objects.names import EXACT, HEAD, KIND, SYNONYM, how_named, looks_named
+from vcage.objects.names import EXACT, HEAD, KIND, SYNONYM, best_looks, name_match
 
 TEA = entry("tea_box", "box of tea", "packed food", ("green",), synonyms=("tea", "tea bags"))
 APPLE = entry("apple", "apple", "fruit", ("red", "green"))
@@ -25,17 +25,17 @@ TRAY = entry("tray", "tray", "container", ("wood",))
     ],
 )
 def test_words_name_a_kind_only_when_all_of_them_are_in_one_name(words: list[str], level: int) -> None:
-    assert how_named(words, TEA, TEA.variants[0]) == level
+    assert name_match(words, TEA, TEA.variants[0]) == level
 
 
 def test_a_word_for_a_kind_of_kinds_names_its_members() -> None:
-    assert how_named(["fruit"], APPLE, APPLE.variants[0]) == KIND
+    assert name_match(["fruit"], APPLE, APPLE.variants[0]) == KIND
 
 
 def test_a_word_may_say_what_the_look_is_made_of() -> None:
-    assert how_named(["wooden", "tray"], TRAY, TRAY.variants[0]) == EXACT
+    assert name_match(["wooden", "tray"], TRAY, TRAY.variants[0]) == EXACT
 
 
 def test_a_colour_leaves_the_looks_that_have_it() -> None:
-    assert looks_named(["apple"], "green", APPLE) == (EXACT, [APPLE.variants[1]])
-    assert looks_named(["apple"], "blue", APPLE)[0] == 0
+    assert best_looks(["apple"], "green", APPLE) == (EXACT, [APPLE.variants[1]])
+    assert best_looks(["apple"], "blue", APPLE)[0] == 0

@@ -12,7 +12,7 @@ from vcage.apps.appending import append_to
 from vcage.base.errors import MissingStage, StaleStage
 from vcage.base.files import RunFolder, sha256_file, write_text
 from vcage.datasets.packing.settings import CompressionSettings
-from vcage.runs.accepted import accepted_episodes, decided_by, refusals
+from vcage.runs.accepted import acceptance_files, accepted_episodes, refusals
 from vcage.runs.context import StageContext
 from vcage.runs.edits import seal
 from vcage.runs.stage import StageOptions
@@ -72,14 +72,14 @@ def done(run: RunFolder) -> tuple[Compression, Export]:
 
 def test_before_anyone_looks_again_what_collect_accepted_counts(run):
     assert counted(run) == [FIRST, SECOND]
-    assert decided_by(run) == [run.episodes]
+    assert acceptance_files(run) == [run.episodes]
 
 
 def test_a_refused_episode_does_not_count_and_its_reason_is_told(run):
     judged(run, SECOND)
     assert counted(run) == [FIRST]
     assert refusals(run) == {SECOND: WHY}
-    assert decided_by(run) == [run.episodes, run.verdicts]
+    assert acceptance_files(run) == [run.episodes, run.verdicts]
 
 
 def test_verdicts_on_other_episodes_are_refused(run):

@@ -5,7 +5,7 @@ import xml.etree.ElementTree as ElementTree
 
 import trimesh
 
-from vcage.base.workers import in_processes
+from vcage.base.workers import map_in_processes
 from vcage.sim.robots import package_file
 from vcage.sim.shadows import SEEN
 from vcage.sim.urdf import physics_urdf, render_urdf
@@ -32,7 +32,7 @@ def rendered_in(cache: str) -> list[str]:
 
 
 def test_two_processes_that_lack_a_copy_do_not_disturb_each_other(tmp_path):
-    first, second = in_processes(rendered_in, [str(tmp_path)] * 2, 2)
+    first, second = map_in_processes(rendered_in, [str(tmp_path)] * 2, 2)
     assert first == second and "hand.glb" in first
 
 

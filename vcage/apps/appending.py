@@ -19,7 +19,7 @@ from vcage.datasets.lerobot.formats import FORMATS, open_writer
 from vcage.datasets.lerobot.meta import INFO, appendable_info, data_set_info
 from vcage.datasets.lerobot.places import placed
 from vcage.datasets.lerobot.repack import VIDEO_PATHS
-from vcage.runs.accepted import decided_by
+from vcage.runs.accepted import acceptance_files
 from vcage.runs.raw_pictures import EpisodeFile, accepted_files
 from vcage.schema.export import Export
 from vcage.stages.export import Footage, lerobot_episodes
@@ -60,7 +60,7 @@ def append_to(root: Path, run: RunFolder, progress: Progress = silent) -> dict[s
         OutputFolderError, DiskFull: the folder cannot be written.
     """
     export = Export.read(run.export)
-    if any(export.provenance.inputs.get(run.relative(path)) != sha256_file(path) for path in decided_by(run)):
+    if any(export.provenance.inputs.get(run.relative(path)) != sha256_file(path) for path in acceptance_files(run)):
         raise StaleStage(f"{run.export} was made of other episodes")
     sets = {one.format: run.file(one.path) for one in export.datasets if one.format in FORMATS}
     if not sets:

@@ -20,7 +20,7 @@ from vcage.runs.running import stage_of
 from vcage.runs.stage import StageOptions
 from vcage.stages import inpaint_plan
 
-ASKED_BY = {
+STAGE_OF_PROMPT = {
     "select_assets": "select_place",
     "search_catalogue": "select_place",
     "read_goals": "select_place",
@@ -67,7 +67,7 @@ def question_of(name: str, run: RunFolder, options: StageOptions) -> Question:
     Earlier questions of the stage are answered from the run's record, or by the rules that answered them.
 
     Args:
-        name: of the prompt, one of :data:`ASKED_BY`.
+        name: of the prompt, one of :data:`STAGE_OF_PROMPT`.
         run: with what the stages before wrote; nothing in it is changed.
         options: of the stage.
 
@@ -75,7 +75,7 @@ def question_of(name: str, run: RunFolder, options: StageOptions) -> Question:
         UsageError: the stage does not ask it here.
         VcageError: what the stage raises before it asks, for one :class:`vcage.base.errors.MissingStage`.
     """
-    stage = stage_of(ASKED_BY[name])
+    stage = stage_of(STAGE_OF_PROMPT[name])
     if isinstance(options, inpaint_plan.Options):
         options = replace(options, target=None)  # a file anywhere, which no answer takes part in
     context = StageContext(Choice("offline"))
@@ -92,7 +92,7 @@ def question_of(name: str, run: RunFolder, options: StageOptions) -> Question:
             stage.execute(copy, options, context, lambda *_: None)
         except _Asked as asked:
             return asked.question
-    raise UsageError(f"{ASKED_BY[name]} does not ask {name} in {run}", hint="see what it asked in the report")
+    raise UsageError(f"{STAGE_OF_PROMPT[name]} does not ask {name} in {run}", hint="see what it asked in the report")
 
 
 def _models(name: str, run: RunFolder) -> Models:

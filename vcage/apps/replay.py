@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from vcage.base.errors import MissingStage, NoDrives, NotReproduced
+from vcage.base.errors import DrivesNotRecorded, MissingStage, NotReproduced
 from vcage.base.files import RunFolder
 from vcage.datasets.episode import EpisodeData
 from vcage.datasets.reader import EpisodeReader
 from vcage.episodes.recorded import Recorded
 from vcage.episodes.runner import versions
-from vcage.runs.accepted import accepted_episodes, none_counts
+from vcage.runs.accepted import accepted_episodes, no_episode_counts
 from vcage.runs.context import StageContext
 from vcage.sim.looks import look_world
 from vcage.sim.recording import StateLog
@@ -96,7 +96,7 @@ def episodes_at(path: Path) -> list[Path]:
     run = RunFolder(path)
     found = [run.file(episode.file) for episode in accepted_episodes(run) if episode.file is not None]
     if not found:
-        raise none_counts(run) or MissingStage(f"{path} holds no episodes", hint="collect first", maker="collect")
+        raise no_episode_counts(run) or MissingStage(f"{path} holds no episodes", hint="collect first", maker="collect")
     return found
 
 
@@ -112,13 +112,13 @@ def replay_episode(path: Path, context: StageContext) -> Replayed:
 
     Raises:
         MissingStage, DamagedFile, SchemaMismatch: see :class:`EpisodeReader`.
-        NoDrives: it was recorded without what the drives were told.
+        DrivesNotRecorded: it was recorded without what the drives were told.
         UnknownName: the library lacks an object of its scene, or there is no such robot.
     """
     with EpisodeReader(path) as reader:
         episode = reader.episode
         if episode.drives is None:
-            raise NoDrives(
+            raise DrivesNotRecorded(
                 f"{path} does not hold what the arms were told at every step, which an earlier version did not keep",
                 hint="record the episode again: collect with --force",
             )

@@ -30,7 +30,7 @@ def _program() -> list[str]:
     return [str(beside)] if beside.exists() else [sys.executable, "-m", "vcage.cli.main"]
 
 
-def goes_on_with(command: str, run: Path, subcommands: Collection[str]) -> bool:
+def is_safe_continuation(command: str, run: Path, subcommands: Collection[str]) -> bool:
     """Check that a command from a file of a run folder is one of ours on that run, and names nothing to execute.
 
     The folder may come from someone else, and whoever reads an error may run what it says.

@@ -213,7 +213,7 @@ class NotJudged(StaleStage):
     """Verify has looked at other episodes than there are: run again it judges what is new, and keeps the rest."""
 
 
-class NoDrives(InputFileError):
+class DrivesNotRecorded(InputFileError):
     """An episode does not hold what its arms were told: it was recorded by a version that did not keep that."""
 
     code = "no_drives"

@@ -143,7 +143,7 @@ def read_json(path: Path, *, nan: bool = False) -> Any:
         MissingStage: the file is not there.
         DamagedFile: it is not JSON; names the line.
     """
-    return reading.read_json(Path(path), maker_of(path), nan=nan)
+    return reading.read_json(Path(path), stage_of_file(path), nan=nan)
 
 
 @contextlib.contextmanager
@@ -194,7 +194,7 @@ PRODUCERS = {
 """Folder of the run → the stage that writes it, in the order of the chain."""
 
 
-def maker_of(path: Path) -> str:
+def stage_of_file(path: Path) -> str:
     """The stage that writes a file, by the folder that it lies in or the one above; empty where no stage does."""
     folder = Path(path).parent
     return PRODUCERS.get(folder.name) or PRODUCERS.get(folder.parent.name, "")

@@ -64,7 +64,7 @@ def entries(folder: Path) -> list[Path]:
     return sorted((path for path in found if not is_hidden(path.name)), key=lambda path: natural_key(path.name))
 
 
-def holds_nothing(folder: Path) -> bool:
+def is_empty_folder(folder: Path) -> bool:
     """Check for a folder that holds hidden names at most."""
     return folder.is_dir() and not entries(folder)
 

@@ -27,7 +27,7 @@ from PIL import (
 )
 
 from vcage.base.errors import DamagedFile, OversizedFile, VcageError
-from vcage.base.files import maker_of, write_bytes
+from vcage.base.files import stage_of_file, write_bytes
 from vcage.base.reading import open_regular
 
 
@@ -163,7 +163,7 @@ def _opened(source: Path | bytes, name: str, limits: PictureLimits) -> Iterator[
     Errors of decoding inside the block become DamagedFile too.
     """
     name = name or (str(source) if isinstance(source, Path) else "the picture")
-    maker = maker_of(source) if isinstance(source, Path) else ""
+    maker = stage_of_file(source) if isinstance(source, Path) else ""
     with contextlib.ExitStack() as stack, warnings.catch_warnings():
         # Pillow has limits of its own, and looks at the frames of GIF and WebP while it opens them.
         warnings.simplefilter("error", Image.DecompressionBombWarning)

@@ -62,7 +62,7 @@ def process_context() -> SpawnContext | ForkServerContext:
     return multiprocessing.get_context("forkserver")
 
 
-def leave_nothing() -> None:
+def remove_server_files() -> None:
     """Remove what a process that is about to end by ``os._exit`` would leave of the one that others are forked from."""
     if process_context.cache_info().currsize:
         shutil.rmtree(get_temp_dir(), ignore_errors=True)

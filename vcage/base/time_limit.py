@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 
-class TimeIsUp(BaseException):
+class TimeLimitReached(BaseException):
     """Raised inside :func:`time_limit`; no handler of errors stops it on its way."""
 
 
@@ -21,7 +21,7 @@ class _Held:
 
 @contextmanager
 def time_limit(seconds: float, repeat_s: float = 1.0) -> Iterator[None]:
-    """Raise :class:`TimeIsUp` in a block that takes longer; only in the main thread of a process.
+    """Raise :class:`TimeLimitReached` in a block that takes longer; only in the main thread of a process.
 
     Code outside Python is not interrupted, nor is what is :func:`undisturbed`: the block ends when that returns.
     A binding that was just converting its arguments takes the interruption for a wrong type: it may raise another
@@ -37,7 +37,7 @@ def time_limit(seconds: float, repeat_s: float = 1.0) -> Iterator[None]:
         nonlocal over
         over = True
         if not _Held.depth:
-            raise TimeIsUp
+            raise TimeLimitReached
         _Held.rung = True
 
     before = signal.signal(signal.SIGALRM, ring)
@@ -46,7 +46,7 @@ def time_limit(seconds: float, repeat_s: float = 1.0) -> Iterator[None]:
         yield
     except Exception as error:
         if over:
-            raise TimeIsUp from error
+            raise TimeLimitReached from error
         raise
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
@@ -56,7 +56,7 @@ def time_limit(seconds: float, repeat_s: float = 1.0) -> Iterator[None]:
 
 @contextmanager
 def undisturbed() -> Iterator[None]:
-    """Delay :class:`TimeIsUp` to the end of a block or decorated function that must not stop halfway.
+    """Delay :class:`TimeLimitReached` to the end of a block or decorated function that must not stop halfway.
 
     Drawing is one: destroying a world that the driver still draws kills the process.
     """
@@ -69,4 +69,4 @@ def undisturbed() -> Iterator[None]:
     finally:
         _Held.depth -= 1
     if _Held.rung and not _Held.depth:
-        raise TimeIsUp
+        raise TimeLimitReached

@@ -50,7 +50,7 @@ def cores() -> int:
     return len(os.sched_getaffinity(0))
 
 
-def load_ahead(module: str) -> None:
+def preload_module(module: str) -> None:
     """Begin to import a module for later processes, in a separate process and in parallel to this one.
 
     To be called before any process is started: all are then forked from the one with the import. With one core nothing
@@ -63,7 +63,7 @@ def load_ahead(module: str) -> None:
         preload(module)
 
 
-def in_processes(work: Callable[[T], R], tasks: Sequence[T], workers: int) -> Iterator[R]:
+def map_in_processes(work: Callable[[T], R], tasks: Sequence[T], workers: int) -> Iterator[R]:
     """Yield results of ``work`` as they are finished, not in the order of the tasks.
 
     With one worker or one task the work happens in this process. An error of a task ends the others and is raised here;
@@ -77,14 +77,14 @@ def in_processes(work: Callable[[T], R], tasks: Sequence[T], workers: int) -> It
     Raises:
         PartlyDone: see :class:`Processes`.
     """
-    crew = Processes(work, min(workers, len(tasks))) if workers > 1 and len(tasks) > 1 else ThisProcess(work)
+    crew = Processes(work, min(workers, len(tasks))) if workers > 1 and len(tasks) > 1 else SameProcess(work)
     with crew:
         for task in tasks:
             crew.submit(task)
         yield from crew.results()
 
 
-class ThisProcess(Generic[T, R]):
+class SameProcess(Generic[T, R]):
     """Replacement of :class:`Processes` in this process: one task after the other, when a result is asked for.
 
     Args:

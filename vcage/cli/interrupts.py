@@ -75,9 +75,9 @@ def end_process(code: int) -> int:
     The simulator's tear-down crashes when it was stopped in the middle of its work.
     """
     if code == Interrupted.exit_code:
-        from vcage.base.process_start import leave_nothing
+        from vcage.base.process_start import remove_server_files
 
-        leave_nothing()
+        remove_server_files()
         logging.shutdown()
         os._exit(code)
     gc.freeze()  # what is loaded need not be looked through once more: a fifth of a second

@@ -9,7 +9,7 @@ from typing import Annotated
 
 from tyro.conf import Positional, arg
 
-from vcage.apps.asking import ASKED_BY, question_of
+from vcage.apps.asking import STAGE_OF_PROMPT, question_of
 from vcage.base.errors import InputFileError, MissingStage, UsageError
 from vcage.base.files import RunFolder
 from vcage.base.options import FOLDER, choice
@@ -32,14 +32,14 @@ class ShowPrompt(Command):
       vcage prompts show judge_subtask --run runs/stationery
     """
 
-    name: Annotated[str, Positional, choice(list(ASKED_BY)), arg(metavar="NAME")]
+    name: Annotated[str, Positional, choice(list(STAGE_OF_PROMPT)), arg(metavar="NAME")]
     """the prompt"""
     run: Annotated[Path, FOLDER]
     """the run folder"""
 
     def execute(self) -> Result:
         """Print it."""
-        run, stage = RunFolder(self.run), ASKED_BY[self.name]
+        run, stage = RunFolder(self.run), STAGE_OF_PROMPT[self.name]
         if not run.root.is_dir():
             raise MissingStage(f"there is no run in {run}", hint="begin one", maker="select_place")
         try:

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from vcage.apps.report.page import report_shows, write_report
+from vcage.apps.report.page import report_is_current, write_report
 from vcage.base.files import RunFolder
 from vcage.base.progress import Progress
 from vcage.cli.arguments import Command
@@ -53,7 +53,7 @@ class Run(BeginCommand[chain.ChainOptions], Command):
             return Result(output=run.root, summary={"would_run": list(STAGES)}, next=not_dry())
         with remembered(run, options):
             done = chain.run_chain(run, options, context, _shown)
-        page = run.report if report_shows(run) else _report(run)
+        page = run.report if report_is_current(run) else _report(run)
         facts = {
             name: {"fresh": done[name].fresh, **STAGES[name].summary(done[name].record)}
             for name in ("collect", "verify", "compress")

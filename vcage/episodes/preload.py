@@ -1,6 +1,6 @@
 """Modules for the processes that collect and compress, imported while the first stages work.
 
-The process that imports them is the one that those are forked from (:func:`vcage.base.workers.load_ahead`).
+The process that imports them is the one that those are forked from (:func:`vcage.base.workers.preload_module`).
 """
 
 # ruff: noqa: F401, I001

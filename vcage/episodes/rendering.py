@@ -23,14 +23,14 @@ from vcage.base.errors import DamagedFile, MissingStage, UnknownName, UsageError
 from vcage.base.files import RunFolder, sha256_file
 from vcage.base.pictures import write_picture
 from vcage.base.progress import Progress, silent
-from vcage.base.workers import Processes, ThisProcess
+from vcage.base.workers import Processes, SameProcess
 from vcage.datasets.episode import DRAWN
 from vcage.datasets.hdf5 import write_episode
 from vcage.datasets.hdf5_files import open_hdf5_file
 from vcage.datasets.reader import EpisodeReader
 from vcage.episodes.recorded import Recorded, world_facts
 from vcage.episodes.runner import versions
-from vcage.runs.accepted import accepted_episodes, none_counts
+from vcage.runs.accepted import accepted_episodes, no_episode_counts
 from vcage.runs.context import StageContext
 from vcage.schema.base import Provenance
 from vcage.schema.episodes import Episode
@@ -96,7 +96,7 @@ def render_run(run: RunFolder, order: Order, progress: Progress = silent) -> Ren
         for look in range(order.looks)
         for e in chosen
     ]
-    crew = ThisProcess(_render) if order.workers <= 1 else Processes(_render, min(order.workers, len(tasks)))
+    crew = SameProcess(_render) if order.workers <= 1 else Processes(_render, min(order.workers, len(tasks)))
     done: list[Render] = []
     with crew:
         for task in tasks:
@@ -122,7 +122,7 @@ def render_run(run: RunFolder, order: Order, progress: Progress = silent) -> Ren
 def _chosen(run: RunFolder, numbers: Collection[int]) -> list[Episode]:
     if not run.episodes.exists():
         raise MissingStage(f"{run.episodes} does not exist", hint="collect first", maker="collect")
-    if error := none_counts(run):
+    if error := no_episode_counts(run):
         raise error
     there = {episode.index: episode for episode in accepted_episodes(run)}
     for number in numbers:

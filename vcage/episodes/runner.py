@@ -17,7 +17,7 @@ import numpy as np
 from vcage.base.errors import InfeasibleScene
 from vcage.base.memory import forget
 from vcage.base.pictures import write_picture
-from vcage.base.time_limit import TimeIsUp, time_limit
+from vcage.base.time_limit import TimeLimitReached, time_limit
 from vcage.base.version import __version__
 from vcage.datasets.hdf5 import write_episode
 from vcage.episodes.photographs import Photographer, light_look
@@ -143,7 +143,7 @@ class EpisodeRunner:
         try:
             with time_limit(self._limit_s):
                 return self._run(index, folder)
-        except TimeIsUp:
+        except TimeLimitReached:
             return self._given_up(index, f"given up after the {self._limit_s:g} s of --episode-limit"), []
         except InfeasibleScene as error:
             return self._given_up(index, error.message), []

@@ -13,7 +13,7 @@ from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import rotation_2d
 from vcage.layout.groups import Groups
 from vcage.layout.items import TableItem
-from vcage.layout.placement.contents import CONTENT_MARGIN
+from vcage.layout.placement.contents import CONTENT_MARGIN_M
 from vcage.layout.validation import as_rectangles
 
 TOLERANCE = 1e-6
@@ -69,7 +69,7 @@ def _require_inside(groups: Groups, container: TableItem, positions: Mapping[str
     boxes = np.array([_box_in(container, groups, item, positions) for item in contents])
     bounds = groups.inner_bounds(container, (boxes[:, 1] - boxes[:, 0]) / 2)
     apart = ~np.eye(len(contents), dtype=bool)
-    _require_free([item.id for item in contents], boxes, apart, bounds, CONTENT_MARGIN, container.id)
+    _require_free([item.id for item in contents], boxes, apart, bounds, CONTENT_MARGIN_M, container.id)
 
 
 def _box_in(

@@ -10,7 +10,7 @@ from vcage.base.geometry import rotation_2d
 from vcage.layout.containers import assign_containers, fits_opening
 from vcage.layout.cost import LayoutProblem
 from vcage.layout.items import ITEMS, TableItem
-from vcage.layout.placement.contents import CONTENT_MARGIN
+from vcage.layout.placement.contents import CONTENT_MARGIN_M
 from vcage.layout.relation_cost import RelatedBox, relation_terms
 from vcage.layout.validation import as_rectangles
 from vcage.schema.plan import TABLE, Relation
@@ -119,7 +119,7 @@ class Groups:
             half=half,
             target=offsets @ rotation_2d(container.yaw) + middles,
             bounds=self.inner_bounds(container, half),
-            margin=CONTENT_MARGIN,
+            margin=CONTENT_MARGIN_M,
             allowed=(None,) * len(contents),
             relations=relation_terms(centred, spots, len(contents), rotation_2d(container.yaw)),
         )

@@ -13,7 +13,7 @@ from vcage.base.text import listed
 from vcage.base.words import COLOURS, NUMBERS, PARTS, colour_of, lemma, marked_tokens, tokens
 from vcage.models.checked_reading import CheckedReading
 from vcage.models.phrases import compiled, phrase
-from vcage.objects.names import head_means, names_of
+from vcage.objects.names import head_may_mean, names_of
 from vcage.schema.asset import CatalogueEntry
 
 _EVERYTHING = frozenset(("everything", "anything", "whatever"))
@@ -63,7 +63,7 @@ class Quantified:
         """
         if self.colour is not None and all(self.colour != colour_of(v.colour) for v in entry.variants):
             return False
-        return not self.noun or head_means(self.noun[-1], entry)
+        return not self.noun or head_may_mean(self.noun[-1], entry)
 
 
 def quantified(instruction: str) -> list[Quantified]:

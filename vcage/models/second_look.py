@@ -33,7 +33,7 @@ from vcage.models.plain_english import in_english
 from vcage.models.quantifiers import left_over
 from vcage.models.verbs import VERBS
 from vcage.models.which_one import coloured, meant, unclear
-from vcage.objects.mentions import Noun, exact_count, nouns
+from vcage.objects.mentions import Noun, nouns, stated_count
 from vcage.objects.names import has_colour, look_texts
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import Goal, Reading, goal_of, named_by
@@ -249,7 +249,7 @@ def _too_few(read: CheckedReading) -> Iterator[str]:
     subjects, references = {(g.subject, g.part) for g in read.goals}, {(g.reference, g.part) for g in read.goals}
     most = max(len(subjects), len(references))
     for word in _ALONE.findall(read.task.text):
-        if most < (exact_count(word) or 0):
+        if most < (stated_count(word) or 0):
             yield f"{word!r} is said, but the goals are about {most}"
 
 

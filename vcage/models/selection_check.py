@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from vcage.layout.capacities import size_complaints
 from vcage.layout.items import TableItem
-from vcage.layout.placement.contents import CONTENT_MARGIN
+from vcage.layout.placement.contents import CONTENT_MARGIN_M
 from vcage.plans.check import contradictions
 from vcage.plans.descriptions import HOLDING
 from vcage.schema.asset import CatalogueEntry, Variant
@@ -158,7 +158,7 @@ def _as_placed(item: TableItem) -> TableItem:
     """The item with the opening that a placement uses: contents keep clear of the walls."""
     if item.opening is None:
         return item
-    width, depth = (max(side - 2 * CONTENT_MARGIN, 0.0) for side in item.opening.size)
+    width, depth = (max(side - 2 * CONTENT_MARGIN_M, 0.0) for side in item.opening.size)
     return replace(item, opening=replace(item.opening, size=(width, depth)))
 
 

@@ -22,7 +22,7 @@ from vcage.models.goal_words import (
     says,
 )
 from vcage.models.quantifiers import quantified
-from vcage.objects.mentions import names_in
+from vcage.objects.mentions import find_names
 from vcage.objects.scene_names import Mention, words_of
 from vcage.schema.goals import AskedGoal, Description, Goal, in_steps, part_words
 from vcage.schema.plan import TABLE
@@ -50,7 +50,7 @@ class Review:
         """Complaints where the sentence is untrue of the scene, unclear in it, or not exactly what is asked for."""
         for mention in self._mentions:
             yield from self._unclear(mention)
-        for name in names_in(self._said, self._task.strangers, self._taken):
+        for name in find_names(self._said, self._task.strangers, self._taken):
             yield f"there is no {name!r}"
         for asked in self._task.goals:
             yield from self._unsaid(asked)

@@ -11,7 +11,7 @@ from pathlib import Path
 from vcage.base.errors import AssetLeftOut, InputFileError, SchemaMismatch, UnknownName
 from vcage.base.files import data_path, resource, whole
 from vcage.base.progress import Progress, silent
-from vcage.base.workers import cores, in_processes
+from vcage.base.workers import cores, map_in_processes
 from vcage.objects import sources
 from vcage.objects.asset import Asset, unbuilt_entry
 from vcage.objects.points import check_meshes, check_points, check_size
@@ -197,7 +197,7 @@ class Library:
         for name, variant in wanted:
             annotation = self._annotations[name]
             tasks.append((annotation, next(v for v in annotation.variants if v.id == variant), self._folders[name]))
-        made = in_processes(_make_one, tasks, cores() if len(tasks) > A_FEW else 1)
+        made = map_in_processes(_make_one, tasks, cores() if len(tasks) > A_FEW else 1)
         for number, name in enumerate(made):
             progress(name, number, len(tasks))
 

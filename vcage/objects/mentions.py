@@ -27,7 +27,7 @@ from vcage.base.words import (
     same_word,
     tokens,
 )
-from vcage.objects.names import head_means, names_of, texts_of
+from vcage.objects.names import head_may_mean, names_of, texts_of
 from vcage.schema.asset import CatalogueEntry
 
 Name = tuple[str, ...]
@@ -36,7 +36,7 @@ Name = tuple[str, ...]
 _ADJECTIVES_BEFORE = 4
 _LONGEST_NAME = 10
 """Words of a name, with those that carry no meaning."""
-NO_NAMES = frozenset((*PARTS, *SIDES, "side", "area", "top", "all", "everything", "with"))
+NOT_NAMES = frozenset((*PARTS, *SIDES, "side", "area", "top", "all", "everything", "with"))
 """Words that name no object by themselves, though a name may end or begin with them."""
 _KNOWN = FUNCTION_WORDS | VERBS | DETERMINERS | NUMBERS.keys()
 """Words that are no adjectives."""
@@ -80,7 +80,7 @@ class Noun:
         if any(_same(name, self.name) or name == [split] for name in names.all):
             return True
         if len(self.name) == 1:
-            return head_means(head, entry)
+            return head_may_mean(head, entry)
         return _all_said(self.name[:-1], entry) and any(same_word(head, name[-1]) for name in names.all)
 
 
@@ -102,10 +102,10 @@ def nouns(sentence: str, entries: Iterable[CatalogueEntry]) -> list[Noun]:
 def full_names(entries: Iterable[CatalogueEntry]) -> frozenset[Name]:
     """Return the names and synonyms that name a kind without more words."""
     named = {tuple(name) for names in map(names_of, entries) for name in (names.words, *names.synonyms)}
-    return frozenset(name for name in named if len(name) > 1 or name[0] not in NO_NAMES)
+    return frozenset(name for name in named if len(name) > 1 or name[0] not in NOT_NAMES)
 
 
-def names_in(said: Sequence[str], names: Collection[Name], taken: Collection[int]) -> list[str]:
+def find_names(said: Sequence[str], names: Collection[Name], taken: Collection[int]) -> list[str]:
     """Find the names in a sentence.
 
     Args:
@@ -147,7 +147,7 @@ def is_verb(said: Sequence[str], at: int) -> bool:
     return after in _FOLLOWS_A_VERB or word == "can" or (word in ("tap", "present") and before in _BEFORE_A_COMMAND)
 
 
-def exact_count(word: str) -> int | None:
+def stated_count(word: str) -> int | None:
     """Return the number that a word states; None where it is not exact."""
     if word.isdigit():
         return int(word)
@@ -207,12 +207,12 @@ def _describes(words: Sequence[str], at: int) -> bool:
 
 def _number(before: Sequence[str]) -> int | None:
     """Return the number stated before a noun and its adjectives: "two", "both of the", but not "one of the two"."""
-    number = exact_count(before[-1]) if before else None
+    number = stated_count(before[-1]) if before else None
     if number is not None:
         before = before[:-1]
     while before and before[-1] in ("the", "of", "my", "your", "our", "these", "those", "last"):
         if before[-1] == "of" and len(before) > 1:
-            outer = exact_count(before[-2])
+            outer = stated_count(before[-2])
             return outer if outer is not None or number is None else None
         before = before[:-1]
     return number

@@ -52,8 +52,8 @@ def names_of(entry: CatalogueEntry) -> Names:
     return Names(lemmas(words.name) or own, lemmas(words.plural) or own, own, synonyms)
 
 
-def looks_named(words: Sequence[str], colour: str | None, entry: CatalogueEntry) -> tuple[int, list[Variant]]:
-    """Rate words and a colour as a name of a kind (see :func:`how_named`), and return the looks that fit best.
+def best_looks(words: Sequence[str], colour: str | None, entry: CatalogueEntry) -> tuple[int, list[Variant]]:
+    """Rate words and a colour as a name of a kind (see :func:`name_match`), and return the looks that fit best.
 
     Args:
         words: lemmas without colours, the head last.
@@ -66,12 +66,12 @@ def looks_named(words: Sequence[str], colour: str | None, entry: CatalogueEntry)
     least = KIND
     if colour and not looks:  # "brown tape" is what packing tape is called
         words, least, looks = (colour, *words), SYNONYM, entry.variants
-    levels = [level if (level := how_named(words, entry, look)) >= least else 0 for look in looks]
+    levels = [level if (level := name_match(words, entry, look)) >= least else 0 for look in looks]
     best = max(levels, default=0)
     return best, [look for level, look in zip(levels, looks, strict=True) if level == best]
 
 
-def how_named(words: Sequence[str], entry: CatalogueEntry, look: Variant) -> int:
+def name_match(words: Sequence[str], entry: CatalogueEntry, look: Variant) -> int:
     """Rate words as a name of a kind: :data:`EXACT`, :data:`SYNONYM`, :data:`HEAD`, :data:`KIND`, or 0.
 
     All words count: each must be in the one name, or say what the look is called or made of ("corn tin").
@@ -117,7 +117,7 @@ def is_of_kind(word: str, entry: CatalogueEntry, names: Names) -> bool:
     )
 
 
-def head_means(head: str, entry: CatalogueEntry) -> bool:
+def head_may_mean(head: str, entry: CatalogueEntry) -> bool:
     """Check if a noun with this head may mean an object of the kind, whatever else the noun says."""
     names = names_of(entry)
     return any(same_word(head, name[-1]) for name in names.all) or is_of_kind(head, entry, names)

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 from vcage.base.words import ANYTHING, CATEGORIES, COLOURS, KINDS, NUMBERS, SIDES, is_plural, lemma, look_words, tokens
-from vcage.objects.mentions import NO_NAMES, Name, exact_count, is_verb, lemmas_of, longest_name
+from vcage.objects.mentions import NOT_NAMES, Name, is_verb, lemmas_of, longest_name, stated_count
 from vcage.objects.names import is_of_kind, names_of
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import Description
@@ -143,7 +143,7 @@ class SceneNames:
         if side is not None and any(self._is_at({i}, side, ids) for i in ids):
             ids = {i for i in ids if self._is_at({i}, side, ids)}
             mention = replace(mention, end=mention.end + 3)
-        count = next((count for word in before if (count := exact_count(word)) is not None), None)
+        count = next((count for word in before if (count := stated_count(word)) is not None), None)
         return replace(mention, ids=frozenset(ids), count=count)
 
     def _is_at(self, ids: Collection[str], side: str, among: Collection[str]) -> bool:
@@ -174,7 +174,7 @@ def _called(entry: CatalogueEntry) -> Iterator[Name]:
     names = names_of(entry)
     for name in names.all:
         yield from _endings(tuple(name))
-    words = {*ANYTHING, *KINDS, *CATEGORIES, lemma(entry.words.category)} - NO_NAMES
+    words = {*ANYTHING, *KINDS, *CATEGORIES, lemma(entry.words.category)} - NOT_NAMES
     yield from ((word,) for word in words if is_of_kind(word, entry, names))
 
 
@@ -193,8 +193,8 @@ def words_of(sentence: str) -> list[str]:
 
 def _endings(name: Name) -> Iterator[Name]:
     """Yield the name, and each of its endings that may replace it: "pen" for "marker pen"."""
-    yield from [name] if len(name) > 1 or name[0] not in NO_NAMES else []
-    yield from (name[n:] for n in range(1, len(name)) if not {name[n], name[-1]} & NO_NAMES)
+    yield from [name] if len(name) > 1 or name[0] not in NOT_NAMES else []
+    yield from (name[n:] for n in range(1, len(name)) if not {name[n], name[-1]} & NOT_NAMES)
 
 
 def _in_plural(name: str, entry: CatalogueEntry) -> str | None:
@@ -203,7 +203,7 @@ def _in_plural(name: str, entry: CatalogueEntry) -> str | None:
 
 
 def _number(count: int) -> str:
-    return next((word for word in NUMBERS if exact_count(word) == count and word != "both"), "")
+    return next((word for word in NUMBERS if stated_count(word) == count and word != "both"), "")
 
 
 def _side_after(said: Sequence[str], end: int) -> str | None:

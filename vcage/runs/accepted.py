@@ -62,7 +62,7 @@ def refusals(run: RunFolder) -> dict[str, str]:
     return verdicts.refused
 
 
-def none_counts(run: RunFolder) -> MissingStage | None:
+def no_episode_counts(run: RunFolder) -> MissingStage | None:
     """Return the error of a run in which no episode counts, with the reason and the way out.
 
     None if some count, or nothing was collected yet.
@@ -83,13 +83,13 @@ def none_counts(run: RunFolder) -> MissingStage | None:
     )
 
 
-def withdraw(data_sets: Path) -> None:
+def remove_exports(data_sets: Path) -> None:
     """Remove exported data sets of which no episode counts any more; export makes them again when some do."""
     if data_sets.exists():
         logger.warning("%s is removed, as none of its episodes counts any more", data_sets)
         shutil.rmtree(data_sets)
 
 
-def decided_by(run: RunFolder) -> list[Path]:
+def acceptance_files(run: RunFolder) -> list[Path]:
     """Return the files that decide which episodes count: inputs of every stage that reads episodes."""
     return [run.episodes, *([run.verdicts] if run.verdicts.exists() else [])]

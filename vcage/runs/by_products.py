@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 
-from vcage.base.commands import CALLED, goes_on_with
+from vcage.base.commands import CALLED, is_safe_continuation
 from vcage.base.errors import AnswerNeeded, DamagedFile, MissingStage, StageInterrupted, VcageError
 from vcage.base.files import PRODUCERS, RunFolder, read_json, write_json
 from vcage.base.partial import recover
@@ -89,7 +89,7 @@ def interrupted(run: RunFolder, stage: str) -> StageInterrupted | None:
     steps = "episodes" if stage == "collect" else "steps"
     message = f"{stage} was interrupted{f' after {note.done} of {note.total} {steps}' if note.total else ''}"
     details = {"stage": stage, "done": note.done, "total": note.total}
-    ours = goes_on_with(note.command, run.root, ("run", *_COMMANDS.values()))
+    ours = is_safe_continuation(note.command, run.root, ("run", *_COMMANDS.values()))
     if not ours and not run.scene.exists():  # a script was run by itself
         return StageInterrupted(message, hint="start its script again", details=details)
     command = note.command if ours else ""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Generic, NoReturn, TypeVar
 
-from vcage.base.files import RunFolder, maker_of
+from vcage.base.files import RunFolder, stage_of_file
 from vcage.base.pictures import read_picture
 from vcage.runs.context import StageContext
 from vcage.runs.edits import Place, changes, edited_scripts, refuse, written_record
@@ -90,7 +90,7 @@ class Editable(Generic[D]):
 
     def _require_picture(self, path: Path) -> None:
         if not self.pictures:
-            refuse(path, "(whole file)", "changed by hand", f"what {maker_of(path)} recorded")
+            refuse(path, "(whole file)", "changed by hand", f"what {stage_of_file(path)} recorded")
         read_picture(path)
 
 

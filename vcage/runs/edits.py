@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, NoReturn, TypeVar
 
 from vcage.base.errors import InputFileError
-from vcage.base.files import maker_of, read_json, sha256_file, write_json
+from vcage.base.files import read_json, sha256_file, stage_of_file, write_json
 from vcage.base.inside import path_complaint
 from vcage.schema.base import StageDocument
 
@@ -122,7 +122,7 @@ def refuse(path: Path, field: str, found: str, expected: str) -> NoReturn:
     raise InputFileError(
         f"{path}: field {field}: {found}; expected {expected}",
         hint="mend the field",
-        maker=maker_of(path),
+        maker=stage_of_file(path),
         details={"path": str(path), "field": field, "expected": expected},
     )
 
@@ -140,7 +140,7 @@ def _written(path: Path) -> dict[str, Any]:
     """
     found = read_json(path.with_name(SEAL))
     if not isinstance(found, dict) or not all(isinstance(found.get(key), dict) for key in ("record", "files")):
-        raise InputFileError(f"{path.with_name(SEAL)} does not say what was written", maker=maker_of(path))
+        raise InputFileError(f"{path.with_name(SEAL)} does not say what was written", maker=stage_of_file(path))
     for name, digest in found["files"].items():
         if complaint := path_complaint(name) or (None if isinstance(digest, str) else "expected a SHA-256"):
             refuse(path.with_name(SEAL), f"files.{name[:80]}", complaint, "what the stage wrote")

@@ -178,7 +178,7 @@ def packed_hashes(files: Iterable[EpisodeFile], streams: Iterable[VideoStream], 
     return hashes
 
 
-def refer_to_videos(run: RunFolder, files: Iterable[EpisodeFile], record: Compression, scratch: Path) -> None:
+def link_videos(run: RunFolder, files: Iterable[EpisodeFile], record: Compression, scratch: Path) -> None:
     """Let every compressed episode of a run refer to its videos, which lie beside it from now on.
 
     Args:

@@ -18,7 +18,7 @@ import numpy as np
 from tyro.conf import arg
 
 from vcage.base.errors import InputFileError, MissingStage, OutputFolderError, StaleStage, VcageError
-from vcage.base.files import PRODUCERS, RunFolder, atomic_folder, maker_of, sha256_file
+from vcage.base.files import PRODUCERS, RunFolder, atomic_folder, sha256_file, stage_of_file
 from vcage.base.keeper import Keeper
 from vcage.base.options import FOLDER, NATURAL, POSITIVE, UNSAID, Flag, between, choice
 from vcage.base.partial import recover
@@ -172,7 +172,7 @@ class Job:
                 raise MissingStage(
                     f"{self.stage} needs {path}, which does not exist",
                     hint=f"run {stage} first on the same run folder",
-                    maker=maker_of(path),
+                    maker=stage_of_file(path),
                     details={"missing": str(path), "stage": stage},
                 )
             digest = sha256_file(path)

@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
 from vcage.base.errors import SchemaMismatch, UnknownName
-from vcage.base.files import maker_of, read_json, write_json
+from vcage.base.files import read_json, stage_of_file, write_json
 from vcage.base.geometry import Camera, Pose, world_aabb
 from vcage.base.inside import name_complaint, path_complaint
 from vcage.base.version import __version__
@@ -177,7 +177,7 @@ class Document(Record):
             raise SchemaMismatch(
                 f"{path} has the schema {found!r}, expected {cls.SCHEMA!r}",
                 hint="make it again with this version of vcage",
-                maker=maker_of(path),
+                maker=stage_of_file(path),
                 details={"path": str(path), "found": found, "expected": cls.SCHEMA},
             )
         try:
@@ -188,7 +188,7 @@ class Document(Record):
             raise SchemaMismatch(
                 f"{path}: field {field}: {first['msg']}",
                 hint="mend the field",
-                maker=maker_of(path),
+                maker=stage_of_file(path),
                 details={"path": str(path), "field": field, "errors": error.error_count()},
             ) from error
 

@@ -13,7 +13,7 @@ from vcage.base.errors import StaleStage, UsageError
 from vcage.base.files import RunFolder
 from vcage.base.options import Flag
 from vcage.base.progress import Progress, silent
-from vcage.base.workers import load_ahead
+from vcage.base.workers import preload_module
 from vcage.episodes.ranges import required_ranges
 from vcage.runs.context import StageContext
 from vcage.runs.running import Stage, at_work, timed
@@ -109,7 +109,7 @@ def run_chain(
     done = {}
     with at_work(run):
         if options.workers != 1 and not run.compression.exists():  # else no process may be begun
-            load_ahead("vcage.episodes.preload")
+            preload_module("vcage.episodes.preload")
         for name, stage in STAGES.items():
             with show(name) as progress:
                 own = export.Options(seed=options.seed, force=options.force) if name == "export" else options

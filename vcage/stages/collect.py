@@ -24,7 +24,7 @@ from vcage.base.files import RunFolder, sha256_file
 from vcage.base.memory import free_memory
 from vcage.base.options import FILE, NATURAL, POSITIVE, RANGES, UNSAID
 from vcage.base.progress import Progress, silent
-from vcage.base.workers import Processes, ThisProcess, cores
+from vcage.base.workers import Processes, SameProcess, cores
 from vcage.episodes.decisions import DECISIONS, decided
 from vcage.episodes.named_scripts import named_scripts, unnamed_edits
 from vcage.episodes.quota import Wanted
@@ -246,12 +246,12 @@ def _fill(store: EpisodeStore, wanted: Wanted, options: Options, context: StageC
                 progress(f"{len(store.episodes)} episodes run", wanted.total - missing, wanted.total)
 
 
-def _crew(options: Options, wanted: int, context: StageContext) -> ThisProcess[_Task, _Done] | Processes[_Task, _Done]:
+def _crew(options: Options, wanted: int, context: StageContext) -> SameProcess[_Task, _Done] | Processes[_Task, _Done]:
     """Return the processes that run the episodes; a single one is this process, which has loaded what it needs."""
     workers = min(options.workers or min(_enough(wanted), free_memory() // CREW.memory_bytes), wanted)
     if workers <= 1:
         runner = cache(partial(_runner, context=context))
-        return ThisProcess(lambda task: runner(task.run, task.options).one(task.index, task.folder))
+        return SameProcess(lambda task: runner(task.run, task.options).one(task.index, task.folder))
     return Processes(_in_process, workers, CREW.hang_factor * options.episode_limit + CREW.start_s)
 
 

@@ -16,17 +16,17 @@ from vcage.datasets.packing.agreement import agreed_by
 from vcage.datasets.packing.dataset_search import search_data_set
 from vcage.datasets.packing.records import compression_record
 from vcage.datasets.packing.settings import CompressionSettings
-from vcage.runs.accepted import decided_by, none_counts, withdraw
+from vcage.runs.accepted import acceptance_files, no_episode_counts, remove_exports
 from vcage.runs.context import StageContext
 from vcage.runs.editable import Editable
 from vcage.runs.raw_pictures import (
     accepted_files,
     clips_of,
     earlier_videos,
+    link_videos,
     made_with,
     originals,
     packed_hashes,
-    refer_to_videos,
     set_aside,
 )
 from vcage.runs.stage import Job, StageOptions, StageResult, stage_seed
@@ -56,7 +56,7 @@ def job(run: RunFolder, options: Options, _context: StageContext) -> Job:
     return Job(
         run=run,
         output=run.compression,
-        inputs=[*decided_by(run), *(file.path for file in accepted_files(run))],
+        inputs=[*acceptance_files(run), *(file.path for file in accepted_files(run))],
         seed=stage_seed(run, options.seed),
         options=options.compression.options(),
         stand_for=originals(run),
@@ -89,7 +89,7 @@ def execute(
         DamagedFile, SchemaMismatch: an episode cannot be read.
         MissingDependency: ColorVideoVDP or the encoder is missing.
     """
-    stage, none = job(run, options, context), none_counts(run)
+    stage, none = job(run, options, context), no_episode_counts(run)
     files, working = accepted_files(run), run.root / WORKING
     if none and not made_with(run, stage.options):
         raise none
@@ -117,10 +117,10 @@ def execute(
 
     result = stage.do(Compression, make, force=options.force or none is not None)
     if none:
-        withdraw(run.export.parent)
+        remove_exports(run.export.parent)
         raise none
     if not options.keep_raw:
-        refer_to_videos(run, files, result.record, working)
+        link_videos(run, files, result.record, working)
     shutil.rmtree(working, ignore_errors=True)  # not before the stage is whole: a search takes long
     return result
 

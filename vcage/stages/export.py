@@ -29,7 +29,7 @@ from vcage.datasets.packing.writing import lerobot_episode
 from vcage.datasets.reader import EpisodeReader
 from vcage.datasets.recordings.opening import open_hdf5
 from vcage.datasets.robotwin import export_robotwin
-from vcage.runs.accepted import decided_by, none_counts, withdraw
+from vcage.runs.accepted import acceptance_files, no_episode_counts, remove_exports
 from vcage.runs.context import StageContext
 from vcage.runs.editable import Editable
 from vcage.runs.raw_pictures import EpisodeFile, accepted_files, clips_of, originals, require_raw
@@ -84,7 +84,7 @@ def job(run: RunFolder, options: Options, _context: StageContext) -> Job:
     return Job(
         run=run,
         output=run.export,
-        inputs=[*decided_by(run), run.compression, *episodes, *videos],
+        inputs=[*acceptance_files(run), run.compression, *episodes, *videos],
         seed=stage_seed(run, options.seed),
         options={"formats": list(options.formats), "codec": options.codec, "crf": options.crf},
         stand_for=originals(run),
@@ -107,8 +107,8 @@ def execute(
         DamagedFile, SchemaMismatch: an episode or a video cannot be read.
         UsageError: the codec asked for cannot stay under the loss that the compression allowed, or needs a CRF.
     """
-    if none := none_counts(run):
-        withdraw(run.export.parent)
+    if none := no_episode_counts(run):
+        remove_exports(run.export.parent)
         raise none
     stage = job(run, options, context)
 

@@ -21,7 +21,7 @@ from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.state import resting_point
 from vcage.tasks.touching import SETTINGS, Allowance, Touched, only_touching
 
-CAREFUL = 0.85
+CAREFUL_SPEED_SHARE = 0.85
 """Share of the speed limit near things that are to be touched."""
 
 

@@ -9,7 +9,7 @@ from tests.datasets.packing.orders import act_folder, add_camera, settings
 from tests.datasets.packing.searching import ALL, NONE_PASSES, Searches, episode
 from tests.run_folders import digests
 from vcage.base.errors import DamagedFile, MissingDependency, UnknownName
-from vcage.base.workers import ThisProcess
+from vcage.base.workers import SameProcess
 from vcage.datasets.packing import clips as clip_module
 from vcage.datasets.packing.agreement import Bound
 from vcage.datasets.packing.clips import Clip
@@ -140,7 +140,7 @@ def test_the_episode_whose_pictures_take_most_bytes_is_the_first(tmp_path, searc
 # --- order, progress, memory ---------------------------------------------------------------------------
 
 
-class LastFirst(ThisProcess):
+class LastFirst(SameProcess):
     """Finishes tasks in another order than they were submitted in."""
 
     def results(self):
@@ -151,7 +151,7 @@ class LastFirst(ThisProcess):
 def test_videos_and_what_was_tried_come_in_order_however_clips_were_finished(tmp_path, searches, monkeypatch):
     clips = episodes(tmp_path / "in", high=[24, 20, 22, 24], low=[9, 9, 8, 9])
     found = search_data_set(clips, SEARCHED, tmp_path / "a", workers=1)
-    monkeypatch.setattr("vcage.datasets.packing.dataset_search.ThisProcess", LastFirst)
+    monkeypatch.setattr("vcage.datasets.packing.dataset_search.SameProcess", LastFirst)
     again = search_data_set(clips, SEARCHED, tmp_path / "b", workers=1)
     assert list(again) == [clip.key for clip in clips]
     assert [video.stream for video in again.values()] == [video.stream for video in found.values()]

@@ -14,7 +14,7 @@ from tests.layout.items import unplaced
 from vcage.base.errors import InfeasibleScene, UsageError
 from vcage.base.geometry import boxes_overlap, footprint_half_size, rotation_2d
 from vcage.layout.items import Placement, TableItem
-from vcage.layout.placement.contents import CONTENT_MARGIN
+from vcage.layout.placement.contents import CONTENT_MARGIN_M
 from vcage.layout.placement.place import place
 from vcage.objects.openings import Opening
 
@@ -42,12 +42,12 @@ def test_contents_lie_in_their_opening_and_apart_for_any_seed(seed, count):
     contents = [unplaced(f"o{k}", tuple(rng.uniform(0.02, 0.06, 2)), YAWS, inside="tray") for k in range(count)]
     others = [unplaced(f"t{k}", tuple(rng.uniform(0.03, 0.1, 2)), YAWS) for k in range(3)]
     placed = place([*contents, TRAY, *others], WORKSPACE, rng)
-    room = opening_box(TRAY.opening) + np.array([[1], [-1]]) * (CONTENT_MARGIN - 1e-7)
+    room = opening_box(TRAY.opening) + np.array([[1], [-1]]) * (CONTENT_MARGIN_M - 1e-7)
     boxes = [local_box(item, placed[item.id], placed["tray"]) for item in contents]
     for box in boxes:
         assert np.all(box[0] >= room[0]) and np.all(box[1] <= room[1])
     for a, b in combinations(boxes, 2):
-        assert not boxes_overlap(a, b, CONTENT_MARGIN - 1e-7)
+        assert not boxes_overlap(a, b, CONTENT_MARGIN_M - 1e-7)
 
 
 def test_contents_stand_on_the_floor_of_what_they_lie_in():

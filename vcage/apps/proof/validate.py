@@ -13,7 +13,7 @@ from vcage.base.errors import InputFileError, VcageError
 from vcage.base.files import RunFolder
 from vcage.base.keeper import Keeper
 from vcage.base.progress import Progress, silent
-from vcage.base.workers import in_processes
+from vcage.base.workers import map_in_processes
 from vcage.objects.library import Library
 from vcage.schema.proof import ObjectProof, Proof, ProofCheck, VariantProof
 
@@ -98,7 +98,7 @@ def _proven(prover: Prover, names: Sequence[str], workers: int) -> Iterator[tupl
     if workers <= 1 or len(names) < 2:  # with what is loaded here
         yield from ((name, proof_or_failure(prover, name)) for name in names)
         return
-    yield from in_processes(partial(_prove_in_worker, prover.trial), names, workers)
+    yield from map_in_processes(partial(_prove_in_worker, prover.trial), names, workers)
 
 
 def proof_or_failure(prover: Prover, name: str) -> ObjectProof:

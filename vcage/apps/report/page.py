@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 import cv2
 from pydantic import ValidationError
 
-from vcage.apps.asking import ASKED_BY
+from vcage.apps.asking import STAGE_OF_PROMPT
 from vcage.apps.html import rendered
 from vcage.apps.report.previews import previews
 from vcage.base.drawing import distinct_colours
@@ -87,7 +87,7 @@ _OVERVIEWS = (f"-{TOP}.png", f"-{CUSTOMER}.png")
 """Ends of the names of pictures that a verdict's card shows besides those of the moment."""
 
 
-def report_shows(run: RunFolder) -> bool:
+def report_is_current(run: RunFolder) -> bool:
     """True if the page of a run exists and is newer than everything that it shows."""
     if not run.report.exists():
         return False
@@ -157,7 +157,7 @@ def _context(run: RunFolder) -> dict[str, Any]:
         "previewed": SETTINGS.max_previews,
         "timings": read_timings(run),
         "exchanges": Exchanges(run.exchanges).all(),
-        "asked_by": ASKED_BY | {"judge_subtask": "collect, verify"},
+        "asked_by": STAGE_OF_PROMPT | {"judge_subtask": "collect, verify"},
     }
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from vcage.base.errors import OutputFolderError, UnknownName, UsageError
 from vcage.base.files import atomic_folder
-from vcage.base.folders import holds_nothing
+from vcage.base.folders import is_empty_folder
 from vcage.base.partial import recover
 from vcage.datasets.lerobot.meta import INFO
 from vcage.datasets.lerobot.v3 import WriterV30, WriterV31
@@ -59,7 +59,7 @@ def open_writer(
     there = (out / INFO).is_file()
     if append and not there:
         raise UsageError(f"{out} holds no LeRobot data set to add to", hint="check the path, or write a new data set")
-    if out.exists() and not there and not holds_nothing(out):
+    if out.exists() and not there and not is_empty_folder(out):
         raise OutputFolderError(f"{out} is in the way: it is no LeRobot data set", hint="give another folder")
     with atomic_folder(out) as folder, closing(FORMATS[version](folder, encodings or {})) as writer:
         if append:

@@ -13,7 +13,7 @@ from pathlib import Path
 from vcage.base.folders import natural_key
 from vcage.base.memory import free_memory
 from vcage.base.progress import Progress, silent
-from vcage.base.workers import Processes, ThisProcess, cores
+from vcage.base.workers import Processes, SameProcess, cores
 from vcage.datasets.packing.agreement import Agreement, Apart, Bound, Step
 from vcage.datasets.packing.clips import Clip, EncodedVideo, Key, SearchTask, is_finished, known, perform
 from vcage.datasets.packing.settings import CompressionSettings
@@ -67,7 +67,7 @@ def search_data_set(
     """
     require_tools(settings)
     workers = workers_for(clips, workers)
-    with Processes(perform, workers) if workers > 1 else ThisProcess(perform) as crew:
+    with Processes(perform, workers) if workers > 1 else SameProcess(perform) as crew:
         return _DataSetSearch(list(clips), settings, folder, crew, progress, agreed or {}).run()
 
 
@@ -115,7 +115,7 @@ class _DataSetSearch:
     clips: list[Clip]
     settings: CompressionSettings
     folder: Path
-    crew: ThisProcess[SearchTask, VideoStream] | Processes[SearchTask, VideoStream]
+    crew: SameProcess[SearchTask, VideoStream] | Processes[SearchTask, VideoStream]
     progress: Progress
     agreed: Mapping[str, Bound]
     plans: dict[str, Agreement | Apart] = field(default_factory=dict)

@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 
 from vcage.base.errors import DamagedFile, FolderInUse, InputFileError, OutputFolderError, StaleStage
 from vcage.base.files import RunFolder, atomic_folder
-from vcage.base.folders import holds_nothing
+from vcage.base.folders import is_empty_folder
 from vcage.base.hold import held
 from vcage.base.keeper import Keeper
 from vcage.base.partial import recover
@@ -241,7 +241,7 @@ def _clear(working: Path) -> None:
 
 def _finished(out: Path, provenance: Provenance, *, force: bool) -> Packed | None:
     """Return the output of an earlier call with the same provenance, or None when there is work to do."""
-    if not out.exists() or holds_nothing(out):
+    if not out.exists() or is_empty_folder(out):
         return None
     if not out.is_dir():
         raise OutputFolderError(f"{out} is a file", hint="give another --out")

@@ -17,7 +17,7 @@ from vcage.layout.items import Placement, TableItem, centres_within
 from vcage.layout.placement.plane import Plane, make_plane
 from vcage.layout.validation import as_rectangles
 
-CONTENT_MARGIN = 0.003
+CONTENT_MARGIN_M = 0.003
 """Smallest gap between two objects in one container, and to its walls, metres."""
 
 
@@ -37,11 +37,11 @@ def contents_of(items: Sequence[TableItem], container: str | None) -> list[Table
 def content_plane(container: TableItem, contents: Sequence[TableItem]) -> Plane:
     """The opening of a container, in the frame of its footprint."""
     opening = container.room
-    centre, half = np.subtract(opening.centre, container.centre), np.array(opening.size) / 2 - CONTENT_MARGIN
+    centre, half = np.subtract(opening.centre, container.centre), np.array(opening.size) / 2 - CONTENT_MARGIN_M
     # Reach and view are the world's: they are asked of the container, see unions_of.
     plain = [replace(item, allowed=None, within=None) for item in contents]
     bounds = np.stack([centre - half, centre + half])
-    return make_plane(plain, bounds, CONTENT_MARGIN, np.empty((0, 2, 2)), lambda _item, _yaw: ())
+    return make_plane(plain, bounds, CONTENT_MARGIN_M, np.empty((0, 2, 2)), lambda _item, _yaw: ())
 
 
 class Carried:

@@ -33,8 +33,8 @@ def place(
 ) -> dict[str, Placement]:
     """Place every item so that no two axis-aligned boxes come closer than ``margin``.
 
-    What lies in a container keeps :data:`~vcage.layout.placement.contents.CONTENT_MARGIN` from its walls and from what
-    else lies there, in the container's frame.
+    The contents of a container keep :data:`~vcage.layout.placement.contents.CONTENT_MARGIN_M` from its walls and from
+    each other, in the container's frame.
 
     Args:
         items: to place.

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from lark import Token
 
 from vcage.base.words import COLOURS, MASS_KINDS, NUMBERS, PART_WORDS, SIDES, WHICH_PART, colour_of, is_plural, lemma
-from vcage.objects.names import EXACT, HEAD, KIND, SYNONYM, looks_named
+from vcage.objects.names import EXACT, HEAD, KIND, SYNONYM, best_looks
 from vcage.schema.asset import CatalogueEntry, Variant
 
 _QUANTIFIERS = {
@@ -141,11 +141,11 @@ class Noun:
             return 0, []
         owner = [word for word in self.words[:-1] if word != "of"]
         anyone = owner in ([], [self.part])  # "the layer of the drawer"
-        return (KIND, entry.variants) if anyone else looks_named(owner, self.colour, entry)
+        return (KIND, entry.variants) if anyone else best_looks(owner, self.colour, entry)
 
     def fit(self, entry: CatalogueEntry) -> tuple[int, list[Variant]]:
-        """Return how well it names a kind (0: not at all), and the looks that it fits; see :func:`looks_named`."""
-        return looks_named(self.words, self.colour, entry)
+        """Return how well it names a kind (0: not at all), and the looks that it fits; see :func:`best_looks`."""
+        return best_looks(self.words, self.colour, entry)
 
 
 def noun_of(found: Sequence[Token], text: str, at: int) -> Noun:

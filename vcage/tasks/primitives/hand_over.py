@@ -22,7 +22,7 @@ from vcage.tasks.primitives.grip import Grip, feel
 from vcage.tasks.primitives.pick import PickWay
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.touching import Allowance
-from vcage.tasks.workcell import CAREFUL, TaskFailed, Workcell, failing_at, first_reasons
+from vcage.tasks.workcell import CAREFUL_SPEED_SHARE, TaskFailed, Workcell, failing_at, first_reasons
 
 TRIED = 16
 """Meetings for which every motion is planned before there is none."""
@@ -104,7 +104,7 @@ class HandOver:
         try:
             for meeting in islice(self._meetings(target, given, planner.kinematics), TRIED):
                 try:
-                    carry = planner.move(begun.end, meeting.giver, replace(grip.load, speed=CAREFUL))
+                    carry = planner.move(begun.end, meeting.giver, replace(grip.load, speed=CAREFUL_SPEED_SHARE))
                     self._check(grip.arm, meeting, carry.end, given)
                     return meeting.taken, begun.then(carry)
                 except MotionFailed as error:
@@ -150,14 +150,14 @@ class HandOver:
         gripper, begun = planner.kinematics.arm.gripper, self.cell.begun(self.to)
         opening, hand = _opened(taken.width, gripper), pose * taken.in_object
         before = hand * Pose([0.0, 0.0, -gripper.approach])
-        near = Load(opening, fingers_may_touch=self.cell.parts(self.object_id), speed=CAREFUL)
+        near = Load(opening, fingers_may_touch=self.cell.parts(self.object_id), speed=CAREFUL_SPEED_SHARE)
         reach = planner.move(begun.end, before, Load(opening), then=[hand])
         return begun.then(reach).then(planner.line(reach.end, hand, near))
 
     def _draw_back(self, planner: MotionPlanner, joints: np.ndarray, opening: float) -> JointPath:
         """The first arm's way out of its hold: straight back, or less far, or up."""
         hand, far = planner.kinematics.fk(joints), planner.kinematics.arm.gripper.approach
-        load = Load(opening, ignore=self.cell.parts(self.object_id), speed=CAREFUL)
+        load = Load(opening, ignore=self.cell.parts(self.object_id), speed=CAREFUL_SPEED_SHARE)
         reasons: list[str] = []
         for away in (
             hand * Pose([0.0, 0.0, -far]),

@@ -20,7 +20,7 @@ from vcage.tasks.grasps import command_of
 from vcage.tasks.primitives.handles import Handle, OperatingWay, operating_ways
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.touching import Allowance
-from vcage.tasks.workcell import CAREFUL, TaskFailed, Workcell, first_reasons
+from vcage.tasks.workcell import CAREFUL_SPEED_SHARE, TaskFailed, Workcell, first_reasons
 
 SLOW = 0.4
 """Share of the speed limit while a part is moved."""
@@ -184,7 +184,7 @@ class Operation:
         """
         record = self._world.arms[arm].arm
         opening = command_of(way.opening, record.gripper)
-        near = Load(opening, fingers_may_touch=self._own, speed=CAREFUL)
+        near = Load(opening, fingers_may_touch=self._own, speed=CAREFUL_SPEED_SHARE)
         down = now.line(start, way.grasp, near)
         held = command_of(self._handle.width if way.opening else 0.0, record.gripper)
         moving = Load(held, ignore=self._own, speed=SLOW)
@@ -217,7 +217,7 @@ class Operation:
         opened = command_of(plan.way.opening, control.arm.gripper)
         control.release(opened)
         planner, here = self._cell.planner(plan.arm), self._cell.begun(plan.arm).end
-        away = Load(opened, fingers_may_touch=[self._thing.id, *self._own], speed=CAREFUL)
+        away = Load(opened, fingers_may_touch=[self._thing.id, *self._own], speed=CAREFUL_SPEED_SHARE)
         try:
             self._cell.put_off(plan.arm, planner.line(here, plan.way.after, away), self._allowed)
         except MotionFailed as error:

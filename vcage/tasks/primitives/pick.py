@@ -21,7 +21,7 @@ from vcage.tasks.primitives.grip import Grip, feel, lever, minding, sag
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.state import resting_point
 from vcage.tasks.touching import at_rest
-from vcage.tasks.workcell import CAREFUL, TaskFailed, Workcell, failing_at, first_reasons
+from vcage.tasks.workcell import CAREFUL_SPEED_SHARE, TaskFailed, Workcell, failing_at, first_reasons
 
 
 @dataclass(frozen=True)
@@ -185,7 +185,7 @@ def _plans(
     heights = tuple(height + hangs_lower for height in heights)
     planner = cell.planner(arm)
     opening = command_of(approach_opening(target.asset.grasp_width(contact), gripper), gripper)
-    closing = Load(opening, ignore=cell.parts(target.id), speed=CAREFUL)
+    closing = Load(opening, ignore=cell.parts(target.id), speed=CAREFUL_SPEED_SHARE)
     grasped = command_of(target.asset.grasp_width(contact), gripper)
     begun = cell.begun(arm)
     grasps = list(grasp_poses(target.pose, contact, gripper, target.box.bottom))
@@ -209,7 +209,7 @@ def _plans(
 
 def _lifting(held: Held, opening: float) -> Load:
     """A hand that has closed on an object, and lifts it from the table."""
-    return Load(opening, held, ignore=["table"], speed=CAREFUL)
+    return Load(opening, held, ignore=["table"], speed=CAREFUL_SPEED_SHARE)
 
 
 def carry_out_pick(cell: Workcell, plan: PickPlan) -> Grip:

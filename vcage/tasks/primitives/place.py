@@ -20,7 +20,7 @@ from vcage.tasks.primitives.pick import transfer_heights
 from vcage.tasks.primitives.place_way import MAX_DROP, PlaceWay, place_way, reached_place
 from vcage.tasks.scene_objects import Obstacles
 from vcage.tasks.touching import at_rest
-from vcage.tasks.workcell import CAREFUL, TaskFailed, Workcell, failing_at, first_reasons
+from vcage.tasks.workcell import CAREFUL_SPEED_SHARE, TaskFailed, Workcell, failing_at, first_reasons
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ def plan_place(
     reasons: list[str] = []
     for choice, poses in choices:
         for held, raised in _holds(cell, grip, around):
-            lowering = Load(grip.load.opening, held, grip.load.ignore, CAREFUL)
+            lowering = Load(grip.load.opening, held, grip.load.ignore, CAREFUL_SPEED_SHARE)
             try:
                 ways = raised.ways(
                     planner.kinematics, held.in_gripper.inverse(), control.finger_width, poses, begun.end
@@ -233,7 +233,7 @@ def carry_out_place(cell: Workcell, plan: PlacePlan) -> None:
     place = () if plan.receptacle == TABLE else cell.parts(plan.receptacle)
     cell.let_go(grip.object_id)
     near = [*place, *cell.parts(*grip.contents)]
-    away = Load(opened, ignore=cell.parts(grip.object_id), speed=CAREFUL, fingers_may_touch=near)
+    away = Load(opened, ignore=cell.parts(grip.object_id), speed=CAREFUL_SPEED_SHARE, fingers_may_touch=near)
     with failing_at("place"):
         cell.put_off(grip.arm, cell.planner(grip.arm).line(plan.path.end, plan.way.after, away), allowed)
 

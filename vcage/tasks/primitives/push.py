@@ -21,7 +21,7 @@ from vcage.sim.paths import JointPath, Load
 from vcage.tasks.grasps import command_of, hand_boxes
 from vcage.tasks.scene_objects import SceneObject, SolidBox
 from vcage.tasks.touching import Allowance
-from vcage.tasks.workcell import CAREFUL, TaskFailed, Workcell, failing_at, first_reasons
+from vcage.tasks.workcell import CAREFUL_SPEED_SHARE, TaskFailed, Workcell, failing_at, first_reasons
 
 
 @dataclass(frozen=True)
@@ -167,7 +167,7 @@ def _plan(cell: Workcell, planner: MotionPlanner, arm: str, thing: SceneObject, 
     begun, opening = cell.begun(arm), command_of(way.opening, planner.kinematics.arm.gripper)
     then = [way.before, way.touch, way.pushed, way.after, way.up]
     reach = planner.move(begun.end, way.above, Load(opening), then=then)
-    down = planner.line(reach.end, way.before, Load(opening, speed=CAREFUL))
+    down = planner.line(reach.end, way.before, Load(opening, speed=CAREFUL_SPEED_SHARE))
     near = planner.line(down.end, way.touch, Load(opening, ignore=cell.parts(thing.id), speed=SETTINGS.speed_share))
     push = planner.line(near.end, way.pushed, _pushing(thing, way.touch, opening))
     return PushPlan(arm, way, goal, begun.then(reach).then(down), near.then(push))
@@ -216,7 +216,7 @@ def carry_out_push(cell: Workcell, thing: SceneObject, plan: PushPlan) -> None:
             break
         cell.carry_out(plan.arm, further, allowed)
         done = further.end
-    away = Load(opening, ignore=cell.parts(thing.id), speed=CAREFUL)
+    away = Load(opening, ignore=cell.parts(thing.id), speed=CAREFUL_SPEED_SHARE)
     with failing_at("place"):
         cell.put_off(plan.arm, cell.planner(plan.arm).follow(done, [plan.way.after, plan.way.up], away), allowed)
     _confirm(cell.object(thing.id), thing, plan.goal, stopped)
