@@ -184,7 +184,10 @@ class EpisodeRunner:
         for name, picture in done.pictures.items():
             write_picture(folder / name, picture)
         drawer = photographer.world if self._mild else look_world(start.scene, start.models, self._robot, look)
-        return self._write(done, index, work, start, drawn, drawer, folder), done.attempts
+        name = f"episode_{index:06d}.hdf5" if done.accepted else f"rejected/episode_{index:06d}.hdf5"
+        if done.log.frames:
+            _write(folder / name, done, drawer, self._facts(index, work, start, drawn, done))
+        return self._record(done, index, name, start, drawn), done.attempts
 
     def _steps(self, work: _Work, start: Start) -> list[tuple[Subtask, Script]]:
         """Return the sub-tasks in the words of an episode, and their scripts with grasps that are feasible there."""
@@ -198,19 +201,8 @@ class EpisodeRunner:
         told = (seen, background, subtask.requires, subtask.grasped, subtask.statements)
         return verdict(self._context, start.scene, Asking(text, asked.goals, *told))
 
-    def _write(
-        self, done: EpisodeRun, index: int, work: _Work, start: Start, drawn: Drawn, world: World, folder: Path
-    ) -> Episode:
-        """Write the HDF5: with pictures, drawn in ``world``, when accepted, states alone when not."""
-        name = f"episode_{index:06d}.hdf5" if done.accepted else f"rejected/episode_{index:06d}.hdf5"
+    def _record(self, done: EpisodeRun, index: int, name: str, start: Start, drawn: Drawn) -> Episode:
         frames = len(done.log)
-        if frames:
-            cameras = camera_paths(world, done.log.states()) if done.accepted else {}
-            data = episode_data(done.log, done.segments, cameras, self._facts(index, work, start, drawn, done))
-            pictures: Iterator[Mapping[str, np.ndarray]] = iter([{}] * frames)
-            if done.accepted:
-                pictures = (frame.pictures for frame in render_log(world, done.log))
-            write_episode(folder / name, data, pictures)
         return Episode(
             index=index,
             chain=index % len(self._chains),
@@ -265,3 +257,12 @@ def versions() -> dict[str, str]:
         **{package: _version(package) for package in packages},
         "driver": device_name(),
     }
+
+
+def _write(path: Path, done: EpisodeRun, world: World, facts: Mapping[str, Any]) -> None:
+    """Write an episode's HDF5: with pictures, drawn in ``world``, when accepted, states alone when not."""
+    cameras = camera_paths(world, done.log.states()) if done.accepted else {}
+    pictures: Iterator[Mapping[str, np.ndarray]] = iter([{}] * len(done.log))
+    if done.accepted:
+        pictures = (frame.pictures for frame in render_log(world, done.log))
+    write_episode(path, episode_data(done.log, done.segments, cameras, facts), pictures)

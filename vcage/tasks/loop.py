@@ -111,6 +111,16 @@ def _slots_during(
 
 
 @dataclass(frozen=True)
+class _Outcome:
+    """The end of one attempt at a sub-task."""
+
+    stage: AttemptStage
+    reason: str
+    verdict: Verdict | None = None
+    truth: Truth | None = None
+
+
+@dataclass(frozen=True)
 class _Trial:
     """One attempt at a sub-task.
 
@@ -185,7 +195,7 @@ class _Step:
                 message = f"{self.script.path}: verify(task) gives {asked!r}, not what task.ask(…) does"
                 raise DamagedFile(message, hint="mend it", maker="search_subtasks")
         except TaskFailed as error:
-            record = self._attempt(task, attempt, error.stage, error.message, world.steps - start)
+            record = self._attempt(task, attempt, world.steps - start, _Outcome(error.stage, error.message))
             return _Trial(record, slot=task.slot, exhausted=error.exhausted)
         finally:
             watch.stop()
@@ -197,7 +207,7 @@ class _Step:
         accepted = accepts(self.setting.accept, verdict, truth)
         stage: AttemptStage = "done" if accepted else "verify"
         reason = _reason(verdict, truth, accepted)
-        record = self._attempt(task, attempt, stage, reason, world.steps - start, verdict, truth)
+        record = self._attempt(task, attempt, world.steps - start, _Outcome(stage, reason, verdict, truth))
         if not accepted:
             return _Trial(record, pictures, slot=task.slot)
         segment = Segment(
@@ -235,20 +245,12 @@ class _Step:
             for camera, picture in pictures.items()
         }
 
-    def _attempt(
-        self,
-        task: Task,
-        attempt: int,
-        stage: AttemptStage,
-        reason: str,
-        steps: int,
-        verdict: Verdict | None = None,
-        truth: Truth | None = None,
-    ) -> Attempt:
+    def _attempt(self, task: Task, attempt: int, steps: int, outcome: _Outcome) -> Attempt:
         record = self.setting.objects[self.subtask.object].record
-        accepted = stage == "done"
+        accepted = outcome.stage == "done"
         if not accepted:
-            logger.info("episode %d, %s, attempt %d: %s: %s", self.episode, self.subtask.id, attempt + 1, stage, reason)
+            where = f"episode {self.episode}, {self.subtask.id}, attempt {attempt + 1}"
+            logger.info("%s: %s: %s", where, outcome.stage, outcome.reason)
         return Attempt(
             episode=self.episode,
             step=self.number,
@@ -260,11 +262,11 @@ class _Step:
             arm=task.arm,
             contact=task.contact,
             changes=task.changes,
-            stage=stage,
-            reason=reason,
+            stage=outcome.stage,
+            reason=outcome.reason,
             accepted=accepted,
-            verdict=verdict,
-            truth=truth,
+            verdict=outcome.verdict,
+            truth=outcome.truth,
             steps=steps,
         )
 

@@ -14,7 +14,7 @@ from vcage.models.protocols import EditRequest
 from vcage.models.rules import PROVIDER
 from vcage.models.rules.cutouts import Cutout, cutouts
 from vcage.models.rules.light import Light, find_light
-from vcage.models.rules.painting import Painting, paint_objects
+from vcage.models.rules.painting import Painting, View, paint_objects
 from vcage.schema.plan import Relation
 
 logger = logging.getLogger(__name__)
@@ -89,10 +89,9 @@ def _draw(
     relations: Sequence[Relation],
     light: Light | None,
 ) -> Painting:
-    camera = request.scene.top_camera.camera()
+    view = View(request.scene.top_camera.camera(), light, request.scene.table.height)
     holders = {r.reference for r in relations if r.relation in ("inside", "on")}
-    height = request.scene.table.height
-    return paint_objects(request.picture, request.background, items, layout.poses, camera, light, height, holders)
+    return paint_objects(request.picture, request.background, items, layout.poses, view, holders)
 
 
 def _check_sizes(request: EditRequest) -> None:

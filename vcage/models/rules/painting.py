@@ -73,29 +73,47 @@ class _Sprite:
     alpha: np.ndarray
 
 
+@dataclass(frozen=True)
+class View:
+    """The conditions under which pictures were taken.
+
+    Args:
+        camera: of the pictures.
+        light: None if it is unknown; no shadows are drawn then.
+        table_z: height in metres of the surface that shadows fall on.
+    """
+
+    camera: Camera
+    light: Light | None
+    table_z: float
+
+
 def paint_objects(
     picture: np.ndarray,
     background: np.ndarray,
     items: Sequence[Cutout],
     poses: Mapping[str, Pose],
-    camera: Camera,
-    light: Light | None,
-    table: float,
+    view: View,
     covered: Collection[str] = (),
 ) -> Painting:
-    """The objects at their poses over the background; they turn about the vertical, and stay as high as they are.
+    """Paint objects at their poses over the background; they turn about the vertical, and stay as high as they are.
 
     Args:
-        table: z of the surface that shadows fall on.
+        picture: (H, W, 3) uint8, from which the objects were cut.
+        background: (H, W, 3) uint8, the empty table.
+        items: the objects.
+        poses: in the world, by id.
+        view: of both pictures.
         covered: objects that others may lie in or on; how much of them is seen does not matter.
     """
+    camera, light = view.camera, view.light
     shown = [item for item in items if not item.hidden]
     moves = {item.record.id: _move(item, poses[item.record.id]) for item in shown}
     order = sorted(shown, key=lambda item: _depth(item, moves[item.record.id], camera))
     sprites = [_sprite(item, items, moves[item.record.id], picture, camera, light) for item in order]
     canvas = background.astype(np.float32)
     if light is not None and sprites:
-        shade = np.max([_cast(s, light, camera, table, background.shape[:2]) for s in sprites], axis=0)
+        shade = np.max([_cast(s, light, camera, view.table_z, background.shape[:2]) for s in sprites], axis=0)
         shade = cv2.GaussianBlur(shade, (0, 0), SETTINGS.softness_px)[..., None]
         canvas *= 1 - shade * (1 - light.left)
     owner = np.full(background.shape[:2], -1)
