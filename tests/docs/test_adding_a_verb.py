@@ -13,20 +13,19 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from tests.example_scenes import TABLE_TOP, kinematics, robot, scene_of, sensible, thing, world_of
+from tests.example_scenes import TABLE_TOP, robot, scene_of, sensible, thing, world_of
 from vcage.episodes.photographs import Photographer, light_look
 from vcage.episodes.question import Asking, verdict
 from vcage.goals import KINDS, forms, meanings
 from vcage.goals.thresholds import THRESHOLDS
 from vcage.models import prompts
 from vcage.runs.context import StageContext
-from vcage.scenes.stated_goals import Told
+from vcage.scenes.stated_goals import StatedTask
 from vcage.schema.episodes import Truth, Verdict
 from vcage.schema.goals import AskedGoal, Goal
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import PairAnswer, PairQuestion, Subtask
 from vcage.sim.state import WorldState
-from vcage.tasks.ground import Ground
 from vcage.tasks.rehearsal import proven
 from vcage.tasks.search import compose, find_subtasks
 from vcage.tasks.slots import Slot
@@ -34,6 +33,7 @@ from vcage.tasks.synthesis import script_of
 from vcage.tasks.task import Task
 from vcage.tasks.templates import TEMPLATES
 from vcage.tasks.truth import goals_hold, subtask_done, watch_of
+from vcage.tasks.workplace import Workplace
 
 PAGE = Path(__file__).parents[2] / "docs" / "adding-a-verb.md"
 OBJECTS = [thing("block", (-0.2, -0.05), 0.3, "content"), thing("plate", (0.2, 0.1), 0.0, "receptacle")]
@@ -74,10 +74,10 @@ def verb(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 
 @pytest.fixture(scope="module")
 def goal(verb: None) -> Goal:
-    told = Told.of(["block lifted"], [], None)
-    assert told is not None
-    (said,) = told.goals
-    return Goal(subject=said.subject, relation=said.word, reference=said.reference)
+    stated = StatedTask.of(["block lifted"], [], None)
+    assert stated is not None
+    (one,) = stated.goals
+    return Goal(subject=one.subject, relation=one.word, reference=one.reference)
 
 
 @dataclass
@@ -120,7 +120,7 @@ def played(goal: Goal) -> Played:
 def planned(scene: Scene, goal: Goal) -> tuple[Subtask, Mapping[str, Slot]]:
     """The one sub-task of the chain for the goal, and its slots."""
     rng = np.random.default_rng(0)
-    found = find_subtasks(OBJECTS, kinematics(), not_asked_for, Ground.of(scene), rng, {goal})
+    found = find_subtasks(Workplace.of(scene, OBJECTS, rng), not_asked_for, {goal})
     (chain,) = compose(scene, OBJECTS, found.kept, found.refused)
     by_id = {subtask.id: subtask for subtask in found.kept}
     (subtask,), slots = proven([by_id[name] for name in chain.subtasks], OBJECTS, scene, rng)

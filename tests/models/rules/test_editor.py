@@ -29,6 +29,7 @@ from vcage.models.rules.cutouts import cutouts
 from vcage.models.rules.editor import OfflineEditor
 from vcage.models.rules.layout import plan_layout
 from vcage.models.rules.light import Light, find_light
+from vcage.models.rules.painting import View
 from vcage.models.rules.painting import paint_objects as paint_at
 from vcage.vision.detector import BackgroundDetector
 from vcage.vision.embedder import ClassicalEmbedder
@@ -81,7 +82,7 @@ def moved(thing: Thing, at: tuple[float, float], turn: float = 0.0, light: bool 
     items = cutouts(scene_of([thing]), ids)
     shadows = find_light(picture, table_picture(), items, CAMERA, HEIGHT) if light else None
     poses = {thing.id: at_pose(thing, at, turn)}
-    drawing = paint_at(picture, table_picture(), items, poses, CAMERA, shadows, HEIGHT)
+    drawing = paint_at(picture, table_picture(), items, poses, View(CAMERA, shadows, HEIGHT))
     truth, pixels = draw([thing.moved(at=at, yaw=thing.yaw + turn)])
     return drawing.picture, truth, pixels > 0, table_picture()
 
@@ -140,7 +141,7 @@ def test_an_object_behind_a_tall_one_is_told() -> None:
     picture, ids = draw([TALL, low])
     items = cutouts(scene_of([TALL, low]), ids)
     poses = {"can": at_pose(TALL, (0.33, 0.0)), low.id: at_pose(low, (0.39, 0.0))}
-    drawing = paint_at(picture, table_picture(), items, poses, CAMERA, None, HEIGHT)
+    drawing = paint_at(picture, table_picture(), items, poses, View(CAMERA, None, HEIGHT))
     assert drawing.hidden(0.9) == [low.id] and drawing.visible["can"] == 1
 
 
@@ -148,7 +149,7 @@ def test_an_object_off_the_picture_is_told() -> None:
     picture, ids = draw([TALL])
     items = cutouts(scene_of([TALL]), ids)
     poses = {"can": at_pose(TALL, (0.9, 0.0))}
-    assert paint_at(picture, table_picture(), items, poses, CAMERA, None, HEIGHT).visible == {"can": 0.0}
+    assert paint_at(picture, table_picture(), items, poses, View(CAMERA, None, HEIGHT)).visible == {"can": 0.0}
 
 
 def test_the_editor_refuses_a_picture_that_would_lose_an_object(monkeypatch: pytest.MonkeyPatch) -> None:
