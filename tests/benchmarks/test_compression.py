@@ -110,6 +110,12 @@ def test_efforts_are_compared_with_the_default_of_their_codec() -> None:
     ]
 
 
+def test_bytes_of_efforts_that_were_searched_for_other_losses_are_not_compared() -> None:
+    default = measured("av1-default", 100)
+    fast = replace(measured("av1-fast", 20), limit=1.1)
+    assert [row["of_default"] for row in effort_rows([default, fast])] == [1.0, None]
+
+
 def test_every_codec_is_measured_with_every_effort() -> None:
     assert {form.name for form in effort_formats()} == {
         f"{codec}-{effort}" for codec in CODECS for effort in ("fast", "default", "best")
