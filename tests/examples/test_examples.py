@@ -58,6 +58,10 @@ def test_an_object_of_ones_own_joins_the_library(tmp_path: Path) -> None:
     assert "one of them a candle of [0.05 0.05 0.08] m" in printed
 
 
+def test_a_verb_of_ones_own_is_carried_out_and_judged(tmp_path: Path) -> None:
+    assert "-lifted-table: accepted, " in output("04", tmp_path, "lift")
+
+
 def test_a_recording_is_compressed(tmp_path: Path) -> None:
     printed = output("05", tmp_path, "small")
     assert "top: " in printed and "of the bytes are saved" in printed
