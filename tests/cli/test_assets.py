@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from vcage.apps.proof.mesh import MeshLimits
 from vcage.cli.main import main
 
 
@@ -47,7 +48,7 @@ def test_the_validation_ends_with_its_counts(capsys, tmp_path: Path) -> None:
 
 
 def test_a_validation_that_fails_says_what_and_exits_with_3(capsys, tmp_path: Path, monkeypatch) -> None:
-    monkeypatch.setattr("vcage.apps.proof.mesh.MOST_FACES", 10)
+    monkeypatch.setattr("vcage.apps.proof.mesh.LIMITS", MeshLimits(max_faces=10))
     code, _, record = run(
         capsys, "assets", "validate", "soap_bar", "--quick", "--no-page", "--workers", 1, "--out", tmp_path
     )

@@ -115,7 +115,7 @@ def test_after_other_episodes_a_run_makes_again_what_follows_from_them(run, caps
     def stop(*_: object, **__: object) -> None:
         raise PartlyDone("far enough")
 
-    monkeypatch.setattr(compress, "search_data_set", stop)
+    monkeypatch.setattr(compress, "compression_record", stop)
     record = read_json(run.episodes)
     record["episodes"][0]["reason"] = "as I saw it"
     write_json(run.episodes, record)

@@ -65,9 +65,9 @@ def verb(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
         file.write_text(text, encoding="utf-8")
         modules[name] = installed(file, name)
     lifted, lift = modules["vcage.goals.lifted"].LIFTED, modules["vcage.tasks.templates.lift"].LIFT
-    KINDS[lifted.word], TEMPLATES[lift.name] = lifted, lift  # pyrefly: ignore[unsupported-operation]
+    KINDS[lifted.word], TEMPLATES[lift.name] = lifted, lift
     yield
-    del KINDS[lifted.word], TEMPLATES[lift.name]  # pyrefly: ignore[unsupported-operation]
+    del KINDS[lifted.word], TEMPLATES[lift.name]
     for name in modules:
         del sys.modules[name]
 

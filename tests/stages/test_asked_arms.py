@@ -13,7 +13,7 @@ from vcage.base.errors import InputFileError
 from vcage.base.files import RunFolder, read_json, write_json
 from vcage.datasets.reader import EpisodeReader
 from vcage.runs.context import StageContext
-from vcage.scenes.layout_items import layout_items
+from vcage.scenes.layout_items import Targets, layout_items
 from vcage.schema.episodes import Episodes
 from vcage.schema.goals import AskedGoal, goal_of
 from vcage.schema.scene import Scene
@@ -86,7 +86,7 @@ def test_things_may_stand_where_the_arm_that_is_asked_for_reaches_them(arm: str 
     objects, context = block_and_plate(), StageContext("offline")
     goal = AskedGoal(goal=goal_of(["block", "on", "plate"]), step=1, words="put", arm=arm)
     scene = scene_of(objects).model_copy(update={"goals": [goal]})
-    items = layout_items(scene, {o.id: o.pose for o in objects}, {}, context)
+    items = layout_items(scene, Targets({o.id: o.pose for o in objects}, {}), context)
     for item in items:
         free = np.asarray(item.allowed)
         far_left, far_right = (_holds(free, (x, 0.18)) for x in (-0.35, 0.35))
@@ -100,7 +100,7 @@ def test_what_two_arms_are_asked_to_reach_may_stand_where_both_do():
         for step, (relation, arm) in enumerate([("on", "left"), ("beside", "right")])
     ]
     scene = scene_of(objects).model_copy(update={"goals": goals})
-    items = layout_items(scene, {o.id: o.pose for o in objects}, {}, context)
+    items = layout_items(scene, Targets({o.id: o.pose for o in objects}, {}), context)
     for item in items:
         free = np.asarray(item.allowed)
         assert _holds(free, (0.0, 0.1)), item.id

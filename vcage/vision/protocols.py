@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-import cv2
 import numpy as np
 
 from vcage.base.geometry import Camera
@@ -35,8 +34,9 @@ class Detection:
     @classmethod
     def of_mask(cls, mask: np.ndarray, score: float = 1.0) -> Detection:
         """The region that a mask (H, W), not empty, covers."""
-        u, v, width, height = cv2.boundingRect(mask.astype(np.uint8))
-        return cls((float(u), float(v), float(u + width), float(v + height)), mask, score)
+        (rows,), (columns,) = np.nonzero(mask.any(axis=1)), np.nonzero(mask.any(axis=0))
+        box = (float(columns[0]), float(rows[0]), float(columns[-1] + 1), float(rows[-1] + 1))
+        return cls(box, mask, score)
 
     @property
     def centre(self) -> tuple[float, float]:

@@ -50,7 +50,7 @@ class SubtaskTemplate(Protocol):
         ...
 
 
-TEMPLATES: Mapping[TemplateName, SubtaskTemplate] = {
+TEMPLATES: dict[TemplateName, SubtaskTemplate] = {
     template.name: template
     for template in (PLACE, STACK, WEIGH, SET_DOWN, PUSH, PRESENT, Scan(), OPEN, CLOSE, PRESS, TURN, HandOver())
 }
