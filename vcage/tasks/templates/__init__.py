@@ -5,7 +5,7 @@ A new template is a file here, and its name in :data:`TEMPLATES`.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from typing import Protocol
 
 from vcage.schema.goals import Goal
