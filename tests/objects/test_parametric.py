@@ -152,9 +152,9 @@ def test_a_model_that_returns_something_else_is_refused(model: Path) -> None:
         Library.load().asset("candle")
 
 
-def test_another_error_of_a_model_is_not_taken_for_an_unknown_variant(model: Path) -> None:
+def test_a_builder_that_fails_is_refused_with_the_line(model: Path) -> None:
     model.write_text("def build(variant):\n    return {}['wick']\n")
-    with pytest.raises(KeyError, match="wick"):
+    with pytest.raises(InputFileError, match=r"candle/model\.py: build\('white'\) failed in line 2: KeyError: 'wick'"):
         Library.load().asset("candle")
 
 

@@ -15,6 +15,7 @@ import importlib.machinery
 import importlib.util
 import sys
 import threading
+import traceback
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import ModuleType
@@ -34,19 +35,21 @@ def build(folder: Path, variant: str) -> BuiltObject:
     """Build a variant of the object in a folder.
 
     Raises:
-        InputFileError: there is no ``model.py``, it cannot be imported, or it knows no such variant.
+        InputFileError: there is no ``model.py``, it cannot be imported, it fails, or it knows no such variant.
     """
     path = folder / MODEL
+    builder = _builder(path)
     try:
-        built = _builder(path)(variant)
-    except KeyError as error:
-        if error.args != (variant,):
-            raise
-        raise InputFileError(
-            f"the builder of asset {folder.name!r} knows no variant {variant!r}",
-            hint=f"mend the variants in {folder / 'asset.json'}, or {path}",
-            details={"name": folder.name, "path": str(path), "variant": variant},
-        ) from error
+        built = builder(variant)
+    except Exception as error:  # whatever the code of an object does wrong
+        if isinstance(error, KeyError) and error.args == (variant,):
+            raise InputFileError(
+                f"the builder of asset {folder.name!r} knows no variant {variant!r}",
+                hint=f"mend the variants in {folder / 'asset.json'}, or {path}",
+                details={"name": folder.name, "path": str(path), "variant": variant},
+            ) from error
+        what = f"build({variant!r}) failed{_place(error, path)}: {type(error).__name__}: {error}"
+        raise _wrong(path, what) from error
     if not isinstance(built, BuiltObject):
         raise _wrong(path, f"build({variant!r}) returned a {type(built).__name__}; expected a BuiltObject")
     return built
@@ -70,6 +73,12 @@ def _builder(path: Path) -> Builder:
     if not callable(found):
         raise _wrong(path, "there is no function build; expected build(variant: str) -> BuiltObject")
     return found
+
+
+def _place(error: Exception, path: Path) -> str:
+    """The innermost line of a file that an error passed, in words; nothing where it passed none."""
+    lines = [at.lineno for at in traceback.extract_tb(error.__traceback__) if at.filename == str(path)]
+    return f" in line {lines[-1]}" if lines else ""
 
 
 def _wrong(path: Path, what: str) -> InputFileError:
