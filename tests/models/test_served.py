@@ -62,6 +62,7 @@ def test_a_model_that_is_not_served_is_told_with_those_that_are_the_nearest_firs
     error = not_served("openai:gpt-image-1", "gpt-image-1", Lists(models=OPENAI), ["models"])
     assert error is not None
     assert "openai does not serve gpt-image-1; it serves gpt-image-2, gpt-6.1-terra" in error.message
+    assert "VCAGE_OPENAI_TEXT_MODEL" in error.hint
 
 
 def test_nothing_is_said_of_a_model_where_the_endpoint_does_not_say_what_it_serves():

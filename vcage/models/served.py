@@ -83,10 +83,13 @@ def not_served(provider: str, model: str, transport: Transport, paths: Iterable[
     if served.has(model):
         return None
     names = served.nearest(model)
+    name = provider.partition(":")[0]
+    variable = f"VCAGE_{name.upper()}_TEXT_MODEL"
     return ModelNotServed(
-        f"{provider.partition(':')[0]} does not serve {model}; it serves {', '.join(names) or 'none'}"
+        f"{name} does not serve {model}; it serves {', '.join(names) or 'none'}"
         + (f", … ({len(served.models)} in all)" if len(served.models) > len(names) else ""),
-        hint="name one of them, or let rules answer where the model is not there with --fallback offline",
+        hint=f"name one of them in {variable}, or …_IMAGE_MODEL for pictures, or let rules answer where the model is "
+        "not there with --fallback offline",
         details={"model": model, "served": sorted(served.models)},
     )
 
