@@ -2,9 +2,9 @@
 
     python examples/03_own_object.py [FOLDER]
 
-FOLDER (default: my-objects) gets the object. docs/assets.md explains both files. After `export VCAGE_ASSETS=$PWD/FOLDER`,
-`vcage assets validate candle` proves that the robot can use it, and an instruction may name it: "Put the candle on the
-plate".
+FOLDER (default: my-objects) gets the object. docs/assets.md explains both files. After `export
+VCAGE_ASSETS=$PWD/FOLDER` the command `vcage assets validate candle` proves that the robot can use it, and an
+instruction may name it: "Put the candle on the plate".
 """
 
 import json
