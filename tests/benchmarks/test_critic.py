@@ -33,7 +33,7 @@ from vcage.objects.library import Library
 from vcage.schema.goals import Goal
 
 CRITIC = re.compile(r"rules(\.| import )(critic|change|evidence|standing|verdicts)|question import .*\bverdict\b")
-"""What a test imports that shows the offline critic something."""
+"""Imports of a test that shows pictures to the offline critic."""
 
 GOAL = Goal(subject="cup", relation="inside", reference="tray")
 

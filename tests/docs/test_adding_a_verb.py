@@ -82,7 +82,7 @@ def goal(verb: None) -> Goal:
 
 @dataclass
 class Played:
-    """What came of the sub-task in the simulator.
+    """The sub-task as it was played in the simulator.
 
     Args:
         subtask: that was found for the goal.

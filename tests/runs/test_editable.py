@@ -1,4 +1,4 @@
-"""What may be edited of a stage's JSON, field by field."""
+"""Fields of a stage's JSON that may be edited."""
 
 from __future__ import annotations
 

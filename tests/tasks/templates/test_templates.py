@@ -1,4 +1,4 @@
-"""What templates try, refuse, and tell the robot."""
+"""Attempts and refusals of templates, and the calls that they give to the robot."""
 
 from __future__ import annotations
 
