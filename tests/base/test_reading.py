@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
+import gc
 import os
 from pathlib import Path
 
 import pytest
 
 from vcage.base.errors import DamagedFile, InputFileError, MissingStage, OversizedFile
-from vcage.base.reading import DocumentLimits, Unreadable, open_regular, parse_json, read_json, read_yaml, text_of
+from vcage.base.reading import (
+    DocumentLimits,
+    Unreadable,
+    load_json,
+    open_regular,
+    parse_json,
+    read_json,
+    read_yaml,
+    text_of,
+)
 
 
 def test_a_byte_order_mark_and_line_ends_of_windows_are_taken(tmp_path: Path) -> None:
@@ -52,6 +62,14 @@ def test_what_is_no_yaml_is_refused_by_its_line(data: bytes, line: int, tmp_path
     path.write_bytes(data)
     with pytest.raises(DamagedFile, match=rf"robot\.yml is not valid YAML: line {line}: "):
         read_yaml(path)
+
+
+def test_no_garbage_is_collected_while_json_is_parsed() -> None:
+    collects = []
+    load_json("{}", object_hook=lambda _: collects.append(gc.isenabled()))
+    with pytest.raises(RecursionError):
+        load_json("[" * 100_000)
+    assert (collects, gc.isenabled()) == ([False], True)
 
 
 def test_not_a_number_is_taken_where_it_is_asked_for() -> None:

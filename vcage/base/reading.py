@@ -6,6 +6,7 @@ twice, of which the last would win; ``NaN``; text in another encoding; a pipe or
 
 from __future__ import annotations
 
+import gc
 import io
 import json
 import re
@@ -158,7 +159,7 @@ def parse_json(data: bytes | str, *, nan: bool = False) -> Any:
     """
     text = text_of(data) if isinstance(data, bytes) else data.removeprefix("\ufeff")
     try:
-        value = json.loads(text, object_pairs_hook=_object, parse_constant=None if nan else _no_constant)
+        value = load_json(text, object_pairs_hook=_object, parse_constant=None if nan else _no_constant)
         if _is_deep(value, LIMITS.max_depth):  # whoever writes it again would end in Python's own limit
             raise RecursionError
         return value
@@ -173,6 +174,20 @@ def parse_json(data: bytes | str, *, nan: bool = False) -> Any:
         raise Unreadable(error.lineno, f"{error.msg} (column {error.colno})") from error
     except ValueError as error:  # Python's own limit
         raise Unreadable(_line_of_token(text, r"\d{4000,}"), "a number of thousands of digits") from error
+
+
+def load_json(text: bytes | str, **hooks: Any) -> Any:
+    """``json.loads`` without collections of garbage.
+
+    At the recursion limit, which deep text reaches, a collection would run finalizers that then fail.
+    """
+    collects = gc.isenabled()
+    gc.disable()
+    try:
+        return json.loads(text, **hooks)
+    finally:
+        if collects:
+            gc.enable()
 
 
 class _Twice(Exception):

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 from vcage.base.errors import ConfigurationError, ModelRefused
+from vcage.base.reading import load_json
 
 _CONFIGURATION = {
     400: ("the endpoint does not accept the request", "check the model id and the base URL"),
@@ -50,7 +50,7 @@ class EndpointAnswer:
     def data(self) -> object:
         """The JSON; None where it is none."""
         try:
-            return json.loads(self.body)
+            return load_json(self.body)
         except (ValueError, RecursionError):
             return None
 
