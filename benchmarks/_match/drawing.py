@@ -12,7 +12,7 @@ import numpy as np
 from benchmarks._match.levels import Level
 from benchmarks._match.scenes import Thing
 from vcage.base.geometry import Pose
-from vcage.objects.table_tops import TABLES, table_texture
+from vcage.objects.surface_pictures import SURFACES, surface_picture
 from vcage.schema.scene import SceneTemplate
 from vcage.sim.appearance import Appearance
 from vcage.sim.bodies import Body
@@ -27,13 +27,13 @@ REPAINTED = 4
 @functools.cache
 def plain_look(texture: str) -> Appearance:
     """The look of a source picture: studio light and the template's own table."""
-    return Appearance(table_texture=table_texture(texture))
+    return Appearance(table_texture=surface_picture("table", texture))
 
 
 @functools.cache
 def _repainted(texture: str, number: int) -> np.ndarray:
     """A table top of the same material with another grain."""
-    return TABLES[texture](np.random.default_rng([len(texture), number]))
+    return SURFACES["table"][texture](np.random.default_rng([len(texture), number]))
 
 
 def photograph(template: SceneTemplate, things: Sequence[Thing], poses: Mapping[str, Pose], look: Appearance) -> Shot:
@@ -71,7 +71,8 @@ def target_look(level: Level, template: SceneTemplate, rng: np.random.Generator)
     done: dict[str, Any] = {}
     texture = plain_look(template.table.texture).table_texture
     if level.table:
-        name, number = sorted(TABLES)[int(rng.integers(len(TABLES)))], int(rng.integers(REPAINTED))
+        names = sorted(SURFACES["table"])
+        name, number = names[int(rng.integers(len(names)))], int(rng.integers(REPAINTED))
         texture = _repainted(name, number)
         done["table"] = f"{name} {number}"
     if not level.light:

@@ -5,7 +5,7 @@ import os
 import pytest
 
 from vcage.base.errors import InputFileError, OutputFolderError
-from vcage.base.folders import FolderLimits, entries, files_below, is_empty_folder, natural_key, require_utf8
+from vcage.base.folders import entries, files_below, is_empty_folder, natural_key, require_utf8
 
 
 def made(folder, *names):
@@ -73,7 +73,7 @@ def test_links_that_multiply_folders_are_refused(tmp_path):
         for name in ("x", "y"):
             (tmp_path / f"{level}/{name}").symlink_to(tmp_path / f"{level + 1}")
     with pytest.raises(InputFileError, match="more than 50 folders"):
-        files_below(tmp_path, repeated=True, limits=FolderLimits(max_folders=50))
+        files_below(tmp_path, repeated=True, max_folders=50)
 
 
 def test_a_path_that_is_not_utf8_is_refused_and_shown_with_escapes(tmp_path):

@@ -10,8 +10,17 @@ from pathlib import Path
 
 import pytest
 
-from vcage.base.leftovers import SCRATCH, scratch_folder, sweep_cache, sweep_folder, sweep_scratch
-from vcage.base.partial import PARTIAL, REPLACED
+from vcage.base.files import cache_path
+from vcage.base.leftovers import (
+    PARTIAL,
+    REPLACED,
+    SCRATCH,
+    recover,
+    scratch_folder,
+    sweep_cache,
+    sweep_folder,
+    sweep_scratch,
+)
 
 HOLDER = """
 import signal
@@ -99,5 +108,27 @@ def test_partial_work_in_the_cache_goes_when_it_is_old(tmp_path, monkeypatch):
     for folder in (old, new):
         folder.mkdir(parents=True)
     os.utime(old, (0, 0))
-    sweep_cache()
+    sweep_cache(cache_path())
     assert new.exists() and not old.exists()
+
+
+def test_a_folder_killed_between_its_two_renames_is_restored(tmp_path):
+    old = tmp_path / f"stage{REPLACED}123"
+    old.mkdir()
+    (old / "a").write_text("old")
+    (tmp_path / f"stage{PARTIAL}123").mkdir()
+    recover(tmp_path / "stage")
+    assert (tmp_path / "stage" / "a").read_text() == "old"
+    assert len(list(tmp_path.iterdir())) == 1
+
+
+def test_what_a_process_that_is_still_there_writes_is_left_to_it(tmp_path):
+    other = subprocess.Popen(["sleep", "60"])
+    part = tmp_path / f"x{PARTIAL}{other.pid}"
+    part.mkdir()
+    recover(tmp_path / "x")
+    assert part.is_dir()
+    other.kill()
+    other.wait()
+    recover(tmp_path / "x")
+    assert not part.exists()

@@ -15,7 +15,6 @@ from PIL import Image
 from vcage.base.errors import DamagedFile, InputFileError, MissingStage, OversizedFile
 from vcage.base.pictures import (
     PictureHeader,
-    decode_picture,
     picture_header,
     read_labels,
     read_picture,
@@ -93,40 +92,40 @@ def test_a_picture_that_declares_too_many_pixels_is_refused_by_its_size(read, ki
 
 def test_a_picture_as_thin_as_a_line_has_a_longest_edge():
     with pytest.raises(OversizedFile, match="20000 x 1 pixels"):
-        decode_picture(cv2.imencode(".png", np.zeros((1, 20_000), np.uint8))[1].tobytes(), "the answer")
+        read_picture(cv2.imencode(".png", np.zeros((1, 20_000), np.uint8))[1].tobytes(), "the answer")
 
 
 @pytest.mark.parametrize("kind", ["PNG", "JPEG", "WEBP", "BMP", "TIFF", "GIF"])
 def test_a_picture_that_was_cut_off_is_refused(kind):
     data = encoded(kind)
     with pytest.raises(DamagedFile, match="the answer cannot be read as a picture"):
-        decode_picture(bytes(data[: len(data) * 2 // 3]), "the answer")
+        read_picture(bytes(data[: len(data) * 2 // 3]), "the answer")
 
 
 @pytest.mark.parametrize("kind", ["PNG", "WEBP", "TIFF", "GIF"])
 def test_of_several_frames_none_is_chosen(kind):
     other = Image.fromarray(PICTURE[::-1])
     with pytest.raises(DamagedFile, match="several frames"):
-        decode_picture(bytes(encoded(kind, save_all=True, append_images=[other])))
+        read_picture(bytes(encoded(kind, save_all=True, append_images=[other])))
 
 
 def test_sixteen_bits_become_eight_and_numbers_are_no_colours():
     sixteen = cv2.imencode(".png", PICTURE[..., ::-1].astype(np.uint16) * 257)[1].tobytes()
-    np.testing.assert_array_equal(decode_picture(sixteen), PICTURE)
-    grey = decode_picture(cv2.imencode(".png", PICTURE[..., 0].astype(np.uint16) * 257)[1].tobytes())
+    np.testing.assert_array_equal(read_picture(sixteen), PICTURE)
+    grey = read_picture(cv2.imencode(".png", PICTURE[..., 0].astype(np.uint16) * 257)[1].tobytes())
     np.testing.assert_array_equal(grey, np.repeat(PICTURE[..., :1], 3, axis=2))
     with pytest.raises(DamagedFile, match="32-bit"):
         buffer = io.BytesIO()
         Image.fromarray(PICTURE[..., 0].astype(np.float32)).save(buffer, "TIFF")
-        decode_picture(buffer.getvalue())
+        read_picture(buffer.getvalue())
 
 
 def test_alpha_is_laid_over_white_and_a_turned_photograph_stands_upright():
     clear = np.dstack([PICTURE, np.zeros((20, 30), np.uint8)])
-    assert (decode_picture(cv2.imencode(".png", clear)[1].tobytes()) == 255).all()
+    assert (read_picture(cv2.imencode(".png", clear)[1].tobytes()) == 255).all()
     turned = Image.Exif()
     turned[0x112] = 6
-    assert decode_picture(bytes(encoded("JPEG", exif=turned))).shape == (30, 20, 3)
+    assert read_picture(bytes(encoded("JPEG", exif=turned))).shape == (30, 20, 3)
 
 
 def test_a_pipe_a_device_and_a_folder_are_no_pictures(tmp_path):

@@ -187,7 +187,7 @@ def test_what_lies_in_the_current_folder_is_not_taken_for_what_is_loaded_ahead(t
 
 INTERRUPTED = """
 import os, signal, time
-from vcage.base.process_start import remove_server_files
+from vcage.base.worker_process import remove_server_files
 from vcage.base.workers import preload_module
 signal.signal(signal.SIGINT, lambda *_: None)
 preload_module("slow")

@@ -14,7 +14,7 @@ import pytest
 from tests.datasets.packing.orders import act_folder, add_camera
 from tests.recordings import collected
 from tests.run_folders import Answer, command, digests
-from vcage.base.partial import PARTIAL
+from vcage.base.leftovers import PARTIAL
 from vcage.cli.main import main
 from vcage.datasets.packing import clips as clip_module
 from vcage.datasets.packing.pack import WORKING

@@ -7,8 +7,7 @@ import pytest
 
 from tests.recordings import CAMERAS, FPS, episode, segment
 from vcage.datasets.episode import CameraTrack
-from vcage.sim.drive_log import DriveLog
-from vcage.sim.drives import DriveLayout
+from vcage.sim.drives import DriveLayout, DriveLog
 from vcage.sim.world import PHYSICS_HZ
 
 

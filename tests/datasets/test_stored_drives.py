@@ -10,8 +10,7 @@ import pytest
 
 from vcage.base.errors import DamagedFile
 from vcage.datasets.stored_drives import read_drives, write_drives
-from vcage.sim.drive_log import DriveLog
-from vcage.sim.drives import PARTS, DriveLayout, on_grid
+from vcage.sim.drives import PARTS, DriveLayout, DriveLog, on_grid
 
 LAYOUT = DriveLayout(joints=6, dof=8)
 STEPS = 1000

@@ -15,8 +15,7 @@ from vcage.base.errors import DamagedFile
 from vcage.objects.convex import load_convex
 from vcage.objects.importers.looks import load_surfaces, parts_of
 from vcage.objects.importers.urdf import read_urdf
-from vcage.objects.mesh_files import MeshFiles
-from vcage.objects.textures import report_unseen_textures
+from vcage.objects.mesh_files import MeshFiles, report_unseen_textures
 
 TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl wood\nf 1/1 2/2 3/3\n"
 

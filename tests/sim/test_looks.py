@@ -11,10 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vcage.base.errors import DamagedFile, InputFileError, MissingStage, SchemaMismatch, UnknownName
+from vcage.objects.surface_pictures import surface_picture
 from vcage.schema.randomisation import MOST_LIGHTS, CameraRanges, Light, Look, Surface, Tint
 from vcage.schema.scene import ObjectRecord, Scene
 from vcage.sim.cameras import placed
-from vcage.sim.looks import PAINTED, _cameras, _lights, appearance_of
+from vcage.sim.looks import _cameras, _lights, appearance_of
 from vcage.sim.robots import load_randomisation, load_robot
 from vcage.sim.tints import HUE_MARGIN_DEG, Colours, truthful
 
@@ -64,7 +65,7 @@ def test_the_colour_of_a_surface_multiplies_its_texture(where, name):
         made = appearance_of(Look(lights=[light], ambient=(0.5, 0.5, 0.5), surfaces=surfaces))
         return getattr(made, f"{where}_texture").astype(float)
 
-    own, half = PAINTED[where](name), shown((1.0, 0.5, 1.0))
+    own, half = surface_picture(where, name), shown((1.0, 0.5, 1.0))
     np.testing.assert_array_equal(shown((1.0, 1.0, 1.0)), own)
     np.testing.assert_allclose(half, own * [1, 0.5 ** (1 / 2.2), 1], atol=0.51)
 

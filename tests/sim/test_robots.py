@@ -4,7 +4,7 @@ import pytest
 from pydantic import ValidationError
 
 from vcage.base.errors import DamagedFile, MissingDependency, UnknownName
-from vcage.objects.table_tops import TABLES
+from vcage.objects.surface_pictures import SURFACES
 from vcage.schema.robot import Arm
 from vcage.sim.robots import available, load_robot, load_template, package_file
 
@@ -51,7 +51,7 @@ def test_the_arms_at_home_leave_the_workspace_free_in_the_top_view(template, nam
 
 def test_the_five_scenes_of_the_paper_are_there_with_their_table_tops():
     assert {"kitchen", "bathroom", "office_desk", "cashier_desk", "cabinet"} <= set(available("scenes"))
-    assert {load_template(name).table.texture for name in available("scenes")} <= set(TABLES)
+    assert {load_template(name).table.texture for name in available("scenes")} <= set(SURFACES["table"])
 
 
 def test_a_limit_is_one_number_for_every_joint_or_one_for_each():

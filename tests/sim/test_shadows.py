@@ -9,8 +9,8 @@ from vcage.sim import bodies
 from vcage.sim.appearance import Appearance
 from vcage.sim.bodies import Body
 from vcage.sim.cameras import shoot
+from vcage.sim.render import SEEN
 from vcage.sim.robots import load_robot
-from vcage.sim.shadows import SEEN
 from vcage.sim.world import World
 
 TABLE, LOOK = Table(), Appearance(light_direction=(0.0, 0.0, -1.0))

@@ -6,8 +6,8 @@ import xml.etree.ElementTree as ElementTree
 import trimesh
 
 from vcage.base.workers import map_in_processes
+from vcage.sim.render import SEEN
 from vcage.sim.robots import package_file
-from vcage.sim.shadows import SEEN
 from vcage.sim.urdf import physics_urdf, render_urdf
 
 PANDA = "mani_skill:assets/robots/panda/panda_v2.urdf"

@@ -8,7 +8,7 @@ import pytest
 
 from vcage.base.errors import UnknownName
 from vcage.schema.plan import LayoutPlan, Relation
-from vcage.vision.unmatched import stored_matches
+from vcage.vision.match import stored_matches
 
 
 def test_an_unknown_robot_is_an_error_if_the_plan_gives_a_place(things, make_scene):

@@ -12,7 +12,7 @@ from vcage.base.errors import DamagedFile, StaleStage, UsageError
 from vcage.base.files import RunFolder, read_json, sha256_file, write_json
 from vcage.base.hold import held
 from vcage.base.inside import name_complaint
-from vcage.base.partial import recover
+from vcage.base.leftovers import recover
 from vcage.base.progress import Progress, silent
 from vcage.datasets.lerobot.features import CAMERA, ENCODER
 from vcage.datasets.lerobot.formats import FORMATS, open_writer

@@ -20,8 +20,7 @@ from vcage.runs.accepted import accepted_episodes, no_episode_counts
 from vcage.runs.context import StageContext
 from vcage.sim.looks import look_world
 from vcage.sim.recording import StateLog
-from vcage.sim.replay import camera_paths, render_log
-from vcage.sim.resimulation import resimulate
+from vcage.sim.replay import camera_paths, render_log, resimulate
 from vcage.tasks.assemble import camera_tracks, episode_data
 
 NOT_RECORDED = "not recorded"
@@ -210,13 +209,23 @@ def compare_pictures(reader: EpisodeReader, drawn: Iterator[Mapping[str, np.ndar
                 continue  # the states tell of it
             gap = int(np.abs(images[index].astype(np.int16) - pictures[name]).max())
             differences[name] += [(index, gap)] if gap else []
-    found: dict[str, Difference | str] = {}
-    for name, digest in digests.items():
-        recorded, of = reader.recorded_digest(name), f"the picture of {name}"
-        if differences.get(name):
-            found[name] = Difference(of, differences[name][0][0], max(gap for _, gap in differences[name]))
-        elif recorded is None and name not in stored:
-            found[name] = "not kept"
-        else:
-            found[name] = "equal" if recorded in (None, digest.hexdigest()) else Difference(of)
-    return found
+    return {
+        name: _picture_difference(name, reader.recorded_digest(name), digest.hexdigest(), differences.get(name))
+        for name, digest in digests.items()
+    }
+
+
+def _picture_difference(
+    name: str, recorded: str | None, redrawn: str, gaps: list[tuple[int, int]] | None
+) -> Difference | str:
+    """The first difference of a camera, ``equal``, or ``not kept``.
+
+    Args:
+        recorded, redrawn: SHA-256 of the pictures; None where nothing was recorded.
+        gaps: frame and largest difference of each picture that differs; None where the file holds no pictures.
+    """
+    if gaps:
+        return Difference(f"the picture of {name}", gaps[0][0], max(gap for _, gap in gaps))
+    if recorded is None and gaps is None:
+        return "not kept"
+    return "equal" if recorded in (None, redrawn) else Difference(f"the picture of {name}")

@@ -203,6 +203,20 @@ class SchemaMismatch(InputFileError):
     code = "schema_mismatch"
 
 
+def mismatch(path: Path, field: str, message: str, hint: str = "mend the field", **details: Any) -> SchemaMismatch:
+    """The error about one field of a file.
+
+    Args:
+        path: of the file.
+        field: its name.
+        message: what it is, and what was expected.
+        hint: the way out.
+        details: more facts for a program.
+    """
+    named = {"path": str(path), "field": field, **details}
+    return SchemaMismatch(f"{path}: field {field}: {message}", hint=hint, details=named)
+
+
 class StaleStage(InputFileError):
     """A stage is finished, but from other inputs or options than those asked for now."""
 
@@ -269,36 +283,35 @@ class ModelRefused(VcageError):
     exit_code = 5
 
 
-class EndpointFailed(VcageError):
+class PassingFault(VcageError):
+    """Others are busy or out of reach for now: the same call may succeed later."""
+
+    exit_code = 6
+    retryable = True
+
+
+class EndpointFailed(PassingFault):
     """The endpoint did not answer, or answered with a passing fault (429, 5xx, time-out)."""
 
     code = "endpoint_failed"
-    exit_code = 6
-    retryable = True
 
 
-class FolderInUse(VcageError):
+class FolderInUse(PassingFault):
     """Another process works in the folder; says which."""
 
     code = "in_use"
-    exit_code = 6
-    retryable = True
 
 
-class FileInUse(VcageError):
+class FileInUse(PassingFault):
     """Another process writes a file that is to be read."""
 
     code = "in_use"
-    exit_code = 6
-    retryable = True
 
 
-class FetchFailed(VcageError):
+class FetchFailed(PassingFault):
     """A package mirror or index does not answer, or does not hold what is asked for."""
 
     code = "fetch_failed"
-    exit_code = 6
-    retryable = True
 
 
 # --- 7: partly done ------------------------------------------------------------------------------------

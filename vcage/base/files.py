@@ -22,7 +22,7 @@ from vcage.base import reading
 from vcage.base.errors import DiskFull, InputFileError, OutputFolderError
 from vcage.base.folders import require_utf8
 from vcage.base.inside import path_complaint, require_no_links
-from vcage.base.partial import PARTIAL, REPLACED, recover
+from vcage.base.leftovers import PARTIAL, REPLACED, recover
 
 # --- data that travels with the package ----------------------------------------------------------------
 
@@ -40,10 +40,13 @@ def resource(*parts: str) -> Path:
 
 def cache_path(*parts: str) -> Path:
     """A path in the user's cache, made or not: ``$VCAGE_CACHE`` or ``$XDG_CACHE_HOME/vcage``."""
-    base = os.environ.get("VCAGE_CACHE")
-    if not base:
-        base = os.path.join(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache", "vcage")
-    return Path(base).joinpath(*parts)
+    return _user_folder("VCAGE_CACHE", "XDG_CACHE_HOME", ".cache").joinpath(*parts)
+
+
+def _user_folder(own: str, shared: str, default: str) -> Path:
+    """The folder that our variable names, or the one of ours in that of a shared variable, by default under home."""
+    named = os.environ.get(own)
+    return Path(named) if named else Path(os.environ.get(shared) or Path.home() / default, "vcage")
 
 
 def cache_dir(*parts: str) -> Path:
@@ -58,10 +61,7 @@ def data_path(*parts: str) -> Path:
 
     Unlike the cache it cannot be made again by itself.
     """
-    base = os.environ.get("VCAGE_DATA")
-    if not base:
-        base = os.path.join(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share", "vcage")
-    return Path(base).joinpath(*parts)
+    return _user_folder("VCAGE_DATA", "XDG_DATA_HOME", ".local/share").joinpath(*parts)
 
 
 def sha256_file(path: Path) -> str:
@@ -150,7 +150,7 @@ def read_json(path: Path, *, nan: bool = False) -> Any:
 def atomic_folder(path: Path) -> Iterator[Path]:
     """Yield an empty folder beside ``path`` that replaces ``path`` only if the block succeeds.
 
-    A killed replacement is mended by :func:`vcage.base.partial.recover`, which runs on entry.
+    A killed replacement is mended by :func:`vcage.base.leftovers.recover`, which runs on entry.
     """
     path = Path(path)
     recover(path)

@@ -9,26 +9,12 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 from vcage.base.errors import InputFileError, VcageError
 
 NUMBER = re.compile(r"([0-9]+)")
 
-
-@dataclass(frozen=True)
-class FolderLimits:
-    """Limits of a search.
-
-    Args:
-        max_folders: links can make few folders look like endlessly many.
-    """
-
-    max_folders: int = 100_000
-
-
-LIMITS = FolderLimits()
 
 NaturalKey = tuple[tuple[str | tuple[int, str], ...], str]
 
@@ -69,7 +55,7 @@ def is_empty_folder(folder: Path) -> bool:
     return folder.is_dir() and not entries(folder)
 
 
-def files_below(folder: Path, *, repeated: bool = False, limits: FolderLimits = LIMITS) -> list[Path]:
+def files_below(folder: Path, *, repeated: bool = False, max_folders: int = 100_000) -> list[Path]:
     """All files below a folder in natural order, links to folders followed, without hidden names.
 
     A link whose target is missing counts as a file, so that whoever opens it can name it.
@@ -78,15 +64,15 @@ def files_below(folder: Path, *, repeated: bool = False, limits: FolderLimits = 
         folder: where to look.
         repeated: list a folder under each of its names. By default its files are listed once, under the real name where
             that lies below ``folder`` too.
-        limits: how much is searched.
+        max_folders: links can make few folders look like endlessly many.
 
     Raises:
         InputFileError: a folder cannot be read, or there are too many.
     """
-    return sorted(_walk(folder, repeated, limits), key=natural_path)
+    return sorted(_walk(folder, repeated, max_folders), key=natural_path)
 
 
-def _walk(top: Path, repeated: bool, limits: FolderLimits) -> Iterator[Path]:
+def _walk(top: Path, repeated: bool, max_folders: int) -> Iterator[Path]:
     seen: set[str] = set()
     entered = 0
     folders, links = [(top, frozenset[str]())], list[tuple[Path, frozenset[str]]]()
@@ -97,9 +83,9 @@ def _walk(top: Path, repeated: bool, limits: FolderLimits) -> Iterator[Path]:
             continue
         seen.add(real)
         entered += 1
-        if entered > limits.max_folders:
+        if entered > max_folders:
             raise InputFileError(
-                f"{top} holds more than {limits.max_folders:,} folders, links followed", hint="remove links to folders"
+                f"{top} holds more than {max_folders:,} folders, links followed", hint="remove links to folders"
             )
         for path in entries(folder):
             if not path.is_dir():

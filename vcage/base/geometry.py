@@ -60,7 +60,7 @@ class Pose:
     @classmethod
     def from_yaw(cls, p: ArrayLike, yaw: float) -> Pose:
         """At ``p``, turned by ``yaw`` about the vertical."""
-        return cls(p, yaw_to_quat(yaw))
+        return cls(p, (np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)))
 
     def matrix(self) -> np.ndarray:
         """(4, 4) homogeneous matrix."""
@@ -133,11 +133,6 @@ def rotation_to_quat(rotation: ArrayLike) -> np.ndarray:
     return -q if w < 0 else q
 
 
-def yaw_to_quat(yaw: float) -> np.ndarray:
-    """wxyz quaternion of a turn about the vertical."""
-    return np.array([np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)])
-
-
 def rotation_2d(yaw: float) -> np.ndarray:
     """(2, 2) rotation of the plane by ``yaw``, for columns: ``rotation_2d(yaw) @ point``."""
     c, s = np.cos(yaw), np.sin(yaw)
@@ -165,10 +160,7 @@ def frame_from_axes(origin: ArrayLike, z: ArrayLike, y: ArrayLike) -> Pose:
     z = z / np.linalg.norm(z)
     y = y - (y @ z) * z
     y = y / np.linalg.norm(y)
-    matrix = np.eye(4)
-    matrix[:3, :3] = np.stack([np.cross(y, z), y, z], axis=1)
-    matrix[:3, 3] = np.asarray(origin, dtype=np.float64)
-    return Pose.from_matrix(matrix)
+    return Pose(origin, rotation_to_quat(np.stack([np.cross(y, z), y, z], axis=1)))
 
 
 def look_at(eye: ArrayLike, target: ArrayLike, up: ArrayLike = (0.0, 0.0, 1.0)) -> Pose:
@@ -186,10 +178,7 @@ def look_at(eye: ArrayLike, target: ArrayLike, up: ArrayLike = (0.0, 0.0, 1.0)) 
     if np.linalg.norm(left) < 1e-9:
         raise ValueError("the view direction is parallel to 'up': give another 'up'")
     left = left / np.linalg.norm(left)
-    matrix = np.eye(4)
-    matrix[:3, :3] = np.stack([forward, left, np.cross(forward, left)], axis=1)
-    matrix[:3, 3] = eye
-    return Pose.from_matrix(matrix)
+    return Pose(eye, rotation_to_quat(np.stack([forward, left, np.cross(forward, left)], axis=1)))
 
 
 # --- boxes ---------------------------------------------------------------------------------------------
@@ -301,14 +290,8 @@ class Camera:
         """
         pixels = np.asarray(pixels, dtype=np.float64)
         height = np.asarray(height, dtype=np.float64)
-        local = np.stack(
-            [
-                np.ones(pixels.shape[:-1]),
-                (self.width / 2 - pixels[..., 0]) / self.focal,
-                (self.height / 2 - pixels[..., 1]) / self.focal,
-            ],
-            axis=-1,
-        )
+        left, up = ((size / 2 - pixels[..., k]) / self.focal for k, size in enumerate((self.width, self.height)))
+        local = np.stack([np.ones(pixels.shape[:-1]), left, up], axis=-1)
         rays = local @ self.pose.rotation().T
         with np.errstate(divide="ignore", invalid="ignore"):
             distance = (height - self.pose.p[2]) / rays[..., 2]

@@ -9,28 +9,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from vcage.base.errors import InputFileError
-
-
-@dataclass(frozen=True)
-class PathLimits:
-    """The most that is followed.
-
-    Args:
-        max_path_bytes: of a path in a record.
-        max_name_bytes: of each name in it: with more, systems refuse to look.
-        max_depth: folders in one another.
-    """
-
-    max_path_bytes: int = 1024
-    max_name_bytes: int = 255
-    max_depth: int = 64
-
-
-LIMITS = PathLimits()
 
 
 def path_complaint(path: str, up: int = 0) -> str | None:
@@ -48,16 +29,20 @@ def path_complaint(path: str, up: int = 0) -> str | None:
     return _bytes_complaint(path, parts)
 
 
-def _bytes_complaint(path: str, names: Sequence[str]) -> str | None:
-    """Say why the file system cannot take a path of these names; None for one that it can."""
+def _bytes_complaint(path: str, names: Sequence[str], max_path: int = 1024, max_name: int = 255) -> str | None:
+    """Say why the file system cannot take a path of these names; None for one that it can.
+
+    Args:
+        max_path, max_name: bytes; with more in a name, systems refuse to look.
+    """
     if "\0" in path:
         return f"expected a path without NUL, got {path[:80]!r}"
     try:
         longest, whole = max(len(os.fsencode(name)) for name in names), len(os.fsencode(path))
     except UnicodeEncodeError:
         return f"expected a path that can be written as bytes, got {path[:80]!r}"
-    if longest > LIMITS.max_name_bytes or whole > LIMITS.max_path_bytes:
-        most = f"names of at most {LIMITS.max_name_bytes} bytes and {LIMITS.max_path_bytes} in all"
+    if longest > max_name or whole > max_path:
+        most = f"names of at most {max_name} bytes and {max_path} in all"
         return f"expected {most}, got {whole}"
     return None
 
@@ -67,25 +52,26 @@ def name_complaint(name: str) -> str | None:
     return f"expected the bare name of a file, got {name[:80]!r}" if "/" in name else path_complaint(name)
 
 
-def require_no_links(root: Path, names: Collection[str]) -> None:
+def require_no_links(root: Path, names: Collection[str], max_depth: int = 64) -> None:
     """Require that all that a folder holds under these names is folders and regular files.
 
     Args:
         root: the folder.
         names: of its entries that are looked at, up to the first dot: ``episodes`` is ``episodes.collecting`` too.
+        max_depth: folders in one another.
 
     Raises:
         InputFileError: something is a symbolic link, or a pipe, socket or device; names it.
     """
     found = [entry for entry in _entries(root) if entry.name.partition(".")[0] in names]
-    for depth in range(LIMITS.max_depth + 1):
+    for depth in range(max_depth + 1):
         for entry in found:
             if not (entry.is_file(follow_symlinks=False) or entry.is_dir(follow_symlinks=False)):
                 raise _leads_out(entry)
         folders = [entry for entry in found if entry.is_dir(follow_symlinks=False)]
-        if depth == LIMITS.max_depth and folders:
+        if depth == max_depth and folders:
             raise InputFileError(
-                f"{folders[0].path} lies in more than {LIMITS.max_depth} folders of {root}", hint="see what is in it"
+                f"{folders[0].path} lies in more than {max_depth} folders of {root}", hint="see what is in it"
             )
         found = [entry for folder in folders for entry in _entries(Path(folder.path))]
 

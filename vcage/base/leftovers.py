@@ -1,4 +1,4 @@
-"""Remove what killed processes left behind, and make temporary folders that can be removed so.
+"""Partial work and temporary folders: their names, and their removal once the process that made them was killed.
 
 A temporary folder is locked by its process, however that ends, so one that can be locked belongs to nobody any more.
 """
@@ -13,11 +13,13 @@ import shutil
 import tempfile
 import time
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
-from vcage.base.files import cache_path
-from vcage.base.partial import PARTIAL, REPLACED, is_written, recover
+PARTIAL = ".partial-"
+"""Marks partial work; it may be deleted when nothing runs."""
+
+REPLACED = ".replaced-"
+"""Marks a finished folder under replacement; it is restored if the replacement failed."""
 
 SCRATCH = ".vcage-scratch-"
 """Begins the name of a temporary folder of ours."""
@@ -29,21 +31,6 @@ OF_PYTHON = "pymp-"
 
 PARTIAL_NAME = re.compile(rf"(?P<of>.+){re.escape(PARTIAL)}\d+(\..*)?", re.DOTALL)
 REPLACED_NAME = re.compile(rf"(?P<of>.+){re.escape(REPLACED)}\d+", re.DOTALL)
-
-
-@dataclass(frozen=True)
-class LeftoverSettings:
-    """When partial work is taken for left over.
-
-    Args:
-        cache_age_s: age of partial work in the cache. Other machines and containers may share the cache, and a slow
-            download does not touch the folder that it will fill.
-    """
-
-    cache_age_s: float = 24 * 3600.0
-
-
-SETTINGS = LeftoverSettings()
 
 
 @contextlib.contextmanager
@@ -95,11 +82,17 @@ def sweep_folder(folder: Path, names: Collection[str]) -> None:
                 _mend(part)
 
 
-def sweep_cache() -> None:
-    """Remove what processes left in the cache that were killed while they made something for it."""
+def sweep_cache(cache: Path, age_s: float = 24 * 3600.0) -> None:
+    """Remove what processes left in the cache that were killed while they made something for it.
+
+    Args:
+        cache: its folder.
+        age_s: of partial work that is taken for left over. Other machines and containers may share the cache, and a
+            slow download does not touch the folder that it will fill.
+    """
     with contextlib.suppress(OSError):
-        for path in cache_path().glob(f"*/*{PARTIAL}*"):
-            if time.time() - path.lstat().st_mtime > SETTINGS.cache_age_s:
+        for path in cache.glob(f"*/*{PARTIAL}*"):
+            if time.time() - path.lstat().st_mtime > age_s:
                 _mend(path)
 
 
@@ -107,11 +100,8 @@ def _mend(path: Path) -> None:
     """Remove partial work of a process that is gone; put back, or remove, what was to be replaced."""
     if replaced := REPLACED_NAME.fullmatch(path.name):
         recover(path.with_name(replaced["of"]))
-    elif PARTIAL_NAME.fullmatch(path.name) and not is_written(path):
-        if path.is_dir() and not path.is_symlink():
-            shutil.rmtree(path, ignore_errors=True)
-        else:
-            path.unlink(missing_ok=True)
+    elif PARTIAL_NAME.fullmatch(path.name):
+        _remove_partial(path)
 
 
 def _new_scratch() -> tuple[Path, int]:
@@ -150,3 +140,48 @@ def _remove_unless_locked(folder: Path) -> None:
             shutil.rmtree(folder, ignore_errors=True)
         finally:
             os.close(file)
+
+
+def is_written(part: Path) -> bool:
+    """Check whether the process whose number is in the name still runs on this machine, and is not this one."""
+    number = part.name.partition(PARTIAL)[2].partition(".")[0]
+    if not number.isdecimal() or int(number) == os.getpid():
+        return False
+    try:
+        os.kill(int(number), 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:  # another user's
+        return True
+    return True
+
+
+def recover(path: Path) -> None:
+    """Mend what a killed ``atomic_folder`` or ``atomic_path`` left beside ``path``.
+
+    A folder that was moved away for a replacement that never came is moved back; partial work is deleted, but for that
+    of a process that is still there.
+    """
+    path = Path(path)
+    if not path.parent.is_dir():
+        return
+    for old in sorted(path.parent.glob(f"{path.name}{REPLACED}*")):
+        if path.exists():
+            shutil.rmtree(old, ignore_errors=True)
+        else:
+            os.replace(old, path)
+    leftovers = set(path.parent.glob(f"{path.name}{PARTIAL}*")) | set(
+        path.parent.glob(f"{path.stem}{PARTIAL}*{path.suffix}")
+    )
+    for part in leftovers:
+        _remove_partial(part)
+
+
+def _remove_partial(part: Path) -> None:
+    """Remove partial work, unless its process is still there."""
+    if is_written(part):
+        return
+    if part.is_dir() and not part.is_symlink():
+        shutil.rmtree(part, ignore_errors=True)
+    else:
+        part.unlink(missing_ok=True)

@@ -27,13 +27,20 @@ Flag = Annotated[bool, FlagCreatePairsOff, UNSAID]
 """An option without a value, which is off unless it is given."""
 
 
-def value(parse: Callable[[str], Any], metavar: str, *, show: Callable[[Any], str] = str) -> PrimitiveConstructorSpec:
+def value(
+    parse: Callable[[str], Any],
+    metavar: str,
+    *,
+    show: Callable[[Any], str] = str,
+    choices: tuple[str, ...] | None = None,
+) -> PrimitiveConstructorSpec:
     """One word.
 
     Args:
         parse: what it means; raises ``ValueError`` with what is wrong with it.
         metavar: its name in the help.
         show: a default as a user would write it.
+        choices: which there are; any when not given.
     """
     return PrimitiveConstructorSpec(
         nargs=1,
@@ -41,19 +48,13 @@ def value(parse: Callable[[str], Any], metavar: str, *, show: Callable[[Any], st
         instance_from_str=lambda words: parse(words[0]),
         is_instance=lambda _: True,
         str_from_instance=lambda instance: [show(instance)],
+        choices=choices,
     )
 
 
 def choice(names: Sequence[str]) -> PrimitiveConstructorSpec:
     """One of some words that are not known before the program runs (otherwise a ``Literal`` is enough)."""
-    return PrimitiveConstructorSpec(
-        nargs=1,
-        metavar="{" + ",".join(names) + "}",
-        instance_from_str=lambda words: words[0],
-        is_instance=lambda _: True,
-        str_from_instance=lambda name: [name],
-        choices=tuple(names),
-    )
+    return value(str, "{" + ",".join(names) + "}", choices=tuple(names))
 
 
 def several(
@@ -95,16 +96,14 @@ def _whole(text: str) -> int:
 
 def positive(text: str) -> int:
     """A whole number above 0."""
-    number = _whole(text)
-    if number < 1:
+    if (number := _whole(text)) < 1:
         raise ValueError(f"{text} is not a positive number")
     return number
 
 
 def natural(text: str) -> int:
     """A whole number, 0 or more."""
-    number = _whole(text)
-    if number < 0:
+    if (number := _whole(text)) < 0:
         raise ValueError(f"{text} is negative")
     return number
 

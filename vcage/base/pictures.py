@@ -113,17 +113,11 @@ def picture_header(source: Path | bytes, name: str = "", limits: PictureLimits =
         return PictureHeader(kind, *image.size)
 
 
-def read_picture(path: Path) -> np.ndarray:
-    """Read a picture as (H, W, 3) uint8 RGB; grey becomes RGB, alpha is laid over white, EXIF's turn is made.
+def read_picture(source: Path | bytes, name: str = "", limits: PictureLimits = LIMITS) -> np.ndarray:
+    """A picture as (H, W, 3) uint8 RGB; grey becomes RGB, alpha is laid over white, EXIF's turn is made.
 
-    Raises:
-        MissingStage, DamagedFile, OversizedFile: as :func:`picture_header`.
-    """
-    return decode_picture(path)
-
-
-def decode_picture(source: Path | bytes, name: str = "", limits: PictureLimits = LIMITS) -> np.ndarray:
-    """(H, W, 3) uint8 RGB of a picture file or of its content; see :func:`read_picture`.
+    Args:
+        source, name, limits: as for :func:`picture_header`.
 
     Raises:
         MissingStage, DamagedFile, OversizedFile: as :func:`picture_header`.

@@ -24,32 +24,16 @@ from vcage.base.errors import DamagedFile, UsageError
 from vcage.base.video_files import MEND, open_video, video_name
 
 
-@dataclass(frozen=True)
-class DecodeSettings:
-    """Settings of decoding.
-
-    Args:
-        min_frames_per_seek: frames that a seek must spare: it costs the decoder about as much (flushed, and
-            its threads filled again).
-        min_frames_for_threads: frames to decode from which several are decoded at a time; for fewer, that
-            only delays the first.
-        max_tables: files whose tables of frames are remembered; one of 100,000 frames takes 10 MB.
-    """
-
-    min_frames_per_seek: int = 8
-    min_frames_for_threads: int = 16
-    max_tables: int = 8
-
-
-SETTINGS = DecodeSettings()
-
-
-def decode(video: bytes | Path, indices: Sequence[int] | None = None) -> NDArray[np.uint8]:
+def decode(
+    video: bytes | Path, indices: Sequence[int] | None = None, frames_for_threads: int = 16
+) -> NDArray[np.uint8]:
     """The pictures at ``indices`` (None: all), the same as when the video is decoded from its start.
 
     Args:
         video: a file, or its content.
         indices: frames from 0, in order of time; one that is named twice comes once.
+        frames_for_threads: frames to decode from which several are decoded at a time; for fewer, that only delays
+            the first.
 
     Returns:
         (N, H, W, 3) uint8 RGB in the order of time.
@@ -67,7 +51,7 @@ def decode(video: bytes | Path, indices: Sequence[int] | None = None) -> NDArray
             raise UsageError(f"{video_name(video)} has {len(table.times)} frames, frame {index} was asked for")
     runs = table.runs(wanted)
     with _opened(video) as source:
-        source.decode_ahead(sum(run.length for run in runs) >= SETTINGS.min_frames_for_threads)
+        source.decode_ahead(sum(run.length for run in runs) >= frames_for_threads)
         found = [picture for run in runs for picture in source.run(run)]
         return np.stack(found) if found else np.empty((0, *source.size, 3), np.uint8)
 
@@ -171,15 +155,20 @@ class _Table:
     entries: list[_Entry]
     unit: Fraction
 
-    def runs(self, wanted: Sequence[int]) -> list[_Run]:
-        """Return the runs to decode for increasing frame numbers ``wanted``."""
+    def runs(self, wanted: Sequence[int], frames_per_seek: int = 8) -> list[_Run]:
+        """Return the runs to decode for increasing frame numbers ``wanted``.
+
+        Args:
+            frames_per_seek: that a seek must spare: it costs the decoder about as much (flushed, and its threads filled
+                again).
+        """
         runs: list[tuple[_Entry, list[int]]] = []
         starts = [entry.time for entry in self.entries]
         for index in wanted:
             time = self.times[index]
             # what is shown at an entry or later depends on nothing before the entry
             entry = self.entries[max(0, bisect_right(starts, time) - 1)]
-            if runs and self._index(entry.time) - self._index(runs[-1][1][-1]) <= SETTINGS.min_frames_per_seek:
+            if runs and self._index(entry.time) - self._index(runs[-1][1][-1]) <= frames_per_seek:
                 runs[-1][1].append(time)
             else:
                 runs.append((entry, [time]))
@@ -202,7 +191,7 @@ def _table(video: bytes | Path) -> _Table:
     return _kept_table(video, stat.st_size, stat.st_mtime_ns)
 
 
-@lru_cache(maxsize=SETTINGS.max_tables)
+@lru_cache(maxsize=8)  # a table of 100,000 frames takes 10 MB
 def _kept_table(video: Path, _size: int, _changed: int) -> _Table:
     return _read_table(video)
 

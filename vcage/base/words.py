@@ -1,4 +1,4 @@
-"""Words: lemmas, number words, colours, categories, and similarity of spelling."""
+"""English words: lemmas, numbers, colours, kinds, likeness of spelling, and classes for checks of an instruction."""
 
 from __future__ import annotations
 
@@ -14,10 +14,13 @@ IRREGULAR = {
 }  # fmt: skip
 """Plural → singular where the rules below would go wrong."""
 
-NO_PLURAL = frozenset(
-    ["scissors", "pliers", "tongs", "tweezers", "headphones", "glasses", "cutlery", "stationery", "bus", "gas",
-     "chess", "electronics"]
-)  # fmt: skip
+
+def word_set(*lines: str) -> frozenset[str]:
+    """The words of some lines."""
+    return frozenset(word for line in lines for word in line.split())
+
+
+NO_PLURAL = word_set("scissors pliers tongs tweezers headphones glasses cutlery stationery bus gas chess electronics")
 """Words that end like a plural and are singular."""
 
 NUMBERS = {
@@ -28,45 +31,36 @@ NUMBERS = {
     "hundred": 100, "thousand": 1000,
 }  # fmt: skip
 
-DETERMINERS = frozenset(
-    ["the", "of", "this", "that", "these", "those", "my", "your", "our", "its", "his", "her", "all", "every", "each",
-     "any", "other"]
-)  # fmt: skip
+DETERMINERS = word_set("the of this that these those my your our its his her all every each any other")
 
-COLOURS = frozenset(
-    ["red", "green", "blue", "yellow", "orange", "purple", "violet", "pink", "brown", "black", "white", "grey",
-     "gray", "silver", "gold", "golden", "beige", "cyan", "teal", "turquoise", "navy", "cream", "tan", "magenta"]
-)  # fmt: skip
+COLOURS = word_set(
+    "red green blue yellow orange purple violet pink brown black white grey gray silver gold golden beige cyan",
+    "teal turquoise navy cream tan magenta",
+)
 
 _SAME_COLOUR = {"gray": "grey", "violet": "purple", "golden": "gold"}
 
 _JOINING = frozenset((*DETERMINERS, "and", "with"))
 
 KINDS: dict[str, frozenset[str]] = {
-    "bread": frozenset(
-        ["baguette", "croissant", "roll", "bun", "toast", "bagel", "loaf", "brioche", "pretzel", "ciabatta", "pita"]
-    ),
-    "pastry": frozenset(["croissant", "muffin", "donut", "doughnut", "brioche", "danish"]),
-    "fruit": frozenset(
-        ["apple", "banana", "orange", "lemon", "lime", "pear", "peach", "plum", "kiwi", "mango", "grape", "strawberry"]
-    ),
-    "vegetable": frozenset(["carrot", "potato", "tomato", "pepper", "onion", "cucumber", "broccoli", "aubergine"]),
-    "cutlery": frozenset(["fork", "knife", "spoon", "teaspoon"]),
-    "tableware": frozenset(["plate", "bowl", "mug", "cup", "fork", "knife", "spoon"]),
-    "tool": frozenset(["hammer", "screwdriver", "wrench", "pliers", "saw", "drill", "spanner", "chisel"]),
-    "stationery": frozenset(
-        ["pen", "pencil", "marker", "eraser", "stapler", "ruler", "notebook", "sharpener", "highlighter", "clip"]
-    ),
-    "toy": frozenset(["block", "cube", "brick", "ball", "doll", "car"]),
-    "food": frozenset(["apple", "banana", "orange", "baguette", "croissant", "roll", "bun", "toast", "bagel", "loaf"]),
-    "drink": frozenset(["drink", "juice", "milk", "soda", "lemonade", "cola", "water", "beer", "wine", "smoothie"]),
-    "container": frozenset(["bowl", "cup", "mug"]),
-    "medicine": frozenset(["medicine", "medication", "pill", "tablet"]),
+    "bread": word_set("baguette croissant roll bun toast bagel loaf brioche pretzel ciabatta pita"),
+    "pastry": word_set("croissant muffin donut doughnut brioche danish"),
+    "fruit": word_set("apple banana orange lemon lime pear peach plum kiwi mango grape strawberry"),
+    "vegetable": word_set("carrot potato tomato pepper onion cucumber broccoli aubergine"),
+    "cutlery": word_set("fork knife spoon teaspoon"),
+    "tableware": word_set("plate bowl mug cup fork knife spoon"),
+    "tool": word_set("hammer screwdriver wrench pliers saw drill spanner chisel"),
+    "stationery": word_set("pen pencil marker eraser stapler ruler notebook sharpener highlighter clip"),
+    "toy": word_set("block cube brick ball doll car"),
+    "food": word_set("apple banana orange baguette croissant roll bun toast bagel loaf"),
+    "drink": word_set("drink juice milk soda lemonade cola water beer wine smoothie"),
+    "container": word_set("bowl cup mug"),
+    "medicine": word_set("medicine medication pill tablet"),
 }
 """Words for a kind of things → heads of names of such things."""
 
 _EATEN = ("food", "packed food", "bread", "fruit", "vegetable", "sweet", "condiment")
-_EDIBLE = frozenset(["bread", "pastry", "fruit", "vegetable", "food", "drink"])
+_EDIBLE = word_set("bread pastry fruit vegetable food drink")
 _CARED = ("toiletries", "cosmetics")
 CATEGORIES: dict[str, frozenset[str]] = {
     "food": frozenset(_EATEN),
@@ -75,23 +69,23 @@ CATEGORIES: dict[str, frozenset[str]] = {
     "good": frozenset((*_EATEN, *_CARED)),
     "purchase": frozenset((*_EATEN, *_CARED)),
     "toiletry": frozenset(_CARED),
-    "cosmetic": frozenset(["cosmetics"]),
+    "cosmetic": word_set("cosmetics"),
     "stationery": frozenset(["stationery", "office tool"]),
-    "medicine": frozenset(["medicine"]),
-    "dish": frozenset(["crockery"]),
-    "crockery": frozenset(["crockery"]),
-    "electronics": frozenset(["electronics"]),
-    "gadget": frozenset(["electronics"]),
+    "medicine": word_set("medicine"),
+    "dish": word_set("crockery"),
+    "crockery": word_set("crockery"),
+    "electronics": word_set("electronics"),
+    "gadget": word_set("electronics"),
 }
 """Words for a kind of things → categories of the catalogue that such things are in."""
 
-MASS_KINDS = frozenset(["bread", "fruit", "cutlery", "tableware", "stationery", "food", "crockery", "electronics"])
+MASS_KINDS = word_set("bread fruit cutlery tableware stationery food crockery electronics")
 """Words for a kind of things that mean several in the singular."""
 
-SHALLOW = frozenset(["dish", "tray", "pan", "plate", "saucer", "board", "mat", "skillet", "holder"])
+SHALLOW = word_set("dish tray pan plate saucer board mat skillet holder")
 """Heads of names of shallow things: people put things both in and on them."""
 
-ANYTHING = frozenset(["object", "thing", "item", "stuff", "everything", "belonging", "article", "clutter", "all"])
+ANYTHING = word_set("object thing item stuff everything belonging article clutter all")
 """Words for things of no kind in particular."""
 
 PART_WORDS = {
@@ -192,3 +186,45 @@ def same_word(a: str, b: str) -> bool:
 def spelling_similarity(a: str, b: str) -> float:
     """Similarity of two spellings, in [0, 1]."""
     return difflib.SequenceMatcher(None, a, b).ratio()
+
+
+FUNCTION_WORDS = word_set(
+    "a an the this that these those it its them they their i i'd i'll i've i'm me my mine we we'd we'll we're us",
+    "our you you'd you're your he she him her his is are was were be been being am isn't aren't do does did don't",
+    "doesn't didn't has have had having will would could should shall may might must can can't cannot need needs",
+    "needed want wants wanted like likes let lets let's get gets got getting make makes sure please kindly thanks",
+    "thank thx pls plz and or but nor so then than also too as if when once until while before after afterwards",
+    "first finally next last lastly now just only really quite very still yet again already soon later in into on",
+    "onto to of off out over up down at by for from with within without inside around about through under along",
+    "here there where which who whom what whose how why some any no not none each every all both either neither",
+    "another other others one ones else same such more most less few several couple pair rest everything anything",
+    "something that's it's there's what's ok okay oh hey hi hello hmm um uh er well right away robot sorry wait",
+    "mean actually instead rather except apart hang possible mind matter matters care whichever whatever happen",
+    "bit little ahead together time start beginning end possibly perhaps maybe ever always way good nice great",
+    "fine done job thing things go goes going come comes yours you've we've they've shouldn't wouldn't couldn't",
+    "won't thats think see prefer trouble grateful dear mate ta yeah wondering happy moment turn supposed kind",
+    "able ur u people himself herself themselves that'd love champ bruh n exactly guess bet hurry quickly",
+    "carefully gently neatly nicely side terribly requested it'd running somebody someone gentleman lady customer",
+    "pay paying happened stays follows today tonight coming table desk counter worktop",
+)
+"""Words that no goal has to answer: they carry grammar, or politeness."""
+
+HANDLING = word_set(
+    "put puts putting place places placed placing set sets setting move moves moved moving bring brings take",
+    "takes taking taken gather tidy sort stow pick picks picked picking lay lays laid lift grab grabs hold get",
+    "keep fetch carry pop stick leave stand clear clean use uses using",
+)
+"""Verbs of taking and putting, which any goal of a thing answers."""
+
+VERBS = HANDLING | word_set(
+    "stack pack open close shut press push pull turn switch scan weigh show hand give pass present return clear",
+    "tidy clean prepare store load fill empty drop throw slide sort arrange build make serve bag box belong",
+    "belongs sit stay",
+)
+"""Verbs that instructions often have."""
+
+AFTER_A_NOUN = word_set(
+    "behind beside near close left separately belong against neatly carefully above below went alone untouched",
+    "top bottom nearest closest ends ended sits stands tucked stored kept packed laid placed",
+)
+"""Words that may follow a noun and do not make it part of a longer name."""

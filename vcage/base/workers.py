@@ -20,29 +20,12 @@ from typing import Any, Generic, Self, TypeVar
 from threadpoolctl import ThreadpoolController
 
 from vcage.base.errors import PartlyDone
-from vcage.base.process_start import preload, process_context, start
-from vcage.base.worker_process import FAILED, SAID, serve
+from vcage.base.worker_process import FAILED, SAID, preloaded, process_context, serve, start
 
 log = logging.getLogger(__name__)
 
 T = TypeVar("T")
 R = TypeVar("R")
-
-
-@dataclass(frozen=True)
-class ProcessSettings:
-    """Limits of worker processes.
-
-    Args:
-        max_tries: processes that may be lost over one task before it is given up.
-        end_s: within which a dismissed process ends by itself.
-    """
-
-    max_tries: int = 3
-    end_s: float = 5.0
-
-
-SETTINGS = ProcessSettings()
 
 
 def cores() -> int:
@@ -60,7 +43,8 @@ def preload_module(module: str) -> None:
         module: its name. An ImportError is left to whoever needs it; with another error no process can be begun.
     """
     if cores() > 1:
-        preload(module)
+        preloaded.append(module)
+        process_context()
 
 
 def map_in_processes(work: Callable[[T], R], tasks: Sequence[T], workers: int) -> Iterator[R]:
@@ -120,10 +104,10 @@ class _Process:
     task: Any
     since: float
 
-    def dismiss(self) -> None:
+    def dismiss(self, within_s: float = 5.0) -> None:
         """Let an idle process end by itself, so that it cleans up."""
         self.connection.close()
-        self.process.join(SETTINGS.end_s)
+        self.process.join(within_s)
         self.process.kill()
 
     def end(self) -> None:
@@ -142,10 +126,11 @@ class Processes(Generic[T, R]):
         work: a function of a module; task, result and errors are pickled.
         workers: processes at most.
         limit_s: seconds after which a process that has not answered is ended; None for any time.
+        max_tries: processes that may be lost over one task before it is given up.
     """
 
-    def __init__(self, work: Callable[[T], R], workers: int, limit_s: float | None = None):
-        self._work, self._workers, self._limit_s = work, workers, limit_s
+    def __init__(self, work: Callable[[T], R], workers: int, limit_s: float | None = None, max_tries: int = 3):
+        self._work, self._workers, self._limit_s, self._max_tries = work, workers, limit_s, max_tries
         self._waiting: deque[tuple[T, int]] = deque()
         self._busy: list[_Process] = []
         self._idle: list[_Process] = []
@@ -228,7 +213,7 @@ class Processes(Generic[T, R]):
     def _lost(self, process: _Process, how: str) -> None:
         task, tries = process.task
         process.end()
-        if tries >= SETTINGS.max_tries:
+        if tries >= self._max_tries:
             raise PartlyDone(
                 f"a worker process {how}, {tries} times with the same work, perhaps for want of memory",
                 hint="run the same command again with fewer --workers; what is finished is kept",

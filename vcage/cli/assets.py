@@ -171,8 +171,7 @@ class ValidateAssets(Command):
     def execute(self) -> Result:
         """Validate, and draw the page."""
         from vcage.apps.proof.page import write_page
-        from vcage.apps.proof.prove import Trial
-        from vcage.apps.proof.validate import PROOF, validate
+        from vcage.apps.proof.prove import PROOF, Trial, validate
         from vcage.objects.library import Library
 
         trial = Trial(robot=self.robot, seed=self.seed, quick=self.quick)

@@ -75,7 +75,7 @@ def end_process(code: int) -> int:
     The simulator's tear-down crashes when it was stopped in the middle of its work.
     """
     if code == Interrupted.exit_code:
-        from vcage.base.process_start import remove_server_files
+        from vcage.base.worker_process import remove_server_files
 
         remove_server_files()
         logging.shutdown()

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vcage.schema.episodes import Truth, Verdict
-from vcage.sim.drive_log import DriveLog
+from vcage.sim.drives import DriveLog
 from vcage.sim.world import PHYSICS_HZ
 
 DRAWN = "randomisation"

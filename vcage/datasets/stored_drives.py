@@ -4,7 +4,7 @@ All but the opening of a gripper are whole steps of a grid (:mod:`vcage.sim.driv
 third differences over time are stored, (numbers, S) int32 with the sign in the lowest bit (0, -1, 1, -2 … are 0, 1, 2,
 3 …), shuffled and compressed: 31 kB for 12 s, where float32 takes 600.
 
-Layout, in ``/drives``, whose attributes are ``settled`` and ``restarts`` (:class:`~vcage.sim.drive_log.DriveLog`)::
+Layout, in ``/drives``, whose attributes are ``settled`` and ``restarts`` (:class:`~vcage.sim.drives.DriveLog`)::
 
     <arm>/told    (2 n + dof, S) int32, see above: positions and velocities of the n joints, torques of all dof
     <arm>/opening (1, S) float64, as it is
@@ -22,8 +22,7 @@ import numpy as np
 
 from vcage.base.errors import DamagedFile
 from vcage.datasets.hdf5_limits import require_numbers_fit
-from vcage.sim.drive_log import DriveLog
-from vcage.sim.drives import GRID, DriveLayout
+from vcage.sim.drives import GRID, DriveLayout, DriveLog
 from vcage.sim.world import PHYSICS_HZ
 
 ORDER = 3

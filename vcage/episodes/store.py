@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from vcage.base.errors import DamagedFile, InputFileError, MissingStage
 from vcage.base.files import atomic_folder, write_text
 from vcage.base.keeper import Keeper
-from vcage.base.partial import PARTIAL, REPLACED, recover
+from vcage.base.leftovers import PARTIAL, REPLACED, recover
 from vcage.base.reading import Unreadable, text_of
 from vcage.runs.edits import seal
 from vcage.runs.stage import Job, StageResult

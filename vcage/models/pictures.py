@@ -42,7 +42,7 @@ def decode_base64(text: object, source: str) -> np.ndarray:
     Raises:
         EndpointFailed: it is not base64, or no whole picture of a size that can be used; names ``source``.
     """
-    from vcage.base.pictures import decode_picture
+    from vcage.base.pictures import read_picture
 
     if not isinstance(text, str):
         raise EndpointFailed(f"{source} sent {type(text).__name__} for a picture", hint="check the base URL")
@@ -54,7 +54,7 @@ def decode_base64(text: object, source: str) -> np.ndarray:
     except binascii.Error as error:
         raise EndpointFailed(f"{source} sent a picture that is not base64: {error}", hint="run it again") from error
     try:
-        picture = decode_picture(data)
+        picture = read_picture(data)
     except OversizedFile as error:
         raise EndpointFailed(f"{source}: {error.message}", hint="run it again, or take another model") from error
     except DamagedFile as error:

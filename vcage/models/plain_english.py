@@ -6,8 +6,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from vcage.base.word_classes import FUNCTION_WORDS, VERBS
-from vcage.base.words import COLOURS, DETERMINERS, NUMBERS, PARTS, lemma, tokens
+from vcage.base.words import COLOURS, DETERMINERS, FUNCTION_WORDS, NUMBERS, PARTS, VERBS, lemma, tokens
 from vcage.objects.names import texts_of
 from vcage.schema.asset import CatalogueEntry
 

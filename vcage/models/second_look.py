@@ -10,13 +10,13 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 
 from vcage.base.text import listed
-from vcage.base.word_classes import FUNCTION_WORDS, HANDLING
-from vcage.base.word_classes import VERBS as KNOWN_VERBS
 from vcage.base.words import (
     ANYTHING,
     COLOURS,
     COUNTED,
     DETERMINERS,
+    FUNCTION_WORDS,
+    HANDLING,
     NO_PLURAL,
     NUMBERS,
     PARTS,
@@ -24,6 +24,7 @@ from vcage.base.words import (
     same_word,
     tokens,
 )
+from vcage.base.words import VERBS as KNOWN_VERBS
 from vcage.models.asides import asked_part
 from vcage.models.checked_reading import CheckedReading
 from vcage.models.clauses import order_complaints

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
 from vcage.base.text import listed
-from vcage.base.word_classes import HANDLING
-from vcage.base.words import tokens
+from vcage.base.words import HANDLING, tokens
 from vcage.models.checked_reading import CheckedReading
 from vcage.objects.mentions import Noun
 from vcage.objects.names import has_colour, names_of

@@ -21,22 +21,6 @@ from vcage.schema.asset import (
 
 
 @dataclass(frozen=True)
-class RoundnessSettings:
-    """When an object counts as round.
-
-    Args:
-        directions: in which its width is measured.
-        max_difference_share: by which the widest may be wider than the narrowest.
-    """
-
-    directions: int = 12
-    max_difference_share: float = 0.05
-
-
-ROUNDNESS = RoundnessSettings()
-
-
-@dataclass(frozen=True)
 class Asset:
     """One variant of an object, ready for the simulator.
 
@@ -80,10 +64,7 @@ class Asset:
     @cached_property
     def round(self) -> bool:
         """Check that it is about as wide in every direction seen from above, so that its heading does not matter."""
-        angles = np.linspace(0, np.pi, ROUNDNESS.directions, endpoint=False)
-        points = np.concatenate([piece.vertices for piece in self.pieces])[:, :2]
-        widths = np.ptp(points @ np.stack([np.cos(angles), np.sin(angles)]), axis=0)
-        return bool(widths.max() <= (1 + ROUNDNESS.max_difference_share) * widths.min())
+        return _is_round(np.concatenate([piece.vertices for piece in self.pieces])[:, :2])
 
     @cached_property
     def pieces(self) -> list[Convex]:
@@ -164,6 +145,18 @@ class Asset:
         if point.holds == "in":
             return openings.room_inside(pieces, point.position, standing=standing)
         return openings.surface_on_top(pieces, point.position)
+
+
+def _is_round(points: np.ndarray, directions: int = 12, max_difference_share: float = 0.05) -> bool:
+    """True if points (n, 2) are about as wide in every direction.
+
+    Args:
+        directions: in which their width is measured.
+        max_difference_share: by which the widest may be wider than the narrowest.
+    """
+    angles = np.linspace(0, np.pi, directions, endpoint=False)
+    widths = np.ptp(points @ np.stack([np.cos(angles), np.sin(angles)]), axis=0)
+    return bool(widths.max() <= (1 + max_difference_share) * widths.min())
 
 
 def unbuilt_entry(annotation: Annotation) -> CatalogueEntry:

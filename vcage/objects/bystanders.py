@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
-from vcage.base.words import lemma, lemmas, same_word
+from vcage.base.words import lemma, lemmas, same_word, word_set
 from vcage.objects.names import confusable, is_of_kind, names_of
 from vcage.schema.asset import CatalogueEntry
 
-_OF_THE_TABLE = frozenset(
-    ("table", "tabletop", "side", "left", "right", "front", "back", "rear", "top", "bottom", "middle", "centre")
-    + ("center", "corner", "edge", "row", "line", "arm", "hand")
+_OF_THE_TABLE = word_set(
+    "table tabletop side left right front back rear top bottom middle centre center corner edge row line arm hand"
 )
 """Words for places on the table and for arms: they name no object."""
 

@@ -8,7 +8,7 @@ import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from vcage.base.errors import AssetLeftOut, InputFileError, SchemaMismatch, UnknownName
+from vcage.base.errors import AssetLeftOut, InputFileError, UnknownName, mismatch
 from vcage.base.files import data_path, resource, whole
 from vcage.base.progress import Progress, silent
 from vcage.base.workers import cores, map_in_processes
@@ -61,7 +61,10 @@ class Library:
         for path in _annotation_files(roots):
             annotation = _read(path)
             if annotation.name in folders:
-                raise _named_twice(path, folders[annotation.name])
+                first = folders[annotation.name] / "asset.json"
+                text = f"{annotation.name!r} is the name of {first} already; expected another"
+                hint = f"give it another name: rename the folder {path.parent} and the field"
+                raise mismatch(path, "name", text, hint, first=str(first))
             folders[annotation.name] = path.parent
             reason = sources.missing(annotation)
             if reason is None:
@@ -254,17 +257,6 @@ def _annotation_files(folders: Iterable[Path]) -> list[Path]:
 def _read(path: Path) -> Annotation:
     annotation = Annotation.read(path)
     if annotation.name != path.parent.name:
-        raise SchemaMismatch(
-            f"{path}: field name: {annotation.name!r} is not the folder's name {path.parent.name!r}",
-            hint="rename the folder or mend the field",
-            details={"path": str(path), "field": "name"},
-        )
+        text = f"{annotation.name!r} is not the folder's name {path.parent.name!r}"
+        raise mismatch(path, "name", text, "rename the folder or mend the field")
     return annotation
-
-
-def _named_twice(path: Path, first: Path) -> SchemaMismatch:
-    return SchemaMismatch(
-        f"{path}: field name: {path.parent.name!r} is the name of {first / 'asset.json'} already; expected another",
-        hint=f"give it another name: rename the folder {path.parent} and the field",
-        details={"path": str(path), "field": "name", "first": str(first / "asset.json")},
-    )

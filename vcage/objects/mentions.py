@@ -9,16 +9,18 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, field
 
-from vcage.base.word_classes import AFTER_A_NOUN, FUNCTION_WORDS, VERBS
 from vcage.base.words import (
+    AFTER_A_NOUN,
     CATEGORIES,
     COLOURS,
     DETERMINERS,
+    FUNCTION_WORDS,
     KINDS,
     MASS_KINDS,
     NUMBERS,
     PARTS,
     SIDES,
+    VERBS,
     colour_of,
     is_plural,
     lemma,

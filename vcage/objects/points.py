@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vcage.base.errors import DamagedFile, SchemaMismatch
+from vcage.base.errors import DamagedFile, SchemaMismatch, mismatch
 from vcage.base.placeholders import require_fetched
 from vcage.objects.asset import Asset
-from vcage.objects.textures import report_unseen_textures
+from vcage.objects.mesh_files import report_unseen_textures
 from vcage.schema.asset import IMPORTED, Annotation
 
 logger = logging.getLogger(__name__)
@@ -147,8 +147,5 @@ def _misfit(asset: Asset, path: Path, field: str, message: str) -> SchemaMismatc
 
 
 def _complaint(path: Path, field: str, message: str, variant: str) -> SchemaMismatch:
-    return SchemaMismatch(
-        f"{path}: field {field}: {message} (variant {variant!r})",
-        hint="mend the field, or the model that it was measured on",
-        details={"path": str(path), "field": field, "variant": variant},
-    )
+    hint = "mend the field, or the model that it was measured on"
+    return mismatch(path, field, f"{message} (variant {variant!r})", hint, variant=variant)

@@ -100,11 +100,7 @@ def _converter_hash() -> str:
     """Hash of the sources that decide the conversion of a package's model."""
     here = Path(__file__).parent
     shared = [here / "model.py", here / "hulls.py", here / "modelling" / "parts.py"]
-    return _hash_of([*shared, *sorted(here.glob("packages/*.py"))])
-
-
-def _hash_of(paths: list[Path]) -> str:
-    here, digest = Path(__file__).parent, hashlib.sha256()
-    for path in paths:
+    digest = hashlib.sha256()
+    for path in [*shared, *sorted(here.glob("packages/*.py"))]:
         digest.update(path.relative_to(here).as_posix().encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()

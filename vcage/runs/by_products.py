@@ -12,7 +12,7 @@ from pydantic import TypeAdapter, ValidationError
 from vcage.base.commands import CALLED, is_safe_continuation
 from vcage.base.errors import AnswerNeeded, DamagedFile, MissingStage, StageInterrupted, VcageError
 from vcage.base.files import PRODUCERS, RunFolder, read_json, write_json
-from vcage.base.partial import recover
+from vcage.base.leftovers import recover
 from vcage.base.progress import Progress
 from vcage.schema.base import Record
 

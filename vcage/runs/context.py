@@ -20,7 +20,7 @@ from vcage.models.protocols import Models
 from vcage.models.registry import DETECTORS, EMBEDDERS, Choice, build_models
 from vcage.objects.asset import Asset
 from vcage.objects.library import Library
-from vcage.objects.table_tops import table_texture
+from vcage.objects.surface_pictures import surface_picture
 from vcage.schema.asset import CatalogueEntry, PhysicalModel
 from vcage.schema.scene import ObjectRecord, Role, Scene, SceneTemplate, Table, Workspace
 from vcage.sim.appearance import Appearance
@@ -169,4 +169,4 @@ class StageContext:
 
     def appearance(self, texture: str) -> Appearance:
         """Return the plain look of a scene: studio light and the table's own texture."""
-        return Appearance(table_texture=table_texture(texture))
+        return Appearance(table_texture=surface_picture("table", texture))

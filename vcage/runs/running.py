@@ -13,10 +13,9 @@ from pathlib import Path
 from typing import Any, Protocol, cast
 
 from vcage.base.errors import FolderInUse, MissingStage
-from vcage.base.files import OWN, PRODUCERS, RunFolder, atomic_folder
+from vcage.base.files import OWN, PRODUCERS, RunFolder, atomic_folder, cache_path
 from vcage.base.hold import held
-from vcage.base.leftovers import sweep_cache, sweep_folder
-from vcage.base.partial import recover
+from vcage.base.leftovers import recover, sweep_cache, sweep_folder
 from vcage.base.progress import Progress, silent
 from vcage.runs.by_products import interrupted, note_seconds, noting_progress, unfinished
 from vcage.runs.context import StageContext
@@ -181,7 +180,7 @@ def at_work(run: RunFolder) -> Iterator[None]:
     try:
         with held(run.root):
             sweep_folder(run.root, SWEPT)
-            sweep_cache()
+            sweep_cache(cache_path())
             yield
     except FolderInUse as error:
         error.details["done_so_far"] = {name: note.model_dump() for name, note in unfinished(run).items()}

@@ -20,8 +20,8 @@ from tyro.conf import arg
 from vcage.base.errors import InputFileError, MissingStage, OutputFolderError, StaleStage, VcageError
 from vcage.base.files import PRODUCERS, RunFolder, atomic_folder, sha256_file, stage_of_file
 from vcage.base.keeper import Keeper
+from vcage.base.leftovers import recover
 from vcage.base.options import FOLDER, NATURAL, POSITIVE, UNSAID, Flag, between, choice
-from vcage.base.partial import recover
 from vcage.models.registry import CHOICES, OFFLINE, Choice
 from vcage.models.spending import Cap
 from vcage.runs.context import StageContext

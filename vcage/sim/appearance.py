@@ -22,8 +22,8 @@ class Appearance:
     Args:
         table_texture: (H, W, 3) uint8 sRGB picture that covers the table top once, or None for ``table_colour``.
         table_colour: of the top without a texture, and of its edge and legs.
-        floor_texture, wall_texture: the same as pictures that repeat (:mod:`vcage.objects.room_surfaces`), or None for
-            the colours.
+        floor_texture, wall_texture: the same as pictures that repeat (:mod:`vcage.objects.surface_pictures`), or None
+            for the colours.
         floor_colour, wall_colour: of the surroundings without a picture.
         light_direction: of the key light, world frame; towards the robot (-y), so that the arms throw their shadows
             away from the table.

@@ -16,7 +16,7 @@ from vcage.base.geometry import Pose
 from vcage.schema.asset import MovingLink, PhysicalModel
 from vcage.sim.joints import joint_positions
 from vcage.sim.poses import from_sapien, to_sapien
-from vcage.sim.shadows import SEEN, unseen_material
+from vcage.sim.render import SEEN, unseen_material
 
 if TYPE_CHECKING:
     import sapien

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import cv2
 import numpy as np
 
-from vcage.base.geometry import Camera, Pose, look_at
+from vcage.base.geometry import Camera, Pose, look_at, rotation_to_quat
 from vcage.base.time_limit import undisturbed
 from vcage.schema.base import CameraRecord
 from vcage.schema.randomisation import CameraShift
@@ -100,9 +100,7 @@ def _carrier(world: World, camera: RobotCamera) -> Pose | None:
 def _turn(shift: CameraShift) -> Pose:
     """The rotation about the camera's own axes: the three angles are a rotation vector."""
     rotation, _ = cv2.Rodrigues(np.radians(np.array(shift.turn_deg, dtype=np.float64)))
-    matrix = np.eye(4)
-    matrix[:3, :3] = rotation
-    return Pose.from_matrix(matrix)
+    return Pose(q=rotation_to_quat(rotation))
 
 
 @functools.cache

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
 from vcage.objects.colour_words import COLOUR_WORDS
-from vcage.objects.room_surfaces import floor_texture, wall_texture
-from vcage.objects.table_tops import table_texture
+from vcage.objects.surface_pictures import surface_picture
 from vcage.schema.asset import PhysicalModel
 from vcage.schema.base import Vec3
 from vcage.schema.randomisation import (
@@ -30,13 +29,6 @@ from vcage.sim.appearance import Appearance
 from vcage.sim.cameras import placed
 from vcage.sim.tints import HALVINGS, colours_of, truthful, weaker
 from vcage.sim.world import World
-
-PAINTED: dict[Where, Callable[[str], np.ndarray]] = {
-    "table": table_texture,
-    "wall": wall_texture,
-    "floor": floor_texture,
-}
-"""Texture painters by surface."""
 
 UNNAMED_COLOUR_TINT = 0.25
 """Share of a tint for an object whose name has no colour: an apple keeps an apple's colours."""
@@ -62,13 +54,11 @@ def draw_look(
         UnknownName: a texture of the ranges does not exist.
     """
     lights, ambient = _lights(ranges.light, rng)
-    surfaces = _surfaces(ranges.surfaces, scene.table.texture, rng)
-    cameras = _cameras(ranges.cameras, scene, robot, rng)
     return Look(
         lights=lights,
         ambient=ambient,
-        surfaces=surfaces,
-        cameras=cameras,
+        surfaces=_surfaces(ranges.surfaces, scene.table.texture, rng),
+        cameras=_cameras(ranges.cameras, scene, robot, rng),
         tints=_tints(ranges.colours, scene, models, rng),
     )
 
@@ -198,7 +188,7 @@ def _picture(where: Where, surface: Surface) -> np.ndarray | None:
     if surface.texture is None:
         return None
     levels = 255 * np.clip((np.arange(256)[:, None] / 255) ** 2.2 * np.array(surface.colour), 0, 1) ** (1 / 2.2)
-    picture = PAINTED[where](surface.texture)
+    picture = surface_picture(where, surface.texture)
     return np.stack([levels[picture[..., i], i] for i in range(3)], axis=-1).round().astype(np.uint8)
 
 

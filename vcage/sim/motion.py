@@ -234,12 +234,8 @@ def _poses_between(start: Pose, end: Pose) -> list[Pose]:
     """Poses on the straight line from ``start`` (left out) to ``end``."""
     turn = Rotation.from_quat(np.roll([start.q, end.q], -1, axis=1))
     angle = (turn[0].inv() * turn[1]).magnitude()
-    count = max(
-        1,
-        int(
-            np.ceil(max(float(np.linalg.norm(end.p - start.p)) / SETTINGS.line_step_m, angle / SETTINGS.line_step_rad))
-        ),
-    )
+    steps = max(float(np.linalg.norm(end.p - start.p)) / SETTINGS.line_step_m, angle / SETTINGS.line_step_rad)
+    count = max(1, int(np.ceil(steps)))
     shares = np.arange(1, count + 1) / count
     quaternions = np.roll(Slerp([0, 1], turn)(shares).as_quat(), 1, axis=1)
     points = start.p + shares[:, None] * (end.p - start.p)

@@ -3,28 +3,12 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from vcage.sim.collision import Held
-
-
-@dataclass(frozen=True)
-class BendSettings:
-    """Bends between legs.
-
-    Args:
-        shares: of the shorter of two legs that their bend may take, the widest first.
-        points: of a bend.
-    """
-
-    shares: tuple[float, ...] = (0.5, 0.25, 0.12)
-    points: int = 7
-
-
-BENDS = BendSettings()
 
 
 @dataclass(frozen=True)
@@ -128,14 +112,22 @@ def stretches(path: JointPath, free: Callable[[np.ndarray, Load], bool]) -> Iter
 
 
 def _bent(
-    points: np.ndarray, before: Leg, after: Leg, free: Callable[[np.ndarray, Load], bool]
+    points: np.ndarray,
+    before: Leg,
+    after: Leg,
+    free: Callable[[np.ndarray, Load], bool],
+    shares: Sequence[float] = (0.5, 0.25, 0.12),
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
-    """The remaining points of both legs and the widest free bend between them: (head, bend, tail)."""
+    """The remaining points of both legs and the widest free bend between them: (head, bend, tail).
+
+    Args:
+        shares: of the shorter leg that the bend may take, the widest first.
+    """
     alike = replace(after.load, speed=before.load.speed) == before.load
     loads = [before.load] if alike else [before.load, after.load]
     # Of a leg between two bends, each may take half.
     shorter = min(_length(before.points), _length(after.points))
-    for share in BENDS.shares:
+    for share in shares:
         head, start = _without_end(points, share * shorter)
         tail, end = _without_end(after.points[::-1], share * shorter)
         bend = _bend(start, after.points[0], end)
@@ -144,9 +136,9 @@ def _bent(
     return None
 
 
-def _bend(start: np.ndarray, corner: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """(k, n) points of the parabola that touches both legs."""
-    t = np.linspace(0, 1, BENDS.points)[:, None]
+def _bend(start: np.ndarray, corner: np.ndarray, end: np.ndarray, count: int = 7) -> np.ndarray:
+    """(count, n) points of the parabola that touches both legs."""
+    t = np.linspace(0, 1, count)[:, None]
     return (1 - t) ** 2 * start + 2 * t * (1 - t) * corner + t**2 * end
 
 

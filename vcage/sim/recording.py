@@ -9,7 +9,7 @@ import numpy as np
 
 from vcage.base.errors import UsageError
 from vcage.base.geometry import Pose
-from vcage.sim.drive_log import DriveLog
+from vcage.sim.drives import DriveLog
 from vcage.sim.state import WorldState
 from vcage.sim.world import PHYSICS_HZ, World
 

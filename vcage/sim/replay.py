@@ -1,14 +1,18 @@
-"""Rendering of a recorded episode in any appearance: states are set, never stepped."""
+"""Replay of a recorded episode: its states drawn in any appearance, or its drives simulated again.
+
+Drawing sets states and never steps. Simulation gives the same states bit for bit, on the same versions.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from vcage.base.geometry import Camera
 from vcage.sim.cameras import robot_cameras, shoot
+from vcage.sim.drives import DriveLog
 from vcage.sim.recording import StateLog
 from vcage.sim.state import WorldState
 from vcage.sim.world import World
@@ -59,3 +63,30 @@ def camera_paths(world: World, states: Iterable[WorldState]) -> dict[str, list[C
         for name, camera in robot_cameras(world).items():
             paths.setdefault(name, []).append(camera)
     return paths
+
+
+def resimulate(build: Callable[[], World], drives: DriveLog, fps: int, arms: Mapping[str, Sequence[float]]) -> StateLog:
+    """The recording of the same episode.
+
+    Args:
+        build: makes the world of the episode's start.
+        drives: the recorded commands.
+        fps: frames per second of the recording.
+        arms: start of an arm once all objects rest: offset of each joint from home, radians; home if not given.
+    """
+    world, log = build(), StateLog(fps)
+    world.step(drives.settled)
+    for name, offset in arms.items():
+        world.arms[name].reset(offset)
+    log.record(world)
+    restarts = set(drives.restarts)
+    for index in range(len(drives)):
+        if world.steps in restarts:
+            snapshot = world.snapshot()
+            world = build()
+            world.restore(snapshot)
+            log.record(world)
+        for name, rows in drives.rows.items():
+            world.arms[name].drives = rows[index]
+        world.step()
+    return log

@@ -59,24 +59,17 @@ def load_randomisation(name: str) -> Randomisation:
         raise MissingStage(
             f"{path} does not exist", hint=f"check the path, or take one of {available('randomisation')}"
         )
-    ranges = _read(Randomisation, path)
+    ranges = Randomisation.parse(read_yaml(path), path)
     return _painted(ranges).model_copy(update={"name": path.name})  # so that it differs from our own of that name
 
 
 def _painted(ranges: Randomisation) -> Randomisation:
     """The ranges, if there is a painter for each of their textures."""
-    from vcage.objects.room_surfaces import FLOORS, WALLS
-    from vcage.objects.table_tops import TABLES
+    from vcage.objects.surface_pictures import SURFACES, painter_of
 
-    surfaces = ranges.look.surfaces
-    for what, names, painters in (
-        ("table texture", surfaces.table, TABLES),
-        ("wall", surfaces.wall, WALLS),
-        ("floor", surfaces.floor, FLOORS),
-    ):
-        for name in names:
-            if name not in painters:
-                raise UnknownName(what, name, painters)
+    for where in SURFACES:
+        for name in getattr(ranges.look.surfaces, where):
+            painter_of(where, name)
     return ranges
 
 
@@ -95,11 +88,7 @@ def _load(kind: type[AnyDocument], what: str, folder: str, name: str) -> AnyDocu
     paths = _paths(folder)
     if name not in paths:
         raise UnknownName(what, name, paths)
-    return _read(kind, paths[name])
-
-
-def _read(kind: type[AnyDocument], path: Path) -> AnyDocument:
-    return kind.parse(read_yaml(path), path)
+    return kind.parse(read_yaml(paths[name]), paths[name])
 
 
 def package_file(name: str) -> Path:

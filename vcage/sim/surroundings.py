@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vcage.objects.room_surfaces import SIDE
+from vcage.objects.surface_pictures import SIDE
 from vcage.schema.robot import Robot
 from vcage.schema.scene import Table
 from vcage.sim.appearance import Appearance, LinearColour

@@ -16,8 +16,7 @@ from vcage.sim.appearance import Appearance
 from vcage.sim.arms import ArmControl, build_arm
 from vcage.sim.bodies import ArticulatedObject, Body, RigidObject, add_object
 from vcage.sim.contacts import ContactNames
-from vcage.sim.render import new_render_system
-from vcage.sim.shadows import keep_one_shadow
+from vcage.sim.render import keep_one_shadow, new_render_system
 from vcage.sim.state import SettleReport, WorldState, pack_arrays, unpack_arrays
 from vcage.sim.surroundings import add_surroundings, add_table
 from vcage.sim.tints import tint_entities

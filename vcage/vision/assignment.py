@@ -92,11 +92,8 @@ def _chosen(i: int, site: int, table: np.ndarray, best: np.ndarray, taken: dict[
     rival = max((float(table[k, site]) for k in homeless), default=-np.inf)
     other = float(elsewhere.max(initial=-np.inf))
     margin = float(table[i, site] - max(rival, other, 0.0))
-    twin = (
-        int(best[i, int(elsewhere.argmax())])
-        if other > max(SETTINGS.twin_odds, table[i, site] - SETTINGS.twin_odds)
-        else None
-    )
+    drawn_twice = other > max(SETTINGS.twin_odds, table[i, site] - SETTINGS.twin_odds)
+    twin = int(best[i, int(elsewhere.argmax())]) if drawn_twice else None
     return Chosen(int(best[i, site]), float(table[i, site]), margin, twin)
 
 

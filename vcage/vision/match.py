@@ -12,16 +12,18 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+import cv2
 import numpy as np
 
-from vcage.base.geometry import wrap_angle
+from vcage.base.geometry import Pose, wrap_angle
 from vcage.base.workers import one_blas_thread
+from vcage.layout.intended import intended_layout
+from vcage.layout.items import item_of
 from vcage.schema.matches import Match
 from vcage.schema.plan import LayoutPlan, Plan
-from vcage.schema.scene import Scene
+from vcage.schema.scene import ObjectRecord, Scene
 from vcage.sim.drawer import Drawer
 from vcage.vision.assignment import Chosen, assign
-from vcage.vision.detections import PixelBox, unclaimed_boxes
 from vcage.vision.heading_by_render import settle_heading
 from vcage.vision.identical_objects import settle_identical
 from vcage.vision.object_search import Candidates, find_candidates
@@ -29,7 +31,6 @@ from vcage.vision.observation import Observation, ScenePictures, observe
 from vcage.vision.pose_score import fit
 from vcage.vision.protocols import Detection, Detector, Embedder
 from vcage.vision.symmetry import smallest_turn
-from vcage.vision.unmatched import stored_matches
 
 THRESHOLD = 0.5
 """The paper's τ, for which it gives no value. In the benchmark's pictures right matches have cosine similarities of
@@ -39,6 +40,10 @@ LEAST_CONFIDENCE = 0.38
 """A match of less confidence is not made."""
 
 HIDDEN, NOT_FOUND = "hidden in the source picture", "not found in the target picture"
+
+
+PixelBox = tuple[float, float, float, float]
+"""u0, v0, u1, v1, half open."""
 
 
 @dataclass(frozen=True)
@@ -120,7 +125,7 @@ def match_picture(
     matches = [found[o.id] for o in scene.objects]
     return MatchResult(
         settle_identical(scene, plan.relations, matches) if plan else matches,
-        unclaimed_boxes(
+        _unclaimed_boxes(
             observation.detections, [one.masks[choice.index] for one, choice in accepted], observation.region
         ),
         observation.picture,
@@ -170,3 +175,100 @@ def _drawn_twice(accepted: Sequence[tuple[Candidates, Chosen]]) -> list[str]:
         for one, choice in accepted
         if choice.twin is not None
     ]
+
+
+def _unclaimed_boxes(
+    detections: Sequence[Detection], masks: Sequence[np.ndarray], region: np.ndarray, beside_px: int = 4
+) -> list[PixelBox]:
+    """Boxes of detections on the table that matched objects do not cover.
+
+    Each remaining part of a detected mask counts by itself: a stranger may touch a matched object.
+
+    Args:
+        detections: of the picture.
+        masks: (H, W) bool, outlines of the matched objects.
+        region: (H, W) bool, the table.
+        beside_px: margin around a matched object that is left out.
+    """
+    side = 2 * beside_px + 1
+    free = region.astype(np.uint8)
+    for mask in masks:
+        free[cv2.dilate(mask.astype(np.uint8), np.ones((side, side), np.uint8)) > 0] = 0
+    return [box for detection in detections for box in _free_parts(detection, free)]
+
+
+def _free_parts(
+    detection: Detection, free: np.ndarray, least_share: float = 0.5, least_px: int = 80, speck_px: int = 5
+) -> list[PixelBox]:
+    """Boxes of the parts of a detection that lie where ``free`` (H, W) uint8 is 1.
+
+    Args:
+        least_share: of a detected box that must be free.
+        least_px: area of the free part of a detected mask.
+        speck_px: parts of a detected mask that are narrower do not count.
+    """
+    if detection.mask is None:
+        u0, v0, u1, v1 = (max(round(x), 0) for x in detection.box)
+        inside = free[v0:v1, u0:u1]
+        return [detection.box] if inside.size and inside.mean() > least_share else []
+    kernel = np.ones((speck_px, speck_px), np.uint8)
+    rest = cv2.morphologyEx(detection.mask.astype(np.uint8) & free, cv2.MORPH_OPEN, kernel)
+    _, _, stats, _ = cv2.connectedComponentsWithStats(rest, connectivity=8)
+    boxes = np.column_stack([stats[:, :2], stats[:, :2] + stats[:, 2:4]]).astype(float)
+    large = [i for i in range(1, len(stats)) if stats[i, cv2.CC_STAT_AREA] >= least_px]
+    return [(u0, v0, u1, v1) for u0, v0, u1, v1 in boxes[large].tolist()]
+
+
+def stored_matches(
+    observation: Observation, plan: LayoutPlan | Plan | None, found: Mapping[str, Match], reasons: Mapping[str, str]
+) -> dict[str, Match]:
+    """A match of the method "kept" for each object that was not found.
+
+    An object goes where the plan wants it beside the found ones, if the source shows it and the plan has it as a
+    subject; any other object stays where it was. The note says which.
+
+    Args:
+        observation: scene, and which objects the source shows.
+        plan: relations that the layout shall have.
+        found: matches by object id.
+        reasons: object id → why it was not found.
+
+    Raises:
+        UnknownName: the scene's robot does not exist; the plan needs it to leave room for hands.
+    """
+    planned = _planned_poses(observation, plan, found, reasons)
+    return {
+        name: _stored(observation.scene.object(name), reason, planned.get(name)) for name, reason in reasons.items()
+    }
+
+
+def _planned_poses(
+    observation: Observation, plan: LayoutPlan | Plan | None, found: Mapping[str, Match], reasons: Mapping[str, str]
+) -> Mapping[str, Pose]:
+    scene = observation.scene
+    subjects = {r.subject for r in plan.relations} & set(reasons) & observation.shown if plan else set()
+    if not plan or not subjects:
+        return {}
+    fixed = {o.id: o.pose.pose() for o in scene.objects if o.id not in subjects}
+    for name, match in found.items():
+        fixed[name] = Pose.from_yaw([*match.position, scene.object(name).pose.position[2]], match.yaw)
+    layout = intended_layout(scene, plan.relations, {o.id: item_of(o) for o in scene.objects}, fixed)
+    return {name: layout.poses[name] for name in subjects}
+
+
+def _stored(record: ObjectRecord, reason: str, planned: Pose | None) -> Match:
+    before = record.pose.pose()
+    pose = planned or before
+    turned = float(wrap_angle(pose.yaw - before.yaw))
+    return Match(
+        object=record.id,
+        method="kept",
+        similarity=None,
+        confidence=0.0,
+        box=None,
+        position=(float(pose.p[0]), float(pose.p[1])),
+        yaw=float(wrap_angle(before.yaw + turned)),
+        turned=turned,
+        ncc=None,
+        note=f"{reason}; " + ("put where the plan wants it" if planned else "kept where it was"),
+    )

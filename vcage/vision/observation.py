@@ -5,7 +5,7 @@ Both pictures are in the frame of the scene's top camera and in the colours of t
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +13,6 @@ import numpy as np
 from vcage.base.geometry import Camera
 from vcage.schema.scene import ObjectRecord, Scene
 from vcage.vision.colour import LabImage, transfer_statistics
-from vcage.vision.detections import usable_detections
 from vcage.vision.protocols import Detection, Detector
 from vcage.vision.register import register
 from vcage.vision.table_model import fit_table, table_region
@@ -103,7 +102,7 @@ def observe(scene: Scene, pictures: ScenePictures, edited: np.ndarray, detector:
     region = table_region(scene.top_camera.camera(), scene.table) & registered.valid
     salience = fit_table(picture, pictures.background, region).salience
     detected = detector.detect(picture, [o.phrase for o in scene.objects], pictures.background)
-    detections, doubts = usable_detections(detected, picture.shape[:2])
+    detections, doubts = _usable(detected, picture.shape[:2])
     areas = {o.id: pictures.segmentation == scene.segmentation_ids.get(o.id, -1) for o in scene.objects}
     masks = {name: mask for name, mask in areas.items() if mask.sum() >= LEAST_MASK_PX}
     source_lab = LabImage.of(pictures.source, np.zeros_like(salience))
@@ -120,3 +119,20 @@ def observe(scene: Scene, pictures: ScenePictures, edited: np.ndarray, detector:
         detections=detections,
         notes=[*registered.notes, *doubts],
     )
+
+
+def _usable(
+    detections: Sequence[Detection], shape: tuple[int, ...], most: int = 200
+) -> tuple[list[Detection], list[str]]:
+    """The ``most`` surest detections whose box, score and mask fit a picture (H, W); and notes on those left out."""
+    notes = []
+    sound = [
+        d for d in detections if np.all(np.isfinite([*d.box, d.score])) and (d.mask is None or d.mask.shape == shape)
+    ]
+    if len(sound) < len(detections):
+        count = len(detections) - len(sound)
+        notes.append(f"{count} detections had no finite box and score, or a mask of another size")
+    if len(sound) > most:
+        notes.append(f"{len(sound)} things were detected in the target picture; the surest {most} are used")
+        sound = sorted(sound, key=lambda d: -d.score)[:most]
+    return sound, notes

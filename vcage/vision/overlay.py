@@ -38,22 +38,18 @@ def draw_overlay(
     colours = dict(zip([o.id for o in scene.objects], distinct_colours(len(scene.objects)), strict=True))
     for box in unclaimed:
         _dashed(canvas, np.array(box) * scale, WARNING)
-    places = {m.object: _places(scene, m) * scale for m in matches}
-    for match in matches:
-        _draw_match(canvas, match, places[match.object], colours[match.object], scale)
-    for match in matches:
-        start, end = places[match.object]
-        canvas.arrow(start, end, colours[match.object])
-    for match in matches:
-        canvas.keep_clear(_label_box(match, places[match.object], scale).tolist())
+    drawn = [(match, _places(scene, match) * scale, colours[match.object]) for match in matches]
+    labelled = [_label_box(match, places, scale).tolist() for match, places, _ in drawn]
+    for match, places, colour in drawn:
+        _draw_match(canvas, match, places, colour, scale)
+    for _, (start, end), colour in drawn:
+        canvas.arrow(start, end, colour)
+    for box in labelled:
+        canvas.keep_clear(box)
     for box in unclaimed:
         canvas.label((np.array(box) * scale).tolist(), "not claimed", WARNING)
-    for match in matches:
-        canvas.label(
-            _label_box(match, places[match.object], scale).tolist(),
-            _words(scene.object(match.object), match),
-            colours[match.object],
-        )
+    for (match, _, colour), box in zip(drawn, labelled, strict=True):
+        canvas.label(box, _words(scene.object(match.object), match), colour)
     return canvas.picture()
 
 

@@ -54,12 +54,10 @@ class TableModel:
 
     Args:
         salience: (H, W) float32 in [0, 1]: 0 is table or its shadow, 1 surely not.
-        grain: (4,) robust deviations of the table from the model: along the shade, and of L, a, b across it.
         known: True if the picture of the empty table improved the fit.
     """
 
     salience: np.ndarray
-    grain: np.ndarray
     known: bool
 
 
@@ -83,7 +81,7 @@ def fit_table(
         better = _grain(informed, region)
         if better.sum() < SETTINGS.informed_share * grain.sum():
             plain, grain, known = informed, better, True
-    return TableModel(_salience(plain, grain) * region, grain, known)
+    return TableModel(_salience(plain, grain) * region, known)
 
 
 def table_region(camera: Camera, table: Table) -> np.ndarray:

@@ -6,30 +6,31 @@ import numpy as np
 import pytest
 
 from tests.apps.proof.conftest import CUBE, contact
-from vcage.apps.proof.trials import Tally
+from vcage.apps.proof.trials import tried
+from vcage.base.errors import InfeasibleScene
 
 
 @pytest.mark.parametrize(("tries", "failures", "passed"), [(10, 0, True), (10, 1, True), (10, 2, False), (3, 1, True)])
 def test_one_failure_is_allowed(tries: int, failures: int, passed: bool) -> None:
-    tally = Tally(tries)
-    for number in range(tries):
-        tally.add("slipped" if number < failures else None)
-    check = tally.check("joint", "lid")
+    check = tried("joint", "lid", tries, lambda number: "slipped" if number < failures else None, {})
     assert check.passed is passed
     assert (check.tries, check.succeeded) == (tries, tries - failures)
 
 
 def test_a_single_try_that_fails_is_no_proof() -> None:
-    tally = Tally(1)
-    tally.add("slipped")
-    assert not tally.check("joint", "lid").passed
+    assert not tried("joint", "lid", 1, lambda _: "slipped", {}).passed
 
 
 def test_a_reason_is_told_once() -> None:
-    tally = Tally(3)
-    for reason in ("slipped", "slipped", "tipped"):
-        tally.add(reason)
-    assert tally.check("joint", "lid").reasons == ["slipped", "tipped"]
+    reasons = ("slipped", "slipped", "tipped")
+    assert tried("joint", "lid", 3, lambda number: reasons[number], {}).reasons == ["slipped", "tipped"]
+
+
+def test_a_try_without_a_place_has_failed() -> None:
+    def nowhere(_number: int) -> None:
+        raise InfeasibleScene("no arm reaches it")
+
+    assert tried("joint", "lid", 3, nowhere, {}).reasons == ["no arm reaches it"]
 
 
 def test_places_for_an_approach_from_the_side_face_the_robot(make, places) -> None:

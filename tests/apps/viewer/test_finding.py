@@ -5,8 +5,7 @@ import pytest
 
 from tests.datasets.recordings.layouts import DEMOS, act, robomimic, robotwin
 from tests.recordings import CAMERAS, FPS, HEIGHT, WIDTH, clip, collected, written
-from vcage.apps.viewer.finding import choose, find_episodes
-from vcage.apps.viewer.show import view
+from vcage.apps.viewer.show import choose, find_episodes, view
 from vcage.base.errors import DamagedFile, InputFileError, MissingStage, SchemaMismatch, UnknownName
 from vcage.datasets.packed import write_packed
 from vcage.datasets.picture_links import Stream

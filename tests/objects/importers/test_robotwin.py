@@ -11,7 +11,7 @@ from tests.objects.importers.conftest import TOP_DOWN, Cabinet, Rigid, frame
 from vcage.base.errors import InputFileError, SchemaMismatch
 from vcage.objects.importers import robotwin
 from vcage.objects.importers.robotwin import import_robotwin
-from vcage.objects.importers.robotwin_names import LONGEST, called, identifier, plural, unique
+from vcage.objects.importers.robotwin_words import LONGEST, called, identifier, plural, unique
 from vcage.objects.library import Library
 
 

@@ -14,7 +14,6 @@ from vcage.base.files import RunFolder, write_text
 from vcage.base.pictures import write_picture
 from vcage.base.progress import Progress, silent
 from vcage.objects.library import Library
-from vcage.schema.asset import Annotation
 
 PAGE = "index.html"
 TEMPLATE = Path(__file__).with_name("gallery.html.jinja")
@@ -33,19 +32,6 @@ class Picture:
     path: str
     width: int
     caption: str
-
-
-@dataclass(frozen=True)
-class Card:
-    """One kind of object on the page.
-
-    Args:
-        size: (3,) of its first variant's bounding box, metres.
-    """
-
-    annotation: Annotation
-    size: np.ndarray
-    pictures: list[Picture]
 
 
 def write_gallery(library: Library, folder: Path, names: Sequence[str] = (), progress: Progress = silent) -> Path:
@@ -68,7 +54,10 @@ def write_gallery(library: Library, folder: Path, names: Sequence[str] = (), pro
     for number, (name, variant) in enumerate(wanted):
         progress(f"{name}/{variant}", number, len(wanted))
         pictures.setdefault(name, []).extend(draw_variant(library, name, variant, folder))
-    cards = [Card(library.annotation(name), library.asset(name).size, drawn) for name, drawn in pictures.items()]
+    cards = [
+        {"annotation": library.annotation(name), "size": library.asset(name).size, "pictures": drawn}
+        for name, drawn in pictures.items()
+    ]
     shown = {"cards": cards, "left_out": library.left_out, "scale": VIEWS.metres_per_px, "variants": len(wanted)}
     return write_text(folder / PAGE, rendered(TEMPLATE, shown))
 

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vcage.apps.proof.trials import OBJECT, Tally, TrialPlaces, scene_object, world_with
+from vcage.apps.proof.trials import OBJECT, TrialPlaces, scene_object, tried, world_with
 from vcage.apps.proof.trials import SETTINGS as TRIALS
-from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose
 from vcage.objects.asset import Asset
 from vcage.schema.asset import ContactPoint
@@ -70,13 +69,11 @@ def check_contact(asset: Asset, contact: ContactPoint, places: TrialPlaces, trie
         return ProofCheck(
             check="contact_point", subject=subject, passed=False, tries=0, measured=measured, reasons=[reason]
         )
-    tally = Tally(tries)
-    for _ in range(tries):
-        try:
-            tally.add(_try(asset, contact, places.for_carrying(asset, contact, rng), places))
-        except InfeasibleScene as error:
-            tally.add(error.message)
-    return tally.check("contact_point", subject, measured)
+
+    def trial(_number: int) -> str | None:
+        return _try(asset, contact, places.for_carrying(asset, contact, rng), places)
+
+    return tried("contact_point", subject, tries, trial, measured)
 
 
 def _blocked_part(asset: Asset, contact: ContactPoint, gripper: Gripper) -> str | None:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from vcage.apps.proof.trials import OBJECT, Tally, TrialPlaces, scene_object, world_with
-from vcage.base.errors import InfeasibleScene, VcageError
+from vcage.apps.proof.trials import OBJECT, TrialPlaces, scene_object, tried, world_with
+from vcage.base.errors import VcageError
 from vcage.base.geometry import Pose
 from vcage.goals.thresholds import THRESHOLDS
 from vcage.objects.asset import Asset
@@ -31,14 +31,12 @@ def check_joint(asset: Asset, link: MovingLink, places: TrialPlaces, tries: int,
     if not contacts:
         reason = f"no contact point is on {link.name}: nothing to operate it by"
         return ProofCheck(check="joint", subject=link.name, passed=False, tries=0, reasons=[reason])
-    tally = Tally(tries)
-    for number in range(tries):
-        contact = contacts[number % len(contacts)]
-        try:
-            tally.add(_try(asset, index, contact, places.for_operating(asset, rng), places))
-        except InfeasibleScene as error:
-            tally.add(error.message)
-    return tally.check("joint", link.name, {"range": link.joint.upper - link.joint.lower, "handles": len(contacts)})
+
+    def trial(number: int) -> str | None:
+        return _try(asset, index, contacts[number % len(contacts)], places.for_operating(asset, rng), places)
+
+    measured = {"range": link.joint.upper - link.joint.lower, "handles": len(contacts)}
+    return tried("joint", link.name, tries, trial, measured)
 
 
 def _try(asset: Asset, index: int, contact: ContactPoint, pose: Pose, places: TrialPlaces) -> str | None:

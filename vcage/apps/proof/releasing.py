@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vcage.apps.proof.trials import OBJECT, Tally, scene_object
+from vcage.apps.proof.trials import OBJECT, scene_object, tried
 from vcage.base.files import atomic_folder, cache_path
-from vcage.base.geometry import Pose
+from vcage.base.geometry import Pose, tilt_between
 from vcage.objects.asset import Asset
 from vcage.objects.model import read_model, write_model
 from vcage.objects.modelling import solids
@@ -73,7 +73,7 @@ def check_rest(asset: Asset, table: Table, yaw: float) -> ProofCheck:
     world.step(SETTINGS.watch_steps)
     pose, joints = world.object_pose(OBJECT), world.object_joints(OBJECT)
     drift = float(np.linalg.norm(pose.p - placed.p))
-    tilt = float(np.arccos(np.clip(pose.rotation()[:, 2] @ placed.rotation()[:, 2], -1, 1)))
+    tilt = tilt_between(pose, placed)
     reasons = []
     if not report.settled:
         reasons.append(f"not at rest after {SETTINGS.settle_steps / PHYSICS_HZ:g} s")
@@ -109,12 +109,14 @@ def check_functional(asset: Asset, point: FunctionalPoint, table: Table, tries: 
         return ProofCheck(check="functional_point", subject=subject, passed=False, tries=0, reasons=[str(error)])
     rng = np.random.default_rng([seed, 1000 + point.id])
     edge = float(np.clip(SETTINGS.probe_share * min(opening.size), SETTINGS.min_probe_m, SETTINGS.max_probe_m))
-    tally = Tally(tries)
-    for _ in range(tries):
-        tally.add(_try(asset, point, opening, probe_cube(round(edge, 3)), table, rng))
+
+    def trial(_number: int) -> str | None:
+        return _try(asset, point, opening, probe_cube(round(edge, 3)), table, rng)
+
     measured = {"room_x_cm": 100 * opening.size[0], "room_y_cm": 100 * opening.size[1], "depth_cm": 100 * opening.depth}
     measured |= {"probe_mm": 1000 * edge}
-    return tally.check("functional_point", subject, {name: round(value, 2) for name, value in measured.items()})
+    rounded = {name: round(value, 2) for name, value in measured.items()}
+    return tried("functional_point", subject, tries, trial, rounded)
 
 
 def _try(
@@ -128,7 +130,7 @@ def _try(
     world = World(table, bodies)
     world.settle(max_steps=2 * PHYSICS_HZ)
     now = world.object_pose(OBJECT)
-    tilt = float(np.arccos(np.clip(now.rotation()[2, 2], -1, 1)))
+    tilt = tilt_between(now, Pose())
     if tilt > SETTINGS.max_tip_rad:
         return f"the object tipped by {np.degrees(tilt):.0f}°"
     receptacle = scene_object(asset, now, role="receptacle").moved(now, tuple(world.object_joints(OBJECT).tolist()))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -166,40 +167,32 @@ def world_with(asset: Asset, pose: Pose, places: TrialPlaces) -> World:
     return World(places.template.table, {OBJECT: Body(asset.model, pose)}, places.robot)
 
 
-@dataclass
-class Tally:
-    """Tries of one point or joint.
+def tried(
+    check: CheckName, subject: str, tries: int, trial: Callable[[int], str | None], measured: dict[str, float]
+) -> ProofCheck:
+    """Try one point or joint.
 
     Args:
-        tries: how many there will be.
+        check: its name.
+        subject: the point or joint.
+        tries: how often.
+        trial: takes the number of a try; returns None for a success, or the reason of its failure.
+        measured: what was measured besides.
     """
-
-    tries: int
-    succeeded: int = 0
-    reasons: list[str] = field(default_factory=list)
-
-    def add(self, reason: str | None) -> None:
-        """Count a try: None for a success, or the reason of its failure."""
-        if reason is None:
-            self.succeeded += 1
-        elif reason not in self.reasons:
-            self.reasons.append(reason)
-
-    def check(self, name: CheckName, subject: str, measured: dict[str, float] | None = None) -> ProofCheck:
-        """The tries as a record.
-
-        Args:
-            name: of the check.
-            subject: the point or joint.
-            measured: what was measured besides.
-        """
-        passed = self.succeeded >= max(1, self.tries - SETTINGS.max_failures)
-        return ProofCheck(
-            check=name,
-            subject=subject,
-            passed=passed,
-            tries=self.tries,
-            succeeded=self.succeeded,
-            measured=measured or {},
-            reasons=self.reasons,
-        )
+    failures = []
+    for number in range(tries):
+        try:
+            reason = trial(number)
+        except InfeasibleScene as error:
+            reason = error.message
+        failures += [] if reason is None else [reason]
+    succeeded = tries - len(failures)
+    return ProofCheck(
+        check=check,
+        subject=subject,
+        passed=succeeded >= max(1, tries - SETTINGS.max_failures),
+        tries=tries,
+        succeeded=succeeded,
+        measured=measured,
+        reasons=list(dict.fromkeys(failures)),
+    )

@@ -21,7 +21,7 @@ from vcage.apps.report.previews import previews
 from vcage.base.drawing import distinct_colours
 from vcage.base.errors import DamagedFile, InputFileError, MissingStage, StaleStage
 from vcage.base.files import RunFolder, write_bytes
-from vcage.base.partial import recover
+from vcage.base.leftovers import recover
 from vcage.base.pictures import jpeg, read_picture
 from vcage.base.version import __version__
 from vcage.episodes.question import CUSTOMER, TOP
@@ -95,57 +95,22 @@ def report_is_current(run: RunFolder) -> bool:
     return all(path.stat().st_mtime_ns < made for path in run.documents if path.exists())
 
 
-@dataclass(frozen=True)
-class _Documents:
-    """The JSON of each stage, by its name in the template; None for a stage that has not run."""
-
-    scene: Scene
-    plan: Plan | None
-    matches: Matches | None
-    layout: Scene | None
-    subtasks: Subtasks | None
-    episodes: Episodes | None
-    judged_again: Verdicts | None
-    compression: Compression | None
-    export: Export | None
-
-    @classmethod
-    def of(cls, run: RunFolder) -> _Documents:
-        return cls(
-            scene=Scene.read(run.scene),
-            plan=_read(run.plan, Plan),
-            matches=_read(run.matches, Matches),
-            layout=_read(run.layout, Scene),
-            subtasks=_read(run.subtasks, Subtasks),
-            episodes=_read(run.episodes, Episodes),
-            judged_again=_read(run.verdicts, Verdicts),
-            compression=_read(run.compression, Compression),
-            export=_read(run.export, Export),
-        )
-
-    @property
-    def notes(self) -> list[str]:
-        """Notes of plan and matching."""
-        return [note for document in (self.plan, self.matches) if document for note in document.notes]
-
-    @property
-    def refusals(self) -> list[tuple[str, int]]:
-        """Reasons for which sub-tasks were refused, the commonest first."""
-        return Counter(r.reason for r in self.subtasks.refused).most_common() if self.subtasks else []
-
-
 def _context(run: RunFolder) -> dict[str, Any]:
-    """Gather what the template shows: the documents and their details."""
-    found = _Documents.of(run)
-    scene, plan, layout, again = found.scene, found.plan, found.layout, found.judged_again
-    cards = _episode_cards(run, found.episodes)
+    """Gather what the template shows: the documents, None for a stage that has not run, and their details."""
+    scene, plan, layout = Scene.read(run.scene), _read(run.plan, Plan), _read(run.layout, Scene)
+    matches, subtasks = _read(run.matches, Matches), _read(run.subtasks, Subtasks)
+    episodes, again = _read(run.episodes, Episodes), _read(run.verdicts, Verdicts)
+    documents = {"scene": scene, "plan": plan, "matches": matches, "layout": layout, "subtasks": subtasks}
+    documents |= {"episodes": episodes, "judged_again": again}
+    documents |= {"compression": _read(run.compression, Compression), "export": _read(run.export, Export)}
+    cards = _episode_cards(run, episodes)
     return {
-        **vars(found),
-        **_starts(scene, found.episodes),
-        **_attempts(run, found.episodes),
-        "documents": [document for document in vars(found).values() if document is not None],
-        "notes": found.notes,
-        "refusals": found.refusals,
+        **documents,
+        **_starts(scene, episodes),
+        **_attempts(run, episodes),
+        "documents": [document for document in documents.values() if document is not None],
+        "notes": [note for document in (plan, matches) if document for note in document.notes],
+        "refusals": Counter(r.reason for r in subtasks.refused).most_common() if subtasks else [],
         "kept": relations_kept_in(layout, plan.relations) if plan and layout else None,
         "differences": [_difference_card(run, one) for one in again.differences] if again else [],
         "title": scene.instruction or f"Every sub-task of {scene.template}",
@@ -219,12 +184,11 @@ def _stage_pictures(run: RunFolder) -> list[dict[str, str]]:
         ("Layout before and after", "Matched targets, and the collision-free optimum", "optimize/layout.png"),
         ("Final scene", "The optimised scene, rebuilt in the simulator and settled", "optimize/top.png"),
     ]
-    found = []
-    for title, caption, path in wanted:
-        url = _picture_url(run.file(path))
-        if url is not None:
-            found.append({"title": title, "caption": caption, "url": url, "path": path})
-    return found
+    return [
+        {"title": title, "caption": caption, "url": url, "path": path}
+        for title, caption, path in wanted
+        if (url := _picture_url(run.file(path)))
+    ]
 
 
 def _episode_cards(run: RunFolder, episodes: Episodes | None) -> list[dict[str, Any]]:

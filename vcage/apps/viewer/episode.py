@@ -2,24 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vcage.apps.viewer.blueprint import SUMMARY, Contents
-from vcage.apps.viewer.footage import compressed_videos, log_pictures, log_video
 from vcage.apps.viewer.marks import log_segments
 from vcage.apps.viewer.motion import log_joints, log_motion, log_parts
 from vcage.apps.viewer.rerun_log import Clock, RerunLog, entity, rr
 from vcage.apps.viewer.scene import WORLD, log_objects, log_robot, log_table
+from vcage.base.commands import vcage_command
+from vcage.base.errors import DamagedFile, MissingStage
+from vcage.base.files import RunFolder
 from vcage.base.geometry import Pose
+from vcage.base.pictures import jpeg
 from vcage.base.progress import Progress
 from vcage.datasets.episode import CameraTrack, EpisodeData
 from vcage.datasets.reader import EpisodeReader
 from vcage.datasets.recordings.recording import Recording
+from vcage.schema.compression import Compression
 from vcage.schema.scene import Scene
 
 PictureSource = Literal["stored", "compressed", "none"]
@@ -40,7 +45,7 @@ def log_episode(log: RerunLog, path: Path, footage: PictureSource, progress: Pro
 
     Raises:
         MissingStage, DamagedFile, SchemaMismatch: see :class:`vcage.datasets.reader.EpisodeReader` and
-            :func:`vcage.apps.viewer.footage.compressed_videos`.
+            :func:`vcage.apps.viewer.episode.compressed_videos`.
     """
     with EpisodeReader(path) as reader:
         episode = reader.episode
@@ -175,3 +180,72 @@ def _words(value: Any) -> str:
     if isinstance(value, Mapping):
         return ", ".join(f"{name} {_words(inner)}" for name, inner in value.items())
     return str(value).replace("|", "\\|")
+
+
+def log_pictures(
+    log: RerunLog,
+    entity: str,
+    clock: Clock,
+    read: Callable[[range], NDArray[np.uint8]],
+    jpeg_quality: int = 90,
+    chunk_rows: int = 64,
+) -> None:
+    """Pictures as JPEG.
+
+    Args:
+        read: gives the pictures (N, H, W, 3) uint8 RGB of a range of rows.
+        jpeg_quality: of each picture.
+        chunk_rows: pictures sent at a time: bounds the memory, and keeps the chunks small that the viewer loads.
+    """
+    for start in range(0, len(clock), chunk_rows):
+        rows = range(start, min(start + chunk_rows, len(clock)))
+        files = [jpeg(picture, jpeg_quality) for picture in read(rows)]
+        columns = rr.EncodedImage.columns(blob=files, media_type=["image/jpeg"] * len(files))
+        log.rows(entity, clock.at(rows), columns)
+
+
+def log_video(log: RerunLog, entity: str, clock: Clock, file: Path) -> None:
+    """A video as it is, one frame of it for each row.
+
+    Args:
+        log: where it is written.
+        entity: that shows it.
+        clock: when its frames are.
+        file: the video.
+
+    Raises:
+        DamagedFile: it is no video, or has another number of frames than ``clock`` has rows.
+    """
+    try:
+        video = rr.AssetVideo(path=file)
+        shown = video.read_frame_timestamps_nanos()
+    except (OSError, RuntimeError, ValueError) as error:
+        raise _bad_video(f"{file} cannot be read: {error}") from error
+    if len(shown) != len(clock):
+        raise _bad_video(f"{file} has {len(shown)} frames, its episode {len(clock)}")
+    log.always(entity, video)
+    log.rows(entity, clock, rr.VideoFrameReference.columns_nanos(shown))
+
+
+def compressed_videos(episode: Path) -> dict[str, Path]:
+    """Camera → video of an episode in a run folder, as ``compress`` left them.
+
+    Raises:
+        MissingStage: the run, if it is one, was not compressed, or without this episode.
+        DamagedFile, SchemaMismatch: see :meth:`vcage.schema.base.Document.read`.
+    """
+    run = RunFolder(episode.resolve().parents[1])
+    record = run.compression
+    streams = Compression.read(record).streams if record.is_file() else []
+    videos = {s.camera: run.file(s.file) for s in streams if s.episode == run.relative(episode)}
+    if not videos:
+        raise MissingStage(
+            f"{episode} has no compressed videos: looked in {record}",
+            hint="leave out --pictures compressed, or compress first",
+            command=vcage_command("compress", "--run", run),
+        )
+    return videos
+
+
+def _bad_video(message: str) -> DamagedFile:
+    return DamagedFile(message, hint="make the videos again, by the stage compress")

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from vcage.apps.viewer.motion import Plot
 from vcage.apps.viewer.rerun_log import Clock, RerunLog, rr
 from vcage.datasets.episode import EpisodeData, Segment
@@ -15,18 +13,11 @@ NUMBER, CRITIC, TRUTH = "marks/subtask", "marks/critic", "marks/truth"
 """Entities: which sub-task it is, from 1; the critic's verdict and the truth at its end, 1 for success."""
 
 
-@dataclass(frozen=True)
-class _Look:
-    name: str
-    colour: tuple[int, int, int]
-    size: float
-
-
 POINTS = {
-    CRITIC: _Look("critic", (213, 94, 0), 9.0),
-    TRUTH: _Look("truth", (0, 158, 115), 5.0),
+    CRITIC: ("critic", (213, 94, 0), 9.0),
+    TRUTH: ("truth", (0, 158, 115), 5.0),
 }
-"""The last is drawn over the first, which shows around it."""
+"""Entity → name, colour and size of its points. The last is drawn over the first, which shows around it."""
 
 MARGIN = 0.5
 """Room below and above the points and the numbers."""
@@ -47,8 +38,8 @@ def log_segments(log: RerunLog, clock: Clock, episode: EpisodeData) -> list[Plot
     numbers = [sum(s.start <= frame for s in episode.segments) for frame in range(len(clock))]
     log.numbers(NUMBER, clock, numbers)
     ends = clock.at([s.end - 1 for s in episode.segments])
-    for entity, look in POINTS.items():
-        points = rr.SeriesPoints(names=look.name, colors=[look.colour], markers="circle", marker_sizes=look.size)
+    for entity, (name, colour, size) in POINTS.items():
+        points = rr.SeriesPoints(names=name, colors=[colour], markers="circle", marker_sizes=size)
         log.always(entity, points)
     log.numbers(CRITIC, ends, [s.verdict.accepted for s in episode.segments])
     log.numbers(TRUTH, ends, [s.truth.success for s in episode.segments])
@@ -61,7 +52,8 @@ def _log_texts(log: RerunLog, clock: Clock, segments: list[Segment]) -> None:
     ends = clock.at([s.end - 1 for s in segments])
     cards = rr.TextDocument.columns(text=[_card(s) for s in segments], media_type=["text/markdown"] * len(segments))
     begun = rr.TextLog.columns(text=[f"{s.subtask}: {s.text}" for s in segments], level=["INFO"] * len(segments))
-    ended = rr.TextLog.columns(text=[_ending(s) for s in segments], level=[_level(s) for s in segments])
+    endings = [f"{s.subtask}: {_verdict(s)}; {_truth(s)}" for s in segments]
+    ended = rr.TextLog.columns(text=endings, level=[_level(s) for s in segments])
     log.rows(NOW, starts, cards)
     log.rows(LOG, starts, begun)
     log.rows(LOG, ends, ended)
@@ -71,10 +63,6 @@ def _card(segment: Segment) -> str:
     tries = "1 attempt" if segment.attempts == 1 else f"{segment.attempts} attempts"
     how = f"{segment.arm} arm, contact point {segment.contact}, {tries}, frames {segment.start} to {segment.end - 1}"
     return f"**{segment.text}**\n\n{how}\n\n{_verdict(segment)}\n\n{_truth(segment)}"
-
-
-def _ending(segment: Segment) -> str:
-    return f"{segment.subtask}: {_verdict(segment)}; {_truth(segment)}"
 
 
 def _verdict(segment: Segment) -> str:

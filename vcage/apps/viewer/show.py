@@ -12,13 +12,17 @@ from pathlib import Path
 
 from vcage.apps.viewer.blueprint import Contents, blueprint
 from vcage.apps.viewer.episode import PictureSource, log_episode, log_recording
-from vcage.apps.viewer.finding import choose, find_episodes
 from vcage.apps.viewer.rerun_log import RerunLog, rr
 from vcage.base.commands import pip_command
-from vcage.base.errors import ConfigurationError, UsageError
+from vcage.base.errors import ConfigurationError, MissingStage, UnknownName, UsageError
 from vcage.base.files import RunFolder, write_bytes
 from vcage.base.progress import Progress, silent
+from vcage.datasets.hdf5 import SCHEMA
+from vcage.datasets.hdf5_files import damage, open_hdf5_file
+from vcage.datasets.picture_links import read_link
+from vcage.datasets.recordings.opening import open_recordings
 from vcage.datasets.recordings.recording import Recording
+from vcage.schema.episodes import Episodes
 
 APPLICATION = "vcage"
 """Under this name the viewer remembers what its user changed in the layout."""
@@ -59,7 +63,7 @@ def view(
     """Show an episode of ours or a recording of others.
 
     Args:
-        path: see :func:`vcage.apps.viewer.finding.find_episodes`.
+        path: see :func:`vcage.apps.viewer.show.find_episodes`.
         number: which of them, where a path holds several; the first by default.
         save: the ``.rrd`` file to write; without, the viewer is opened.
         footage: which pictures; recordings of others have no compressed ones.
@@ -79,26 +83,21 @@ def view(
         _require_viewer(footage)
     found = find_episodes(path)
     number = choose(found, number, path)
-    contents_of = _writer(found[number], path, footage, fps, progress)
+    one = found[number]
+    if isinstance(one, Recording) and footage == "compressed":
+        raise UsageError(f"{path} is no episode of a run, and has no compressed videos", hint="leave out --pictures")
 
     def write(stream: rr.RecordingStream) -> Contents:
         stream.send_recording_name(f"{path.name} {number}" if len(found) > 1 else path.name)
-        contents = contents_of(RerunLog(stream))
+        log = RerunLog(stream)
+        if isinstance(one, Recording):
+            contents = log_recording(log, one, fps, footage != "none", progress)
+        else:
+            contents = log_episode(log, one, footage, progress)
         stream.send_blueprint(blueprint(contents))
         return contents
 
     return Shown(number, len(found), _to_viewer(write) if save is None else _to_file(write, save))
-
-
-def _writer(
-    one: Path | Recording, path: Path, footage: PictureSource, fps: float | None, progress: Progress
-) -> Callable[[RerunLog], Contents]:
-    """Return the function that logs an episode of ours, or another recording found at ``path``."""
-    if not isinstance(one, Recording):
-        return lambda log: log_episode(log, one, footage, progress)
-    if footage == "compressed":
-        raise UsageError(f"{path} is no episode of a run, and has no compressed videos", hint="leave out --pictures")
-    return lambda log: log_recording(log, one, fps, footage != "none", progress)
 
 
 @contextmanager
@@ -172,3 +171,51 @@ def _require_viewer(footage: PictureSource) -> None:
             "there is no screen to open the viewer on",
             hint=f"write a file with --save {FILE} and open it where there is one: rerun {FILE}",
         )
+
+
+def find_episodes(path: Path) -> dict[int, Path | Recording]:
+    """Return the episodes at a path by number: our own files as paths, other recordings opened.
+
+    A run folder offers all its episodes that have a file, the rejected too, by their numbers in the run. An episode of
+    ours whose pictures were moved to videos counts as a recording.
+
+    Raises:
+        InputFileError: there is nothing at the path, or nothing that is known.
+        DamagedFile, SchemaMismatch: a file is damaged, or in no layout that is known; names it.
+    """
+    path = Path(path)
+    if path.is_file():
+        return {0: path} if _is_whole(path) else dict(enumerate(open_recordings(path)))
+    run = RunFolder(path.parent if (path / "episodes.json").is_file() else path)
+    if run.episodes.is_file():
+        return {e.index: run.file(e.file) for e in Episodes.read(run.episodes).episodes if e.file is not None}
+    found = open_recordings(path)
+    return dict(enumerate(one.path if one.path.is_file() and _is_whole(one.path) else one for one in found))
+
+
+def choose(found: dict[int, Path | Recording], number: int | None, path: Path) -> int:
+    """Return ``number`` if that episode exists, by default the first.
+
+    Args:
+        found: as :func:`find_episodes` found them.
+        number: of one of them; None for the first.
+        path: where they were found, for the message.
+
+    Raises:
+        MissingStage: nothing was found at ``path``.
+        UnknownName: there is none of that number.
+    """
+    if not found:
+        raise MissingStage(f"{path} holds no episode with a file", hint="collect more, with a larger --episodes")
+    if number is None:
+        return min(found)
+    if number not in found:
+        raise UnknownName("episode", str(number), map(str, found))
+    return number
+
+
+def _is_whole(path: Path) -> bool:
+    """True for a file that is an episode of ours, of any version, with its pictures inside."""
+    with damage(path), open_hdf5_file(path) as file:
+        ours = str(file.attrs.get("schema", "")).startswith(SCHEMA.partition("/")[0])
+        return ours and all(read_link(pictures) is None for pictures in file.get("observations/images", {}).values())

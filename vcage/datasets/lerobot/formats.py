@@ -10,7 +10,7 @@ from typing import Any
 from vcage.base.errors import OutputFolderError, UnknownName, UsageError
 from vcage.base.files import atomic_folder
 from vcage.base.folders import is_empty_folder
-from vcage.base.partial import recover
+from vcage.base.leftovers import recover
 from vcage.datasets.lerobot.meta import INFO
 from vcage.datasets.lerobot.v3 import WriterV30, WriterV31
 from vcage.datasets.lerobot.v21 import WriterV21

@@ -18,7 +18,7 @@ from vcage.base.files import RunFolder, atomic_folder
 from vcage.base.folders import is_empty_folder
 from vcage.base.hold import held
 from vcage.base.keeper import Keeper
-from vcage.base.partial import recover
+from vcage.base.leftovers import recover
 from vcage.base.progress import Progress, silent
 from vcage.base.text import listed
 from vcage.datasets.packing.clips import Clip

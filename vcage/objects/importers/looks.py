@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -15,25 +14,6 @@ from vcage.base.errors import DamagedFile, VcageError
 from vcage.base.placeholders import require_fetched
 from vcage.objects.mesh_files import MeshFiles
 from vcage.objects.modelling.parts import Part, paint
-
-
-@dataclass(frozen=True)
-class LookSettings:
-    """Settings of the textures made of a mesh's look.
-
-    Args:
-        default_colour: of a surface with neither picture nor colour, sRGB.
-        min_area_m2: smaller triangles are left out, as :func:`vcage.objects.modelling.parts.paint` does.
-        palette_steps: per channel, to which the colours of single faces are rounded where there are very
-            many.
-    """
-
-    default_colour: tuple[int, int, int] = (178, 178, 178)
-    min_area_m2: float = 1e-13
-    palette_steps: int = 32
-
-
-SETTINGS = LookSettings()
 
 NORMALS = "normals"
 """Attribute of a mesh's vertices: the normals that its file gives, in the mesh's frame; any length."""
@@ -92,7 +72,8 @@ def parts_of(meshes: Sequence[trimesh.Trimesh], linear: np.ndarray, shift: np.nd
     return [part for mesh in meshes if (part := _part(mesh, linear, shift)) is not None]
 
 
-def _part(mesh: trimesh.Trimesh, linear: np.ndarray, shift: np.ndarray) -> Part | None:
+def _part(mesh: trimesh.Trimesh, linear: np.ndarray, shift: np.ndarray, min_area_m2: float = 1e-13) -> Part | None:
+    """The surface, without the triangles that :func:`vcage.objects.modelling.parts.paint` leaves out as well."""
     texture, uv, roughness, metallic = _look(mesh)
     corners = (np.asarray(mesh.vertices) @ linear.T + shift)[mesh.faces]
     uv = (uv[mesh.faces] if len(uv) == len(mesh.vertices) else uv).reshape(-1, 3, 2)
@@ -103,7 +84,7 @@ def _part(mesh: trimesh.Trimesh, linear: np.ndarray, shift: np.ndarray) -> Part 
         normals = None if normals is None else normals[:, ::-1]
     sheet = trimesh.Trimesh(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3), process=False)
     sheet.merge_vertices(merge_tex=True, merge_norm=True, digits_vertex=7)
-    kept = np.asarray(sheet.area_faces > SETTINGS.min_area_m2)
+    kept = np.asarray(sheet.area_faces > min_area_m2)
     if not kept.any():
         return None
     if normals is None or not np.linalg.norm(normals[kept], axis=2).all():
@@ -157,8 +138,9 @@ def _number(value: Any, default: float) -> float:
     return default if value is None else float(np.clip(value, 0.0, 1.0))
 
 
-def _plain(colour: tuple[float, ...] | None) -> np.ndarray:
-    seen = SETTINGS.default_colour if colour is None else _to_screen(np.array(colour)) * 255
+def _plain(colour: tuple[float, ...] | None, default: tuple[int, int, int] = (178, 178, 178)) -> np.ndarray:
+    """A picture of one linear colour, or of the sRGB ``default`` for a surface with neither picture nor colour."""
+    seen = default if colour is None else _to_screen(np.array(colour)) * 255
     return np.full((4, 4, 3), seen).round().astype(np.uint8)
 
 
@@ -168,14 +150,17 @@ def _tinted(picture: np.ndarray, colour: tuple[float, ...] | None) -> np.ndarray
     return (_to_screen(_to_linear(picture / 255) * np.array(colour)) * 255).round().astype(np.uint8)
 
 
-def _face_colours(mesh: trimesh.Trimesh) -> tuple[np.ndarray, np.ndarray]:
-    """A picture with one pixel for each colour of the faces, and three texture coordinates per face."""
+def _face_colours(mesh: trimesh.Trimesh, palette_steps: int = 32) -> tuple[np.ndarray, np.ndarray]:
+    """A picture with one pixel for each colour of the faces, and three texture coordinates per face.
+
+    Very many colours are rounded to ``palette_steps`` per channel.
+    """
     visual = mesh.visual
     if not isinstance(visual, trimesh.visual.ColorVisuals) or visual.kind not in ("face", "vertex"):
         return _plain(None), np.full((len(mesh.vertices), 2), 0.5)
     colours = np.asarray(visual.face_colors)[:, :3]
-    if len(np.unique(colours, axis=0)) > SETTINGS.palette_steps**2:
-        step = 256 // SETTINGS.palette_steps
+    if len(np.unique(colours, axis=0)) > palette_steps**2:
+        step = 256 // palette_steps
         colours = colours // step * step + step // 2
     palette, index = np.unique(colours, axis=0, return_inverse=True)
     side = int(np.ceil(np.sqrt(len(palette))))

@@ -22,8 +22,8 @@ from vcage.objects.asset import Asset
 from vcage.objects.importers import Imported, robotwin_articulated, robotwin_rigid
 from vcage.objects.importers.converted import Converted
 from vcage.objects.importers.robotwin_data import read_object
-from vcage.objects.importers.robotwin_names import NUMBERED, TakenNames, called, identifier, plural, unique
 from vcage.objects.importers.robotwin_points import same_points
+from vcage.objects.importers.robotwin_words import NUMBERED, TakenNames, called, identifier, plural, unique
 from vcage.objects.library import imported_objects
 from vcage.objects.model import read_model, schema_errors, write_model
 from vcage.objects.points import check_meshes, check_points

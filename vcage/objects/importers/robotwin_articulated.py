@@ -17,24 +17,17 @@ import numpy as np
 import trimesh
 from scipy.spatial.transform import Rotation
 
-from vcage.objects.colour_words import colour_word
+from vcage.base.errors import mismatch
 from vcage.objects.importers.component_hulls import component_hulls, hulls_of_surface, joined
-from vcage.objects.importers.converted import (
-    Converted,
-    centred,
-    check_scale,
-    estimated_mass,
-    pieces_by_part,
-    total_volume,
-)
+from vcage.objects.importers.converted import Converted, estimated_mass, total_volume
 from vcage.objects.importers.looks import parts_of
-from vcage.objects.importers.robotwin_data import ModelData, RawPoint, mismatch, read_model_data
-from vcage.objects.importers.robotwin_names import unique
-from vcage.objects.importers.robotwin_points import Placed, contact_points, functional_points, scaled_point
+from vcage.objects.importers.robotwin_data import ModelData, RawPoint, read_model_data
+from vcage.objects.importers.robotwin_points import Placed, converted_variant, scaled_point
+from vcage.objects.importers.robotwin_words import unique
 from vcage.objects.importers.urdf import Shape, Urdf, UrdfJoint, read_urdf
+from vcage.objects.mesh_files import report_unseen_textures
 from vcage.objects.modelling.parts import BuiltObject, MovingPart, Part
-from vcage.objects.textures import report_unseen_textures
-from vcage.schema.asset import Joint, Variant
+from vcage.schema.asset import Joint
 
 FACING_US = Rotation.from_euler("z", 90, degrees=True).as_matrix()
 """From the URDF's frame, front along -x, to ours, front along -y."""
@@ -84,16 +77,9 @@ def convert(folder: Path, info: dict[str, Any], report: Callable[[str], None]) -
         if isinstance(file, Path):
             report_unseen_textures(file, report, folder)
     pose = _at_rest(urdf, model)
-    built, origin = centred(_built(urdf, model, pose))
-    check_scale(model.file.path, built, model.scale_assumed)
-    bounds, pieces = built.bounds, pieces_by_part(built)
-    return Converted(
-        Variant(id=_identifier(folder.name), colour=colour_word([p for b in (built, *built.moving) for p in b.parts])),
-        built,
-        contact_points(_placed(model.contacts, model, pose, origin), bounds, model),
-        functional_points(_placed(model.functionals, model, pose, origin), pieces, bounds, model),
-        model.description,
-    )
+    built = _built(urdf, model, pose)
+    identifier = _identifier(folder.name)
+    return converted_variant(identifier, built, model, lambda raws, origin: _placed(raws, model, pose, origin))
 
 
 def _placed(raws: Sequence[RawPoint], model: ModelData, pose: RestPose, origin: np.ndarray) -> list[Placed]:

@@ -16,10 +16,10 @@ from typing import Any
 
 import numpy as np
 
-from vcage.base.errors import DamagedFile, InputFileError, SchemaMismatch
+from vcage.base.errors import DamagedFile, InputFileError, mismatch
 from vcage.base.placeholders import require_fetched
 from vcage.base.reading import read_json
-from vcage.objects.importers.robotwin_texts import TEXTS, description, point_texts
+from vcage.objects.importers.robotwin_words import TEXTS, description, point_texts
 
 KEYS = (
     "center", "extents", "scale", "contact_points_pose", "contact_points", "functional_matrix", "functional_points",
@@ -27,22 +27,6 @@ KEYS = (
     "transform_matrix", "stable", "init_qpos", "mass", "name", "description",
 )  # fmt: skip
 """Fields of ``model_data``; besides them, ``…description`` and ``…discription`` hold texts."""
-
-
-@dataclass(frozen=True)
-class FieldLimits:
-    """Numbers that are accepted.
-
-    Args:
-        scale_range: metres per mesh unit; geometry far beyond overflows before its size can be checked.
-        max_rotation_error: of the product of a rotation with its transpose: annotations are rounded.
-    """
-
-    scale_range: tuple[float, float] = (1e-6, 1e6)
-    max_rotation_error: float = 0.02
-
-
-LIMITS = FieldLimits()
 
 
 @dataclass(frozen=True)
@@ -109,18 +93,6 @@ class ModelData:
     description: str = ""
 
 
-def mismatch(path: Path, name: str, message: str, hint: str = "mend the field") -> SchemaMismatch:
-    """The error for a field that makes an object unusable.
-
-    Args:
-        path: of the file.
-        name: of the field.
-        message: what it is, and what was expected.
-        hint: the way out.
-    """
-    return SchemaMismatch(f"{path}: field {name}: {message}", hint=hint, details={"path": str(path), "field": name})
-
-
 def read_object(path: Path) -> dict[str, Any]:
     """The JSON object in a file.
 
@@ -173,11 +145,16 @@ def read_model_data(path: Path, info: dict[str, Any], report: Callable[[str], No
     )
 
 
-def read_scale(path: Path, data: dict[str, Any]) -> np.ndarray:
+def read_scale(path: Path, data: dict[str, Any], smallest: float = 1e-6, largest: float = 1e6) -> np.ndarray:
     """(3,) metres per mesh unit along x, y and z of the mesh.
 
+    Args:
+        path: of the file.
+        data: its fields.
+        smallest, largest: metres per mesh unit; geometry far beyond overflows before its size can be checked.
+
     Raises:
-        SchemaMismatch: it is missing, not one or three numbers, or not within ``scale_range``.
+        SchemaMismatch: it is missing, not one or three numbers, or not within these.
     """
     if "scale" not in data:
         raise mismatch(path, "scale", "missing; expected three numbers, metres per mesh unit")
@@ -186,10 +163,8 @@ def read_scale(path: Path, data: dict[str, Any]) -> np.ndarray:
         raise mismatch(path, "scale", f"got {data['scale']!r}; expected three numbers, metres per mesh unit")
     if min(values) <= 0:
         raise mismatch(path, "scale", f"got {data['scale']!r}; expected numbers above 0")
-    if min(values) < LIMITS.scale_range[0] or max(values) > LIMITS.scale_range[1]:
-        raise mismatch(
-            path, "scale", f"got {data['scale']!r}; expected {LIMITS.scale_range[0]:g} … {LIMITS.scale_range[1]:g}"
-        )
+    if min(values) < smallest or max(values) > largest:
+        raise mismatch(path, "scale", f"got {data['scale']!r}; expected {smallest:g} … {largest:g}")
     return np.array(values, dtype=np.float64)
 
 
@@ -232,8 +207,12 @@ def _points(file: AnnotationFile, key: str, texts: dict[int, str]) -> list[RawPo
     return points
 
 
-def not_a_frame(value: Any) -> str:
-    """Why a value is no 4×4 matrix of a rotation and a translation; empty when it is one."""
+def not_a_frame(value: Any, max_error: float = 0.02) -> str:
+    """Why a value is no 4×4 matrix of a rotation and a translation; empty when it is one.
+
+    Args:
+        max_error: of the product of a rotation with its transpose: annotations are rounded.
+    """
     try:
         matrix = np.array(value, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
@@ -243,7 +222,7 @@ def not_a_frame(value: Any) -> str:
     if not np.isfinite(matrix).all() or np.abs(matrix[3] - (0, 0, 0, 1)).max() > 1e-6:
         return "expected finite numbers and a last row of 0 0 0 1"
     rotation = matrix[:3, :3]
-    if np.abs(rotation @ rotation.T - np.eye(3)).max() > LIMITS.max_rotation_error or np.linalg.det(rotation) < 0:
+    if np.abs(rotation @ rotation.T - np.eye(3)).max() > max_error or np.linalg.det(rotation) < 0:
         return "expected a rotation in the upper left 3×3"
     return ""
 

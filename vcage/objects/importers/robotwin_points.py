@@ -8,16 +8,19 @@ points out of its own object (a hammer's head, the foot of a block) is one by wh
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from vcage.objects.colour_words import colour_word
 from vcage.objects.convex import Convex
+from vcage.objects.importers.converted import Converted, centred, check_scale, pieces_by_part
 from vcage.objects.importers.robotwin_data import ModelData, RawPoint
+from vcage.objects.modelling.parts import BuiltObject
 from vcage.objects.points import SETTINGS as POINTS
 from vcage.objects.points import outside_by, range_text
-from vcage.schema.asset import ContactPoint, FunctionalPoint, Holds
+from vcage.schema.asset import ContactPoint, FunctionalPoint, Holds, Variant
 
 
 @dataclass(frozen=True)
@@ -49,22 +52,6 @@ SETTINGS = SurfaceSettings()
 
 
 @dataclass(frozen=True)
-class GraspLimits:
-    """Limits of grasps of an object that stands on the table.
-
-    Args:
-        min_finger_length_m: of the robots here, dual_panda has the shortest fingers; the palm lies behind them.
-        max_depth_m: how far under the table a point may lie, as annotations are rounded.
-    """
-
-    min_finger_length_m: float = 0.037
-    max_depth_m: float = 0.001
-
-
-GRASP_LIMITS = GraspLimits()
-
-
-@dataclass(frozen=True)
 class Placed:
     """A point in the object frame.
 
@@ -91,6 +78,35 @@ def scaled_point(model: ModelData, raw: RawPoint, frame: np.ndarray, link: str |
     local[:3, 3] *= model.scale
     world = frame @ local
     return Placed(raw, world[:3, 3], world[:3, :3], link)
+
+
+def converted_variant(
+    identifier: str,
+    built: BuiltObject,
+    model: ModelData,
+    place: Callable[[Sequence[RawPoint], np.ndarray], list[Placed]],
+) -> Converted:
+    """A variant with its origin at the centre of the bottom, and with its points.
+
+    Args:
+        identifier: of the variant.
+        built: its geometry in metres, wherever its origin lies.
+        model: its annotation.
+        place: brings points into the object frame, whose origin (3,) it is given.
+
+    Raises:
+        SchemaMismatch: the object is too small or too large for a table.
+    """
+    check_scale(model.file.path, built, model.scale_assumed)
+    built, origin = centred(built)
+    bounds = built.bounds
+    return Converted(
+        Variant(id=identifier, colour=colour_word([part for body in (built, *built.moving) for part in body.parts])),
+        built,
+        contact_points(place(model.contacts, origin), bounds, model),
+        functional_points(place(model.functionals, origin), pieces_by_part(built), bounds, model),
+        model.description,
+    )
 
 
 def contact_points(points: Sequence[Placed], bounds: np.ndarray, model: ModelData) -> list[ContactPoint]:
@@ -120,12 +136,18 @@ def contact_points(points: Sequence[Placed], bounds: np.ndarray, model: ModelDat
     return out
 
 
-def _through_table(point: Placed, table: float, limits: GraspLimits = GRASP_LIMITS) -> str:
-    """Why no hand gets to a grasp of an object that stands on the table; empty where one does."""
+def _through_table(point: Placed, table: float, min_finger_length_m: float = 0.037, max_depth_m: float = 0.001) -> str:
+    """Why no hand gets to a grasp of an object that stands on the table; empty where one does.
+
+    Args:
+        table: its height, metres.
+        min_finger_length_m: of the robots here, dual_panda has the shortest fingers; the palm lies behind them.
+        max_depth_m: how far under the table a point may lie, as annotations are rounded.
+    """
     height, up = float(point.position[2]) - table, float(-point.rotation[2, 1])
-    if height < -limits.max_depth_m:
+    if height < -max_depth_m:
         return f"lies {-height * 100:.1f} cm below the bottom, under the table"
-    if height - max(up, 0.0) * limits.min_finger_length_m < -limits.max_depth_m:
+    if height - max(up, 0.0) * min_finger_length_m < -max_depth_m:
         return f"is grasped from below, {height * 100:.1f} cm over the bottom: the hand would be under the table"
     return ""
 
@@ -167,11 +189,8 @@ def _floor(point: Placed, pieces: Sequence[Convex], bounds: np.ndarray) -> tuple
         return 0.0, f"lies under or outside the object: {range_text(bounds, point.position)}"
     into = point.rotation[2, 2]
     if into > -SETTINGS.vertical_cosine:
-        way = (
-            "up and out of the object"
-            if into > SETTINGS.vertical_cosine
-            else "sideways out of the object, as a tool's does"
-        )
+        upwards = into > SETTINGS.vertical_cosine
+        way = "up and out of the object" if upwards else "sideways out of the object, as a tool's does"
         return 0.0, f"no receptacle: its z axis points {way}"
     spans = _material(pieces, point.position, (0.0, 0.0, 1.0))
     tops = [end for _, end in spans if -SETTINGS.max_below_m <= end <= SETTINGS.max_above_m]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os.path
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,23 +16,14 @@ import numpy as np
 import trimesh
 
 from vcage.base.errors import DamagedFile, InputFileError
-from vcage.objects.colour_words import colour_word
 from vcage.objects.importers.component_hulls import SETTINGS, component_hulls, hulls_of_surface, joined
-from vcage.objects.importers.converted import (
-    Converted,
-    centred,
-    check_scale,
-    estimated_mass,
-    pieces_by_part,
-    total_volume,
-)
+from vcage.objects.importers.converted import Converted, estimated_mass, total_volume
 from vcage.objects.importers.looks import load_surfaces, parts_of
-from vcage.objects.importers.robotwin_data import ModelData, read_model_data
-from vcage.objects.importers.robotwin_points import contact_points, functional_points, scaled_point
+from vcage.objects.importers.robotwin_data import ModelData, RawPoint, read_model_data
+from vcage.objects.importers.robotwin_points import Placed, converted_variant, scaled_point
+from vcage.objects.mesh_files import report_unseen_textures
 from vcage.objects.modelling.parts import BuiltObject
 from vcage.objects.packages.surfaces import Y_UP_TO_Z_UP
-from vcage.objects.textures import report_unseen_textures
-from vcage.schema.asset import Variant
 
 NUMBERED = re.compile(r"(?:base(\d*)\.glb|textured(\d*)\.obj|model_data(\d*)\.json)")
 
@@ -62,20 +53,15 @@ def convert(folder: Path, number: str, info: dict[str, Any], report: Callable[[s
     surfaces = load_surfaces(visual, folder)
     parts = parts_of(surfaces, linear, np.zeros(3))
     hulls = _collision(folder, number, linear, surfaces, model)
-    check_scale(model.file.path, BuiltObject(parts, hulls, 0.0), model.scale_assumed)
-    built, origin = centred(BuiltObject(parts, hulls, estimated_mass(total_volume(hulls))))
-    bounds = built.bounds
     frame = np.eye(4)
-    frame[:3, :3], frame[:3, 3] = Y_UP_TO_Z_UP, -origin
-    contacts = [scaled_point(model, raw, frame, None) for raw in model.contacts]
-    functionals = [scaled_point(model, raw, frame, None) for raw in model.functionals]
-    return Converted(
-        Variant(id=f"base{number}", colour=colour_word(parts)),
-        built,
-        contact_points(contacts, bounds, model),
-        functional_points(functionals, pieces_by_part(built), bounds, model),
-        model.description,
-    )
+    frame[:3, :3] = Y_UP_TO_Z_UP
+
+    def place(raws: Sequence[RawPoint], origin: np.ndarray) -> list[Placed]:
+        frame[:3, 3] = -origin
+        return [scaled_point(model, raw, frame, None) for raw in raws]
+
+    built = BuiltObject(parts, hulls, estimated_mass(total_volume(hulls)))
+    return converted_variant(f"base{number}", built, model, place)
 
 
 def _candidates(folder: Path, kind: str, number: str) -> list[Path]:

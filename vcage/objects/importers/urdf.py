@@ -12,11 +12,10 @@ import numpy as np
 import trimesh
 from scipy.spatial.transform import Rotation
 
-from vcage.base.errors import DamagedFile
+from vcage.base.errors import DamagedFile, mismatch
 from vcage.base.inside import path_complaint
 from vcage.base.placeholders import require_fetched
 from vcage.objects.importers.looks import load_surfaces
-from vcage.objects.importers.robotwin_data import mismatch
 
 MOVING = ("revolute", "continuous", "prismatic")
 

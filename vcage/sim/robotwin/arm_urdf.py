@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import copy
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -76,7 +76,7 @@ def _misplaced_joints(
         if name not in joints:
             text = f"{name!r} is no joint of {embodiment.urdf_path}; expected one of {', '.join(joints)}"
             yield Problem(embodiment.path, field, text)
-        elif own is not None and _child(joints[name]) not in own:
+        elif own is not None and _end(joints[name], "child") not in own:
             text = f"{name!r} does not hang on the arm that begins with {arm.joints[0]!r}"
             yield Problem(embodiment.path, field, f"{text}; expected one that does")
 
@@ -133,7 +133,7 @@ def held_joints(root: Element, embodiment: Embodiment) -> list[str]:
 def links_of_arm(root: Element, arm: ArmConfig) -> set[str]:
     """Names of the links that the arm's first joint moves."""
     first = next(joint for joint in root.findall("joint") if joint.get("name") == arm.joints[0])
-    return _below(root, _child(first))
+    return links_below(root, [_end(first, "child")])
 
 
 # --- the steps ---------------------------------------------------------------------------------------------
@@ -166,7 +166,7 @@ def _separate(root: Element, embodiment: Embodiment, side: str) -> None:
     for other, arm in embodiment.arms.items():
         if other != side:
             gone = links_of_arm(root, arm)
-            for joint in [j for j in root.findall("joint") if _child(j) in gone]:
+            for joint in [j for j in root.findall("joint") if _end(j, "child") in gone]:
                 root.remove(joint)
             for link in [x for x in root.findall("link") if x.get("name") in gone]:
                 root.remove(link)
@@ -229,35 +229,16 @@ def _pairs(root: Element, srdf: Path | None) -> bytes | None:
     return ElementTree.tostring(tree, encoding="utf-8")
 
 
-def _child(joint: Element) -> str:
-    found = joint.find("child")
+def _end(joint: Element, end: str) -> str:
+    """Name of a joint's 'parent' or 'child'."""
+    found = joint.find(end)
     return "" if found is None else found.get("link", "")
 
 
-def _parent(joint: Element) -> str:
-    found = joint.find("parent")
-    return "" if found is None else found.get("link", "")
-
-
-def _below(root: Element, link: str) -> set[str]:
-    """A link and all links that hang on it."""
-    children: dict[str, list[str]] = {}
-    for joint in root.findall("joint"):
-        children.setdefault(_parent(joint), []).append(_child(joint))
-    found, todo = set(), [link]
-    while todo:
-        name = todo.pop()
-        if name not in found:
-            found.add(name)
-            todo += children.get(name, [])
-    return found
-
-
-def fixed_below(root: Element, links: Sequence[str]) -> set[str]:
-    """Links and the links that fixed joints hang on them."""
+def links_below(root: Element, links: Iterable[str], *, fixed: bool = False) -> set[str]:
+    """Links, and the links that joints hang on them, or fixed joints only."""
+    joints = [joint for joint in root.findall("joint") if not fixed or joint.get("type") == "fixed"]
     found = set(links)
-    while True:
-        more = {_child(j) for j in root.findall("joint") if j.get("type") == "fixed" and _parent(j) in found} - found
-        if not more:
-            return found
+    while more := {_end(joint, "child") for joint in joints if _end(joint, "parent") in found} - found:
         found |= more
+    return found

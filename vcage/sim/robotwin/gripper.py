@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from vcage.base.errors import DamagedFile, SchemaMismatch
-from vcage.base.geometry import Pose
+from vcage.base.geometry import Pose, box_corners, rotation_to_quat
 from vcage.schema.base import PoseRecord
 from vcage.schema.robot import Gripper
 from vcage.sim.poses import from_sapien
-from vcage.sim.robotwin.arm_urdf import fixed_below
+from vcage.sim.robotwin.arm_urdf import links_below
 from vcage.sim.robotwin.embodiment import ArmConfig
 
 if TYPE_CHECKING:
@@ -129,10 +129,8 @@ def _gripper_frame(joint: sapien.physx.PhysxArticulationJoint, arm: ArmConfig) -
     """Our gripper frame in the world: z along RoboTwin's x (approach), x along its z (the side of the camera)."""
     origin = from_sapien(joint.global_pose)
     theirs = origin.rotation() @ arm.turn
-    matrix = np.eye(4)
-    matrix[:3, :3] = np.stack([theirs[:, 2], np.negative(theirs[:, 1]), theirs[:, 0]], axis=1)
-    matrix[:3, 3] = origin.p + theirs[:, 0] * arm.bias
-    return Pose.from_matrix(matrix)
+    axes = np.stack([theirs[:, 2], np.negative(theirs[:, 1]), theirs[:, 0]], axis=1)
+    return Pose(origin.p + theirs[:, 0] * arm.bias, rotation_to_quat(axes))
 
 
 def _bodies(
@@ -140,12 +138,12 @@ def _bodies(
 ) -> tuple[list[set[str]], set[str]]:
     """Links of each finger, and of the palm that carries them."""
     joints = [articulation.find_joint_by_name(name) for name, _ in arm.fingers]
-    fingers = [fixed_below(root, [joint.child_link.name]) for joint in joints]
+    fingers = [links_below(root, [joint.child_link.name], fixed=True) for joint in joints]
     carrier = joints[0].parent_link
-    palm = fixed_below(root, [carrier.name])
+    palm = links_below(root, [carrier.name], fixed=True)
     while carrier.parent is not None and not _solid(articulation, palm) and carrier.joint.type == "fixed":
         carrier = carrier.parent
-        palm = fixed_below(root, [carrier.name])
+        palm = links_below(root, [carrier.name], fixed=True)
     return fingers, palm - set().union(*fingers)
 
 
@@ -169,7 +167,7 @@ def _corners(shape: sapien.physx.PhysxCollisionShape) -> np.ndarray:
     if isinstance(shape, physx.PhysxCollisionShapeConvexMesh):
         return np.asarray(shape.vertices, dtype=np.float64) * np.asarray(shape.scale)
     half = np.asarray(cast("physx.PhysxCollisionShapeBox", shape).half_size, dtype=np.float64)
-    return np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * half
+    return box_corners(-half, half)
 
 
 def _axis(articulation: sapien.physx.PhysxArticulation, name: str, frame: Pose) -> np.ndarray:

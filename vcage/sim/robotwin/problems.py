@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from vcage.base.errors import SchemaMismatch
+from vcage.base.errors import SchemaMismatch, mismatch
 
 
 @dataclass(frozen=True)
@@ -37,8 +37,7 @@ def require_none(problems: Sequence[Problem]) -> None:
     """
     problems = list({str(problem): problem for problem in problems}.values())
     if len(problems) == 1:
-        details = {"path": str(problems[0].path), "field": problems[0].field}
-        raise SchemaMismatch(str(problems[0]), hint=problems[0].hint, details=details)
+        raise mismatch(problems[0].path, problems[0].field, problems[0].text, problems[0].hint)
     if problems:
         raise SchemaMismatch(
             f"{len(problems)} fields are wrong: {'; '.join(map(str, problems))}",

@@ -7,7 +7,7 @@ import numpy as np
 from tests.example_scenes import block_and_plate, world_of
 from vcage.sim.drives import GRID, on_grid
 from vcage.sim.recording import StateLog
-from vcage.sim.resimulation import resimulate
+from vcage.sim.replay import resimulate
 from vcage.sim.world import World
 
 

@@ -8,8 +8,7 @@ from pathlib import Path
 import pytest
 
 import vcage
-from vcage.apps.proof.prove import METHOD, Prover, Trial
-from vcage.apps.proof.validate import proof_or_failure, validate
+from vcage.apps.proof.prove import METHOD, Prover, Trial, proof_or_failure, validate
 from vcage.base.errors import InputFileError, UnknownName
 from vcage.objects.library import Library
 from vcage.schema.proof import ObjectProof, Proof
