@@ -12,7 +12,7 @@ from benchmarks._compression_episodes import RECIPES, SPARSE_FPS, Recipe, episod
 from benchmarks._compression_noise import RealCamera
 from vcage.datasets.reader import EpisodeReader
 from vcage.video.keyframes import keyframes
-from vcage.video.settling import held_out_frames
+from vcage.video.search import held_out_frames
 
 Kind = Literal["rendered", "sparse", "noisy"]
 

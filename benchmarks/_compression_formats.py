@@ -24,7 +24,7 @@ from vcage.video.codec import encode
 from vcage.video.encoders import CODECS, kept_priority
 from vcage.video.jod import JodMetric
 from vcage.video.judge import Judge
-from vcage.video.settling import SearchResult, search_clip
+from vcage.video.search import SearchResult, search_clip
 
 LIMIT = 0.1
 """Loss that every searched format must stay below, JOD."""

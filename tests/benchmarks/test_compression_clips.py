@@ -16,7 +16,7 @@ from benchmarks._compression_noise import RealCamera
 from tests import recordings
 from vcage.datasets.hdf5 import write_episode
 from vcage.sim.robots import load_robot
-from vcage.video.settling import held_out_frames
+from vcage.video.search import held_out_frames
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ from benchmarks._compression_formats import LEROBOT, LIMIT, PNG, Found, Made, Se
 from tests.recordings import FPS, clip
 from vcage.video.choices import Choices
 from vcage.video.jod import JodMetric
-from vcage.video.settling import held_out_frames
+from vcage.video.search import held_out_frames
 
 KEYFRAMES = [0, 5, 11]
 FILM = Film(clip(12), FPS, KEYFRAMES, held_out_frames(12, KEYFRAMES))

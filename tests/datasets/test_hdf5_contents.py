@@ -5,9 +5,8 @@ import numpy as np
 import pytest
 
 from vcage.base.errors import DamagedFile, OversizedFile
-from vcage.datasets.hdf5_contents import datasets_in, require_not_virtual, require_own_contents, walk
-from vcage.datasets.hdf5_files import open_hdf5_file
-from vcage.datasets.hdf5_limits import Hdf5Limits
+from vcage.datasets.hdf5_contents import Hdf5Limits, datasets_in, walk
+from vcage.datasets.hdf5_files import open_hdf5_file, require_not_virtual, require_own_contents
 
 
 def external_link(file, other):

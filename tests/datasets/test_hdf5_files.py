@@ -15,7 +15,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vcage.base.errors import DamagedFile, FileInUse, OutputFolderError
-from vcage.datasets.hdf5_files import new_hdf5, open_hdf5_file, spooled
+from vcage.datasets.hdf5_files import new_hdf5, open_hdf5_file
+from vcage.datasets.stored_pictures import spooled
 
 
 def fill(file: h5py.File) -> None:

@@ -6,7 +6,7 @@ import pytest
 
 from tests.datasets.recordings import layouts
 from vcage.base.errors import DamagedFile, OversizedFile
-from vcage.datasets.hdf5_limits import require_numbers_fit, require_pictures_fit, require_readable
+from vcage.datasets.hdf5_contents import require_numbers_fit, require_pictures_fit, require_readable
 from vcage.datasets.recordings.opening import open_hdf5
 
 

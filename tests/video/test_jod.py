@@ -10,7 +10,7 @@ import torch
 
 from tests.recordings import clip
 from vcage.base.errors import MissingDependency, UnknownName, UsageError
-from vcage.video._torchvision_shim import GaussianBlur
+from vcage.video.colorvideovdp import GaussianBlur
 from vcage.video.jod import JodMetric, require_display
 
 

@@ -10,14 +10,14 @@ import pytest
 from tests.recordings import FPS, clip
 from vcage.base.errors import UsageError
 from vcage.base.videos import decode
-from vcage.video import excerpt, judge
+from vcage.video import judge
 from vcage.video import search as search_module
 from vcage.video.choices import LOSSLESS, Choices, Criterion
 from vcage.video.codec import EncoderSettings, encode
 from vcage.video.encoders import CODECS
 from vcage.video.jod import JodMetric
 from vcage.video.judge import Judge
-from vcage.video.settling import search_clip
+from vcage.video.search import held_out_frames, search_clip
 
 MAX_CRF = CODECS["hevc"].max_crf
 CHOICES = Choices(effort="fast", pixel_formats=("yuv444p10le",))
@@ -184,7 +184,6 @@ class Losses:
         self.loss_of = loss_of
         self.encoded: list[tuple[str, int, int]] = []
         patch.setattr(judge, "encode", self._encode)
-        patch.setattr(excerpt, "encode", self._encode)
         patch.setattr(judge, "decode", self._decode)
         patch.setattr(search_module, "only_converted", lambda pictures, _name: np.full((len(pictures), 3), NO_LOSS))
 
@@ -285,3 +284,20 @@ def test_a_fixed_crf_is_encoded_once_whatever_it_loses(metric):
     result = search(clip(10), metric, threshold=float("inf"), choices=replace(CHOICES, upper=40))
     assert (result.crf, len(result.trials)) == (40, 1)
     assert result.settings == EncoderSettings(effort="fast")
+
+
+# --- frames that no search has seen ---
+
+
+def test_one_of_every_ten_frames_is_held_out_unless_it_was_scored():
+    assert held_out_frames(40, [16]) == [3, 29, 32]
+
+
+def test_even_a_short_clip_has_held_out_frames_that_are_no_keyframes():
+    assert held_out_frames(13, [0, 12]) == [3, 10]
+    assert held_out_frames(1, [0]) == []
+
+
+def test_held_out_frames_do_not_keep_step_with_any_gop():
+    places = held_out_frames(100, [])
+    assert sorted(place % 10 for place in places) == list(range(10))

@@ -18,8 +18,7 @@ from vcage.cli.output import Result
 from vcage.cli.progress import progress
 from vcage.cli.stage import StageCommand, execute_stage
 from vcage.datasets.packing.estimating import estimate, estimate_clips
-from vcage.datasets.packing.frames import FRAMES, as_text, show_frames
-from vcage.datasets.packing.inspecting import as_lines, inspect, totals
+from vcage.datasets.packing.inspecting import FRAMES, as_lines, as_text, inspect, show_frames, totals
 from vcage.datasets.packing.output import TARGETS, OutputSpec, omitted
 from vcage.datasets.packing.pack import Order, pack
 from vcage.datasets.recordings.colours import AUTO, CHOICES, as_json

@@ -23,7 +23,6 @@ import json
 from collections import deque
 from collections.abc import Iterable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -40,21 +39,6 @@ SCHEMA = "vcage.episode/1"
 GZIP_LEVEL = 1
 """Of arrays of pictures."""
 
-
-@dataclass(frozen=True)
-class CompressionPool:
-    """Threads that compress pictures.
-
-    Args:
-        workers: threads.
-        waiting: pictures waiting for compression at most: bounds the memory of a stream of frames.
-    """
-
-    workers: int = 2
-    waiting: int = 16
-
-
-POOL = CompressionPool()
 
 RECORDED = "sha256"
 """Attribute of a camera's pictures, also where these were moved to a video: SHA-256 of the bytes of all that were
@@ -133,8 +117,17 @@ def _write_segments(group: h5py.Group, episode: EpisodeData) -> None:
         group.create_dataset(name, data=numbers, track_times=False)
 
 
-def _write_images(group: h5py.Group, episode: EpisodeData, frames: Iterable[Mapping[str, NDArray[np.uint8]]]) -> None:
-    """Compress pictures in threads, with libdeflate in half of zlib's time, and store them in order."""
+def _write_images(
+    group: h5py.Group,
+    episode: EpisodeData,
+    frames: Iterable[Mapping[str, NDArray[np.uint8]]],
+    workers: int = 2,
+    most_waiting: int = 16,
+) -> None:
+    """Compress pictures in threads, with libdeflate in half of zlib's time, and store them in order.
+
+    No more than ``most_waiting`` pictures wait for it, which bounds the memory of a stream of frames.
+    """
     datasets = {
         name: group.create_dataset(
             name,
@@ -156,14 +149,14 @@ def _write_images(group: h5py.Group, episode: EpisodeData, frames: Iterable[Mapp
             datasets[name].id.write_direct_chunk((index, 0, 0, 0), packed.result())
 
     count = 0
-    with ThreadPoolExecutor(POOL.workers) as pool:
+    with ThreadPoolExecutor(workers) as pool:
         for count, pictures in enumerate(frames, start=1):
             _check_pictures(count - 1, pictures, episode)
             for name in datasets:
                 data = np.ascontiguousarray(pictures[name]).tobytes()
                 digests[name].update(data)
                 waiting.append((name, count - 1, pool.submit(deflate.zlib_compress, data, GZIP_LEVEL)))
-            store(POOL.waiting)
+            store(most_waiting)
         store(0)
     for name, dataset in datasets.items():
         dataset.attrs[RECORDED] = digests[name].hexdigest()

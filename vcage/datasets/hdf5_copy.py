@@ -13,8 +13,7 @@ import h5py
 import numpy as np
 from h5py import h5a, h5o, h5p, h5r, h5t  # pyrefly: ignore[missing-module-attribute]  the stubs lack h5o
 
-from vcage.datasets.hdf5_contents import address, encoded_name
-from vcage.datasets.hdf5_limits import require_numbers_fit
+from vcage.datasets.hdf5_contents import address, encoded_name, require_numbers_fit
 
 Replacement = Callable[[h5py.Dataset, h5py.Group, str], None]
 """Called with a dataset of the source, and the group and the name of its replacement."""

@@ -37,20 +37,15 @@ def update_encoding(file: h5py.File, keys: Collection[str], *, raw: bool) -> Non
             word = JPEG_WORDS.get(stated.lower()) if isinstance(stated, str) else None
             if word is not None:
                 attributes[attribute] = "raw" if raw else word
-    if raw and not any(_holds_encoded(file, key) for key in keys):
-        _clear_flag(file)
-
-
-def _clear_flag(file: h5py.File) -> None:
     flag = file.attrs.get(FLAG)
-    if isinstance(flag, (np.bool_, np.integer)) and flag:
+    if raw and isinstance(flag, (np.bool_, np.integer)) and flag and not _encoded_beside(file, keys):
         file.attrs.modify(FLAG, np.zeros((), np.asarray(flag).dtype))
 
 
-def _holds_encoded(file: h5py.File, key: str) -> bool:
-    """True if encoded pictures of other cameras lie beside a dataset."""
-    beside = (item for item in file[key].parent.values() if isinstance(item, h5py.Dataset) and item.shape)
-    return any(picture_kind(item) != ARRAY for item in beside)
+def _encoded_beside(file: h5py.File, keys: Collection[str]) -> bool:
+    """True if encoded pictures of other cameras lie beside one of these datasets."""
+    beside = [item for key in keys for item in file[key].parent.values() if isinstance(item, h5py.Dataset)]
+    return any(item.shape and picture_kind(item) != ARRAY for item in beside)
 
 
 def digests_beside(file: h5py.File, keys: Iterable[str]) -> list[str]:

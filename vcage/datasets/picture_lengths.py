@@ -21,8 +21,7 @@ from pydantic import AfterValidator, ConfigDict
 from pydantic.dataclasses import dataclass
 
 from vcage.base.errors import DamagedFile, OversizedFile
-from vcage.datasets.hdf5_contents import datasets_in
-from vcage.datasets.hdf5_limits import require_numbers_fit
+from vcage.datasets.hdf5_contents import datasets_in, require_numbers_fit
 from vcage.datasets.stored_pictures import ARRAY, FIXED, PADDED, encoded_bytes, picture_kind
 
 logger = logging.getLogger(__name__)

@@ -19,9 +19,8 @@ from vcage.base.placeholders import require_fetched
 from vcage.base.videos import decode, pictures
 from vcage.datasets.episode import CameraTrack, EpisodeData, Segment
 from vcage.datasets.hdf5 import RECORDED, SCHEMA, SEGMENT_NUMBERS
-from vcage.datasets.hdf5_contents import datasets_in
+from vcage.datasets.hdf5_contents import datasets_in, require_numbers_fit
 from vcage.datasets.hdf5_files import open_hdf5_file
-from vcage.datasets.hdf5_limits import require_numbers_fit
 from vcage.datasets.picture_links import Link, read_link
 from vcage.datasets.stored_drives import read_drives
 from vcage.schema.episodes import Truth, Verdict

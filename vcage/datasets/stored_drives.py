@@ -21,7 +21,7 @@ import h5py
 import numpy as np
 
 from vcage.base.errors import DamagedFile
-from vcage.datasets.hdf5_limits import require_numbers_fit
+from vcage.datasets.hdf5_contents import require_numbers_fit
 from vcage.sim.drives import GRID, DriveLayout, DriveLog
 from vcage.sim.world import PHYSICS_HZ
 

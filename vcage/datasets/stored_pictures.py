@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import io
 import struct
-from collections.abc import Sequence
-from typing import Any, BinaryIO, Literal
+import tempfile
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import IO, Any, BinaryIO, Literal
 
 import cv2
 import h5py
@@ -220,3 +223,42 @@ def stored_picture(dataset: h5py.Dataset, index: int, what: str) -> NDArray[np.u
     if picture_kind(dataset) == ARRAY:
         return to_rgb(dataset[index], f"{what}[{index}]")
     return decode_picture(encoded_bytes(dataset, index), f"{what}[{index}]")
+
+
+# --- picture files of unknown lengths, one after the other ---
+
+
+class Spool:
+    """Pieces in a file, in order.
+
+    Args:
+        file: open for reading and writing, empty.
+        pieces: taken one at a time.
+
+    Attributes:
+        sizes: length of each piece, bytes.
+    """
+
+    def __init__(self, file: IO[bytes], pieces: Iterable[bytes]):
+        self._file = file
+        self.sizes = [file.write(piece) for piece in pieces]
+
+    @property
+    def longest(self) -> int:
+        """Length of the longest piece, bytes."""
+        return max(self.sizes)
+
+    def __len__(self) -> int:
+        return len(self.sizes)
+
+    def __iter__(self) -> Iterator[bytes]:
+        self._file.seek(0)
+        for size in self.sizes:
+            yield self._file.read(size)
+
+
+@contextmanager
+def spooled(pieces: Iterable[bytes], folder: Path) -> Iterator[Spool]:
+    """Write ``pieces`` into a file without a name in ``folder``, which is gone afterwards."""
+    with tempfile.TemporaryFile(dir=folder) as file:
+        yield Spool(file, pieces)

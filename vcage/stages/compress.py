@@ -14,8 +14,8 @@ from vcage.base.options import POSITIVE, UNSAID, Flag
 from vcage.base.progress import Progress, silent
 from vcage.datasets.packing.agreement import agreed_by
 from vcage.datasets.packing.dataset_search import search_data_set
-from vcage.datasets.packing.records import compression_record
 from vcage.datasets.packing.settings import CompressionSettings
+from vcage.datasets.packing.writing import compression_record
 from vcage.runs.accepted import acceptance_files, no_episode_counts, remove_exports
 from vcage.runs.context import StageContext
 from vcage.runs.editable import Editable

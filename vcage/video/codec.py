@@ -125,10 +125,13 @@ def encode(
         stream.height, stream.width = frames.shape[1:3]
         stream.pix_fmt = pixel_format
         stream.codec_tag = codec.tag
-        _tag_colour(stream.codec_context, rgb=is_rgb(pixel_format))
+        rgb, context = is_rgb(pixel_format), stream.codec_context
+        context.colorspace = RGB_MATRIX if rgb else BT601
+        context.color_range = ColorRange.JPEG if rgb else ColorRange.MPEG
+        context.color_primaries, context.color_trc = ColorPrimaries.BT709, ColorTrc.IEC61966_2_1
         stream.options = {**codec.options(settings.effort, settings.preset, settings.gop, crf)}
         with kept_priority():
-            stream.codec_context.open()
+            context.open()
         for index, picture in enumerate(frames):
             container.mux(stream.encode(converted(picture, pixel_format, index, start=index in starts)))
         container.mux(stream.encode(None))
@@ -190,13 +193,6 @@ def is_rgb(pixel_format: str) -> bool:
     return pixel_format.startswith(("gbr", "rgb"))
 
 
-def _tag_colour(context: av.VideoCodecContext, *, rgb: bool) -> None:
-    context.colorspace = RGB_MATRIX if rgb else BT601
-    context.color_range = ColorRange.JPEG if rgb else ColorRange.MPEG
-    context.color_primaries = ColorPrimaries.BT709
-    context.color_trc = ColorTrc.IEC61966_2_1
-
-
 def converted(picture: NDArray[np.uint8], pixel_format: str, index: int = 0, *, start: bool = False) -> av.VideoFrame:
     """Return a picture in the encoder's pixel format, for the time ``index`` in frames.
 
@@ -225,12 +221,7 @@ def converted(picture: NDArray[np.uint8], pixel_format: str, index: int = 0, *, 
 
 def only_converted(pictures: NDArray[np.uint8], pixel_format: str) -> NDArray[np.uint8]:
     """Return (N, H, W, 3) uint8 RGB after a pixel format without any codec: no CRF can be better."""
-    back = [_tagged(converted(picture, pixel_format)).to_ndarray(format="rgb24") for picture in pictures]
-    return np.stack(back, dtype=np.uint8)
-
-
-def _tagged(frame: av.VideoFrame) -> av.VideoFrame:
-    """Return a frame with the tags of the stream, so that the conversion back is the same."""
-    if not frame.format.name.startswith("gbr"):
-        frame.colorspace, frame.color_range = BT601, ColorRange.MPEG
-    return frame
+    frames = [converted(picture, pixel_format) for picture in pictures]
+    for frame in frames if not pixel_format.startswith("gbr") else ():
+        frame.colorspace, frame.color_range = BT601, ColorRange.MPEG  # as the stream, for the same conversion back
+    return np.stack([frame.to_ndarray(format="rgb24") for frame in frames], dtype=np.uint8)

@@ -66,7 +66,7 @@ class Codec:
         first_crf: where a search begins.
         options: (effort, preset, gop, crf) → the encoder's options; a CRF of None asks for no loss.
         causal: true if the encoding of a frame does not depend on frames before its group of pictures or after it, so
-            that a :class:`vcage.video.excerpt.Excerpt` has the losses of the whole video.
+            that a :class:`vcage.video.judge.Excerpt` has the losses of the whole video.
         lossless_format: pixel format of RGB without loss; empty where there is none.
         lossless_encoder: the encoder for it.
     """

@@ -74,16 +74,14 @@ class JodMetric:
         if test.shape != reference.shape:
             raise ValueError(f"test is {test.shape}, reference {reference.shape}")
         batch = BATCH[self.device.type]
-        losses = []
+        losses: list[NDArray[np.float64]] = []
         with _quick(self._torch), self._torch.no_grad():
             for start in range(0, len(test), batch):
-                losses.append(self._predict(test[start : start + batch], reference[start : start + batch]))
+                one = slice(start, start + batch)
+                pairs = self._parts.Pairs(test[one], reference[one], self._metric.display_photometry)
+                jod, _ = self._metric.predict_video_source(pairs)
+                losses.append(PERFECT - np.atleast_1d(jod.cpu().numpy()).astype(np.float64))
         return np.round(np.concatenate(losses), self.DIGITS)
-
-    def _predict(self, test: NDArray[np.uint8], reference: NDArray[np.uint8]) -> NDArray[np.float64]:
-        pairs = self._parts.Pairs(test, reference, self._metric.display_photometry)
-        jod, _ = self._metric.predict_video_source(pairs)
-        return PERFECT - np.atleast_1d(jod.cpu().numpy()).astype(np.float64)
 
 
 def metric_version() -> str:

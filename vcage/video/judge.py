@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
+import math
+from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -13,9 +16,64 @@ from vcage.schema.compression import Evaluation
 from vcage.video.bisection import highest_passing
 from vcage.video.choices import Criterion
 from vcage.video.codec import EncoderSettings, encode
-from vcage.video.excerpt import Excerpt, excerpt
+from vcage.video.encoders import Codec
 from vcage.video.jod import JodMetric
-from vcage.video.known_losses import KnownLosses
+
+
+@dataclass
+class KnownLosses:
+    """A metric that compares a picture with a reference once; a loss depends on their pixels alone.
+
+    Args:
+        metric: of new pairs.
+    """
+
+    metric: JodMetric
+    _losses: dict[bytes, float] = field(default_factory=dict, init=False)
+
+    def loss(self, test: NDArray[np.uint8], reference: NDArray[np.uint8]) -> NDArray[np.float64]:
+        """Return the loss of each of N pictures against its reference, see :meth:`vcage.video.jod.JodMetric.loss`."""
+        keys = [_hash(*pair) for pair in zip(test, reference, strict=True)]
+        new = {key: index for index, key in enumerate(keys) if key not in self._losses}
+        if new:
+            places = list(new.values())
+            self._losses |= zip(new, self.metric.loss(test[places], reference[places]).tolist(), strict=True)
+        return np.array([self._losses[key] for key in keys])
+
+
+def _hash(test: NDArray[np.uint8], reference: NDArray[np.uint8]) -> bytes:
+    return hashlib.blake2b(test.tobytes() + reference.tobytes(), digest_size=16).digest()
+
+
+@dataclass(frozen=True)
+class Excerpt:
+    """Frames of a video to encode as a video of their own.
+
+    Args:
+        frames: their indices, increasing.
+        starts: places among them at which a group begins.
+    """
+
+    frames: tuple[int, ...]
+    starts: frozenset[int]
+
+
+def excerpt(count: int, scored: Sequence[int], codec: Codec, gops: Sequence[int]) -> Excerpt:
+    """Return the excerpt of a video for the losses of some of its frames.
+
+    Args:
+        count: frames of the video.
+        scored: frames that are scored.
+        codec: of the encoder; one that is not causal gets all frames.
+        gops: of all encodings, so that all of them encode the same frames.
+    """
+    if not codec.causal:
+        return Excerpt(tuple(range(count)), frozenset())
+    longest = math.lcm(*gops)
+    lasts = {frame // longest: frame for frame in sorted(scored)}
+    groups = [range(group * longest, last + 1) for group, last in lasts.items()]
+    frames = tuple(frame for group in groups for frame in group)
+    return Excerpt(frames, frozenset(frames.index(group.start) for group in groups))
 
 
 @dataclass
@@ -77,9 +135,9 @@ class Judge:
 
         def loss_at(crf: int) -> float:
             nonlocal deciding
-            tried = self.tried(settings, crf, self.part(settings, deciding, gops), deciding)
-            deciding = self.criterion.deciding(deciding, tried.losses)
-            return tried.loss(self.criterion)
+            losses, _ = self.tried(settings, crf, self.part(settings, deciding, gops), deciding)
+            deciding = self.criterion.deciding(deciding, losses)
+            return self.criterion.loss(losses)
 
         return highest_passing(loss_at, self.criterion.threshold, upper, first, settings.facts.min_crf)
 
@@ -93,22 +151,28 @@ class Judge:
         """
         return excerpt(len(self.frames), scored, settings.facts, gops or (settings.gop,))
 
-    def tried(self, settings: EncoderSettings, crf: int, part: Excerpt, scored: Sequence[int]) -> Tried:
+    def tried(
+        self, settings: EncoderSettings, crf: int, part: Excerpt, scored: Sequence[int]
+    ) -> tuple[NDArray[np.float64], int]:
         """Encode an excerpt, and score frames of it.
 
         Args:
             settings: the encoder's.
             crf: constant rate factor.
             part: to be encoded.
-            scored: frames of the clip that it holds, increasing.
+            scored: N frames of the clip that it holds, increasing.
+
+        Returns:
+            (N,) losses of the scored frames, JOD; bytes of the encoding.
         """
         if len(part.frames) == len(self.frames):
             video, places = self.whole(settings, crf), list(scored)
         else:
-            video, places = part.encoded(self.frames, self.fps, settings, crf), part.places(scored)
+            video = encode(self.frames[list(part.frames)], self.fps, settings, crf, part.starts)
+            places = [bisect_left(part.frames, frame) for frame in scored]
         losses = self.loss(decode(video, places), scored)
         self.note(settings, crf, losses, video, len(part.frames))
-        return Tried(losses, len(video))
+        return losses, len(video)
 
     def note(
         self, settings: EncoderSettings, crf: int | None, losses: NDArray[np.float64], video: bytes, frames: int
@@ -133,20 +197,3 @@ class Judge:
                 bytes=len(video),
             )
         )
-
-
-@dataclass(frozen=True)
-class Tried:
-    """The result of one trial.
-
-    Args:
-        losses: (N,) of the scored frames, JOD.
-        bytes: of the encoding.
-    """
-
-    losses: NDArray[np.float64]
-    bytes: int
-
-    def loss(self, criterion: Criterion) -> float:
-        """Return one number for the losses."""
-        return criterion.loss(self.losses)

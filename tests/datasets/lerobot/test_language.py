@@ -14,8 +14,7 @@ import pytest
 from tests.datasets.conftest import LENGTHS, write
 from tests.recordings import FPS
 from vcage.base.errors import UsageError
-from vcage.datasets.lerobot.episode import SubtaskSpan
-from vcage.datasets.lerobot.language import span_starts, with_language
+from vcage.datasets.lerobot.episode import SubtaskSpan, span_starts, with_language
 from vcage.datasets.recordings.opening import open_recordings
 
 FRAMES = "data/chunk-000/file-000.parquet"

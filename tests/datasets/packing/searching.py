@@ -12,7 +12,7 @@ from vcage.datasets.packing import clips
 from vcage.schema.compression import Evaluation
 from vcage.video.choices import LOSSLESS, Choices
 from vcage.video.judge import Judge
-from vcage.video.settling import SearchResult
+from vcage.video.search import SearchResult
 
 NONE_PASSES = 255
 

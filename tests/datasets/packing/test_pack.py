@@ -30,8 +30,7 @@ from vcage.base.videos import decode
 from vcage.datasets.packing import clips as clip_module
 from vcage.datasets.packing.pack import RECORD, WORKING, pack
 from vcage.datasets.recordings import opening
-from vcage.datasets.recordings.columns import Columns
-from vcage.datasets.recordings.hdf5_numbers import numbers_of
+from vcage.datasets.recordings.columns import Columns, numbers_of
 from vcage.datasets.recordings.hdf5_recording import Hdf5Recording
 from vcage.datasets.recordings.opening import open_recordings
 from vcage.schema.compression import Compression

@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import pytest
 
-from vcage.datasets.packing.records import compression_record
 from vcage.datasets.packing.settings import CompressionSettings
+from vcage.datasets.packing.writing import compression_record
 from vcage.schema.base import Provenance
 from vcage.schema.compression import Compression, HeldOutLoss, VideoStream
 from vcage.video.choices import LOSSLESS

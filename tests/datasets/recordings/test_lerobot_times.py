@@ -224,7 +224,7 @@ def test_the_times_of_a_clock_become_those_of_frames_in_another_version_alone(v2
     record, written = compressed(v21, "lerobot-v3.0")
     require_own_frames(written)
     assert "taken for a clock's" in record.notes["episode_000001"][0]
-    assert written[1]._rows.times.off_s == 0
+    assert written[1]._files.times.off_s == 0
 
 
 def test_jitter_is_reported_once_and_leaves_the_data_set_of_another_version_even(v21):
@@ -232,7 +232,7 @@ def test_jitter_is_reported_once_and_leaves_the_data_set_of_another_version_even
     record, written = compressed(v21, "lerobot-v3.0")
     require_own_frames(written)
     assert [len(notes) for notes in record.notes.values()] == [1]
-    assert written[1]._rows.times.off_s == 0
+    assert written[1]._files.times.off_s == 0
 
 
 def test_times_that_are_no_numbers_are_named(v21):

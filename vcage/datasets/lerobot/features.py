@@ -14,8 +14,7 @@ from vcage.base.errors import DamagedFile, UsageError
 from vcage.base.folders import natural_key
 from vcage.base.video_files import open_video
 from vcage.base.videos import frame_times
-from vcage.datasets.lerobot.episode import ACTION, STATE, LeRobotEpisode
-from vcage.datasets.lerobot.language import FEATURE, LANGUAGE
+from vcage.datasets.lerobot.episode import ACTION, FEATURE, LANGUAGE, STATE, LeRobotEpisode
 from vcage.schema.compression import VideoStream
 
 SUBTASK = "subtask_index"
@@ -61,7 +60,7 @@ def features_of(
         episode: one without complaints.
         encodings: camera → facts about its encoding beyond those of its file, such as ``{"video.crf": 18}``; None
             for a fact of its file that the data set leaves open, as its episodes differ in it.
-        language: with the columns of :mod:`vcage.datasets.lerobot.language`.
+        language: with the columns of :mod:`vcage.datasets.lerobot.episode`.
 
     Raises:
         DamagedFile: a video is unreadable, or does not show the episode's frames.

@@ -67,8 +67,9 @@ def data_set_info(root: Path) -> dict[str, Any]:
     path = root / INFO
     require_fetched(path)
     try:
-        if path.is_file() and path.stat().st_size > LIMITS.max_json_bytes:
-            raise _oversized(f"{path} has {path.stat().st_size:,} bytes", LIMITS.max_json_bytes)
+        if path.is_file():
+            size = path.stat().st_size
+            _require_at_most(size, LIMITS.max_json_bytes, f"{path} has {size:,} bytes")
         info = read_json(path, nan=True)
         _require_text(info)
     except OversizedFile:
@@ -76,8 +77,7 @@ def data_set_info(root: Path) -> dict[str, Any]:
     except (InputFileError, ValueError) as error:
         raise DamagedFile(f"{path} cannot be read: {error}", hint=MEND) from error
     version = info.get("codebase_version") if isinstance(info, dict) else None
-    if version is None:
-        raise DamagedFile(f"{path} does not say codebase_version", hint=MEND)
+    _require(version is not None, f"{path} does not say codebase_version")
     if version not in VERSIONS:
         raise DamagedFile(
             f"{root} is a LeRobot data set of version {version}; {', '.join(VERSIONS)} are known",
@@ -103,35 +103,30 @@ def refuse_first_versions(root: Path) -> None:
 def _require_described(path: Path, info: Mapping[str, Any]) -> None:
     """Raise DamagedFile where ``info.json`` lacks a field that episodes are read by, or has one of another type."""
     missing = sorted(name for name in NEEDED if info.get(name) is None)
-    if missing:
-        raise DamagedFile(f"{path} does not say {', '.join(missing)}", hint=MEND)
-    if not (_is_positive(info["fps"]) and _is_positive(info["chunks_size"]) and info["chunks_size"] >= 1):
-        raise DamagedFile(f"{path}: fps and chunks_size are not positive numbers", hint=MEND)
+    _require(not missing, f"{path} does not say {', '.join(missing)}")
+    positive = _is_positive(info["fps"]) and _is_positive(info["chunks_size"]) and info["chunks_size"] >= 1
+    _require(positive, f"{path}: fps and chunks_size are not positive numbers")
     for field in filter(info.get, PATHS):
         inside(str(info[field]), f"{path}: {field}")
-    if not isinstance(info["features"], dict):
-        raise DamagedFile(f"{path} does not name its features", hint=MEND)
+    _require(isinstance(info["features"], dict), f"{path} does not name its features")
     for name, feature in info["features"].items():
         _require_feature(path, name, feature)
-    if video_keys(info["features"]) and not info.get("video_path"):
-        raise DamagedFile(f"{path} does not say video_path", hint=MEND)
+    named = info.get("video_path") or not video_keys(info["features"])
+    _require(named, f"{path} does not say video_path")
 
 
 def _require_feature(path: Path, name: str, feature: Any) -> None:
     """Raise DamagedFile where a feature lacks type or shape, or a camera's name is no part of a path, or too large."""
-    if not (isinstance(feature, dict) and isinstance(feature.get("dtype"), str) and _is_shape(feature)):
-        raise DamagedFile(f"{path} does not say what {name} is", hint=MEND)
+    described = isinstance(feature, dict) and isinstance(feature.get("dtype"), str) and _is_shape(feature)
+    _require(described, f"{path} does not say what {name} is")
     if feature["dtype"] not in ("video", "image"):
         return
     shape = feature["shape"]
     if "/" in name or "\0" in name or not name.strip("."):
         raise DamagedFile(f"{path}: the feature {name!r} is no name of a camera", hint="rename it, without a slash")
-    if min(shape) < 1:
-        raise DamagedFile(f"{path} says that pictures of {name} have the shape {shape}", hint=MEND)
-    if math.prod(shape) > LIMITS.max_picture_numbers:
-        raise _oversized(
-            f"{path}: {name} has the shape {shape}, {math.prod(shape):,} numbers", LIMITS.max_picture_numbers
-        )
+    _require(min(shape) >= 1, f"{path} says that pictures of {name} have the shape {shape}")
+    numbers = math.prod(shape)
+    _require_at_most(numbers, LIMITS.max_picture_numbers, f"{path}: {name} has the shape {shape}, {numbers:,} numbers")
 
 
 def _require_text(value: Any) -> None:
@@ -139,8 +134,14 @@ def _require_text(value: Any) -> None:
     json.dumps(value, ensure_ascii=False).encode()
 
 
-def _oversized(what: str, most: int) -> OversizedFile:
-    return OversizedFile(f"{what}; at most {most:,} are read", hint="split the data set, or leave it out")
+def _require(so: Any, complaint: str) -> None:
+    if not so:
+        raise DamagedFile(complaint, hint=MEND)
+
+
+def _require_at_most(found: int, most: int, what: str) -> None:
+    if found > most:
+        raise OversizedFile(f"{what}; at most {most:,} are read", hint="split the data set, or leave it out")
 
 
 def _is_positive(number: Any) -> bool:
@@ -168,8 +169,8 @@ def appendable_info(root: Path, expected: dict[str, Any]) -> dict[str, Any]:
     """
     info = data_set_info(root)
     for name in ("total_episodes", "total_frames"):
-        if not (isinstance(info.get(name), int) and info[name] >= 0):
-            raise DamagedFile(f"{root / INFO} does not count its {name.removeprefix('total_')}", hint=MEND)
+        counted = isinstance(info.get(name), int) and info[name] >= 0
+        _require(counted, f"{root / INFO} does not count its {name.removeprefix('total_')}")
     if info["total_episodes"] == 0:
         raise UsageError(f"{root} holds no episode yet", hint="write a new data set in its place")
     if strange := other_columns(info["features"]):
@@ -204,18 +205,16 @@ def episode_rows(root: Path, info: Mapping[str, Any]) -> list[dict[str, Any]]:
     old = info["codebase_version"] in PER_EPISODE
     where = root / (EPISODES if old else EPISODE_TABLES)
     rows = list(read_lines(where)) if old else _table_rows(root)
-    if not rows:
-        raise DamagedFile(f"{where} lists no episode", hint=MEND)
+    _require(rows, f"{where} lists no episode")
     numbers: set[int] = set()
     for row in rows:
         for name in ("episode_index", "length"):
-            if not (isinstance(row.get(name), int) and row[name] >= 0):
-                raise DamagedFile(f"{where} has an episode whose {name} is {row.get(name)!r}", hint=MEND)
-        if row["length"] > LIMITS.max_frames:
-            raise _oversized(f"{where}: episode {row['episode_index']} has {row['length']:,} frames", LIMITS.max_frames)
-        if row["episode_index"] in numbers:
-            raise DamagedFile(f"{where} lists episode {row['episode_index']} twice", hint=MEND)
-        numbers.add(row["episode_index"])
+            found = row.get(name)
+            _require(isinstance(found, int) and found >= 0, f"{where} has an episode whose {name} is {found!r}")
+        number, length = row["episode_index"], row["length"]
+        _require_at_most(length, LIMITS.max_frames, f"{where}: episode {number} has {length:,} frames")
+        _require(number not in numbers, f"{where} lists episode {number} twice")
+        numbers.add(number)
     return sorted(rows, key=lambda row: row["episode_index"])
 
 
@@ -239,14 +238,11 @@ def read_lines(path: Path) -> Iterator[dict[str, Any]]:
     try:
         with open(path, "rb") as handle:
             for number, line in enumerate(iter(lambda: handle.readline(LIMITS.max_json_bytes), b""), start=1):
-                if len(line) == LIMITS.max_json_bytes:
-                    raise _oversized(f"{path} line {number} has too many characters", LIMITS.max_json_bytes)
-                if not line.strip():
-                    continue
-                row = _parsed(path, number, line)
-                if not isinstance(row, dict):
-                    raise DamagedFile(f"{path} line {number} is no JSON object", hint=MEND)
-                yield row
+                _require_at_most(len(line), LIMITS.max_json_bytes - 1, f"{path} line {number} has too many characters")
+                if line.strip():
+                    row = _parsed(path, number, line)
+                    _require(isinstance(row, dict), f"{path} line {number} is no JSON object")
+                    yield row
     except OSError as error:
         raise DamagedFile(f"{path} cannot be read: {error}", hint=MEND) from error
 
@@ -255,11 +251,10 @@ def _parsed(path: Path, number: int, line: bytes) -> Any:
     try:
         row = parse_json(line, nan=True)
         _require_text(row)
-    except Unreadable as error:
-        raise DamagedFile(f"{path} line {number} is not valid JSON: {error.why}", hint=MEND) from error
+        return row
     except ValueError as error:
-        raise DamagedFile(f"{path} line {number} is not valid text: {error}", hint=MEND) from error
-    return row
+        why = f"JSON: {error.why}" if isinstance(error, Unreadable) else f"text: {error}"
+        raise DamagedFile(f"{path} line {number} is not valid {why}", hint=MEND) from error
 
 
 def _table_rows(root: Path) -> list[dict[str, Any]]:

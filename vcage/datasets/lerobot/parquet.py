@@ -196,7 +196,9 @@ def texts_of(source: Path, column: str, field: str) -> set[str]:
     """
     found: set[str] = set()
     with _opened(source) as file:
-        if not _has_field(file.schema_arrow, column, field):
+        schema = file.schema_arrow
+        kind = schema.field(column).type if column in schema.names else pa.null()
+        if not pa.types.is_struct(kind) or kind.get_field_index(field) < 0:
             return found
         for table in _row_groups(file, [column], source, [f"{column}.{field}"]):
             found.update(row[field] for row in table[column].to_pylist() if row and row[field])
@@ -244,13 +246,6 @@ def _row_groups(
         with _damage(source):
             # a name also stands for columns that begin with it and a dot
             yield file.read_row_group(number, columns=leaves or names).select(names)
-
-
-def _has_field(schema: pa.Schema, column: str, field: str) -> bool:
-    if column not in schema.names:
-        return False
-    kind = schema.field(column).type
-    return pa.types.is_struct(kind) and kind.get_field_index(field) >= 0
 
 
 def _described(metadata: dict[bytes, bytes] | None, names: Collection[str]) -> dict[bytes, bytes] | None:

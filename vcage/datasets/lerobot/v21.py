@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -17,10 +17,10 @@ import pyarrow.parquet as pq
 from vcage.base.errors import DamagedFile
 from vcage.datasets.lerobot.episode import LeRobotEpisode
 from vcage.datasets.lerobot.features import SUBTASK, video_key
-from vcage.datasets.lerobot.meta import EPISODES, INFO, appendable_info, read_lines
+from vcage.datasets.lerobot.meta import EPISODES, read_lines
 from vcage.datasets.lerobot.parquet import COMPRESSION, MEND
 from vcage.datasets.lerobot.statistics import QUANTILES, Statistics
-from vcage.datasets.lerobot.writer import CHUNK, WORDINGS, LeRobotWriter, in_order, link_files
+from vcage.datasets.lerobot.writer import CHUNK, WORDINGS, LeRobotWriter
 
 DATA_PATH = "data/chunk-{episode_chunk:03d}/episode_{episode_index:06d}.parquet"
 VIDEO_PATH = "videos/chunk-{episode_chunk:03d}/{video_key}/episode_{episode_index:06d}.mp4"
@@ -39,15 +39,17 @@ class WriterV21(LeRobotWriter):
         "video_path": VIDEO_PATH,
     }
 
-    def resume(self, root: Path) -> None:
-        info = appendable_info(root, self.LAYOUT)
-        link_files(root, self._folder, but={INFO, TASKS, SUBTASKS, EPISODES, EPISODE_STATS})
+    TEXTS: ClassVar[dict[str, Path]] = {"task": TASKS, "subtask": SUBTASKS}
+    REWRITTEN: ClassVar[tuple[Path, ...]] = (TASKS, SUBTASKS, EPISODES, EPISODE_STATS)
+
+    def _named_rows(self, path: Path, name: str) -> Iterator[Mapping[str, Any]]:
+        return read_lines(path)
+
+    def _resume_rows(self, root: Path) -> None:
         for lines in (EPISODES, EPISODE_STATS):
-            if [row.get("episode_index") for row in read_lines(root / lines)] != list(range(info["total_episodes"])):
+            if [row.get("episode_index") for row in read_lines(root / lines)] != list(range(self.episodes)):
                 raise DamagedFile(f"{root / lines} does not list all episodes in order", hint=MEND)
             shutil.copyfile(root / lines, self._folder / lines)
-        subtasks = _read_wordings(root / SUBTASKS) if SUBTASK in info["features"] else {}
-        self._continue(info, _read_texts(root / TASKS, "task"), subtasks)
 
     def close(self) -> None:
         """Do nothing: no file stays open between two episodes."""
@@ -84,16 +86,3 @@ class WriterV21(LeRobotWriter):
 
 def _numbered(name: str, numbers: dict[str, int]) -> list[dict[str, Any]]:
     return [{f"{name}_index": number, name: text} for text, number in numbers.items()]
-
-
-def _read_texts(path: Path, name: str) -> list[str]:
-    try:
-        return in_order(((int(row[f"{name}_index"]), str(row[name])) for row in read_lines(path)), path)
-    except KeyError as error:
-        raise DamagedFile(f"{path} has a row without {error}", hint=MEND) from error
-
-
-def _read_wordings(path: Path) -> dict[str, list[str]]:
-    """Return sub-tasks in the order of their numbers → their wordings, the text alone where there are no others."""
-    stated = {str(row.get("subtask")): row.get(WORDINGS) for row in read_lines(path)}
-    return {text: stated[text] or [text] for text in _read_texts(path, "subtask")}

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -21,10 +21,10 @@ from vcage.base.errors import DamagedFile
 from vcage.base.folders import files_below
 from vcage.datasets.lerobot.episode import LeRobotEpisode
 from vcage.datasets.lerobot.features import SUBTASK, video_key
-from vcage.datasets.lerobot.meta import EPISODE_TABLES, INFO, appendable_info, episode_tables
-from vcage.datasets.lerobot.parquet import COMPRESSION, MEND, ParquetSeries, column_names, numbered, read_table
+from vcage.datasets.lerobot.meta import EPISODE_TABLES, INFO, episode_tables
+from vcage.datasets.lerobot.parquet import COMPRESSION, MEND, ParquetSeries, numbered, read_table
 from vcage.datasets.lerobot.statistics import LEVEL_COUNTS, STATS, Statistics, Totals
-from vcage.datasets.lerobot.writer import CHUNK, WORDINGS, LeRobotWriter, in_order, link_files
+from vcage.datasets.lerobot.writer import CHUNK, WORDINGS, LeRobotWriter
 
 FILE = "chunk-{chunk_index:03d}/file-{file_index:03d}"
 DATA_PATH = f"data/{FILE}.parquet"
@@ -34,8 +34,7 @@ EPISODES_PATH = f"meta/episodes/{FILE}.parquet"
 TASKS, SUBTASKS = Path("meta/tasks.parquet"), Path("meta/subtasks.parquet")
 
 DATA_MB = 100
-SIZES = {"data_files_size_in_mb": DATA_MB, "video_files_size_in_mb": 200}
-"""Sizes from which LeRobot begins a new file; ours hold one video each and stay below."""
+"""Size of tables from which LeRobot begins a new file; our files of videos hold one each and stay below theirs."""
 
 
 class WriterV30(LeRobotWriter):
@@ -44,10 +43,14 @@ class WriterV30(LeRobotWriter):
     LAYOUT: ClassVar[dict[str, Any]] = {
         "codebase_version": "v3.0",
         "chunks_size": CHUNK,
-        **SIZES,
+        "data_files_size_in_mb": DATA_MB,
+        "video_files_size_in_mb": 200,
         "data_path": DATA_PATH,
         "video_path": VIDEO_PATH,
     }
+
+    TEXTS: ClassVar[dict[str, Path]] = {"task": TASKS, "subtask": SUBTASKS}
+    REWRITTEN: ClassVar[tuple[Path, ...]] = (STATS, LEVEL_COUNTS, TASKS, SUBTASKS)
 
     ROWS_AT_ONCE: ClassVar[int] = 100
     """Descriptions of episodes that are written together."""
@@ -61,16 +64,17 @@ class WriterV30(LeRobotWriter):
         self._data_files = self._series(DATA_PATH, 0)
         self._row_files = self._series(EPISODES_PATH, 0)
 
-    def resume(self, root: Path) -> None:
-        info = appendable_info(root, {name: value for name, value in self.LAYOUT.items() if name not in SIZES})
-        link_files(root, self._folder, but={INFO, STATS, LEVEL_COUNTS, TASKS, SUBTASKS})
-        subtasks = _read_wordings(root / SUBTASKS) if SUBTASK in info["features"] else {}
-        self._continue(info, _read_names(root / TASKS, "task"), subtasks)
-        self._totals.resume(root, self._counted)
-        self._continue_rows(root)
+    def _named_rows(self, path: Path, name: str) -> Iterator[Mapping[str, Any]]:
+        """Pandas does not always name the column of texts."""
+        table = read_table(path)
+        columns = [column for column in table.column_names if column not in (f"{name}_index", WORDINGS)]
+        if len(columns) != 1 or f"{name}_index" not in table.column_names:
+            raise DamagedFile(f"{path} has the columns {table.column_names}, not texts and their numbers", hint=MEND)
+        return ({**row, name: row[columns[0]]} for row in table.to_pylist())
 
-    def _continue_rows(self, root: Path) -> None:
+    def _resume_rows(self, root: Path) -> None:
         """Continue behind the last files that the episodes of a finished data set name."""
+        self._totals.resume(root, self._counted)
         where, paths = root / EPISODE_TABLES, [root / file for file in episode_tables(root)]
         if not paths:
             raise DamagedFile(f"{where} holds no list of episodes", hint=MEND)
@@ -165,22 +169,3 @@ def _write_names(
         described.insert(1, {"name": WORDINGS, "field_name": WORDINGS, **facts})
     table = pa.table(columns)
     pq.write_table(table.replace_schema_metadata({"pandas": json.dumps(pandas)}), path, compression=COMPRESSION)
-
-
-def _read_names(path: Path, name: str) -> list[str]:
-    """Return the texts of such a table by their numbers; pandas does not always name the column of texts."""
-    table = read_table(path)
-    columns = [column for column in table.column_names if column not in (f"{name}_index", WORDINGS)]
-    if len(columns) != 1 or f"{name}_index" not in table.column_names:
-        raise DamagedFile(f"{path} has the columns {table.column_names}, not texts and their numbers", hint=MEND)
-    return in_order(zip(table[f"{name}_index"].to_pylist(), table[columns[0]].to_pylist(), strict=True), path)
-
-
-def _read_wordings(path: Path) -> dict[str, list[str]]:
-    """Return sub-tasks in the order of their numbers → their wordings, the text alone where there are no others."""
-    texts = _read_names(path, "subtask")
-    if WORDINGS not in column_names(path):
-        return {text: [text] for text in texts}
-    table = read_table(path, ["subtask_index", WORDINGS])
-    stated = dict(zip(table["subtask_index"].to_pylist(), table[WORDINGS].to_pylist(), strict=True))
-    return {text: stated[number] or [text] for number, text in enumerate(texts)}

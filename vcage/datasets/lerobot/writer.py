@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import shutil
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 
 from vcage.base.errors import DamagedFile, UsageError
 from vcage.base.files import write_json
-from vcage.datasets.lerobot.episode import LeRobotEpisode, SubtaskSpan
+from vcage.datasets.lerobot.episode import LANGUAGE, PERSISTENT, LeRobotEpisode, SubtaskSpan, span_starts, with_language
 from vcage.datasets.lerobot.features import SUBTASK, agreed_info, features_of, video_key, video_keys
-from vcage.datasets.lerobot.language import LANGUAGE, PERSISTENT, span_starts, with_language
-from vcage.datasets.lerobot.meta import INFO
+from vcage.datasets.lerobot.meta import INFO, appendable_info
+from vcage.datasets.lerobot.parquet import MEND
 from vcage.datasets.lerobot.places import own_files
 from vcage.datasets.lerobot.statistics import Statistics, picture_statistics, vector_statistics
 
@@ -53,8 +53,14 @@ class LeRobotWriter(ABC):
     LAYOUT: ClassVar[dict[str, Any]]
     """Entries of ``info.json`` that are the same for every data set of the format."""
 
+    TEXTS: ClassVar[dict[str, Path]]
+    """``task`` and ``subtask`` → file of their texts and numbers."""
+
+    REWRITTEN: ClassVar[tuple[Path, ...]]
+    """Files that are written again when a data set is added to, besides ``info.json``."""
+
     IN_WORDS: ClassVar[bool] = False
-    """True if a new data set has the columns of :mod:`vcage.datasets.lerobot.language`."""
+    """True if a new data set has the columns of :mod:`vcage.datasets.lerobot.episode`."""
 
     def __init__(self, folder: Path, encodings: Mapping[str, Mapping[str, Any]]):
         self.episodes = 0
@@ -118,7 +124,6 @@ class LeRobotWriter(ABC):
     def close(self) -> None:
         """Close the files that are open."""
 
-    @abstractmethod
     def resume(self, root: Path) -> None:
         """Begin with the content of a finished data set, before anything is added.
 
@@ -126,6 +131,35 @@ class LeRobotWriter(ABC):
             UsageError: it is of another version or layout.
             DamagedFile: a file of it is missing or damaged.
         """
+        agreed = {name: value for name, value in self.LAYOUT.items() if not name.endswith("_size_in_mb")}
+        self._info = info = appendable_info(root, agreed)
+        link_files(root, self._folder, but={INFO, *self.REWRITTEN})
+        self.episodes = self._earlier = int(info["total_episodes"])
+        self.frames = int(info["total_frames"])
+        self._tasks = {text: number for number, (text, _) in enumerate(self._texts(root, "task"))}
+        self._wordings = dict(self._texts(root, "subtask")) if SUBTASK in self._features else {}
+        self._subtasks = {text: number for number, text in enumerate(self._wordings)}
+        self._resume_rows(root)
+
+    def _texts(self, root: Path, name: str) -> list[tuple[str, list[str]]]:
+        """Return tasks or sub-tasks in the order of their numbers, and their wordings, the text alone if no others."""
+        path = root / self.TEXTS[name]
+        try:
+            rows = [(int(row[f"{name}_index"]), str(row[name]), row) for row in self._named_rows(path, name)]
+        except KeyError as error:
+            raise DamagedFile(f"{path} has a row without {error}", hint=MEND) from error
+        rows.sort(key=lambda row: row[0])
+        if [number for number, *_ in rows] != list(range(len(rows))):
+            raise DamagedFile(f"{path} does not number its texts from 0", hint=MEND)
+        return [(text, list(row.get(WORDINGS) or [text])) for _, text, row in rows]
+
+    @abstractmethod
+    def _named_rows(self, path: Path, name: str) -> Iterable[Mapping[str, Any]]:
+        """Yield the rows of a list of texts, with their numbers."""
+
+    @abstractmethod
+    def _resume_rows(self, root: Path) -> None:
+        """Begin with the list of episodes of a finished data set, and their statistics."""
 
     @abstractmethod
     def _write(self, episode: LeRobotEpisode, table: pa.Table, statistics: dict[str, Statistics]) -> None:
@@ -138,15 +172,6 @@ class LeRobotWriter(ABC):
     def _more_totals(self) -> dict[str, Any]:
         """Return counts in ``info.json`` that only this format has."""
         return {}
-
-    def _continue(self, info: dict[str, Any], tasks: Iterable[str], subtasks: Mapping[str, Sequence[str]]) -> None:
-        """Take over the description of a finished data set, with sub-tasks and their wordings in order."""
-        self._info = info
-        self.episodes = self._earlier = int(info["total_episodes"])
-        self.frames = int(info["total_frames"])
-        self._tasks = {text: number for number, text in enumerate(tasks)}
-        self._subtasks = {text: number for number, text in enumerate(subtasks)}
-        self._wordings = {text: list(wordings) for text, wordings in subtasks.items()}
 
     @property
     def _features(self) -> dict[str, dict[str, Any]]:
@@ -201,18 +226,6 @@ def _statistics(columns: Mapping[str, NDArray[Any]], episode: LeRobotEpisode) ->
     for camera in sorted(episode.videos):
         statistics[video_key(camera)] = picture_statistics(episode.histograms[camera], episode.sampled)
     return statistics
-
-
-def in_order(rows: Iterable[tuple[int, str]], where: Path) -> list[str]:
-    """Return texts by their numbers, which count from 0.
-
-    Raises:
-        DamagedFile: a number is missing or there twice; names ``where``.
-    """
-    ordered = sorted(rows)
-    if [number for number, _ in ordered] != list(range(len(ordered))):
-        raise DamagedFile(f"{where} does not number its texts from 0", hint="fetch or export the data set again")
-    return [text for _, text in ordered]
 
 
 def link_files(source: Path, target: Path, but: Collection[Path]) -> None:

@@ -47,17 +47,8 @@ def agreed_by(streams: Iterable[VideoStream]) -> dict[str, Bound]:
     return bounds
 
 
-@dataclass(frozen=True)
-class Step:
-    """The next work on some episodes.
-
-    Args:
-        episodes: their names.
-        choices: of their searches.
-    """
-
-    episodes: Sequence[str]
-    choices: Choices
+Step = tuple[Sequence[str], Choices]
+"""The next work: names of episodes, and the choices of their searches."""
 
 
 @dataclass
@@ -68,6 +59,7 @@ class Agreement:
         episodes: their names, those that are likely to allow least first; at least one.
         choices: of the first one's search: of pixel formats those that all episodes can have, the best first.
         bound: the agreement so far; at first, that of other episodes before.
+        apart: true where they need not agree: each is searched for itself, or all have a CRF that was given.
         batch_growth: episodes that have been encoded after a batch, for each before it. More keep more processes busy,
             fewer are encoded in vain where one of them allows less.
     """
@@ -75,18 +67,21 @@ class Agreement:
     episodes: Sequence[str]
     choices: Choices
     bound: Bound | None = None
+    apart: bool = False
     batch_growth: int = 4
     _streams: dict[str, VideoStream] = field(default_factory=dict)
 
     def next_step(self) -> Step | None:
         """Return the next work; None when all are encoded as agreed."""
         bound, encoded = self.bound, len(self._streams)
+        if self.apart:
+            return None if encoded else (self.episodes, self.choices)
         if bound is None:
-            return Step(self.episodes[:1], self.choices)
+            return self.episodes[:1], self.choices
         if encoded < len(self.episodes) and bound.crf != LOSSLESS:
-            return Step(self.episodes[encoded : max(1, self.batch_growth * encoded)], self._below(bound))
+            return self.episodes[encoded : max(1, self.batch_growth * encoded)], self._below(bound)
         waiting = [name for name in self.episodes if not self._kept(name, bound)]
-        return Step(waiting, self._below(bound)) if waiting else None
+        return (waiting, self._below(bound)) if waiting else None
 
     def take(self, found: Mapping[str, VideoStream]) -> None:
         """Continue from the results of a step.
@@ -95,6 +90,8 @@ class Agreement:
             found: episode → its video.
         """
         self._streams |= found
+        if self.apart:
+            return
         bound, first = self.bound, next(iter(found.values()))
         if any(one.crf is None for one in found.values()):
             self._none_passes(bound or Bound(first.pixel_format, first.gop, LOSSLESS))
@@ -104,6 +101,8 @@ class Agreement:
 
     def staying(self, streams: Sequence[VideoStream]) -> int:
         """Return how many of its videos are encoded at the CRF that all known ones allow."""
+        if self.apart:
+            return len(streams)
         if self.bound is None:
             return sum(one.episode == self.episodes[0] for one in streams)
         lowest = min([self.bound.crf, *(LOSSLESS if one.crf is None else one.crf for one in streams)])
@@ -124,29 +123,3 @@ class Agreement:
 
     def _kept(self, name: str, bound: Bound) -> bool:
         return name in self._streams and bound.kept_by(self._streams[name])
-
-
-@dataclass
-class Apart:
-    """One camera's episodes that need not agree: each is searched for itself, or all have a CRF that was given.
-
-    Args:
-        episodes: their names.
-        choices: of each search.
-    """
-
-    episodes: Sequence[str]
-    choices: Choices
-    _done: bool = False
-
-    def next_step(self) -> Step | None:
-        """Return all episodes at once, and then None."""
-        return None if self._done else Step(self.episodes, self.choices)
-
-    def take(self, _found: Mapping[str, VideoStream]) -> None:
-        """Note that all is done."""
-        self._done = True
-
-    def staying(self, streams: Sequence[VideoStream]) -> int:
-        """Return how many of its videos stay: all."""
-        return len(streams)

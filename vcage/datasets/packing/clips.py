@@ -16,14 +16,14 @@ from vcage.base.keeper import Keeper
 from vcage.base.pictures import jpeg
 from vcage.base.version import __version__
 from vcage.datasets.recordings.recording import Recording
-from vcage.datasets.robotwin import JPEG_QUALITY
+from vcage.datasets.recordings.robotwin import JPEG_QUALITY
 from vcage.schema.compression import ClipRecord, VideoStream
 from vcage.video.choices import Choices, Criterion
 from vcage.video.encoders import encoder_version
 from vcage.video.jod import JodMetric, metric_version
 from vcage.video.judge import Judge
 from vcage.video.keyframes import keyframes, picture_keyframes
-from vcage.video.settling import SearchResult, search_clip
+from vcage.video.search import SearchResult, search_clip
 
 Key = tuple[str, str]
 """Recording and camera."""
@@ -155,7 +155,7 @@ def perform(task: SearchTask) -> VideoStream:
 
     Raises:
         DamagedFile: its pictures cannot be read; ``details`` name the recording.
-        UsageError, MissingDependency: see :func:`vcage.video.settling.search_clip`.
+        UsageError, MissingDependency: see :func:`vcage.video.search.search_clip`.
         DiskFull, OutputFolderError: it cannot be written.
     """
     judge = _judge(task)

@@ -14,29 +14,14 @@ from vcage.base.folders import natural_key
 from vcage.base.memory import free_memory
 from vcage.base.progress import Progress, silent
 from vcage.base.workers import Processes, SameProcess, cores
-from vcage.datasets.packing.agreement import Agreement, Apart, Bound, Step
+from vcage.datasets.packing.agreement import Agreement, Bound
 from vcage.datasets.packing.clips import Clip, EncodedVideo, Key, SearchTask, is_finished, known, perform
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.schema.compression import Evaluation, VideoStream
+from vcage.video.choices import Choices
 from vcage.video.codec import formats_for
 from vcage.video.encoders import CODECS, require_encoder
 from vcage.video.jod import require_display
-
-
-@dataclass(frozen=True)
-class MemorySettings:
-    """Memory of a process.
-
-    Args:
-        clip_copies: copies of a clip in memory at most: itself, decoded frames, and those of the encoder.
-        process_bytes: besides its clip, most of it for the metric.
-    """
-
-    clip_copies: int = 3
-    process_bytes: int = 1_500_000_000
-
-
-MEMORY = MemorySettings()
 
 
 def search_data_set(
@@ -81,16 +66,21 @@ def require_tools(settings: CompressionSettings) -> None:
     require_display(settings.display)
 
 
-def workers_for(clips: Sequence[Clip], most: int | None = None) -> int:
+def workers_for(
+    clips: Sequence[Clip], most: int | None = None, clip_copies: int = 3, process_bytes: int = 1_500_000_000
+) -> int:
     """Return the number of useful processes: no more than there are clips, at least one.
 
     Args:
         clips: the work.
         most: upper limit; None for as many as this machine has cores and memory for.
+        clip_copies: copies of a clip in the memory of a process at most: itself, decoded frames, and those of the
+            encoder.
+        process_bytes: memory of a process besides its clip, most of it for the metric.
     """
     if most is None:
         largest = max((c.recording.camera(c.camera).raw_bytes for c in clips), default=0)
-        most = min(cores(), free_memory() // (MEMORY.clip_copies * largest + MEMORY.process_bytes))
+        most = min(cores(), free_memory() // (clip_copies * largest + process_bytes))
     return max(1, min(most, len(clips)))
 
 
@@ -118,7 +108,7 @@ class _DataSetSearch:
     crew: SameProcess[SearchTask, VideoStream] | Processes[SearchTask, VideoStream]
     progress: Progress
     agreed: Mapping[str, Bound]
-    plans: dict[str, Agreement | Apart] = field(default_factory=dict)
+    plans: dict[str, Agreement] = field(default_factory=dict)
     waiting: dict[str, list[SearchTask]] = field(default_factory=dict)
     found: dict[Key, VideoStream] = field(default_factory=dict)
     tasks: dict[Key, SearchTask] = field(default_factory=dict)
@@ -145,11 +135,11 @@ class _DataSetSearch:
         """Return the bytes of a camera's clips: long searches should not be the last to end."""
         return sum(clip.recording.camera(camera).stored_bytes for clip in self.clips if clip.camera == camera)
 
-    def _plan(self, camera: str) -> Agreement | Apart:
+    def _plan(self, camera: str) -> Agreement:
         clips = sorted((clip for clip in self.clips if clip.camera == camera), key=stored_per_frame, reverse=True)
         names, choices = [clip.name for clip in clips], self.settings.choices()
         if self.settings.scope != "camera" or self.settings.crf is not None:
-            return Apart(names, choices)
+            return Agreement(names, choices, apart=True)
         cameras = [clip.recording.camera(camera) for clip in clips]
         fitting = [
             formats_for(choices.settings(), *size, choices.pixel_formats)
@@ -167,7 +157,8 @@ class _DataSetSearch:
         """
         while step := self.plans[camera].next_step():
             clips = {clip.name: clip for clip in self.clips if clip.camera == camera}
-            tasks = self.waiting[camera] = [self._task(clips[name], step) for name in step.episodes]
+            names, choices = step
+            tasks = self.waiting[camera] = [self._task(clips[name], choices) for name in names]
             for task in tasks:
                 self.found.pop(task.clip.key, None)
                 if (one := known(task)) is not None:
@@ -197,10 +188,10 @@ class _DataSetSearch:
         quality = "lossless" if one.crf is None else f"CRF {one.crf}"
         self.progress(f"{one.episode} {one.camera}, {quality}", max(0, staying - 1), len(self.clips))
 
-    def _task(self, clip: Clip, step: Step) -> SearchTask:
+    def _task(self, clip: Clip, choices: Choices) -> SearchTask:
         return SearchTask(
             clip=clip,
-            choices=step.choices,
+            choices=choices,
             criterion=self.settings.criterion(),
             display=self.settings.display,
             keyframes=self.settings.keyframes,

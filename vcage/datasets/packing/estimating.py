@@ -18,7 +18,7 @@ from vcage.datasets.packing.dataset_search import (
     stored_per_frame,
     workers_for,
 )
-from vcage.datasets.packing.frames import as_text, show_frames
+from vcage.datasets.packing.inspecting import as_text, show_frames
 from vcage.datasets.packing.output import omitted
 from vcage.datasets.packing.pack import Order, prepare
 from vcage.datasets.packing.settings import CompressionSettings

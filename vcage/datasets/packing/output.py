@@ -17,8 +17,8 @@ from vcage.datasets.lerobot.formats import FORMATS
 from vcage.datasets.lerobot.repack import require_whole
 from vcage.datasets.packing.clips import Clip
 from vcage.datasets.packing.sources import SourceRecording, rate_of
-from vcage.datasets.recordings.other_streams import stream_counts
 from vcage.datasets.recordings.recording import HDF5, VIDEOS, Recording
+from vcage.datasets.recordings.streams import stream_counts
 from vcage.schema.compression import OtherStream
 
 TARGETS = (HDF5, *FORMATS, VIDEOS)

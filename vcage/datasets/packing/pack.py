@@ -23,7 +23,7 @@ from vcage.base.progress import Progress, silent
 from vcage.base.text import listed
 from vcage.datasets.packing.clips import Clip
 from vcage.datasets.packing.dataset_search import require_tools, search_data_set
-from vcage.datasets.packing.frames import FRAMES, write_frames
+from vcage.datasets.packing.inspecting import FRAMES, write_frames
 from vcage.datasets.packing.output import (
     OutputSpec,
     keeps_version,
@@ -33,10 +33,9 @@ from vcage.datasets.packing.output import (
     require_alike,
     resolve_output,
 )
-from vcage.datasets.packing.records import compression_record
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.datasets.packing.sources import Sources, find_sources, require_apart
-from vcage.datasets.packing.writing import Compressed, write_output
+from vcage.datasets.packing.writing import Compressed, compression_record, write_output
 from vcage.datasets.recordings.colours import AUTO, colour_orders
 from vcage.schema.base import Provenance
 from vcage.schema.compression import Compression

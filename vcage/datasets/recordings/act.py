@@ -16,8 +16,7 @@ from vcage.datasets.episode import DRAWN
 from vcage.datasets.hdf5 import SCHEMA
 from vcage.datasets.lerobot.episode import SubtaskSpan
 from vcage.datasets.reader import EpisodeReader
-from vcage.datasets.recordings.columns import Columns
-from vcage.datasets.recordings.hdf5_numbers import numbers_of
+from vcage.datasets.recordings.columns import Columns, numbers_of
 from vcage.datasets.recordings.hdf5_recording import Hdf5Recording
 
 

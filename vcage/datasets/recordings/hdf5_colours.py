@@ -12,9 +12,9 @@ import h5py
 import numpy as np
 
 from vcage.base.errors import DamagedFile, UsageError
-from vcage.datasets.recordings.cameras import RecordedCamera
 from vcage.datasets.recordings.colours import SETTINGS, Colours, is_marked, leaning, settle
 from vcage.datasets.recordings.recording import Recording
+from vcage.datasets.recordings.streams import RecordedCamera
 from vcage.datasets.stored_pictures import ENCODED, encoded_bytes, stored_picture
 
 COLOURS = "jpeg_colours"

@@ -10,7 +10,7 @@ import math
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
@@ -18,23 +18,22 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from vcage.base.errors import DamagedFile
+from vcage.base.errors import DamagedFile, OversizedFile
 from vcage.base.folders import natural_key, natural_path
+from vcage.base.placeholders import require_fetched
+from vcage.base.reading import read_json
 from vcage.base.videos import codec_name, decode, frame_rate
-from vcage.datasets.hdf5_contents import datasets_in, require_utf8_text
+from vcage.datasets.hdf5_contents import datasets_in, require_pictures_fit, require_utf8_text
 from vcage.datasets.hdf5_files import read_hdf5
-from vcage.datasets.hdf5_limits import require_pictures_fit
 from vcage.datasets.picture_encoding import digests_beside
 from vcage.datasets.picture_lengths import unknown_sizes
 from vcage.datasets.picture_links import find_links, read_link
-from vcage.datasets.recordings.cameras import RecordedCamera
-from vcage.datasets.recordings.clock_search import Clocks, find_clocks
-from vcage.datasets.recordings.columns import Columns
+from vcage.datasets.recordings.clocks import Clocks, find_clocks
+from vcage.datasets.recordings.columns import Columns, numbers_of
 from vcage.datasets.recordings.hdf5_colours import COLOURS, Hdf5Colours
-from vcage.datasets.recordings.hdf5_numbers import numbers_of
-from vcage.datasets.recordings.leftovers import leftovers
-from vcage.datasets.recordings.other_streams import MeasuredStream, measured_stream, measured_streams
+from vcage.datasets.recordings.passed_over import leftovers
 from vcage.datasets.recordings.recording import HDF5
+from vcage.datasets.recordings.streams import MeasuredStream, RecordedCamera, measured_stream, measured_streams
 from vcage.datasets.recordings.success import stated_failure
 from vcage.datasets.stored_pictures import (
     VLEN,
@@ -267,3 +266,32 @@ def number_at(stated: Any, *names: str) -> float | None:
     for name in names:
         stated = stated.get(name) if isinstance(stated, dict) else None
     return float(stated) if isinstance(stated, int | float) and 0 < stated < math.inf else None
+
+
+def read_beside(path: Path, max_bytes: int = 64 << 20) -> Any:
+    """Return the content of a JSON file beside a recording; None where there is none, or a link in its place.
+
+    Raises:
+        DamagedFile: it was not fetched, is no regular file, or is no JSON.
+        OversizedFile: it is too large.
+        InputFileError: it may not be read.
+    """
+    if path.is_symlink() or not path.exists():
+        return None
+    require_fetched(path)
+    stat = path.stat()
+    if stat.st_size > max_bytes:
+        raise OversizedFile(
+            f"{path} has {stat.st_size:,} bytes; at most {max_bytes:,} are read", hint="leave its recordings out"
+        )
+    try:
+        return _cached_content(path, stat.st_size, stat.st_mtime_ns)
+    except DamagedFile as error:
+        hint = "mend the file, or remove it and give with options what it says"
+        raise DamagedFile(error.message, hint=hint, details=error.details) from error
+
+
+@lru_cache(maxsize=8)
+def _cached_content(path: Path, _size: int, _changed: int) -> Any:
+    """Return the content of a file that describes many recordings, each of which asks for it."""
+    return read_json(path, nan=True)

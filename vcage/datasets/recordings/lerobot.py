@@ -16,7 +16,7 @@ from vcage.base.folders import natural_key, natural_path
 from vcage.base.pictures import picture_header
 from vcage.base.placeholders import require_fetched
 from vcage.base.videos import decode
-from vcage.datasets.lerobot.episode import ACTION, STATE
+from vcage.datasets.lerobot.episode import ACTION, LANGUAGE, STATE
 from vcage.datasets.lerobot.features import (
     CAMERA,
     OF_SUBTASKS,
@@ -26,18 +26,15 @@ from vcage.datasets.lerobot.features import (
     video_facts,
     video_keys,
 )
-from vcage.datasets.lerobot.language import LANGUAGE
 from vcage.datasets.lerobot.meta import PER_EPISODE, data_set_info, episode_rows
 from vcage.datasets.lerobot.parquet import MEND
 from vcage.datasets.lerobot.places import inside, own_file, own_files
-from vcage.datasets.recordings.cameras import RecordedCamera
 from vcage.datasets.recordings.colours import Colours
 from vcage.datasets.recordings.columns import Columns
-from vcage.datasets.recordings.lerobot_files import EpisodeFiles, OwnFiles, SharedFiles
-from vcage.datasets.recordings.lerobot_rows import OUTCOME, EpisodeRows
-from vcage.datasets.recordings.lerobot_times import shares
-from vcage.datasets.recordings.other_streams import MeasuredStream, measured_file
+from vcage.datasets.recordings.lerobot_files import OUTCOME, EpisodeFiles
+from vcage.datasets.recordings.lerobot_times import Share, shares
 from vcage.datasets.recordings.recording import Recording
+from vcage.datasets.recordings.streams import MeasuredStream, RecordedCamera, measured_file
 from vcage.datasets.stored_pictures import channels_of, decode_picture, stacked, storage_of
 
 CHANNELS = (1, 3, 4)
@@ -53,21 +50,20 @@ class LeRobotRecording(Recording):
     """
 
     def __init__(self, files: EpisodeFiles, layout: str):
-        super().__init__(files.root, int(files.row["episode_index"]))
+        super().__init__(files.root, files.number)
         self.LAYOUT = self.TARGET = layout
         self._info, self._row, self._files = files.info, files.row, files
-        self._rows = EpisodeRows(str(self), files)
         self._labelled = True
 
     def __str__(self) -> str:
-        return f"{self.path} episode {self.number}"
+        return str(self._files)
 
     def name(self, root: Path) -> str:
         return f"episode_{self.number:06d}"
 
     @property
     def fps(self) -> float | None:
-        return self._rows.fps
+        return self._files.fps
 
     @property
     def task(self) -> str | None:
@@ -79,7 +75,7 @@ class LeRobotRecording(Recording):
 
     @property
     def frames(self) -> int:
-        return len(self._rows)
+        return len(self._files)
 
     @property
     def notes(self) -> list[str]:
@@ -90,7 +86,7 @@ class LeRobotRecording(Recording):
     def failed(self) -> str | None:
         if OUTCOME not in self._info["features"]:
             return None
-        labels = self._rows.labels()
+        labels = self._files.labels()
         never = self._labelled and False in labels and True not in labels
         return f"its {OUTCOME} is never true" if never else None
 
@@ -101,12 +97,12 @@ class LeRobotRecording(Recording):
     def succeeds(self) -> bool:
         """True for a true outcome, and for one that cannot be read, which is named where the episode is read."""
         with suppress(InputFileError):
-            return True in self._rows.labels()
+            return True in self._files.labels()
         return True
 
     def time_fault(self, target: str, fps: float) -> str | None:
         del fps
-        note = self._rows.times.note
+        note = self._files.times.note
         return f"{note}; a data set of the same version keeps them" if note and target == self.TARGET else None
 
     def left_out(self) -> dict[str, str]:
@@ -138,7 +134,7 @@ class LeRobotRecording(Recording):
 
     @cached_property
     def other_streams(self) -> list[MeasuredStream]:
-        found = [measured_file(key, self._stored(self._rows.column(key)[0].as_py())) for key in self._image_keys]
+        found = [measured_file(key, self._stored(self._files.column(key)[0].as_py())) for key in self._image_keys]
         return [stream for stream in found if stream is not None]
 
     @property
@@ -152,15 +148,15 @@ class LeRobotRecording(Recording):
         one = self.camera(camera)
         wanted = list(range(one.frames) if indices is None else indices)
         if one.key in self._video_keys:
-            frames, _ = self._rows.frames_in_video(one.key)
+            frames, _ = self._files.frames_in_video(one.key)
             return decode(self._files.clip(one.key).file, [frames[index] for index in wanted])
-        stored, what = self._rows.column(one.key), f"{self} {one.key}"
+        stored, what = self._files.column(one.key), f"{self} {one.key}"
         found = [decode_picture(self._stored(stored[index].as_py()), f"{what}[{index}]") for index in wanted]
         return stacked(found, what)
 
     def _camera_notes(self) -> list[str]:
-        found = [(key, self._rows.frames_in_video(key)[1]) for key in self._video_keys]
-        times = self._rows.times.note
+        found = [(key, self._files.frames_in_video(key)[1]) for key in self._video_keys]
+        times = self._files.times.note
         notes = super()._camera_notes() + [times] * bool(times) + [f"{key}: {note}" for key, note in found if note]
         for camera in self.cameras:
             try:
@@ -179,7 +175,7 @@ class LeRobotRecording(Recording):
         feature = self._info["features"].get(key)
         if feature is None:
             return None
-        values = np.array(self._rows.column(key).to_pylist(), np.float64)
+        values = np.array(self._files.column(key).to_pylist(), np.float64)
         return Columns(values.reshape(len(values), -1), tuple(number_names(feature.get("names"))))
 
     @property
@@ -192,14 +188,16 @@ class LeRobotRecording(Recording):
 
     def _camera(self, key: str) -> RecordedCamera:
         feature, frames = self._info["features"][key], self.frames
-        height, width = picture_size(feature["shape"])
+        shape = feature["shape"]  # channels come last, as LeRobot has them, or first
+        first = len(shape) == 3 and shape[0] in CHANNELS and shape[2] not in CHANNELS
+        height, width = shape[1:] if first else shape[:2]
         name = key.removeprefix(CAMERA)
         if feature["dtype"] == "video":
             storage = str(video_facts(feature).get("video.codec", "video"))
             return RecordedCamera(name, key, frames, width, height, storage, self._files.clip(key).bytes)
-        stored, what = self._rows.column(key), f"{self} {key}[0]"
-        first = self._stored(stored[0].as_py())
-        storage, channels = storage_of(first, what), channels_of(first, what)
+        stored, what = self._files.column(key), f"{self} {key}[0]"
+        data = self._stored(stored[0].as_py())
+        storage, channels = storage_of(data, what), channels_of(data, what)
         size = sum(len(self._stored(value.as_py())) for value in stored)
         return RecordedCamera(name, key, frames, width, height, storage, size, channels)
 
@@ -218,13 +216,6 @@ class LeRobotRecording(Recording):
             raise DamagedFile(f"{file} cannot be read: {error.strerror}", hint=MEND) from error
 
 
-def picture_size(shape: Sequence[int]) -> tuple[int, int]:
-    """Return height and width of pictures whose channels come last, as LeRobot has them, or first."""
-    first = len(shape) == 3 and shape[0] in CHANNELS and shape[2] not in CHANNELS
-    height, width = shape[1:] if first else shape[:2]
-    return height, width
-
-
 def open_lerobot(root: Path) -> list[LeRobotRecording]:
     """Return the episodes of a LeRobot data set, in order; at least one.
 
@@ -232,23 +223,17 @@ def open_lerobot(root: Path) -> list[LeRobotRecording]:
         DamagedFile: a file of its description is missing or damaged, or it is of an unknown version.
     """
     info = data_set_info(root)
-    episodes = _opened(root, info, episode_rows(root, info))
-    if OUTCOME in info["features"] and len(episodes) > 1 and not any(one.succeeds() for one in episodes):
-        for one in episodes:
-            one.set_unlabelled()
-    return episodes
-
-
-def _opened(root: Path, info: Mapping[str, Any], rows: Sequence[Mapping[str, Any]]) -> list[LeRobotRecording]:
-    """Return the episodes of these rows, by the data set's version."""
-    version = info["codebase_version"]
-    if version in PER_EPISODE:
-        return [LeRobotRecording(OwnFiles(root, info, row), f"lerobot-{version}") for row in rows]
-    in_words = not set(LANGUAGE).isdisjoint(info["features"])
-    layout = "lerobot-v3.1" if in_words else "lerobot-v3.0"
-    parts = {key: shares(rows, key, float(info["fps"])) for key in video_keys(info["features"])}
+    rows, version = episode_rows(root, info), info["codebase_version"]
+    in_words = version == "v3.0" and not set(LANGUAGE).isdisjoint(info["features"])
+    parts: dict[str, dict[int, Share]] = {}
+    if version not in PER_EPISODE:
+        parts = {key: shares(rows, key, float(info["fps"])) for key in video_keys(info["features"])}
     episodes = []
     for row in rows:
         own = {key: found[row["episode_index"]] for key, found in parts.items() if row["episode_index"] in found}
-        episodes.append(LeRobotRecording(SharedFiles(root, info, row, own), layout))
+        layout = "lerobot-v3.1" if in_words else f"lerobot-{version}"
+        episodes.append(LeRobotRecording(EpisodeFiles(root, info, row, own), layout))
+    if OUTCOME in info["features"] and len(episodes) > 1 and not any(one.succeeds() for one in episodes):
+        for one in episodes:
+            one.set_unlabelled()
     return episodes

@@ -18,10 +18,8 @@ from typing import Any, ClassVar, Self
 import h5py
 
 from vcage.base.errors import DamagedFile
-from vcage.datasets.recordings.beside import read_beside
-from vcage.datasets.recordings.columns import Columns
-from vcage.datasets.recordings.hdf5_numbers import numbers_of
-from vcage.datasets.recordings.hdf5_recording import Hdf5Recording, number_at
+from vcage.datasets.recordings.columns import Columns, numbers_of
+from vcage.datasets.recordings.hdf5_recording import Hdf5Recording, number_at, read_beside
 from vcage.datasets.recordings.success import FAIL, SUCCESS, label_of, stated_failure, stored_label
 
 TRAJECTORY = r"traj_(\d+)"

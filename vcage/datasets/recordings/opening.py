@@ -20,15 +20,13 @@ from vcage.datasets.lerobot.meta import INFO, refuse_first_versions
 from vcage.datasets.recordings.act import ActEpisode, VcageEpisode
 from vcage.datasets.recordings.colours import AUTO, BGR, CHOICES, Colours, settle
 from vcage.datasets.recordings.hdf5_recording import Hdf5Recording
-from vcage.datasets.recordings.isaac_lab import IsaacLabDemo
 from vcage.datasets.recordings.lerobot import open_lerobot
-from vcage.datasets.recordings.libero import LiberoDemo
 from vcage.datasets.recordings.maniskill import ManiSkillTrajectory
 from vcage.datasets.recordings.passed_over import SUFFIXES, data_sets_in, is_hdf5_by_name, passed_over, printable
 from vcage.datasets.recordings.picture_folder import SUFFIXES as PICTURE_SUFFIXES
 from vcage.datasets.recordings.picture_folder import PictureFolder, pictures_in, unread_in
 from vcage.datasets.recordings.recording import Recording
-from vcage.datasets.recordings.robomimic import RobomimicDemo
+from vcage.datasets.recordings.robomimic import IsaacLabDemo, LiberoDemo, RobomimicDemo
 from vcage.datasets.recordings.robotwin import RoboTwinEpisode, RoboTwinVisionEpisode
 
 HDF5_LAYOUTS: tuple[type[Hdf5Recording], ...] = (

@@ -14,10 +14,9 @@ from vcage.base.errors import DamagedFile
 from vcage.base.folders import entries, require_utf8
 from vcage.base.pictures import picture_header
 from vcage.base.placeholders import require_fetched
-from vcage.datasets.recordings.cameras import RecordedCamera
 from vcage.datasets.recordings.columns import Columns
-from vcage.datasets.recordings.other_streams import UNNAMED, MeasuredStream, shown_by_name
 from vcage.datasets.recordings.recording import Recording
+from vcage.datasets.recordings.streams import UNNAMED, MeasuredStream, RecordedCamera, shown_by_name
 from vcage.datasets.stored_pictures import (
     UNREADABLE,
     channels_of,

@@ -14,10 +14,9 @@ from numpy.typing import NDArray
 
 from vcage.base.errors import DamagedFile, UnknownName
 from vcage.datasets.lerobot.episode import SubtaskSpan
-from vcage.datasets.recordings.cameras import RecordedCamera
 from vcage.datasets.recordings.colours import Colours
 from vcage.datasets.recordings.columns import Columns
-from vcage.datasets.recordings.other_streams import MeasuredStream
+from vcage.datasets.recordings.streams import MeasuredStream, RecordedCamera
 from vcage.datasets.recordings.success import UnclearLabel
 
 HDF5, VIDEOS = "hdf5", "videos"

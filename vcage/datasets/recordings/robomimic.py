@@ -4,7 +4,8 @@ Each holds ``actions`` and, in ``obs``, pictures as ``<camera>_image`` beside wh
 attribute ``env_args`` of ``data`` describes the simulation as JSON. ``next_obs``, where it is, repeats the pictures of
 ``obs`` one step later.
 
-LIBERO and Isaac Lab write the same tree with other names: :mod:`.libero`, :mod:`.isaac_lab`.
+LIBERO (https://libero-project.github.io/datasets) and Isaac Lab (https://isaac-sim.github.io/IsaacLab) write the same
+tree with other names.
 """
 
 from __future__ import annotations
@@ -21,18 +22,18 @@ import numpy as np
 
 from vcage.base.errors import DamagedFile
 from vcage.base.reading import parse_json
+from vcage.datasets.lerobot.episode import SubtaskSpan
 from vcage.datasets.picture_links import read_link
-from vcage.datasets.recordings.columns import Columns, act_grippers
-from vcage.datasets.recordings.hdf5_numbers import columns
+from vcage.datasets.recordings.columns import Columns, act_grippers, columns
 from vcage.datasets.recordings.hdf5_recording import Hdf5Recording, number_at
-from vcage.datasets.recordings.leftovers import UNKNOWN
+from vcage.datasets.recordings.passed_over import UNKNOWN
 
 DATA = "data"
 DEMO = r"demo_(\d+)"
 SUFFIX = "_image"
 """Ends the names of pictures; a camera's name goes without it."""
 
-STATE = r"robot(\d+)_(joint_pos|gripper_qpos)"
+JOINTS = r"robot(\d+)_(joint_pos|gripper_qpos)"
 """Keys of the state: joints of every robot in radians, then those of its gripper."""
 
 
@@ -121,7 +122,7 @@ class RobomimicDemo(Hdf5Recording):
 
     def _measured(self, part: h5py.Group) -> Columns | None:
         obs = part["obs"]
-        robots = [match for name in obs if (match := re.fullmatch(STATE, name))]
+        robots = [match for name in obs if (match := re.fullmatch(JOINTS, name))]
         robots.sort(key=lambda match: (int(match[1]), match[2] != "joint_pos"))
         return columns(obs, [match[0] for match in robots])
 
@@ -129,8 +130,118 @@ class RobomimicDemo(Hdf5Recording):
 def _pictures_in(group: Any) -> dict[str, h5py.Dataset]:
     """Return name → pictures, (T, H, W, C) uint8, or the link to them; empty where it is no group."""
     items = group.items() if isinstance(group, h5py.Group) else ()
-    return {name: item for name, item in items if isinstance(item, h5py.Dataset) and _are_pictures(item)}
+    datasets = {name: item for name, item in items if isinstance(item, h5py.Dataset)}
+    arrays = {name for name, one in datasets.items() if one.ndim == 4 and one.dtype == np.uint8}
+    return {name: one for name, one in datasets.items() if name in arrays or read_link(one) is not None}
 
 
-def _are_pictures(dataset: h5py.Dataset) -> bool:
-    return read_link(dataset) is not None or (dataset.ndim == 4 and dataset.dtype == np.uint8)
+class IsaacLabDemo(RobomimicDemo):
+    """One demonstration of a file of Isaac Lab's, with a label of success."""
+
+    LAYOUT = "isaac-lab"
+
+    STATE: ClassVar[tuple[str, ...]] = ("joint_pos", "gripper_pos")
+    """Keys of the state."""
+
+    POSE: ClassVar[tuple[str, ...]] = ("eef_pos", "eef_quat", "gripper_pos")
+    """Keys of the state if nobody recorded the joints."""
+
+    MARKS: ClassVar[tuple[str, ...]] = (
+        *("initial_state/articulation", "states/articulation", "obs/datagen_info"),
+        *("obs/joint_pos", "obs/gripper_pos", "obs/eef_quat"),
+    )
+    """Keys in a demonstration that Isaac Lab alone writes."""
+
+    LEFT_OUT: ClassVar[Mapping[str, str]] = {
+        r"^obs/actions$": "the commands once more",
+        r"^(processed_actions|obs/datagen_info)": "notes of the generator of demonstrations",
+        r"^obs/(object|cube|rigid)": "where objects are in the simulator",
+    }
+
+    @classmethod
+    def wrote(cls, data: h5py.Group, demos: Collection[str]) -> bool:
+        first = data[next(iter(demos))] if demos else data
+        return any(mark in first for mark in cls.MARKS)
+
+    @property
+    def _stated_rate(self) -> tuple[float, str] | None:
+        step_s, decimation = (number_at(self._env_args, "sim_args", name) for name in ("dt", "decimation"))
+        if super()._stated_rate or step_s is None or decimation is None:
+            return super()._stated_rate
+        return round(1 / (step_s * decimation), 6), "1 / (dt · decimation) of env_args"
+
+    @property
+    def rate_hint(self) -> str:
+        return "give --fps N: 1 / (sim.dt · decimation) of the task's configuration, which the file does not hold"
+
+    def _measured(self, part: h5py.Group) -> Columns | None:
+        obs = part["obs"]
+        wanted = self.STATE if "joint_pos" in obs else self.POSE
+        return columns(obs, [name for name in wanted if name in obs]) or super()._measured(part)
+
+
+class LiberoDemo(RobomimicDemo):
+    """One demonstration of a file of LIBERO's."""
+
+    LAYOUT = "libero"
+
+    STATE: ClassVar[tuple[str, ...]] = ("joint_states", "gripper_states", "ee_states")
+    """The joints (7), the two fingers, and the end effector as position and axis-angle (6)."""
+
+    SPLIT_POSE: ClassVar[tuple[str, ...]] = ("ee_pos", "ee_ori")
+    """The end effector once more, in two parts."""
+
+    MARKS: ClassVar[tuple[str, ...]] = ("problem_info", "bddl_file_name", "macros_image_convention")
+    """Attributes of the group of demonstrations that LIBERO alone writes."""
+
+    LEFT_OUT: ClassVar[Mapping[str, str]] = {
+        r"^obs/ee_(pos|ori)$": "the same numbers as ee_states",
+        r"^robot_states$": "gripper and end effector once more, as quaternion",
+    }
+
+    @classmethod
+    def wrote(cls, data: h5py.Group, demos: Collection[str]) -> bool:
+        named = any(f"{demo}/obs/{name}" in data for demo in demos for name in cls.STATE)
+        return named or any(mark in data.attrs for mark in cls.MARKS)
+
+    @property
+    def task(self) -> str | None:
+        texts = self._instructions
+        return texts[0] if texts else super().task
+
+    @property
+    def subtasks(self) -> list[SubtaskSpan]:
+        texts = self._instructions
+        return [SubtaskSpan(texts[0], 0, self.frames, texts)] if len(texts) > 1 else []
+
+    @property
+    def rate_hint(self) -> str:
+        return "give --fps N; LIBERO's own demonstrations have 20"
+
+    @property
+    def notes(self) -> list[str]:
+        with self._file() as file:
+            upside_down = file[DATA].attrs.get("macros_image_convention") == "opengl"
+        note = (
+            "its pictures are stored upside down (macros_image_convention is opengl) and stay so; turn them when they"
+        )
+        return super().notes + [f"{note} are read"] * upside_down
+
+    @property
+    def _instructions(self) -> list[str]:
+        return instructions_of(self._described("problem_info").get("language_instruction"))
+
+    def _measured(self, part: h5py.Group) -> Columns | None:
+        obs = part["obs"]
+        split = () if "ee_states" in obs else self.SPLIT_POSE
+        return columns(obs, [name for name in (*self.STATE, *split) if name in obs]) or super()._measured(part)
+
+
+def instructions_of(stated: Any) -> list[str]:
+    """Return the instructions in a text, in a list of them, or in a list of the words of one; none in other values."""
+    texts = [stated] if isinstance(stated, str) else stated if isinstance(stated, list) else []
+    tidy = [" ".join(text.split()).strip('"') for text in texts if isinstance(text, str)]
+    tidy = [text for text in tidy if text]
+    if len(tidy) > 1 and not any(" " in text for text in tidy):
+        return [" ".join(tidy)]
+    return list(dict.fromkeys(tidy))

@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 
 from vcage.base.errors import DamagedFile
-from vcage.datasets.hdf5_limits import require_numbers_fit
+from vcage.datasets.hdf5_contents import require_numbers_fit
 
 SUCCESS, FAIL = "success", "fail"
 """Names of the labels, as attributes, datasets and fields of JSON."""

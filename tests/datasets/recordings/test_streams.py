@@ -27,7 +27,7 @@ from tests.datasets.recordings.layouts import (
 )
 from vcage.base.errors import DamagedFile
 from vcage.datasets.recordings.opening import open_recordings
-from vcage.datasets.recordings.other_streams import shown_by_name
+from vcage.datasets.recordings.streams import shown_by_name
 
 
 def depth(kind: type, *more: int) -> np.ndarray:
