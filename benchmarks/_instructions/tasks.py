@@ -20,7 +20,7 @@ from scipy.optimize import linear_sum_assignment
 from vcage.base.errors import VcageError
 from vcage.base.files import read_json
 from vcage.models.rules.reasoner import OfflineReasoner
-from vcage.models.selection_check import entries_of, name_objects, validate_selection
+from vcage.models.selection_check import entries_of, instructed, name_objects, validate_selection
 from vcage.objects.names import names_of
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import AskedGoal
@@ -65,7 +65,7 @@ def _read(text: str, catalogue: Sequence[CatalogueEntry]) -> tuple[list[AskedGoa
     check = partial(validate_selection, entries=catalogue)
     named = name_objects(reasoner.select_assets(text, catalogue, np.random.default_rng(0), check), catalogue)
     things = entries_of(named, catalogue)
-    return reasoner.read_goals(text, things, {o.id: o.starts_in for o in named if o.starts_in}).goals, things
+    return reasoner.read_goals(instructed(text, named, things)).goals, things
 
 
 def _agree(found: Sequence[AskedGoal], things: Things, task: Mapping[str, Any]) -> bool:

@@ -21,8 +21,8 @@ from vcage.datasets.reader import EpisodeReader
 from vcage.episodes.rendering import Order, render_run, write_sheet
 from vcage.episodes.runner import versions
 from vcage.schema.base import Provenance
+from vcage.schema.episodes import Render, Renders
 from vcage.schema.randomisation import Drawn
-from vcage.schema.renders import Render, Renders
 from vcage.sim.robots import load_randomisation
 
 FULL = load_randomisation("full")

@@ -14,12 +14,12 @@ from tests.models.catalogue import unchecked
 from tests.models.tabletop import BLOCKS, BOX, MARKERS, PLATE, critic_question, scene_of
 from tests.models.test_llm_slots import COIN
 from tests.models.test_wordings import ON, task
+from vcage.models.checked_reading import Instructed
 from vcage.models.exchange import Answerer
-from vcage.models.goal_answers import Instructed
 from vcage.models.llm_critic import LlmCritic
 from vcage.models.llm_reading import _review
 from vcage.models.llm_reasoner import LlmReasoner
-from vcage.models.llm_selection import CATALOGUE, _searched
+from vcage.models.llm_selection import _searched
 from vcage.models.search import LexicalSearch
 from vcage.models.structured import asking
 from vcage.objects.library import Library
@@ -46,7 +46,9 @@ def select_assets(who: Answerer) -> object:
 
 
 def read_goals(who: Answerer) -> object:
-    return LlmReasoner(who).read_goals(INSTRUCTION, {entry.name: entry for entry in entries()}, {"apple": "mug"})
+    return LlmReasoner(who).read_goals(
+        Instructed(INSTRUCTION, {entry.name: entry for entry in entries()}, {"apple": "mug"})
+    )
 
 
 def plan_layout(who: Answerer) -> object:
@@ -69,7 +71,7 @@ def judge_subtask(who: Answerer) -> object:
 
 
 def search_catalogue(who: Answerer) -> object:
-    return _searched(asking(who, "reasoner"), INSTRUCTION, entries(), PLAIN, LexicalSearch, CATALOGUE)
+    return _searched(asking(who, "reasoner"), INSTRUCTION, entries(), PLAIN, LexicalSearch)
 
 
 def review_goals(who: Answerer) -> object:

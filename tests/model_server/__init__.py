@@ -9,7 +9,7 @@ hand.
 
     with ModelServer() as server:
         server.queue(Special(status=500), text_answer("```json\\n{}\\n```"))
-        Transport(server.base_urls["gemini"], {"x-goog-api-key": server.key}).post_json(...)
+        Transport(server.base_urls["gemini"], {"x-goog-api-key": server.key}).post(...)
 """
 
 from tests.model_server.server import ModelServer

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from vcage.models.directions import arms, heights, plain_sides, sides
+from vcage.models.checked_reading import plain_sides
+from vcage.models.directions import arms, heights, sides
 
 THREE = ("drawer_bottom", "drawer_middle", "drawer_top")
 TWO = ("drawer_bottom", "drawer_top")

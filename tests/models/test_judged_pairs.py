@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 
 from vcage.models.exchange import Question, Reply
-from vcage.models.llm_reasoner import BATCH, LlmReasoner
+from vcage.models.llm_reasoner import LlmReasoner
 from vcage.schema.subtasks import PairQuestion
 
 
@@ -53,9 +53,9 @@ def test_pairs_of_other_sizes_are_not_the_same() -> None:
 
 def test_many_pairs_are_asked_about_in_batches_and_answered_in_order() -> None:
     who = Judges()
-    questions = [pair(f"b{n}", f"block number {n}") for n in range(BATCH.pairs + 2)]
+    questions = [pair(f"b{n}", f"block number {n}") for n in range(32)]
     answers = LlmReasoner(who).judge_pairs([*questions, questions[0]])
-    assert [prompt.count("Put the ") for prompt in who.prompts] == [BATCH.pairs, 2]
+    assert [prompt.count("Put the ") for prompt in who.prompts] == [30, 2]
     assert [a.object for a in answers] == [*(q.object for q in questions), "b0"]
     assert all(f"number {n} " in answer.reason for n, answer in enumerate(answers[:-1]))
 

@@ -9,6 +9,7 @@ import pytest
 from tests.models.catalogue import CATALOGUE, entry
 from tests.models.scripted import Scripted, description, goal, read
 from vcage.base.errors import ModelRefused, UnreadInstruction
+from vcage.models.checked_reading import Instructed
 from vcage.models.llm_reasoner import LlmReasoner
 from vcage.models.same_reading import ThirdReader
 from vcage.schema.asset import CatalogueEntry
@@ -46,7 +47,7 @@ def reading(
     lying: Mapping[str, str] | None = None,
 ) -> Reading:
     reasoner = LlmReasoner(who, reviewer=who if review else None, third=third)
-    return reasoner.read_goals(task, among, lying or {}, moved)
+    return reasoner.read_goals(Instructed(task, among, lying or {}, moved))
 
 
 def complaint_about(answer: Mapping, task: str, among: Mapping[str, CatalogueEntry], **how) -> str:

@@ -9,7 +9,7 @@ import pytest
 
 from vcage.base.errors import ModelRefused
 from vcage.models.exchange import Question, Reply
-from vcage.models.llm_reasoner import BATCH, LlmReasoner
+from vcage.models.llm_reasoner import LlmReasoner
 from vcage.schema.subtasks import GraspOption, PlaceOption, Preference, SlotQuestion, Statement
 
 MUG_UNMOVED = Statement(subject="mug", word="unmoved")
@@ -128,7 +128,7 @@ def test_after_three_wrong_answers_it_is_a_refusal_that_says_which():
 
 
 def test_a_chain_is_asked_about_in_one_exchange_and_a_long_list_in_batches():
-    many = [COIN.model_copy(update={"subtask": f"coin-{i}"}) for i in range(BATCH.subtasks + 1)]
+    many = [COIN.model_copy(update={"subtask": f"coin-{i}"}) for i in range(21)]
     who = Told([step(q) for q in many[:-1]], [step(many[-1])])
     assert [a.subtask for a in LlmReasoner(who).fill_slots(None, many)] == [q.subtask for q in many]
     assert len(who.asked) == 2

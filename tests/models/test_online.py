@@ -28,6 +28,7 @@ from vcage.base.errors import (
 )
 from vcage.layout.capacities import size_complaints
 from vcage.models import pictures
+from vcage.models.checked_reading import Instructed
 from vcage.models.exchanges import Exchanges
 from vcage.models.pictures import encode_base64
 from vcage.models.protocols import CriticQuestion, EditRequest, Models
@@ -205,14 +206,14 @@ THINGS = {
 
 
 def test_goals_name_objects_and_the_words_that_they_answer(models: Models) -> None:
-    (asked,) = models.reasoner.read_goals("Put the red block on the plate", THINGS, {}).goals
+    (asked,) = models.reasoner.read_goals(Instructed("Put the red block on the plate", THINGS)).goals
     assert asked.goal == Goal(subject="block", relation="on", reference="plate")
     assert asked.words == "Put the red block on the plate"
 
 
 def test_what_a_model_could_not_read_is_refused_by_its_words(models: Models) -> None:
     with pytest.raises(UnreadInstruction, match="stir the soup"):
-        models.reasoner.read_goals("Put the block on the plate and stir the soup", THINGS, {})
+        models.reasoner.read_goals(Instructed("Put the block on the plate and stir the soup", THINGS))
 
 
 def test_a_goal_in_words_that_the_instruction_has_not_goes_back_to_the_model(
@@ -220,7 +221,7 @@ def test_a_goal_in_words_that_the_instruction_has_not_goes_back_to_the_model(
 ) -> None:
     wrong = text_answer(json.dumps(read(goal("block", "on", "plate", words="block up"))))
     server.queue(wrong)
-    models.reasoner.read_goals("Put the red block on the plate", THINGS, {})
+    models.reasoner.read_goals(Instructed("Put the red block on the plate", THINGS))
     assert "words are not copied from the instruction" in str(server.requests[1])
 
 

@@ -13,7 +13,7 @@ THINGS = {name: LIBRARY.entry(kind) for name, kind in DESK.items()}
 def forgotten(said, things, spoken):
     """Complaints about a sentence whose goals put each thing on the table."""
     goals = [AskedGoal(goal=goal_of([name, "on", "table"]), step=1, words=said) for name in spoken]
-    return list(left_over(CheckedReading(said, things, Reading(goals=goals))))
+    return list(left_over(CheckedReading(said, things, reading=Reading(goals=goals))))
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tests.models.catalogue import CATALOGUE, entry
+from vcage.models.checked_reading import Instructed
 from vcage.models.second_look import second_look, unmet_names
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import AskedGoal, Description, Reading, goal_of
@@ -47,7 +48,9 @@ def look_at(
     said = [one.split() for one in told.split(", ") if one]
     fields = [dict(zip(("subject", "relation", "reference"), one, strict=True)) for one in said]
     descriptions = [Description(**one, words=task) for one in fields]
-    return second_look(task, THINGS, Reading(goals=asked, untouched=list(untouched), descriptions=descriptions))
+    return second_look(
+        Instructed(task, THINGS), Reading(goals=asked, untouched=list(untouched), descriptions=descriptions)
+    )
 
 
 @pytest.mark.parametrize(
@@ -74,13 +77,13 @@ def test_a_misreading_is_seen(task: str, goals: list[str], said: str) -> None:
 
 def test_an_opening_where_a_closing_is_asked_is_seen() -> None:
     asked = AskedGoal(goal=goal_of(["cabinet", "open", None, "drawer_top"]), step=1, words="Close the top drawer")
-    found = second_look("Close the top drawer", THINGS, Reading(goals=[asked]))
+    found = second_look(Instructed("Close the top drawer", THINGS), Reading(goals=[asked]))
     assert "'close the' is said, but no goal says 'closed'" in found
 
 
 def test_words_that_no_goal_answers_are_named() -> None:
     asked = AskedGoal(goal=goal_of(["peach", "on", "plate"]), step=1, words="Put the peach on the plate")
-    found = second_look("Put the peach on the plate and stir the soup", THINGS, Reading(goals=[asked]))
+    found = second_look(Instructed("Put the peach on the plate and stir the soup", THINGS), Reading(goals=[asked]))
     assert found == ["the words 'stir', 'soup' are in no 'words' of a goal or description"]
 
 
@@ -119,7 +122,7 @@ def test_a_drawer_that_a_thing_is_taken_from_must_be_described() -> None:
     goal = goal_of(["peach", "inside", "cabinet", "drawer_top"])
     told = Description(subject="peach", relation="inside", reference="cabinet", part="drawer_bottom", words=task)
     swapped = Reading(goals=[AskedGoal(goal=goal, step=1, words=task)], descriptions=[told])
-    assert any("taken from the top drawer" in said for said in second_look(task, THINGS, swapped))
+    assert any("taken from the top drawer" in said for said in second_look(Instructed(task, THINGS), swapped))
 
 
 def test_a_clause_that_ends_with_once_that_is_done_comes_last() -> None:
@@ -131,7 +134,7 @@ def test_a_clause_that_ends_with_once_that_is_done_comes_last() -> None:
 
     def look_at_steps(*steps: int) -> list[str]:
         asked = [AskedGoal(goal=goal, step=step, words=task) for goal, step in zip(goals, steps, strict=True)]
-        return second_look(task, THINGS, Reading(goals=asked))
+        return second_look(Instructed(task, THINGS), Reading(goals=asked))
 
     assert look_at_steps(1, 2) == []
     assert len(look_at_steps(2, 1)) == 1 and "comes before" in look_at_steps(2, 1)[0]
@@ -140,7 +143,7 @@ def test_a_clause_that_ends_with_once_that_is_done_comes_last() -> None:
 def test_using_an_arm_is_answered_by_the_arm() -> None:
     task = "Use the left arm to put the peach on the plate"
     asked = AskedGoal(goal=goal_of(_named("peach on plate")), step=1, words="put the peach on the plate", arm="left")
-    assert second_look(task, THINGS, Reading(goals=[asked])) == []
+    assert second_look(Instructed(task, THINGS), Reading(goals=[asked])) == []
 
 
 def test_a_goal_that_is_true_at_the_start_is_named() -> None:

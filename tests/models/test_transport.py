@@ -34,13 +34,13 @@ def client(server: ModelServer, waits: list[float] | None = None) -> Transport:
 
 
 def test_an_answer_comes_back_as_an_object(server: ModelServer) -> None:
-    assert client(server).post_json(PATH, BODY)["choices"]
+    assert client(server).post(PATH, BODY)["choices"]
 
 
 def test_a_rate_limit_is_waited_for_as_long_as_asked(server: ModelServer) -> None:
     waits: list[float] = []
     server.queue(Special(status=429, headers={"Retry-After": "7"}))
-    assert client(server, waits).post_json(PATH, BODY)["choices"]
+    assert client(server, waits).post(PATH, BODY)["choices"]
     assert waits == [7]
 
 
@@ -48,7 +48,7 @@ def test_a_rate_limit_longer_than_a_minute_is_reported_at_once(server: ModelServ
     waits: list[float] = []
     server.queue(Special(status=429, headers={"Retry-After": "3600"}))
     with pytest.raises(EndpointFailed, match="429"):
-        client(server, waits).post_json(PATH, BODY)
+        client(server, waits).post(PATH, BODY)
     assert waits == []
 
 
@@ -56,20 +56,20 @@ def test_server_errors_are_retried_with_growing_waits_and_then_reported(server: 
     waits: list[float] = []
     server.queue(*[Special(status=503)] * 4)
     with pytest.raises(EndpointFailed, match="503"):
-        client(server, waits).post_json(PATH, BODY)
+        client(server, waits).post(PATH, BODY)
     assert waits == [1, 2, 4]
 
 
 def test_a_closed_port_is_an_endpoint_failure() -> None:
     with pytest.raises(EndpointFailed, match="does not answer"):
-        Transport("http://127.0.0.1:9", {}, sleep=lambda _: None).post_json(PATH, BODY)
+        Transport("http://127.0.0.1:9", {}, sleep=lambda _: None).post(PATH, BODY)
 
 
 @pytest.mark.parametrize("status", [400, 401, 402, 403, 404])
 def test_what_the_user_must_mend_is_a_configuration_error_and_not_retried(server: ModelServer, status: int) -> None:
     server.queue(raw_answer(b'{"error": {"message": "no"}}', status))
     with pytest.raises(ConfigurationError) as caught:
-        client(server).post_json(PATH, BODY)
+        client(server).post(PATH, BODY)
     assert caught.value.details["status"] == status
     assert len(server.requests) == 1
 
@@ -77,7 +77,7 @@ def test_what_the_user_must_mend_is_a_configuration_error_and_not_retried(server
 def test_an_answer_that_is_not_json_is_an_endpoint_failure(server: ModelServer) -> None:
     server.queue(raw_answer(b"<html>hello</html>"))
     with pytest.raises(EndpointFailed, match="without a JSON object"):
-        client(server).post_json(PATH, BODY)
+        client(server).post(PATH, BODY)
 
 
 def test_a_key_that_the_server_echoes_never_shows(server: ModelServer, caplog: pytest.LogCaptureFixture) -> None:
@@ -85,7 +85,7 @@ def test_a_key_that_the_server_echoes_never_shows(server: ModelServer, caplog: p
     server.queue(raw_answer(b'{"error": {"message": "wrong key: Bearer very-secret-key-1"}}', 401))
     server.key = "very-secret-key-1"
     with pytest.raises(ConfigurationError) as caught:
-        client(server).post_json(PATH, BODY)
+        client(server).post(PATH, BODY)
     shown = f"{caught.value} {caught.value.as_record()} {caplog.text}"
     assert "very-secret-key-1" not in shown and "***" in shown
 
@@ -100,7 +100,7 @@ def test_an_answer_that_never_ends_is_given_up_in_time(server: ModelServer) -> N
     start = time.monotonic()
     patient = Transport(server.url, {"Authorization": f"Bearer {server.key}"}, limits=TransportLimits(1, 1, 0.4))
     with pytest.raises(EndpointFailed, match="no whole answer"):
-        patient.post_json(PATH, BODY)
+        patient.post(PATH, BODY)
     assert time.monotonic() - start < 1
 
 
@@ -109,14 +109,14 @@ def test_a_wait_that_leaves_no_time_ends_it(server: ModelServer) -> None:
     start = time.monotonic()
     hurried = Transport(server.url, {"Authorization": f"Bearer {server.key}"}, limits=TransportLimits(1, 0.2, 0.5))
     with pytest.raises(EndpointFailed, match="does not answer"):
-        hurried.post_json(PATH, BODY)
+        hurried.post(PATH, BODY)
     assert time.monotonic() - start < 1 and len(server.requests) == 1
 
 
 def test_an_account_without_credit_is_not_asked_again(server: ModelServer) -> None:
     server.queue(raw_answer(b'{"error": {"message": "You exceeded your quota", "code": "insufficient_quota"}}', 429))
     with pytest.raises(ConfigurationError, match="no credit"):
-        client(server).post_json(PATH, BODY)
+        client(server).post(PATH, BODY)
 
 
 def test_a_key_that_is_wrong_with_status_400_is_called_a_wrong_key(server: ModelServer) -> None:
@@ -167,7 +167,7 @@ def listening(status: int = 200, headers: Mapping[str, str] | None = None) -> It
 
 def sent_by(seen: Seen, transport: Transport) -> Mapping[str, str]:
     """The headers of one request."""
-    assert transport.post_json("v1/x", {}) == {"ok": True}
+    assert transport.post("v1/x", {}) == {"ok": True}
     return seen.requests[-1][1]
 
 
@@ -198,7 +198,7 @@ def test_a_cookie_that_an_endpoint_sets_is_not_sent_back() -> None:
 def test_a_redirect_carries_no_key_to_another_host() -> None:
     with listening() as elsewhere, listening(307, {"Location": f"{elsewhere.url}/v1/x"}) as seen:
         with pytest.raises(ConfigurationError, match="redirects"):
-            Transport(seen.url, {"Authorization": "Bearer our-own-key"}).post_json("v1/x", {})
+            Transport(seen.url, {"Authorization": "Bearer our-own-key"}).post("v1/x", {})
         assert len(seen.requests) == 1 and not elsewhere.requests
 
 
@@ -218,11 +218,11 @@ def test_a_proxy_of_the_environment_is_used_with_its_credentials(monkeypatch):
 def test_the_password_of_a_proxy_never_shows(monkeypatch):
     monkeypatch.setenv("http_proxy", "http://user:pass-word@proxy:no-port")
     with pytest.raises(VcageError) as caught:
-        Transport("http://models.example", {}, sleep=lambda _: None).post_json("v1/x", {})
+        Transport("http://models.example", {}, sleep=lambda _: None).post("v1/x", {})
     assert "pass-word" not in str(caught.value) and "proxy" in caught.value.hint
 
 
 def test_the_bundle_of_certificates_of_the_environment_is_used(tmp_path: Path, monkeypatch):
     monkeypatch.setenv("REQUESTS_CA_BUNDLE", str(tmp_path / "missing.pem"))
     with pytest.raises(ConfigurationError, match=r"missing\.pem"):
-        Transport("https://127.0.0.1:9", {}).post_json("v1/x", {})
+        Transport("https://127.0.0.1:9", {}).post("v1/x", {})

@@ -22,7 +22,7 @@ def complaints(said: str, told: str | None = None) -> list[str]:
         [] if told is None else [Description(subject="mug_red", relation="left_of", reference="mug_white", words=told)]
     )
     reading = Reading(goals=[asked], descriptions=where)
-    return list(unclear(CheckedReading(said, THINGS, reading)))
+    return list(unclear(CheckedReading(said, THINGS, reading=reading)))
 
 
 def test_a_noun_that_two_objects_answer_to_is_unclear() -> None:

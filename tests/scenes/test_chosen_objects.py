@@ -12,6 +12,7 @@ import pytest
 
 from tests.models.scripted import Scripted, chosen, description, goal, read, selected
 from vcage.base.errors import AnswerNeeded, NoFeasibleTask, UnreadInstruction
+from vcage.models.checked_reading import Instructed
 from vcage.models.llm_reasoner import LlmReasoner
 from vcage.models.registry import Choice, build_models
 from vcage.objects.library import Library
@@ -163,8 +164,8 @@ def test_the_rules_refuse_another_language_and_say_who_may_read_it(library: Libr
 def test_what_the_rules_read_is_looked_at_again(library: Library) -> None:
     models = build_models(Choice("offline"))
 
-    def misread(*_: object) -> Any:
-        return models.reasoner.__class__().read_goals(APPLE, *_[1:])
+    def misread(asked: Instructed) -> Any:
+        return models.reasoner.__class__().read_goals(replace(asked, instruction=APPLE))
 
     reasoner = SimpleNamespace(provider="offline", select_assets=models.reasoner.select_assets, read_goals=misread)
     context: Any = SimpleNamespace(

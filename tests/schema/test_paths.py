@@ -15,12 +15,11 @@ from vcage.episodes.store import read_log
 from vcage.runs.edits import SEAL, edits
 from vcage.schema.base import Document
 from vcage.schema.compression import Compression
-from vcage.schema.episodes import Episodes, Verdicts
+from vcage.schema.episodes import Episodes, Renders, Verdicts
 from vcage.schema.exchange import Exchange
 from vcage.schema.export import Export
 from vcage.schema.matches import Matches
 from vcage.schema.plan import Plan
-from vcage.schema.renders import Renders
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
 

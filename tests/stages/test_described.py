@@ -53,9 +53,9 @@ class Scripted(OfflineReasoner):
             raise ModelRefused("; ".join(complaints))
         return selection
 
-    def read_goals(self, instruction, things, lying, moved) -> Reading:
-        asked = AskedGoal(goal=self.goal, step=1, words=instruction)
-        return Reading(goals=[asked], descriptions=self.descriptions)
+    def read_goals(self, asked) -> Reading:
+        goal = AskedGoal(goal=self.goal, step=1, words=asked.instruction)
+        return Reading(goals=[goal], descriptions=self.descriptions)
 
 
 def placed(folder: Path, text: str, reasoner: Scripted, seed: int = 0) -> tuple[RunFolder, StageContext]:

@@ -155,10 +155,10 @@ class Chooser:
             raise ModelRefused("; ".join(self.complaints))
         return selection
 
-    def read_goals(self, instruction, things, lying, moved) -> Reading:
-        names = list(things)
+    def read_goals(self, asked) -> Reading:
+        names = list(asked.things)
         goal = Goal(subject=names[0], relation="on", reference="table")
-        return Reading(goals=[AskedGoal(goal=goal, step=1, words=instruction)])
+        return Reading(goals=[AskedGoal(goal=goal, step=1, words=asked.instruction)])
 
 
 def chosen(finished: Finished, folder: Path, chooser: Chooser, monkeypatch: pytest.MonkeyPatch) -> Scene:

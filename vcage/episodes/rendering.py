@@ -33,9 +33,8 @@ from vcage.episodes.runner import versions
 from vcage.runs.accepted import accepted_episodes, no_episode_counts
 from vcage.runs.context import StageContext
 from vcage.schema.base import Provenance
-from vcage.schema.episodes import Episode
+from vcage.schema.episodes import Episode, Render, Renders
 from vcage.schema.randomisation import Look, Randomisation
-from vcage.schema.renders import Render, Renders
 from vcage.sim.looks import draw_look, look_world
 from vcage.sim.replay import camera_paths, render_state
 from vcage.tasks.assemble import camera_tracks

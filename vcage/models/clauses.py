@@ -1,4 +1,4 @@
-"""Goals against the order of an instruction's words: what is said together, and what is said to come first."""
+"""Goals against the verbs and the order of an instruction: what is said together, and what is said to come first."""
 
 from __future__ import annotations
 
@@ -6,15 +6,46 @@ import itertools
 import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 from vcage.base.words import PART_WORDS, lemma, tokens
 from vcage.models.checked_reading import CheckedReading
 from vcage.models.directions import arms, heights, sides
 from vcage.models.phrases import compiled, phrase
-from vcage.models.verbs import VERBS
 from vcage.models.which_one import coloured
 from vcage.objects.mentions import Noun
 from vcage.schema.goals import AskedGoal, Goal, Reading
+
+
+@dataclass(frozen=True)
+class Verb:
+    """The verbs that ask for one goal.
+
+    Args:
+        words: any that may; a match of the whole word.
+        only: phrases that ask for this goal and no other.
+    """
+
+    words: re.Pattern[str]
+    only: re.Pattern[str] | None = None
+
+
+def _verb(words: str, *only: str) -> Verb:
+    return Verb(compiled(phrase(f"({words})")), compiled(*only) if only else None)
+
+
+VERBS: Mapping[str, Verb] = {
+    "scanned": _verb("scan*", phrase("scan")),
+    "weighed": _verb("weigh*", phrase("weigh")),
+    "pressed": _verb("press*|push*|ring*|rung*|rang*|click*", phrase("ring", not_before="up"), phrase("press")),
+    "open": _verb("open|opened|opening|pull*", phrase("open (the|it|that|both)")),
+    "closed": _verb("clos*|shut*|push*", phrase("(shut|close) (the|it|that|both)")),
+    "turned": _verb("turn*|switch*|start*|run*", phrase("(turn|switch) on")),
+    "back": _verb("back|return*"),
+    "presented": _verb("present*|show*|giv*|hand*|offer*"),
+}
+"""The verbs by the word of the goal."""
+
 
 _REFERS_BACK = frozenset(
     ("there", "too", "also", "same", "likewise", "together", "respectively", "each", "other", "others", "rest")

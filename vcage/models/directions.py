@@ -1,12 +1,17 @@
-"""Sides, arms and drawers that an instruction names, by the place of their words."""
+"""Sides, arms and drawers that an instruction names, by the place of their words, and what a reading says otherwise."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Mapping, Sequence
 
 from vcage.base.words import COUNTED, HIGHEST, LOWEST, WHICH_PART
+from vcage.models.checked_reading import CheckedReading
 from vcage.models.phrases import compiled, phrase
+from vcage.objects.mentions import Noun
+from vcage.plans.descriptions import HOLDING
+from vcage.schema.asset import CatalogueEntry
+from vcage.schema.goals import Description, Goal, Reading
 
 
 def _to_side(side: str) -> tuple[str, str]:
@@ -27,10 +32,6 @@ SIDES: tuple[tuple[re.Pattern[str], str, str], ...] = (
     (compiled(phrase("behind")), "behind", "in_front_of"),
 )
 """Words for a side, the relation that they ask for, and the opposite one."""
-_OWNED = re.compile(
-    r"\b(the|my|a) ((?:\w+ ){0,2}\w+)(?:'s|s') (left|right)\b(?: hand)?(?: side)?(?! (?:arm|hand|gripper)\b)"
-)
-"""A side of a thing: "the plate's left"."""
 _ARM = compiled(
     phrase("<left|right> [robot|robotic] (arm|arms|hand|hands|gripper|grippers)", not_before="side*"),
     phrase("(with|use|using) (the|your|its) <left|right> [one]", before="(to|and|then|,|.|;)", or_end=True),
@@ -50,11 +51,6 @@ _WHICH_HEIGHT = compiled(
 )
 """One of several drawers: "the second drawer from the top", "the top drawer"."""
 _WAYS = {"down": "top", "up": "bottom"}
-
-
-def plain_sides(text: str) -> str:
-    """A text in which "the plate's left" is "the left of the plate"."""
-    return _OWNED.sub(r"\1 \3 of \1 \2", text)
 
 
 def sides(text: str) -> dict[int, str]:
@@ -89,3 +85,137 @@ def heights(text: str, parts: Collection[str]) -> dict[int, str]:
 def place(text: str, found: re.Match[str]) -> int:
     """The number of words before a match."""
     return text.count(" ", 0, found.start())
+
+
+_WHICH = compiled(r"\bthe (left|right)(?:most|hand| hand)? (?!arm\b|hand\b|gripper\b|side\b|of\b|one\b)\w+")
+"""One of several things: "the leftmost mug"."""
+_BOTH_ARMS = compiled(
+    phrase("(arms|hands|grippers)"), phrase("(other|each|one|either|opposite) (arm|hand|gripper|one)")
+)
+_TO_ARM = compiled(phrase("to [the|its|your] <left|right>", not_before="(of|side)"))
+_FROM = compiled(phrase("(from|out of) [inside|within|in] [the|my|your]", or_end=True))
+_ANY_DRAWER = compiled(
+    phrase("(both|all|each|every|other|others|same|any|drawers|them)"),
+    phrase(f"({'|'.join(COUNTED)}|next|last) ({DRAWER})", not_before="(from|to)"),
+)
+"""Words for a drawer that may be another one than the top, middle or bottom drawer."""
+
+
+def wrong_sides(read: CheckedReading) -> list[str]:
+    """Complaints about sides that the instruction names and the reading does not, or names of something else."""
+    text, relations = read.task.text, {one.relation for one in read.reading.stated}
+    if "handed" in relations:  # "from the left hand to the right one"
+        return []
+    if ROW.search(text):
+        row = {"left_of", "right_of"}.intersection(relations)
+        return [] if row else ["a row from one side to the other is asked, but no goal says 'left_of' or 'right_of'"]
+    found = [
+        f"'the {side} …' is said, but no description has an object of a goal '{side}_of' another"
+        for side in _WHICH.findall(text)
+        if not _on_side(side, read.reading)
+    ]
+    if "scanned" not in relations:  # in front of the scanner
+        found += _unsaid_sides(text, relations, read.relations)
+        found += _of_another(read)
+    return found
+
+
+def _unsaid_sides(text: str, relations: Collection[str], goals: Collection[str]) -> list[str]:
+    """Words for a side that no relation says, and goals for the opposite of the only side that is said."""
+    found, asked = list[str](), sides(text).values()
+    for pattern, word, opposite in SIDES:
+        match = pattern.search(text)
+        if match and word not in relations:
+            other = f", but {opposite!r}" if opposite in relations else ""
+            found.append(f"{match[0]!r} is asked, but no goal or description says {word!r}{other}")
+        elif match and opposite in goals and opposite not in asked:
+            found.append(f"a goal says {opposite!r}, but the instruction asks for {word!r} alone")
+    return found
+
+
+def _of_another(read: CheckedReading) -> list[str]:
+    """Words for a side of something that the reading says of other things alone."""
+    text, stated = read.task.text, read.reading.stated
+    return [
+        f"'{match[0]} {noun.words}' is asked, but no goal or description says that of it"
+        for pattern, word, opposite in SIDES
+        for match in pattern.finditer(text)
+        if any(one.relation == word for one in stated)
+        and (noun := _side_of(text.count(" ", 0, match.end()), text, read.said))
+        and not any(_is_said(one, word, opposite, noun, read.things) for one in stated)
+    ]
+
+
+def _side_of(at: int, text: str, said: Sequence[Noun]) -> Noun | None:
+    """The noun right after the words of a side that end at a place: "left of" the "plate"."""
+    words = text.split(" ")
+    after = next(
+        place for place in range(at + 1, len(words) + 1) if words[place : place + 1] not in (["hand"], ["side"])
+    )
+    if words[after : after + 1] == ["of"]:
+        after += 1
+    elif words[at] not in ("of", "behind"):
+        return None
+    near = [noun for noun in said if after <= noun.at <= after + 1 and noun.name]
+    return near[0] if near else None
+
+
+def _is_said(
+    one: Goal | Description, word: str, opposite: str, noun: Noun, things: Mapping[str, CatalogueEntry]
+) -> bool:
+    """Check if a relation says a side of what a noun means, in either direction."""
+    name = {word: one.reference, opposite: one.subject}.get(one.relation)
+    return name in things and noun.may_mean(things[name])
+
+
+def _on_side(side: str, reading: Reading) -> bool:
+    """Check if an object of a goal, or its holder, is described to start on that side, or a part is named after it."""
+    if any(side in (one.part or "").split("_") for one in reading.stated):
+        return True
+    other = {"left": "right_of", "right": "left_of"}[side]
+    there = {told.subject for told in reading.descriptions if told.relation == f"{side}_of"}
+    there |= {told.reference for told in reading.descriptions if told.relation == other}
+    lying = [told for told in reading.descriptions if told.relation in HOLDING]
+    return any({one.subject, one.reference} & there for one in (*(asked.goal for asked in reading.goals), *lying))
+
+
+def wrong_arms(read: CheckedReading) -> list[str]:
+    """Complaints about arms that the instruction names and no goal, or the reverse, and about the wrong giving hand."""
+    text, goals = read.task.text, read.reading.goals
+    handed = [str(asked.goal.reference) for asked in goals if asked.goal.relation == "handed"]
+    if handed:
+        to = _TO_ARM.findall(text)
+        wrong = {*handed}.difference(to) if to else ()
+        return [f"it is handed {arm!r}, but the instruction says 'to the {to[0]}'" for arm in sorted(wrong)]
+    said, used = {*arms(text).values()}, {str(asked.arm) for asked in goals} - {"None"}
+    found = [f"'{arm} arm' is said, but no goal names that arm" for arm in sorted(said - used)]
+    allowed = used if said and _BOTH_ARMS.search(text) else said
+    return found + [f"a goal names the {arm} arm, but the instruction does not" for arm in sorted(used - allowed)]
+
+
+def wrong_drawers(read: CheckedReading) -> list[str]:
+    """Complaints about drawers that the instruction names and the reading does not, or the reverse."""
+    task, stated = read.task, read.reading.stated
+    owners = [one.reference or one.subject for one in stated if one.part]
+    there = [part for name in owners if name in read.things for part in read.things[name].moving_parts]
+    meant, named = {*heights(task.text, there).values()}, {*heights(task.open_text, there).values()}
+    parts = {one.part.partition("_")[2] for one in stated if one.part}
+    found = [
+        f"the {height} drawer is named, but no goal or description names a part '..._{height}'"
+        for height in sorted(meant - parts)
+    ]
+    found += _wrong_sources(read, there)
+    other = named and not _ANY_DRAWER.search(task.open_text)
+    wrong = sorted((parts - named) & {"top", "middle", "bottom"}) if other else ()
+    return found + [f"a goal or description names the {part} drawer, which the instruction does not" for part in wrong]
+
+
+def _wrong_sources(read: CheckedReading, parts: Collection[str]) -> list[str]:
+    """Complaints about drawers after "from the" or "out of the" that no description names."""
+    text, words = read.task.text, read.task.text.split(" ")
+    starts = {(told.part or "").rpartition("_")[2] for told in read.reading.descriptions}
+    taken = {height for at, height in heights(text, parts).items() if _FROM.search(" ".join(words[:at]))}
+    return [
+        f"something is taken from the {height} drawer, but no description names a part '..._{height}'"
+        for height in sorted(taken - starts)
+    ]

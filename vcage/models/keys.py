@@ -1,4 +1,4 @@
-"""Look-up of keys for model endpoints; a key is never logged, printed or written anywhere."""
+"""Keys of model endpoints, and the user's files beside the repository; a key is never logged, printed or written."""
 
 from __future__ import annotations
 
@@ -7,10 +7,13 @@ import os
 import shlex
 from functools import cache
 from pathlib import Path
+from typing import Any
 
-from vcage.base.errors import ConfigurationError, MissingKey
+from pydantic import TypeAdapter, ValidationError
+
+from vcage.base.errors import ConfigurationError, InputFileError, MissingKey, MissingStage
+from vcage.base.reading import read_json
 from vcage.models.provider import Provider
-from vcage.models.user_files import read_user_file, user_file
 
 logger = logging.getLogger(__name__)
 
@@ -90,3 +93,32 @@ def _read_key_file() -> dict[str, str]:
     if keys:
         _warn_of_readers(path)
     return keys
+
+
+def user_file(variable: str, name: str) -> Path:
+    """The file that an environment variable names, else ``~/.config/vcage/<name>``."""
+    return Path(os.environ.get(variable) or Path.home() / ".config" / "vcage" / name)
+
+
+def read_user_file(path: Path, values: Any, *, what: str, example: str, secret: bool = False) -> dict[str, Any]:
+    """The object in a file of the user; empty if there is no file.
+
+    Args:
+        values: the type of its values.
+        what: it holds, for errors.
+        example: of its JSON, for errors.
+        secret: errors must not quote the file.
+
+    Raises:
+        ConfigurationError: it cannot be read, or its values are of another type.
+    """
+    try:
+        return TypeAdapter(dict[str, values]).validate_python(read_json(path))
+    except MissingStage:
+        return {}
+    except InputFileError as error:
+        line = f", line {error.details['line']}" if "line" in error.details else ""
+        reason = "" if secret else f": {error.message}"
+    except ValidationError as error:
+        line, reason = "", "" if secret else f": {error.errors()[0]['msg']}"
+    raise ConfigurationError(f"{path} holds no {what}{line}{reason}", hint=f"it holds JSON in UTF-8 like {example}")

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from vcage.base.errors import ModelRefused
@@ -13,26 +11,6 @@ from vcage.models.protocols import EditRequest
 from vcage.models.structured import ROUNDS
 from vcage.vision.colour import distance, to_lab
 from vcage.vision.register import register
-
-
-@dataclass(frozen=True)
-class EditSettings:
-    """Limits on a picture that counts as an edit of another.
-
-    Image models recolour a little and move objects, but most of the picture still shows the same table.
-
-    Args:
-        table_distance: largest colour distance (Lab) of a pixel that shows the table.
-        min_table_share: least share of such pixels in the edit.
-        min_object_share: least area of other pixels, as a share of that in the source.
-    """
-
-    table_distance: float = 20.0
-    min_table_share: float = 0.5
-    min_object_share: float = 0.3
-
-
-SETTINGS = EditSettings()
 
 
 class LlmEditor:
@@ -49,7 +27,7 @@ class LlmEditor:
             ModelRefused: the last round's picture is no edit of the source either.
             AnswerNeeded, EndpointFailed, ConfigurationError: see :class:`vcage.models.exchange.Answerer`.
         """
-        prompt = prompts.edit_prompt(request)
+        prompt = prompts.fill("rearrange", scene=request.scene, plan=request.plan)
         turn = Message("user", prompt.text, (request.picture,))
         question = Question("editor", (turn,), None, prompt.name, ("the picture to edit",))
         complaint = ""
@@ -68,21 +46,34 @@ class LlmEditor:
         )
 
 
-def edit_complaint(picture: np.ndarray, source: np.ndarray, background: np.ndarray) -> str:
+def edit_complaint(
+    picture: np.ndarray,
+    source: np.ndarray,
+    background: np.ndarray,
+    *,
+    table_lab: float = 20.0,
+    min_table_share: float = 0.5,
+    min_object_share: float = 0.3,
+) -> str:
     """The complaint that a picture is no edit of another; empty if it is one.
+
+    Image models recolour a little and move objects, but most of the picture still shows the same table.
 
     Args:
         picture: (h, w, 3) uint8 RGB of any size.
         source: (H, W, 3), the picture that was to be edited.
         background: (H, W, 3), the same view of the empty table.
+        table_lab: largest colour distance (Lab) of a pixel that shows the table.
+        min_table_share: least share of such pixels in the edit.
+        min_object_share: least area of other pixels, as a share of that in the source.
     """
     laid = register(picture, source, background)
     empty = to_lab(background)
-    seen = distance(to_lab(laid.picture), empty)[laid.valid] < SETTINGS.table_distance
+    seen = distance(to_lab(laid.picture), empty)[laid.valid] < table_lab
     table_share = float(seen.mean()) if seen.size else 0.0
-    if table_share < SETTINGS.min_table_share:
+    if table_share < min_table_share:
         return f"only {100 * table_share:.0f} % of it shows the table that was there"
-    before = int((distance(to_lab(source), empty) >= SETTINGS.table_distance).sum())
-    if (~seen).sum() < SETTINGS.min_object_share * before:
+    before = int((distance(to_lab(source), empty) >= table_lab).sum())
+    if (~seen).sum() < min_object_share * before:
         return "it shows the table without the objects"
     return ""

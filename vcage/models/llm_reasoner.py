@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from functools import partial
 
 import numpy as np
 
+from vcage.base.text import one_line
 from vcage.models import prompts
+from vcage.models.checked_reading import Instructed
 from vcage.models.exchange import Answerer
-from vcage.models.goal_answers import Instructed
 from vcage.models.llm_reading import read_goals
 from vcage.models.llm_selection import select_assets
 from vcage.models.llm_slots import answer_type, complaints, meaning
-from vcage.models.llm_wordings import ask_wordings
 from vcage.models.same_reading import ThirdReader
 from vcage.models.search import Search, best_search
 from vcage.models.structured import Answer, asking, narrowed, one_of
@@ -26,17 +25,6 @@ from vcage.schema.goals import Reading
 from vcage.schema.plan import TABLE, LayoutPlan, Relation, RelationWord, Selection, SelectionCheck
 from vcage.schema.scene import PLAIN, Scene
 from vcage.schema.subtasks import PairAnswer, PairQuestion, SlotAnswer, SlotQuestion
-
-
-@dataclass(frozen=True)
-class BatchSettings:
-    """Number of pairs, and of sub-tasks, that one prompt asks about."""
-
-    pairs: int = 30
-    subtasks: int = 20
-
-
-BATCH = BatchSettings()
 
 
 class _PlannedRelation(Answer):
@@ -58,6 +46,14 @@ class _JudgedPair(Answer):
 
 class _PairsAnswer(Answer):
     pairs: list[_JudgedPair]
+
+
+class _Sentence(Answer):
+    sentence: str
+
+
+class _WordingsAnswer(Answer):
+    sentences: list[_Sentence]
 
 
 class LlmReasoner:
@@ -114,12 +110,14 @@ class LlmReasoner:
         prompt = prompts.fill("plan_layout", scene=scene, entries=entries, goals=goals, described=described)
         return _plan(self._ask(prompt, answer, lambda a: _plan_complaints(a, check)))
 
-    def judge_pairs(self, questions: Sequence[PairQuestion], instruction: str | None = None) -> list[PairAnswer]:
-        """One answer per question; pairs that look and measure the same are asked about once, in batches."""
+    def judge_pairs(
+        self, questions: Sequence[PairQuestion], instruction: str | None = None, at_once: int = 30
+    ) -> list[PairAnswer]:
+        """One answer per question; pairs that look and measure alike are asked about once, ``at_once`` in a prompt."""
         different = list({_looks(question): question for question in questions}.values())
         judged: dict[tuple[object, ...], _JudgedPair] = {}
-        for start in range(0, len(different), BATCH.pairs):
-            batch = different[start : start + BATCH.pairs]
+        for start in range(0, len(different), at_once):
+            batch = different[start : start + at_once]
             judged |= zip(map(_looks, batch), self._judge_batch(batch, instruction), strict=True)
         found = [(question, judged[_looks(question)]) for question in questions]
         return [
@@ -131,30 +129,48 @@ class LlmReasoner:
         prompt = prompts.fill("judge_pairs", questions=list(questions), instruction=instruction)
         return self._ask(prompt, _PairsAnswer, lambda a: _pair_complaints(a.pairs, len(questions))).pairs
 
-    def fill_slots(self, instruction: str | None, questions: Sequence[SlotQuestion]) -> list[SlotAnswer]:
-        """The model's choices among what is feasible, asked for the whole chain at once, a long one in batches."""
+    def fill_slots(
+        self, instruction: str | None, questions: Sequence[SlotQuestion], at_once: int = 20
+    ) -> list[SlotAnswer]:
+        """The model's choices among what is feasible, asked for the chain, ``at_once`` sub-tasks in a prompt."""
         found: list[SlotAnswer] = []
-        for start in range(0, len(questions), BATCH.subtasks):
-            batch = questions[start : start + BATCH.subtasks]
+        for start in range(0, len(questions), at_once):
+            batch = questions[start : start + at_once]
             prompt = prompts.fill("fill_slots", instruction=instruction, questions=list(batch))
             answer = self._ask(prompt, answer_type(batch), partial(complaints, questions=batch))
             found += meaning(answer, batch)
         return found
 
-    def read_goals(
-        self,
-        instruction: str,
-        things: Mapping[str, CatalogueEntry],
-        lying: Mapping[str, str],
-        moved: Collection[str] = (),
-    ) -> Reading:
+    def read_goals(self, asked: Instructed) -> Reading:
         """See :func:`vcage.models.llm_reading.read_goals`."""
-        read = Instructed(instruction, things, lying, moved)
-        return read_goals(self._ask, read, self._reviewer, self._third)
+        return read_goals(self._ask, asked, self._reviewer, self._third)
 
-    def word_task(self, task: TaskToWord, plain: Sequence[str]) -> TaskWordings:
-        """The model's sentences that hold against the review; see :func:`vcage.models.llm_wordings.ask_wordings`."""
-        return ask_wordings(self._ask, task, plain)
+    def word_task(self, task: TaskToWord, plain: Sequence[str], examples: int = 3) -> TaskWordings:
+        """Ask once for sentences; once more, with what is wrong with them, where none holds against the review.
+
+        Args:
+            task, plain: see :meth:`vcage.models.protocols.Reasoner.word_task`.
+            examples: how many of the plain sentences the prompt shows.
+        """
+
+        complained = False
+
+        def complaints(answer: _WordingsAnswer) -> list[str]:
+            nonlocal complained
+            if complained or task.reviewed(_texts(answer)):
+                return []
+            complained = True
+            wrong = [f"{text!r}: {'; '.join(task.complaints(text))}" for text in _texts(answer)]
+            return wrong or ["sentences: is empty"]
+
+        prompt = prompts.fill("word_task", task=task, plain=list(plain[:examples]))
+        proposed = _texts(self._ask(prompt, _WordingsAnswer, complaints))
+        sentences = task.reviewed(proposed)
+        return TaskWordings(sentences, len(proposed) - len(sentences))
+
+
+def _texts(answer: _WordingsAnswer) -> list[str]:
+    return list(dict.fromkeys(one_line(item.sentence).strip() for item in answer.sentences))
 
 
 def _plan_complaints(answer: _LayoutAnswer, check: PlanCheck) -> list[str]:

@@ -59,7 +59,6 @@ def select_assets(
     check: SelectionCheck,
     scene: str,
     search: Callable[[], Search],
-    settings: CatalogueSettings = CATALOGUE,
 ) -> Selection:
     """The model's choice among ``asset/variant`` names of the catalogue.
 
@@ -67,14 +66,13 @@ def select_assets(
         ask: puts a prompt to the model.
         instruction, catalogue, check, scene: see :meth:`vcage.models.protocols.Reasoner.select_assets`.
         search: makes the search that looks for a model's phrases in a large catalogue.
-        settings: how large that is.
 
     Raises:
         NoAssetFits: the model finds nothing that answers words of the instruction; names them.
         ModelRefused: see :func:`vcage.models.structured.ask`.
     """
-    if _bytes(catalogue) > settings.most_bytes:
-        catalogue = _searched(ask, instruction, catalogue, scene, search, settings)
+    if sum(map(_bytes, catalogue)) > CATALOGUE.most_bytes:
+        catalogue = _searched(ask, instruction, catalogue, scene, search)
     looks = [f"{entry.name}/{variant.id}" for entry in catalogue for variant in entry.variants]
     parts = sorted({part for entry in catalogue for part in entry.moving_parts})
     item = narrowed(
@@ -106,11 +104,7 @@ def _place(scene: str) -> str:
     return f"The scene is: {name}. Of kinds that serve alike, prefer those that list {scene!r} among their scenes."
 
 
-def _bytes(catalogue: Sequence[CatalogueEntry]) -> int:
-    return sum(_line_bytes(entry) for entry in catalogue)
-
-
-def _line_bytes(entry: CatalogueEntry) -> int:
+def _bytes(entry: CatalogueEntry) -> int:
     return len(catalogue_line(entry).encode()) + 1
 
 
@@ -120,7 +114,6 @@ def _searched(
     catalogue: Sequence[CatalogueEntry],
     scene: str,
     search: Callable[[], Search],
-    settings: CatalogueSettings,
 ) -> list[CatalogueEntry]:
     """Entries that answer the model's phrases, as much of it as a prompt shows, in the catalogue's order."""
     prompt = prompts.fill(
@@ -128,25 +121,25 @@ def _searched(
         instruction=instruction,
         scene=_place(scene),
         kinds=len(catalogue),
-        most=settings.most_phrases,
+        most=CATALOGUE.most_phrases,
     )
-    found = ask(prompt, _SearchAnswer, lambda a: _search_complaints(a, settings))
+    found = ask(prompt, _SearchAnswer, lambda a: _search_complaints(a))
     kept: set[str] = set()
-    room = settings.most_bytes
+    room = CATALOGUE.most_bytes
     for entry in shortlist(found.phrases, catalogue, search(), len(catalogue)):
-        room -= _line_bytes(entry)
+        room -= _bytes(entry)
         if room < 0:
             break
         kept.add(entry.name)
     return [entry for entry in catalogue if entry.name in kept]
 
 
-def _search_complaints(answer: _SearchAnswer, settings: CatalogueSettings) -> list[str]:
+def _search_complaints(answer: _SearchAnswer) -> list[str]:
     found = [] if answer.phrases else ["phrases: is empty, so there is nothing to search for"]
     if any(not phrase.strip() for phrase in answer.phrases):
         found.append("phrases: one is empty")
-    if len(answer.phrases) > settings.most_phrases:
-        found.append(f"phrases: {len(answer.phrases)} are given, at most {settings.most_phrases} are searched for")
+    if len(answer.phrases) > CATALOGUE.most_phrases:
+        found.append(f"phrases: {len(answer.phrases)} are given, at most {CATALOGUE.most_phrases} are searched for")
     return found
 
 
@@ -171,11 +164,10 @@ def _gives_work(chosen: _ChosenObject, operable: Collection[str]) -> bool:
 
 
 def _selection(answer: _SelectionAnswer) -> Selection:
-    return Selection(objects=[_selected(chosen) for chosen in answer.objects])
-
-
-def _selected(chosen: _ChosenObject) -> SelectedAsset:
-    asset, _, variant = chosen.look.partition("/")
-    place, part = chosen.starts_in or None, chosen.starts_in_part or None
-    fields = {"asset": asset, "variant": variant, "starts_in": place, "starts_in_part": part}
-    return SelectedAsset(role=chosen.role, reason=chosen.reason, **fields)
+    found = []
+    for chosen in answer.objects:
+        asset, _, variant = chosen.look.partition("/")
+        place, part = chosen.starts_in or None, chosen.starts_in_part or None
+        fields = {"asset": asset, "variant": variant, "starts_in": place, "starts_in_part": part}
+        found.append(SelectedAsset(role=chosen.role, reason=chosen.reason, **fields))
+    return Selection(objects=found)

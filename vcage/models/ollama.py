@@ -142,7 +142,7 @@ def _abilities(transport: Transport, model: str, served: Served) -> frozenset[st
     if model in served.modalities:  # llama.cpp's server says so in its list
         return frozenset({"completion", *(["vision"] if "image" in served.modalities[model] else [])})
     try:
-        said = _beside(transport).post_json("api/show", {"model": model}).get("capabilities")
+        said = _beside(transport).post("api/show", {"model": model}).get("capabilities")
     except VcageError:
         said = None
     return frozenset(said) if isinstance(said, list) else frozenset({"completion", "vision"})

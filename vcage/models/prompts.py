@@ -11,7 +11,6 @@ from vcage.base.errors import ConfigurationError, UnknownName
 from vcage.base.files import resource
 from vcage.base.reading import Unreadable, text_of
 from vcage.base.text import one_line
-from vcage.models.protocols import EditRequest
 
 
 def names() -> list[str]:
@@ -62,8 +61,3 @@ def fill(name: str, **values: object) -> Prompt:
 def _value(value: object) -> object:
     """Return the text for a placeholder on one line: words of an object or an instruction never begin a line."""
     return one_line(value) if isinstance(value, str) else value
-
-
-def edit_prompt(request: EditRequest) -> Prompt:
-    """The text that goes with the picture to any image editor; raises as :func:`fill`."""
-    return fill("rearrange", scene=request.scene, plan=request.plan)

@@ -6,7 +6,7 @@ file that its answers touched.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Protocol, TypeAlias
@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Protocol, TypeAlias
 import numpy as np
 
 from vcage.base.geometry import Camera, Pose
+from vcage.models.checked_reading import Instructed
 from vcage.models.wordings import TaskToWord, TaskWordings
 from vcage.plans.check import PlanCheck
 from vcage.schema.asset import CatalogueEntry
@@ -199,19 +200,8 @@ class Reasoner(Protocol):
         """
         ...
 
-    def read_goals(
-        self,
-        instruction: str,
-        things: Mapping[str, CatalogueEntry],
-        lying: Mapping[str, str],
-        moved: Collection[str] = (),
-    ) -> Reading:
+    def read_goals(self, asked: Instructed) -> Reading:
         """Goals of the instruction in a scene, each with the words that it answers.
-
-        Args:
-            things: what there is, by object id: the catalogue's entries with no other look than the object's.
-            lying: what lies in or on another thing at the start: object id → id of that thing.
-            moved: ids of the objects that were chosen to be moved, each of which is in a goal.
 
         Raises:
             UnreadInstruction: words of it answer to no goal, or leave open what is meant; names them. Where other

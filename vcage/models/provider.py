@@ -77,11 +77,6 @@ def _count(counts: Mapping[str, object], *names: str) -> int | None:
     return next((value for name in names if isinstance(value := counts.get(name), int)), None)
 
 
-def no_files(_: Question) -> Sequence[FilePart]:
-    """The files of a request that is JSON."""
-    return ()
-
-
 @dataclass(frozen=True)
 class WireFormat:
     """Format of one kind of question and of its answer.
@@ -98,7 +93,7 @@ class WireFormat:
     path: str
     body: Callable[[str, Question], dict[str, Any]]
     content: Callable[[dict[str, Any]], Content]
-    files: Callable[[Question], Sequence[FilePart]] = no_files
+    files: Callable[[Question], Sequence[FilePart]] = lambda _: ()
     usage: Usage = Usage()
     rounds: int = 1
 
@@ -149,9 +144,8 @@ class Client:
 
     def _post(self, question: Question) -> dict[str, Any]:
         path, body = self._wire.path.format(model=self.model), self._wire.body(self.model, question)
-        files = self._wire.files(question)
         try:
-            return self.transport.post_form(path, body, files) if files else self.transport.post_json(path, body)
+            return self.transport.post(path, body, self._wire.files(question))
         except ConfigurationError as error:
             if error.details.get("status") in (400, 404) and (reason := self.not_served()):
                 raise reason from error

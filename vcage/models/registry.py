@@ -13,6 +13,7 @@ import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import get_args
 
 from vcage.base.commands import vcage_command
 from vcage.base.errors import ConfigurationError, InputFileError, UnknownName, UsageError
@@ -24,7 +25,7 @@ from vcage.models.keys import require_key
 from vcage.models.llm_critic import LlmCritic
 from vcage.models.llm_editor import LlmEditor
 from vcage.models.llm_reasoner import LlmReasoner
-from vcage.models.protocols import OFFLINE, Critic, ImageEditor, Models, Reasoner
+from vcage.models.protocols import OFFLINE, Models
 from vcage.models.providers import PROVIDERS, automatic_choice, explain_automatic
 from vcage.models.same_reading import ThirdReader
 from vcage.models.spending import Cap, Spending
@@ -186,16 +187,16 @@ def build_models(choice: Choice, detector: str = DETECTORS[0], embedder: str = E
         MissingKey, UsageError, InputFileError: see :meth:`Choice.answerer`.
         MissingDependency, InputFileError: see :func:`build_detector`.
     """
-    found = build_detector(*split_weights(detector)), build_embedder(*split_weights(embedder))
-    return Models(_reasoner(choice), _editor(choice), *found, _critic(choice))
-
-
-def _reasoner(choice: Choice) -> Reasoner:
+    from vcage.models.rules.critic import OfflineCritic
+    from vcage.models.rules.editor import OfflineEditor
     from vcage.models.rules.reasoner import OfflineReasoner
 
-    if who := choice.answerer("reasoner"):
-        return LlmReasoner(who, reviewer=who if choice.review else None, third=third_reader())
-    return OfflineReasoner()
+    found = build_detector(*split_weights(detector)), build_embedder(*split_weights(embedder))
+    thinks, draws, judges = map(choice.answerer, get_args(Asked))
+    reviewer = thinks if choice.review else None
+    reasoner = LlmReasoner(thinks, reviewer=reviewer, third=third_reader()) if thinks else OfflineReasoner()
+    editor = LlmEditor(draws) if draws else OfflineEditor()
+    return Models(reasoner, editor, *found, LlmCritic(judges, choice.votes) if judges else OfflineCritic())
 
 
 def third_reader() -> ThirdReader:
@@ -203,22 +204,6 @@ def third_reader() -> ThirdReader:
     from vcage.models.rules.reasoner import OfflineReasoner
 
     return OfflineReasoner().read_goals
-
-
-def _editor(choice: Choice) -> ImageEditor:
-    if who := choice.answerer("editor"):
-        return LlmEditor(who)
-    from vcage.models.rules.editor import OfflineEditor
-
-    return OfflineEditor()
-
-
-def _critic(choice: Choice) -> Critic:
-    if who := choice.answerer("critic"):
-        return LlmCritic(who, choice.votes)
-    from vcage.models.rules.critic import OfflineCritic
-
-    return OfflineCritic()
 
 
 def split_weights(spelled: str) -> tuple[str, str | None]:

@@ -3,48 +3,39 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 
 from vcage.base.errors import UnreadInstruction
+from vcage.models.checked_reading import Instructed
 from vcage.models.second_look import second_look
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import AskedGoal, Description, Reading
 
-ThirdReader = Callable[[str, Mapping[str, CatalogueEntry], Mapping[str, str]], Reading]
+ThirdReader = Callable[[Instructed], Reading]
 """Reads an instruction without a model, or raises UnreadInstruction."""
 
 _SWAPPED = {"right_of": "left_of", "behind": "in_front_of"}
 """Relations that say the same as another one with subject and reference exchanged."""
 
 
-def contradictions(
-    instruction: str,
-    things: Mapping[str, CatalogueEntry],
-    reading: Reading,
-    moved: Collection[str],
-    lying: Mapping[str, str],
-    third: ThirdReader | None,
-) -> list[str]:
+def contradictions(asked: Instructed, reading: Reading, third: ThirdReader | None) -> list[str]:
     """Complaints about a reading by the second look, or else by a reader without a model where it reads all of it.
 
     Args:
-        instruction: in plain language.
-        things: the catalogue's entries by object id, with no other look than the object's.
+        asked: the instruction.
         reading: what is taken from it.
-        moved: ids of the objects that were chosen to be moved.
-        lying: object id → id of what it lies in or on at the start.
         third: a reader without a model; None for none.
     """
-    found = second_look(instruction, things, reading, moved)
+    found = second_look(asked, reading)
     if found or third is None:
         return found
     try:
-        other = third(instruction, things, lying)
+        other = third(asked)
     except UnreadInstruction:  # which is no complaint about the reading
         return []
-    if second_look(instruction, things, other):
+    if second_look(Instructed(asked.instruction, asked.things), other):
         return []
-    missing, more = differences(reading, other, things)
+    missing, more = differences(reading, other, asked.things)
     found = [f"a grammar reads the instruction otherwise: it asks for {one}" for one in missing]
     return found + [f"a grammar reads the instruction otherwise: it does not ask for {one}" for one in more]
 

@@ -7,7 +7,7 @@ In another language than English, words are not checked.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 
 from vcage.base.text import listed
 from vcage.base.words import (
@@ -26,13 +26,11 @@ from vcage.base.words import (
 )
 from vcage.base.words import VERBS as KNOWN_VERBS
 from vcage.models.asides import asked_part
-from vcage.models.checked_reading import CheckedReading
-from vcage.models.clauses import order_complaints
-from vcage.models.direction_checks import wrong_arms, wrong_drawers, wrong_sides
+from vcage.models.checked_reading import CheckedReading, Instructed, in_english
+from vcage.models.clauses import VERBS, order_complaints
+from vcage.models.directions import wrong_arms, wrong_drawers, wrong_sides
 from vcage.models.phrases import compiled, phrase
-from vcage.models.plain_english import in_english
 from vcage.models.quantifiers import left_over
-from vcage.models.verbs import VERBS
 from vcage.models.which_one import coloured, meant, unclear
 from vcage.objects.mentions import Noun, nouns, stated_count
 from vcage.objects.names import has_colour, look_texts
@@ -61,15 +59,9 @@ _TO_READER = frozenset(
 """Words that speak to the reader of a text, and not of things."""
 
 
-def second_look(
-    instruction: str, things: Mapping[str, CatalogueEntry], reading: Reading, moved: Collection[str] = ()
-) -> list[str]:
-    """Complaints about a reading, one sentence each; empty if no check has any.
-
-    Args:
-        instruction, things, reading, moved: see :class:`vcage.models.checked_reading.CheckedReading`.
-    """
-    read = CheckedReading(instruction, things, reading, moved)
+def second_look(asked: Instructed, reading: Reading) -> list[str]:
+    """Complaints about a reading of an instruction, one sentence each; empty if no check has any."""
+    read = CheckedReading(**vars(asked), reading=reading)
     checks = [*_IN_ANY_LANGUAGE, *(_IN_ENGLISH if read.english else ())]
     return list(dict.fromkeys(complaint for check in checks for complaint in check(read)))
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from vcage.layout.capacities import size_complaints
 from vcage.layout.items import TableItem
 from vcage.layout.placement.contents import CONTENT_MARGIN_M
+from vcage.models.checked_reading import Instructed
 from vcage.plans.check import contradictions
 from vcage.plans.descriptions import HOLDING
 from vcage.schema.asset import CatalogueEntry, Variant
@@ -95,6 +96,13 @@ def entries_of(objects: Iterable[NamedObject], entries: Iterable[CatalogueEntry]
         looks = [look for look in by_name[one.asset].variants if look.id == one.variant]
         found[one.id] = by_name[one.asset].model_copy(update={"variants": looks})
     return found
+
+
+def instructed(instruction: str, objects: Iterable[NamedObject], things: Mapping[str, CatalogueEntry]) -> Instructed:
+    """An instruction and the objects that it is about, which ``things`` has the entries of."""
+    objects = list(objects)
+    lying = {o.id: o.starts_in for o in objects if o.starts_in is not None}
+    return Instructed(instruction, things, lying, [o.id for o in objects if o.role == "content"])
 
 
 def phrase_of(entry: CatalogueEntry, variant: Variant) -> str:

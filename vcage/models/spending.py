@@ -14,7 +14,7 @@ from pydantic import Field
 
 from vcage.base.errors import ConfigurationError, SpendingCap
 from vcage.models.exchange import Reply
-from vcage.models.user_files import read_user_file, user_file
+from vcage.models.keys import read_user_file, user_file
 from vcage.schema.base import Finite, Record
 from vcage.schema.exchange import Exchange
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import ipaddress
 import logging
 import math
 import re
@@ -11,6 +12,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
+from email.utils import parsedate_to_datetime
 from http.cookiejar import DefaultCookiePolicy
 from typing import Any
 from urllib.parse import urlsplit
@@ -19,7 +21,6 @@ import requests
 
 from vcage.base.errors import ConfigurationError, EndpointFailed
 from vcage.models.endpoint_answer import EndpointAnswer, final_error
-from vcage.models.http import is_loopback, retry_after
 
 LOG = logging.getLogger(__name__)
 
@@ -111,28 +112,24 @@ class Transport:
         return other
 
     def get_json(self, path: str) -> dict[str, Any]:
-        """GET the JSON object at a path in one attempt: callers can do without; raises as :meth:`post_json`."""
+        """GET the JSON object at a path in one attempt: callers can do without; raises as :meth:`post`."""
         return self._send("GET", path, 1)
 
-    def post_json(self, path: str, body: Mapping[str, Any]) -> dict[str, Any]:
-        """POST a JSON body and return the JSON object of the answer.
+    def post(self, path: str, body: Mapping[str, Any], files: Sequence[FilePart] = ()) -> dict[str, Any]:
+        """POST a JSON body, or a form where there are files, and return the JSON object of the answer.
+
+        Args:
+            path: below the base URL.
+            body: of JSON, or the fields of the form, which are texts.
+            files: the parts that are files.
 
         Raises:
             EndpointFailed: time-outs, broken connections, 429 and 5xx after all attempts, or an answer without JSON.
             ConfigurationError: the endpoint says that key, model or request are wrong.
             ModelRefused: it declines for another reason (other 4xx).
         """
-        return self._send("POST", path, self._limits.attempts, json=body)
-
-    def post_form(self, path: str, fields: Mapping[str, str], files: Sequence[FilePart]) -> dict[str, Any]:
-        """POST a form with files and return the JSON object of the answer; raises as :meth:`post_json`.
-
-        Args:
-            path: below the base URL.
-            fields: name → text.
-            files: the parts that are files.
-        """
-        return self._send("POST", path, self._limits.attempts, data=dict(fields), files=list(files))
+        content: dict[str, Any] = {"data": dict(body), "files": list(files)} if files else {"json": body}
+        return self._send("POST", path, self._limits.attempts, **content)
 
     def _send(self, method: str, path: str, attempts: int, **content: Any) -> dict[str, Any]:
         url = f"{self.base_url}/{path.lstrip('/')}"
@@ -226,3 +223,25 @@ def _within(seconds: float, work: Callable[[], EndpointAnswer]) -> EndpointAnswe
 
     threading.Thread(target=run, daemon=True).start()
     return done.result(timeout=max(seconds, 0.0))
+
+
+def is_loopback(host: str) -> bool:
+    """Check if a host is this machine."""
+    try:
+        return host == "localhost" or ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return False
+
+
+def retry_after(value: str | None) -> float | None:
+    """Seconds that the endpoint asks to wait; it says so as a number or as a date."""
+    if value is None:
+        return None
+    try:
+        return max(0.0, float(value))
+    except ValueError:
+        pass
+    try:
+        return max(0.0, parsedate_to_datetime(value).timestamp() - time.time())
+    except (TypeError, ValueError):
+        return None

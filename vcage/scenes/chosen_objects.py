@@ -12,11 +12,11 @@ import numpy as np
 
 from vcage.base.errors import InfeasibleScene, ModelRefused, NoAssetFits, NoFeasibleTask, UnreadInstruction
 from vcage.layout.capacities import crowding_complaints
-from vcage.models.plain_english import in_english
+from vcage.models.checked_reading import in_english
+from vcage.models.occasion import draw_contents
 from vcage.models.protocols import OFFLINE
-from vcage.models.scene_contents import draw_contents
 from vcage.models.second_look import second_look, unmet_names
-from vcage.models.selection_check import NamedObject, entries_of, name_objects, validate_selection
+from vcage.models.selection_check import NamedObject, entries_of, instructed, name_objects, validate_selection
 from vcage.objects.asset import Asset
 from vcage.plans.actions import lasting
 from vcage.runs.context import StageContext
@@ -146,10 +146,9 @@ class _Choices:
         Raises:
             UnreadInstruction: the second look has a complaint.
         """
-        lying = {o.id: o.starts_in for o in objects if o.starts_in is not None}
-        moved = [o.id for o in objects if o.role == "content"]
-        reading = self._context.models.reasoner.read_goals(self._instruction, kinds, lying, moved)
-        found = second_look(self._instruction, kinds, reading, moved)
+        asked = instructed(self._instruction, objects, kinds)
+        reading = self._context.models.reasoner.read_goals(asked)
+        found = second_look(asked, reading)
         if found:
             raise UnreadInstruction(
                 f"the reading of {self._instruction!r} is not believed: {'; '.join(found)}",

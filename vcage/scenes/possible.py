@@ -11,6 +11,7 @@ import numpy as np
 
 from vcage.base.errors import UnknownName
 from vcage.base.geometry import Pose
+from vcage.models.checked_reading import Instructed
 from vcage.models.registry import third_reader
 from vcage.models.same_reading import contradictions
 from vcage.plans.plain_words import in_words
@@ -61,7 +62,8 @@ def _unsaid(edit: Edit[Scene]) -> Iterator[Complaint]:
     things = {o.id: o.kind() for o in edit.context.objects(scene)}
     moved = [o.id for o in scene.objects if o.role == "content"]
     lying = {o.id: o.container for o in scene.objects if o.container is not None}
-    if found := contradictions(scene.instruction, things, reading, moved, lying, third_reader()):
+    asked = Instructed(scene.instruction, things, lying, moved)
+    if found := contradictions(asked, reading, third_reader()):
         yield edited[0], "; ".join(found), f"what the instruction says: {scene.instruction!r}"
 
 

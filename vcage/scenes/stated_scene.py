@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
 from vcage.base.errors import UsageError
 from vcage.base.text import listed
+from vcage.models.checked_reading import Instructed
 from vcage.models.registry import third_reader
 from vcage.models.same_reading import contradictions
 from vcage.models.second_look import unmet_names
-from vcage.models.selection_check import NamedObject, entries_of
+from vcage.models.selection_check import NamedObject, entries_of, instructed
 from vcage.models.wordings import TaskToWord
 from vcage.runs.context import StageContext
 from vcage.scenes.chosen_objects import Chosen, impossible
@@ -149,16 +149,14 @@ def _second_look(
     Raises:
         UsageError: it does not; names what the goals lack.
     """
-    moved = [o.id for o in objects if o.role == "content"]
-    lying = {o.id: o.starts_in for o in objects if o.starts_in is not None}
 
-    def third(*read: Any) -> Reading:
+    def third(asked: Instructed) -> Reading:
         """Read without a model: stated goals leave nothing alone, and may have more starts than the instruction."""
-        found = third_reader()(*read)
+        found = third_reader()(asked)
         return found.model_copy(update={"untouched": [], "descriptions": [*found.descriptions, *reading.descriptions]})
 
     unmet = unmet_names(instruction, catalogue, list(kinds.values()))
-    if complaints := unmet + contradictions(instruction, kinds, reading, moved, lying, third):
+    if complaints := unmet + contradictions(instructed(instruction, objects, kinds), reading, third):
         raise UsageError(
             f"the goals do not do what the instruction says: {'; '.join(complaints)}",
             hint="add the goals that it lacks, say by --start where things lie or stand at first, or leave the "

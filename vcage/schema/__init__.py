@@ -8,12 +8,11 @@ from vcage.base.errors import UnknownName
 from vcage.schema.asset import Annotation
 from vcage.schema.base import Document
 from vcage.schema.compression import Compression
-from vcage.schema.episodes import Episodes, SingleVerdict, Verdicts
+from vcage.schema.episodes import Episodes, Renders, SingleVerdict, Verdicts
 from vcage.schema.export import Export
 from vcage.schema.matches import Matches
 from vcage.schema.plan import Plan
 from vcage.schema.randomisation import Randomisation
-from vcage.schema.renders import Renders
 from vcage.schema.robot import Robot
 from vcage.schema.scene import Scene, SceneTemplate
 from vcage.schema.subtasks import Subtasks

@@ -7,7 +7,7 @@ import functools
 import numpy as np
 
 from vcage.models.rules.reasoner import OfflineReasoner
-from vcage.models.selection_check import entries_of, name_objects
+from vcage.models.selection_check import entries_of, instructed, name_objects
 from vcage.objects.library import Library
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import Reading
@@ -32,7 +32,7 @@ def read(instruction: str, seed: int = 0) -> tuple[Selection, Reading]:
     chosen = selected(instruction, seed)
     named = name_objects(chosen, kinds())
     things = entries_of(named, kinds())
-    return chosen, OfflineReasoner().read_goals(instruction, things, {o.id: o.starts_in for o in named if o.starts_in})
+    return chosen, OfflineReasoner().read_goals(instructed(instruction, named, things))
 
 
 def goals(instruction: str, seed: int = 0) -> list[str]:

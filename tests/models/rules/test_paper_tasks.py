@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.models.catalogue import unchecked
+from vcage.models.checked_reading import Instructed
 from vcage.models.rules.reasoner import OfflineReasoner
 from vcage.models.selection_check import entries_of, name_objects
 from vcage.objects.library import Library
@@ -105,7 +106,7 @@ def asked(instruction: str, kinds: list[CatalogueEntry], seed: int) -> tuple[lis
     chosen = select(instruction, kinds, seed)
     named = name_objects(Selection(objects=chosen), kinds)
     things = entries_of(named, kinds)
-    return chosen, [a.goal for a in OfflineReasoner().read_goals(instruction, things, {}).goals]
+    return chosen, [a.goal for a in OfflineReasoner().read_goals(Instructed(instruction, things)).goals]
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -10,12 +10,11 @@ import numpy as np
 from vcage.base.errors import InputFileError
 from vcage.models.protocols import CriticQuestion
 from vcage.models.rules import PROVIDER
-from vcage.models.rules.change import displaced
 from vcage.models.rules.critic_view import CriticView
 from vcage.models.rules.drawings import drawn_whole
 from vcage.models.rules.evidence import EVIDENCE
 from vcage.models.rules.evidence.told import decided, refused
-from vcage.models.rules.pixels import PIXELS
+from vcage.models.rules.pixels import PIXELS, displaced
 from vcage.models.rules.standing import SETTINGS as STANDING
 from vcage.schema.episodes import Verdict
 from vcage.vision.colour import distance, smoothed

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping
-from functools import cached_property, partial
+from functools import cached_property
 from typing import TypeVar
 
 import numpy as np
 
 from vcage.base.errors import InputFileError
-from vcage.base.geometry import Camera, Pose
-from vcage.models.protocols import CriticQuestion, DrawObject
-from vcage.models.rules.change import Change, grown
+from vcage.base.geometry import Camera
+from vcage.models.protocols import CriticQuestion
 from vcage.models.rules.drawings import Draw
-from vcage.models.rules.pixels import salience
+from vcage.models.rules.pixels import Change, grown, salience
 from vcage.models.rules.standing import Sought, Standing
-from vcage.sim.drawer import Drawing, Window
 from vcage.vision.protocols import Reference
 
 AROUND_PX = 8.0
@@ -98,9 +96,10 @@ class CriticView:
         Raises:
             InputFileError: nothing draws the scene's objects.
         """
-        if self.question.draw is None:
+        draw = self.question.draw
+        if draw is None:
             raise InputFileError(f"nothing draws {name!r}", hint="give the run's scene, as collect and verify do")
-        return partial(_drawn, self.question.draw, name, shares)
+        return lambda pose, camera, window: draw(name, pose, camera, window, shares)
 
     def sought(self, name: str, *, upon: bool = False) -> Sought:
         """An object with its parts as they are by the plan; with ``upon`` it may stand on another."""
@@ -114,9 +113,3 @@ class CriticView:
         if key not in self._found:
             self._found[key] = find()
         return self._found[key]  # pyrefly: ignore[bad-return]
-
-
-def _drawn(
-    draw: DrawObject, name: str, shares: Mapping[str, float], pose: Pose, camera: Camera, window: Window
-) -> Drawing:
-    return draw(name, pose, camera, window, shares)

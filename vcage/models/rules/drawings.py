@@ -1,7 +1,8 @@
-"""Drawings of an object beside pictures of it: which part of a picture they cover, and in its light."""
+"""Drawings of an object beside pictures of it: the part that they cover, the light, and how unlike they are."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -9,24 +10,8 @@ import numpy as np
 
 from vcage.base.geometry import Camera, Pose
 from vcage.sim.drawer import Drawing, Window
-
-
-@dataclass(frozen=True)
-class BrightnessSettings:
-    """Limits within which a drawing is made as bright as a picture.
-
-    Args:
-        samples_px: pixels by which the brightness is told.
-        factor: least and most by which a picture may be brighter than a drawing.
-        tint: the same of one colour beside the others.
-    """
-
-    samples_px: int = 1000
-    factor: tuple[float, float] = (0.5, 2.0)
-    tint: tuple[float, float] = (0.85, 1.18)
-
-
-SETTINGS = BrightnessSettings()
+from vcage.vision.colour import distance, smoothed, to_lab
+from vcage.vision.protocols import View
 
 Draw = Callable[[Pose, Camera, Window], Drawing]
 """An object alone at a pose, as a camera sees it through a window."""
@@ -63,17 +48,124 @@ def inside(picture: np.ndarray, window: Window) -> np.ndarray:
     return cut(np.ones(picture.shape[:2], bool), window)
 
 
-def brightness(drawing: Drawing, picture: np.ndarray, hidden: np.ndarray | None = None) -> np.ndarray:
-    """(3,) by which a drawing is multiplied to be as bright as a picture is where it is covered and not hidden."""
+def brightness(
+    drawing: Drawing,
+    picture: np.ndarray,
+    hidden: np.ndarray | None = None,
+    samples_px: int = 1000,
+    level_range: tuple[float, float] = (0.5, 2.0),
+    tint_range: tuple[float, float] = (0.85, 1.18),
+) -> np.ndarray:
+    """(3,) by which a drawing is multiplied to be as bright as a picture is where it is covered and not hidden.
+
+    Args:
+        drawing, picture: (side, side, 3) each.
+        hidden: (side, side) bool.
+        samples_px: pixels by which the brightness is told.
+        level_range: least and most by which a picture may be brighter than a drawing.
+        tint_range: the same of one colour beside the others.
+    """
     covered = drawing.covered if hidden is None else drawing.covered & ~hidden
     if not covered.any():
         return np.ones(3, np.float32)
-    some = slice(None, None, 1 + int(covered.sum()) // SETTINGS.samples_px)
+    some = slice(None, None, 1 + int(covered.sum()) // samples_px)
     gain = np.median((picture[covered][some] + 4.0) / (drawing.picture[covered][some] + np.float32(4.0)), axis=0)
     level = float(np.median(gain))
-    return np.clip(level, *SETTINGS.factor) * np.clip(gain / max(level, 1e-3), *SETTINGS.tint)
+    return np.clip(level, *level_range) * np.clip(gain / max(level, 1e-3), *tint_range)
 
 
 def as_bright(drawing: Drawing, picture: np.ndarray, hidden: np.ndarray | None = None) -> np.ndarray:
     """(side, side, 3) float32, a drawing as bright as a picture is where it is covered and not hidden."""
     return np.clip(drawing.picture.astype(np.float32) * brightness(drawing, picture, hidden), 0, 255)
+
+
+@dataclass(frozen=True)
+class SightSettings:
+    """Colour distances (CIELAB) that pixels cost, and how a pose of least cost is found.
+
+    Args:
+        cap_lab: most that a pixel can cost.
+        unfilled_lab: of a pixel of an outline that a drawing leaves open.
+        hidden_lab: of a pixel that something hides.
+        steps: first steps along x, y (metres) and in heading (radians) with which a pose is refined.
+    """
+
+    cap_lab: float = 30.0
+    unfilled_lab: float = 20.0
+    hidden_lab: float = 6.0
+    steps: tuple[float, float, float] = (0.004, 0.004, math.radians(5.0))
+
+
+SETTINGS = SightSettings()
+
+
+@dataclass(frozen=True)
+class Sight:
+    """A view around a place.
+
+    Args:
+        camera, window: that see it.
+        picture: (side, side, 3) uint8.
+        lab: the same, smoothed.
+        outline: (side, side) bool, what a drawing should fill.
+        hidden: (side, side) bool, where something hides what is behind it.
+    """
+
+    camera: Camera
+    window: Window
+    picture: np.ndarray
+    lab: np.ndarray
+    outline: np.ndarray
+    hidden: np.ndarray
+
+    @classmethod
+    def of(
+        cls,
+        view: View,
+        middle: np.ndarray,
+        size: Sequence[float],
+        outline: np.ndarray | None,
+        hidden: np.ndarray | None = None,
+    ) -> Sight:
+        """Cut what an object of a size (3,) may cover out of a view, its middle (3,) in the world.
+
+        Args:
+            view: of the place.
+            middle, size: metres.
+            outline, hidden: (H, W) bool over the whole view; None for nothing.
+        """
+        window = window_around(middle, size, view.camera)
+        picture = cut(view.picture, window)
+        lab = smoothed(picture)
+        none = np.zeros(picture.shape[:2], bool)
+        masks = [none if mask is None else cut(mask, window) for mask in (outline, hidden)]
+        return cls(view.camera, window, picture, lab, *masks)
+
+
+def unlikeness(pose: np.ndarray, height: float, sights: Sequence[Sight], draw: Draw) -> float:
+    """Mean colour distance between sights and drawings of the object at (3,) x, y and heading."""
+    costs = []
+    for sight in sights:
+        drawing = draw(Pose.from_yaw([pose[0], pose[1], height], float(pose[2])), sight.camera, sight.window)
+        if not drawing.covered.any():
+            return SETTINGS.cap_lab
+        drawn = to_lab(as_bright(drawing, sight.picture, sight.hidden).astype(np.uint8))
+        seen = np.minimum(distance(sight.lab, drawn), SETTINGS.cap_lab)
+        apart = np.where(sight.hidden, SETTINGS.hidden_lab, seen)[drawing.covered].mean()
+        costs.append(apart + SETTINGS.unfilled_lab * (sight.outline & ~drawing.covered).sum() / drawing.covered.sum())
+    return float(np.mean(costs))
+
+
+def refined(
+    pose: np.ndarray,
+    least: float,
+    unlike: Callable[[np.ndarray], float],
+    rounds: int = 5,
+) -> tuple[float, np.ndarray]:
+    """The least cost near (3,) x, y and heading, and where it is."""
+    steps = np.array(SETTINGS.steps)
+    for _ in range(rounds):
+        around = [pose + sign * steps * axis for axis in np.eye(3) for sign in (1, -1)]
+        value, nearby = min(((unlike(p), tuple(p)) for p in around), key=lambda found: found[0])
+        pose, least, steps = (np.array(nearby), value, steps) if value < least else (pose, least, steps / 2)
+    return least, pose

@@ -106,16 +106,15 @@ def paint_objects(
         view: of both pictures.
         covered: objects that others may lie in or on; how much of them is seen does not matter.
     """
-    camera, light = view.camera, view.light
     shown = [item for item in items if not item.hidden]
     moves = {item.record.id: _move(item, poses[item.record.id]) for item in shown}
-    order = sorted(shown, key=lambda item: _depth(item, moves[item.record.id], camera))
-    sprites = [_sprite(item, items, moves[item.record.id], picture, camera, light) for item in order]
+    order = sorted(shown, key=lambda item: _depth(item, moves[item.record.id], view.camera))
+    sprites = [_sprite(item, items, moves[item.record.id], picture, view) for item in order]
     canvas = background.astype(np.float32)
-    if light is not None and sprites:
-        shade = np.max([_cast(s, light, camera, view.table_z, background.shape[:2]) for s in sprites], axis=0)
+    if view.light is not None and sprites:
+        shade = np.max([_cast(s, view, view.light, background.shape[:2]) for s in sprites], axis=0)
         shade = cv2.GaussianBlur(shade, (0, 0), SETTINGS.softness_px)[..., None]
-        canvas *= 1 - shade * (1 - light.left)
+        canvas *= 1 - shade * (1 - view.light.left)
     owner = np.full(background.shape[:2], -1)
     drawn = {}
     for index, sprite in enumerate(sprites):
@@ -144,15 +143,9 @@ def _depth(item: Cutout, move: _Move, camera: Camera) -> tuple[float, float]:
     return round(item.box[0, 2], 2), -float(np.linalg.norm(away))
 
 
-def _sprite(
-    item: Cutout,
-    items: Sequence[Cutout],
-    move: _Move,
-    picture: np.ndarray,
-    camera: Camera,
-    light: Light | None,
-) -> _Sprite:
+def _sprite(item: Cutout, items: Sequence[Cutout], move: _Move, picture: np.ndarray, view: View) -> _Sprite:
     """The object's pixels at its new place, slice upon slice."""
+    camera = view.camera
     whole = _with_contents(item, items)
     slices = 1 + int(
         np.ceil(max(_lean(item, item.centre, camera), _lean(item, move.centre, camera)) / SETTINGS.lean_px)
@@ -172,10 +165,10 @@ def _sprite(
         hidden = look_up(unseen, cells_of(here, unseen))[..., None] > 0.5
         there = here if top else np.where(hidden, 2 * prism.axis - here, here)
         lift = np.full((*here.shape[:-1], 1), z)
-        source = camera.project(np.concatenate([prism.origin + there, lift], axis=-1)) - 0.5
-        layer = cv2.remap(colour, *_maps(source), cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
-        if light is not None and not top:
-            shade = _side_shading(prism, index, move.turn, light, unseen)
+        source = (camera.project(np.concatenate([prism.origin + there, lift], axis=-1)) - 0.5).astype(np.float32)
+        layer = cv2.remap(colour, source[..., 0], source[..., 1], cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
+        if view.light is not None and not top:
+            shade = _side_shading(prism, index, move.turn, view.light, unseen)
             layer = layer * (1 + look_up(shade - 1, cells_of(here, shade)))[..., None]
         pasted = pasted * (1 - alpha) + layer * alpha
         covered = covered * (1 - alpha[..., 0]) + alpha[..., 0]
@@ -201,11 +194,6 @@ def _spread_colour(picture: np.ndarray, mask: np.ndarray, whole: np.ndarray) -> 
     """The picture (float32) with the object's own colours where something lies over it, and around its outline."""
     reach = cv2.dilate((mask | whole).astype(np.uint8), np.ones((9, 9), np.uint8))
     return cv2.inpaint(picture, reach * ~mask, 3, cv2.INPAINT_TELEA).astype(np.float32)
-
-
-def _maps(source: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    source = source.astype(np.float32)
-    return source[..., 0], source[..., 1]
 
 
 def _window(item: Cutout, move: _Move, camera: Camera) -> tuple[tuple[int, int], tuple[int, int]]:
@@ -250,8 +238,9 @@ def _side_shading(prism: Prism, index: int, turn: float, light: Light, unseen: n
     return cv2.GaussianBlur(factor.astype(np.float32), (0, 0), 2)
 
 
-def _cast(sprite: _Sprite, light: Light, camera: Camera, table: float, shape: tuple[int, ...]) -> np.ndarray:
+def _cast(sprite: _Sprite, view: View, light: Light, shape: tuple[int, ...]) -> np.ndarray:
     """(H, W) in [0, 1]: the object's shadow on the table."""
+    camera, table = view.camera, view.table_z
     shade = np.zeros(shape, np.float32)
     half = sprite.item.half_size(sprite.move.turn) + SETTINGS.pad_px / camera.focal
     tops = [sprite.move.centre + light.offset * (z - table) for z in sprite.item.box[:, 2]]

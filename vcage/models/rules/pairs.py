@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import itertools
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from vcage.base.words import kinds_of, lemmas
@@ -74,7 +75,8 @@ class _Named:
 def judge_object_and_place(question: PairQuestion) -> PairAnswer:
     """Judge a pair: would people do that, and does it fit?"""
     thing, place = _Named.of(question.object_words), _Named.of(question.receptacle_words)
-    objection = next((found for objects in OBJECTIONS if (found := objects(thing, place, question))), "")
+    objections = itertools.chain(_by_use(thing, place, question), _by_kind_and_size(thing, place, question))
+    objection = next(objections, "")
     return PairAnswer(
         object=question.object,
         receptacle=question.receptacle,
@@ -83,61 +85,28 @@ def judge_object_and_place(question: PairQuestion) -> PairAnswer:
     )
 
 
-def _not_a_holder(thing: _Named, place: _Named, question: PairQuestion) -> str:
-    holders = IN_WORDS if question.holds == "in" else ON_WORDS
-    return "" if place.head in holders else f"nobody puts things {question.holds} a {place.phrase}"
-
-
-def _food_elsewhere(thing: _Named, place: _Named, question: PairQuestion) -> str:
+def _by_use(thing: _Named, place: _Named, question: PairQuestion) -> Iterator[str]:
+    """Objections to a place that nobody puts such a thing into or on."""
+    if place.head not in (IN_WORDS if question.holds == "in" else ON_WORDS):
+        yield f"nobody puts things {question.holds} a {place.phrase}"
     if thing.is_food and (place.words & _NOT_FOOD_PLACES or not place.words & _FOOD_PLACES):
-        return f"food such as a {thing.name} does not belong {question.holds} a {place.name}"
-    return ""
-
-
-def _container_in_container(thing: _Named, place: _Named, question: PairQuestion) -> str:
+        yield f"food such as a {thing.name} does not belong {question.holds} a {place.name}"
     if question.holds == "in" and thing.head in IN_WORDS and not place.words & _TAKE_CONTAINERS:
-        return f"a {thing.name} is a container itself and does not go into a {place.name}"
-    return ""
-
-
-def _in_a_drink(thing: _Named, place: _Named, question: PairQuestion) -> str:
+        yield f"a {thing.name} is a container itself and does not go into a {place.name}"
     if place.head in _DRINKING and not kinds_of(thing.head) & {"stationery", "cutlery"}:
-        return f"a {thing.name} does not go into a {place.name}"
-    return ""
+        yield f"a {thing.name} does not go into a {place.name}"
 
 
-def _not_bread(thing: _Named, place: _Named, question: PairQuestion) -> str:
+def _by_kind_and_size(thing: _Named, place: _Named, question: PairQuestion) -> Iterator[str]:
+    """Objections to a place for another kind of things, or without room, even after a quarter turn."""
     if "bread" in place.words and not thing.is_food:
-        return f"a {place.name} is for bread, not for a {thing.name}"
-    return ""
-
-
-def _stacked_on_another_kind(thing: _Named, place: _Named, question: PairQuestion) -> str:
+        yield f"a {place.name} is for bread, not for a {thing.name}"
     if question.holds == "on" and place.head in STACKING and place.head != thing.head:
-        return f"a {thing.name} is not stacked on a {place.name}"
-    return ""
-
-
-def _too_large(thing: _Named, place: _Named, question: PairQuestion) -> str:
-    """Complaint about an object that does not fit the opening, even after a quarter turn."""
-    across = sorted(question.object_size[:2])
-    free = sorted(question.opening_size[:2])
+        yield f"a {thing.name} is not stacked on a {place.name}"
+    across, free = sorted(question.object_size[:2]), sorted(question.opening_size[:2])
     margin = 2 * OPENING_MARGIN_M if question.holds == "in" else 0.0
     if across[0] + margin > free[0] or across[1] + margin > free[1]:
-        return (
+        yield (
             f"the {thing.phrase} ({across[1] * 100:.1f} x {across[0] * 100:.1f} cm) is larger than the space "
             f"of the {place.phrase} ({free[1] * 100:.1f} x {free[0] * 100:.1f} cm)"
         )
-    return ""
-
-
-OBJECTIONS: tuple[Callable[[_Named, _Named, PairQuestion], str], ...] = (
-    _not_a_holder,
-    _food_elsewhere,
-    _container_in_container,
-    _in_a_drink,
-    _not_bread,
-    _stacked_on_another_kind,
-    _too_large,
-)
-"""Objections to putting a thing in or on a place, in this order; each returns "" for none."""

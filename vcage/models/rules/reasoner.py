@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import TypeVar
 
 import numpy as np
 
 from vcage.base.errors import ModelRefused
+from vcage.models.checked_reading import Instructed
 from vcage.models.rules import PROVIDER
 from vcage.models.rules.goals import read_goals
-from vcage.models.rules.layout import plan_layout
+from vcage.models.rules.layout import plan_layout, plan_scene
 from vcage.models.rules.pairs import judge_object_and_place
-from vcage.models.rules.scene_layout import plan_scene
 from vcage.models.rules.selection import select_assets
 from vcage.models.wordings import TaskToWord, TaskWordings
 from vcage.plans.check import PlanCheck
@@ -48,7 +48,7 @@ class OfflineReasoner:
         self, scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator, check: PlanCheck
     ) -> LayoutPlan:
         """See :func:`vcage.models.rules.layout.plan_layout`; without an instruction
-        :func:`vcage.models.rules.scene_layout.plan_scene`."""
+        :func:`vcage.models.rules.layout.plan_scene`."""
         plan = plan_layout if scene.instruction is not None else plan_scene
         return _drawn("layout plan", lambda: plan(scene, catalogue, rng), check)
 
@@ -60,15 +60,9 @@ class OfflineReasoner:
         """No opinion: everything is done as it is ranked, and nothing more is checked."""
         return [SlotAnswer(subtask=question.subtask) for question in questions]
 
-    def read_goals(
-        self,
-        instruction: str,
-        things: Mapping[str, CatalogueEntry],
-        lying: Mapping[str, str],
-        moved: Collection[str] = (),
-    ) -> Reading:
+    def read_goals(self, asked: Instructed) -> Reading:
         """See :func:`vcage.models.rules.goals.read_goals`."""
-        return read_goals(instruction, things, lying)
+        return read_goals(asked.instruction, asked.things, asked.lying)
 
     def word_task(self, task: TaskToWord, plain: Sequence[str]) -> TaskWordings:
         """The sentences of the templates."""

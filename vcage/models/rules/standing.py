@@ -9,9 +9,18 @@ from functools import cached_property, partial
 import numpy as np
 
 from vcage.base.geometry import Camera, Pose
-from vcage.models.rules.drawings import Draw, as_bright, cut, drawn_whole, inside, window_around
+from vcage.models.rules.drawings import (
+    Draw,
+    Sight,
+    as_bright,
+    cut,
+    drawn_whole,
+    inside,
+    refined,
+    unlikeness,
+    window_around,
+)
 from vcage.models.rules.pixels import PIXELS, middles, places, salience
-from vcage.models.rules.sights import Sight, refined, unlikeness
 from vcage.vision.colour import LabImage, distance, smoothed, to_lab
 from vcage.vision.detector import MIN_AREA, components
 from vcage.vision.object_templates import template_from_reference
@@ -181,9 +190,7 @@ class Sought:
         Args:
             views: of the same moment.
         """
-        if self.planned is None:
-            return None
-        return self.near([self.planned], views)
+        return None if self.planned is None else self.near([self.planned], views)
 
     def near(
         self, starts: Sequence[Pose], views: Mapping[str, View], hidden: Mapping[str, np.ndarray] = _NOTHING

@@ -8,8 +8,8 @@ import pytest
 
 from tests.models.tabletop import BLOCKS, BOX, CAMERA, HEIGHT, view
 from vcage.base.geometry import Pose, box_corners
-from vcage.models.rules.change import Change
 from vcage.models.rules.evidence.places import besides_shift, margin_of
+from vcage.models.rules.pixels import Change
 
 ROOM = box_corners([-0.1, -0.05, 0.0], [0.1, 0.05, 0.04])[None]
 POSE = Pose.from_yaw((0.1, 0.05, HEIGHT), 0.4)

@@ -6,30 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vcage.models.rules.change import Change
 from vcage.models.rules.critic_view import CriticView
 from vcage.models.rules.evidence.moved import Moved
 from vcage.models.rules.evidence.told import LEFT_SHARE, Judgement, Told, decided, refused, unseen
-from vcage.models.rules.pixels import changed_between, share_of
+from vcage.models.rules.pixels import Change, changed_between, share_of
 from vcage.models.rules.standing import Standing
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal
-
-
-@dataclass(frozen=True)
-class ReachSettings:
-    """Limits from which on an arm is seen to reach out.
-
-    Args:
-        edge_share: depth of the strip on the robot's side of the picture, as a share of its height.
-        changed_share: share of one half of that strip that an arm changes: each reaches in from its own side.
-    """
-
-    edge_share: float = 0.35
-    changed_share: float = 0.09
-
-
-SETTINGS = ReachSettings()
 
 
 @dataclass(frozen=True)
@@ -50,14 +33,19 @@ class InTheAir:
     new: Standing
 
     @classmethod
-    def gather(cls, view: CriticView, name: str) -> InTheAir | None:
-        """Measure an object that is in neither place while arms reach out; None where it is not found."""
+    def gather(cls, view: CriticView, name: str, edge_share: float = 0.35) -> InTheAir | None:
+        """Measure an object that is in neither place while arms reach out; None where it is not found.
+
+        Args:
+            view, name: of the question, and of the object.
+            edge_share: depth of the strip on the robot's side of the picture, as a share of its height.
+        """
         moved = Moved.of(view, name)
         if moved.old is None or moved.new is None:
             return None
         before, moment, after = view.before["top"], view.moment["top"], view.after["top"]
         things = Change.between(before, moment).things  # an arm's shadow falls on the other one's side
-        edge = things[-round(len(things) * SETTINGS.edge_share) :]
+        edge = things[-round(len(things) * edge_share) :]
         left, right = np.array_split(edge, 2, axis=1)
         return cls(
             left=share_of(changed_between(before, moment), moved.old.covered),
@@ -67,15 +55,21 @@ class InTheAir:
             new=moved.new,
         )
 
-    def verdict(self, thing: str, hands: int, when: str) -> Verdict:
-        """Judge whether it was in the air, and so many arms out, at the moment."""
+    def verdict(self, thing: str, hands: int, when: str, changed_share: float = 0.09) -> Verdict:
+        """Judge whether it was in the air, and so many arms out, at the moment.
+
+        Args:
+            thing, when: words for the object and the moment.
+            hands: how many arms.
+            changed_share: share of one half of the strip that an arm changes: each reaches in from its own side.
+        """
         if self.left < LEFT_SHARE:
             return refused(f"the {thing} lies where it was at the moment of {when}", 1 - self.left, "lost")
         if self.to_come < LEFT_SHARE:
             return refused(f"the {thing} was put down before the moment of {when}", 1 - self.to_come)
         changed = " and ".join(f"{100 * share:.0f} %" for share in self.arms)
         who = "both arms reach" if hands == 2 else "an arm reaches"
-        if sum(share >= SETTINGS.changed_share for share in self.arms) < hands:
+        if sum(share >= changed_share for share in self.arms) < hands:
             missing = "not both arms reach" if hands == 2 else "no arm reaches"
             return refused(f"{missing} out at the moment of {when}: {changed} of their sides changed", 0.8)
         return decided(True, f"the {thing} is in the air while {who} out: {changed} of their sides changed", 0.7)

@@ -13,11 +13,10 @@ import cv2
 import numpy as np
 
 from vcage.base.errors import InputFileError
-from vcage.models.rules.change import grown
 from vcage.models.rules.critic_view import AROUND_PX, CriticView
 from vcage.models.rules.drawings import brightness, drawn_whole
 from vcage.models.rules.evidence.told import Told, decided, refused
-from vcage.models.rules.pixels import changed
+from vcage.models.rules.pixels import changed, grown
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal, part_words
 from vcage.sim.drawer import Drawing

@@ -1,4 +1,4 @@
-"""Evidence of an object that was put in or on another."""
+"""Evidence of an object that was put in or on another, and of one that lay still on a scale."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ import numpy as np
 from vcage.base.errors import InputFileError
 from vcage.base.geometry import Pose
 from vcage.models.protocols import THIN_SUPPORT_M
-from vcage.models.rules.change import Change, grown
 from vcage.models.rules.critic_view import AROUND_PX, CriticView
 from vcage.models.rules.drawings import Draw
 from vcage.models.rules.evidence.places import SETTINGS, Places, about, came_to, covered_by, margin_of, reaching
 from vcage.models.rules.evidence.support import SETTINGS as SUPPORT
-from vcage.models.rules.evidence.support import Lying, Support, find_lying, find_support, redrawn, stands_on
-from vcage.models.rules.evidence.told import LEFT_SHARE, LOOKS_SHARE, Told, decided, refused
+from vcage.models.rules.evidence.support import Lying, Support, find_lying, find_support, redrawn, stays
+from vcage.models.rules.evidence.told import LEFT_SHARE, LOOKS_SHARE, Told, decided, refused, unseen
+from vcage.models.rules.pixels import Change, changed_between, grown
 from vcage.models.rules.standing import Sought, Standing
 from vcage.schema.episodes import Failure, Verdict
 from vcage.schema.goals import Goal
@@ -155,7 +155,7 @@ class _Putting:
         before, after, change = self.view.before, self.view.after, self.view.change
         lies, support = None, Support(stands)
         from_side = len(before.keys() & after.keys()) > 1
-        if from_side or not stands_on(self.place, stands, change, before["top"], after["top"]):
+        if from_side or not stays(self.place, stands, change, before["top"], after["top"]):
             lies = self._lying(stands, before, room)
             support = find_support(self.place, stands, lies, change, before, after)
         now = support.now or stands
@@ -200,3 +200,28 @@ class _Putting:
             plain=not doubtful or (places.drawn is not None and places.drawn.seen),
             aloft=None if lies is None else lies.aloft,
         )
+
+
+STILL_SHARE = 0.25
+"""Share of what came or went since before that may change while an object is weighed."""
+
+
+def judge_weighed(view: CriticView, goal: Goal) -> Told:
+    """Judge whether an object came to lie on a scale, and lay there still."""
+    on = next((g for g in view.question.goals if g.subject == goal.subject and g.relation == "on"), None)
+    thing = view.phrase(goal.subject)
+    if on is None or "top" not in view.moment:
+        return unseen(view, f"the {thing} lying on a scale")
+    lies, explained = judge_placed(view, on)
+    if not lies.accepted:
+        return Told(lies, explained)
+    restless = _restless(view)
+    seen = f"{100 * restless:.0f} % of the {thing} changed while it was weighed"
+    return Told(decided(restless <= STILL_SHARE, seen, 0.5 + abs(restless - STILL_SHARE)), explained)
+
+
+def _restless(view: CriticView) -> float:
+    """Share of what came or went since before that changed after the moment."""
+    before, moment, after = view.before["top"], view.moment["top"], view.after["top"]
+    change = changed_between(before, after)
+    return float(changed_between(moment, after)[change].mean()) if change.any() else 1.0

@@ -10,11 +10,9 @@ import cv2
 import numpy as np
 
 from vcage.base.geometry import Camera, Pose
-from vcage.models.rules.change import Change, grown
 from vcage.models.rules.critic_view import AROUND_PX
-from vcage.models.rules.evidence.looks import looks_like
 from vcage.models.rules.evidence.support import Lying, Support, faintly_changed
-from vcage.models.rules.pixels import changed
+from vcage.models.rules.pixels import Change, changed, grown, looks_like
 from vcage.models.rules.standing import Sought, Standing
 from vcage.vision.colour import smoothed
 from vcage.vision.protocols import View

@@ -8,12 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from vcage.base.geometry import Camera, Pose
-from vcage.models.rules.change import grown
 from vcage.models.rules.critic_view import CriticView
-from vcage.models.rules.drawings import Draw, as_bright, cut, drawn_whole, inside, window_around
+from vcage.models.rules.drawings import Draw, as_bright, cut, drawn_whole, inside, refined, window_around
 from vcage.models.rules.evidence.told import LEFT_SHARE, Told, decided, refused, unseen
-from vcage.models.rules.pixels import changed_between, share_of
-from vcage.models.rules.sights import refined
+from vcage.models.rules.pixels import changed_between, grown, share_of
 from vcage.models.rules.standing import Standing
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal

@@ -9,9 +9,8 @@ import cv2
 import numpy as np
 
 from vcage.base.geometry import Pose
-from vcage.models.rules.change import Change, grown
 from vcage.models.rules.drawings import Draw, drawn_whole
-from vcage.models.rules.pixels import PIXELS, changed
+from vcage.models.rules.pixels import PIXELS, Change, changed, grown
 from vcage.models.rules.standing import SETTINGS as STANDING
 from vcage.models.rules.standing import Sought, Standing
 from vcage.vision.colour import distance, smoothed
@@ -172,11 +171,6 @@ class Support:
     seen: bool = True
 
 
-def stands_on(place: Sought, stands: Standing, change: Change, before: View, after: View) -> bool:
-    """True when the view from above shows at first sight that a support stands where it stood."""
-    return _stays(place, stands, change, before, after, np.zeros_like(change.all))
-
-
 def find_support(
     place: Sought,
     stands: Standing,
@@ -199,7 +193,7 @@ def find_support(
     hides = {} if lies is None else lies.hides
     hidden = hides.get("top", np.zeros_like(change.all))
     enough = _enough_visible(stands, hidden)
-    if enough and _stays(place, stands, change, before["top"], after["top"], hidden):
+    if enough and stays(place, stands, change, before["top"], after["top"], hidden):
         return Support(stands)
     borne = lies is not None and lies.aloft is not None  # something bears what lies there
     by_itself = enough or not borne
@@ -250,7 +244,11 @@ def _shown(place: Sought, there: Standing, top: View, hidden: np.ndarray) -> flo
     return share if pixels >= SETTINGS.fewest_px else 1.0
 
 
-def _stays(place: Sought, stands: Standing, change: Change, before: View, after: View, hidden: np.ndarray) -> bool:
+def stays(
+    place: Sought, stands: Standing, change: Change, before: View, after: View, hidden: np.ndarray | None = None
+) -> bool:
+    """True when the view from above shows that a support stands where it stood, but for what is hidden (H, W)."""
+    hidden = np.zeros_like(change.all) if hidden is None else hidden
     side = SETTINGS.border_px
     border = stands.covered & ~cv2.erode(stands.covered.astype(np.uint8), np.ones((side, side), np.uint8)).astype(bool)
     border &= ~hidden

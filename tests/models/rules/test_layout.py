@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.example_scenes import library, scene_of, thing
-from vcage.models.rules.scene_layout import MAX_ROW, plan_scene
+from vcage.models.rules.layout import MAX_ROW, plan_scene
 from vcage.plans.check import plan_complaints
 from vcage.schema.plan import LayoutPlan, Relation
 from vcage.schema.scene import Role, Scene

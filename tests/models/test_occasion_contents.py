@@ -10,7 +10,7 @@ import pytest
 from tests.example_scenes import library
 from tests.models.catalogue import CATALOGUE
 from vcage.base.errors import NoAssetFits, UnknownName
-from vcage.models.scene_contents import draw_contents
+from vcage.models.occasion import draw_contents
 from vcage.schema.plan import Selection
 from vcage.schema.scene import Contents, SceneTemplate
 from vcage.sim.robots import available, load_template

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tests.models.catalogue import CATALOGUE
-from vcage.models.plain_english import in_english
+from vcage.models.checked_reading import in_english
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from vcage.models.rules.change import Change, displaced
+from vcage.models.rules.pixels import Change, displaced
 from vcage.vision.protocols import View
 
 RNG = np.random.default_rng(3)
