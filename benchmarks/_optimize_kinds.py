@@ -8,8 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from vcage.layout.capacities import opening_for
-from vcage.layout.hands import HandClearance
-from vcage.layout.items import TableItem, table_item
+from vcage.layout.items import HandClearance, TableItem, table_item
 from vcage.objects.asset import Asset
 from vcage.objects.library import Library
 from vcage.objects.openings import Opening

@@ -17,8 +17,7 @@ from benchmarks._placement_scenes import ROBOT, draw_roles
 from benchmarks._shapes import ROUNDING
 from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose
-from vcage.layout.hands import HandClearance, hand_clearance
-from vcage.layout.items import TableItem
+from vcage.layout.items import HandClearance, TableItem, hand_clearance
 from vcage.layout.placement.place import place
 from vcage.schema.plan import Relation
 from vcage.sim.robots import load_robot

@@ -30,7 +30,7 @@ from vcage.runs.stage import ModelOptions
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
 from vcage.stages import search_subtasks, select_place
-from vcage.tasks.readiness import ready_for
+from vcage.tasks.stowing import ready_for
 
 logger = logging.getLogger(__name__)
 

@@ -34,8 +34,8 @@ from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Refusal, Subtask, Subtasks
 from vcage.sim.robots import load_template
 from vcage.stages import inpaint_plan, match, optimize, search_subtasks, select_place
-from vcage.tasks.readiness import ready_for
 from vcage.tasks.search import sensible
+from vcage.tasks.stowing import ready_for
 from vcage.tasks.synthesis import script_of
 
 logger = logging.getLogger(__name__)

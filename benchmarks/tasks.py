@@ -37,8 +37,8 @@ from vcage.sim.robots import load_robot
 from vcage.sim.world import World
 from vcage.stages import search_subtasks, select_place
 from vcage.tasks.loop import EpisodeRun, run_episode
-from vcage.tasks.readiness import ready_for
 from vcage.tasks.setting import Seen, Setting
+from vcage.tasks.stowing import ready_for
 from vcage.tasks.synthesis import Script, script_of
 from vcage.tasks.task import Asked
 

@@ -32,10 +32,10 @@ from vcage.sim.robots import load_robot
 from vcage.sim.world import World
 from vcage.tasks.chain_slots import slots_for_chain
 from vcage.tasks.ground import Ground
-from vcage.tasks.readiness import ready_for
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import find_subtasks
 from vcage.tasks.setting import Seen
+from vcage.tasks.stowing import ready_for
 from vcage.tasks.synthesis import load_script, write_script
 from vcage.tasks.templates import TEMPLATES
 from vcage.tasks.variation import shifted_poses

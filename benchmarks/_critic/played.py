@@ -14,9 +14,9 @@ from vcage.schema.goals import Goal
 from vcage.schema.subtasks import Subtask
 from vcage.sim.state import WorldState
 from vcage.sim.world import World
-from vcage.tasks.events import Watch
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import Slot
+from vcage.tasks.state import Watch
 from vcage.tasks.synthesis import Script
 from vcage.tasks.task import Task, TaskFailed
 from vcage.tasks.truth import goals_hold, subtask_done
@@ -228,7 +228,7 @@ class Played:
         world = self.case.build()
         world.restore(self.ended)
         watch = Watch(world, self.case.objects, other.goals)
-        truth = goals_hold(other.goals, self.now(world.state()), watch)
+        truth = goals_hold(other.goals, watch)
         watch.stop()
         return replace(self.shots, truth=truth, asked=other)
 
@@ -238,4 +238,4 @@ Kind = Callable[[Played], Shots | None]
 
 
 def _done(subtask: Subtask, watch: Watch) -> Truth:
-    return subtask_done(subtask, subtask.goals, {name: watch.now(name) for name in watch.objects}, watch)
+    return subtask_done(subtask, subtask.goals, watch)

@@ -160,11 +160,10 @@ class _Looking:
             script.play(task)
             self.befell = self.planted.failure(subtask, (task.contact, task.arm), task.slot)
             if self.befell is not None:
-                now = {name: watch.now(name) for name in self.objects}
+                now = {name: watch.thing(name) for name in self.objects}
                 world.set_object_pose(subtask.object, befallen(self.befell, subtask, now, was, self.ground, self.rng))
                 world.settle()
-            now = {name: watch.now(name) for name in self.objects}
-            self.known = subtask_done(subtask, subtask.goals, now, watch)
+            self.known = subtask_done(subtask, subtask.goals, watch)
         finally:
             watch.stop()
         if self.befell is not None and self.known.success:

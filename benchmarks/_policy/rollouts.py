@@ -25,7 +25,7 @@ from vcage.sim.arms import ArmControl
 from vcage.sim.cameras import robot_cameras, shoot
 from vcage.sim.looks import look_world
 from vcage.sim.world import PHYSICS_HZ, World
-from vcage.tasks.events import Watch
+from vcage.tasks.state import Watch
 from vcage.tasks.truth import goals_hold
 
 logger = logging.getLogger(__name__)
@@ -150,8 +150,7 @@ class _Trial:
             for thing in self._moved
             if any(world.holds(arm, thing) for arm in world.arms)
         )
-        now = {name: watch.now(name) for name in watch.objects}
-        done = not touched and goals_hold(self._goals, now, watch).success
+        done = not touched and goals_hold(self._goals, watch).success
         self.outcome = Outcome(self.outcome.touched or touched, self.outcome.lifted or lifted, done)
 
 

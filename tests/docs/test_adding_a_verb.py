@@ -108,12 +108,11 @@ def played(goal: Goal) -> Played:
     world, objects = world_of(OBJECTS), {o.id: o for o in OBJECTS}
     world.settle()
     before, watch = world.state(), watch_of(subtask, world, objects)
-    untrue = goals_hold([goal], objects, watch)
+    untrue = goals_hold([goal], watch)
     task = Task(world, objects, {subtask.object: slots[subtask.id]})
     script_of(subtask).play(task)
-    now = {name: watch.now(name) for name in objects}
     assert task.moment is not None
-    truth = subtask_done(subtask, subtask.goals, now, watch)
+    truth = subtask_done(subtask, subtask.goals, watch)
     return Played(scene, subtask, before, task.moment, world.state(), truth, untrue)
 
 

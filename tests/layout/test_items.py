@@ -7,14 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.layout.items import standing_at
 from vcage.base.geometry import Pose, world_aabb
-from vcage.layout.items import ANY_YAW, FRONT_YAWS, Placement, table_item
+from vcage.layout.groups import hand_gaps
+from vcage.layout.items import ANY_YAW, FRONT_YAWS, HandClearance, Placement, hand_clearance, table_item
 from vcage.layout.placement.contents import content_plane
 from vcage.layout.placement.place import place
 from vcage.objects.library import Library
 from vcage.objects.openings import Opening
 from vcage.sim.joints import link_poses
-from vcage.sim.robots import load_template
+from vcage.sim.robots import load_robot, load_template
 
 
 @pytest.fixture(scope="module")
@@ -65,3 +67,29 @@ def test_an_opening_is_told_from_the_middle_of_the_rectangle(cabinet) -> None:
     middle = content_plane(room, []).bounds.mean(axis=0)
     in_world = Pose.from_yaw([spot.x, spot.y, 0.0], spot.yaw).apply([*middle, 0.0])
     np.testing.assert_allclose(in_world, room.pose(spot, 0.0).apply([0.02, 0.03, 0.0]), atol=1e-12)
+
+
+HAND = HandClearance(height=0.05, gap=0.095)
+
+
+def test_a_panda_passes_over_low_things_and_has_its_palm_beside_what_it_grasps() -> None:
+    assert hand_clearance(load_robot("dual_panda")) == HAND
+
+
+def test_the_largest_hand_of_a_robot_counts() -> None:
+    robot = load_robot("dual_panda")
+    left = robot.arms["left"]
+    larger = left.gripper.model_copy(update={"finger_length": 0.02, "palm_size": (0.3, 0.1)})
+    arms = {**robot.arms, "left": left.model_copy(update={"gripper": larger})}
+    found = hand_clearance(robot.model_copy(update={"arms": arms}))
+    assert found == HandClearance(height=0.033, gap=0.143)
+
+
+def test_only_what_a_palm_would_touch_beside_what_is_grasped_gets_more_room() -> None:
+    grasped, low, high = (
+        standing_at(name, (0.05, 0.05, z), 0.0, (0, 0)) for name, z in (("a", 0.04), ("b", 0.05), ("c", 0.2))
+    )
+    gaps = hand_gaps([replace(grasped, hand=HAND), low, high], margin=0.01)
+    np.testing.assert_array_equal(gaps, [[0, 0, 0.085], [0, 0, 0], [0.085, 0, 0]])
+    assert hand_gaps([grasped, low, high], margin=0.01) is None
+    assert hand_gaps([replace(grasped, hand=HAND), low], margin=0.01) is None

@@ -17,7 +17,7 @@ from tests.example_scenes import (
 from vcage.base.errors import NoFeasibleTask
 from vcage.schema.goals import AskedGoal, Goal, goal_of
 from vcage.schema.subtasks import Grasp, Subtask
-from vcage.tasks.asked_arms import arm_for, asked_arms, bound_to, require_arms, those_of
+from vcage.tasks.asked_arms import arm_for, asked_arms, bound_to, for_one_arm, require_arms, those_of
 from vcage.tasks.rehearsal import examined, require_chain
 from vcage.tasks.ruled_out import require_way
 from vcage.tasks.search import FoundSubtasks, compose, find_subtasks
@@ -150,3 +150,32 @@ def test_a_drawer_is_opened_by_the_arm_that_is_asked_for():
     step, other = step_of(found, goals[0]), step_of(found, goals[1])
     assert {grasp.arm for grasp in step.grasps} == {"left"} and step.text.endswith(" with the left arm.")
     assert {grasp.arm for grasp in other.grasps} == {"left", "right"}
+
+
+BAR, SCALE, SCANNER = thing("chocolate_bar"), thing("electronic_scale"), thing("barcode_scanner")
+BLOCK, PLATE, SIGN = thing("block"), thing("plate"), thing("payment_sign")
+OBJECTS = [BAR, SCALE, SCANNER, BLOCK, PLATE, SIGN]
+
+
+def goal(subject: str, relation: str, reference: str | None = None) -> Goal:
+    return Goal(subject=subject, relation=relation, reference=reference)  # pyrefly: ignore
+
+
+def test_what_is_weighed_and_scanned_is_in_one_group_with_scale_and_scanner():
+    goals = [goal(BAR.id, "weighed"), goal(BAR.id, "scanned"), goal(SIGN.id, "presented")]
+    assert for_one_arm(OBJECTS, goals) == [{BAR.id, SCALE.id, SCANNER.id}]
+
+
+def test_what_is_put_on_a_plate_may_change_hands():
+    assert for_one_arm(OBJECTS, [goal(BLOCK.id, "on", PLATE.id)]) == []
+
+
+def test_what_is_stacked_may_not():
+    other = thing("block", id="block_2")
+    assert for_one_arm([*OBJECTS, other], [goal(other.id, "on", BLOCK.id)]) == [{other.id, BLOCK.id}]
+
+
+def test_things_that_have_nothing_to_do_with_each_other_are_apart():
+    other = thing("block", id="block_2")
+    goals = [goal(other.id, "on", BLOCK.id), goal(BAR.id, "weighed")]
+    assert sorted(map(sorted, for_one_arm([*OBJECTS, other], goals))) == [["block", "block_2"], [BAR.id, SCALE.id]]

@@ -39,7 +39,7 @@ def finding(target: SceneObject, receptacle: SceneObject, *others: SceneObject, 
     poses = Slot(receptacle.id, place.id, Pose([0.0, 0.0, floor])).poses({receptacle.id: receptacle})
     by, around = target.asset.annotation.contact_point(contact), [receptacle, *others]
     transfer = Transfer.into(target, by, receptacle, place, poses, around)
-    return examine(transfer, kinematics(), TABLE_TOP)
+    return examine(transfer, workplace([]))
 
 
 def ring(middle: SceneObject, spacing: float) -> list[SceneObject]:

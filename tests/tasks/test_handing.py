@@ -8,7 +8,7 @@ import pytest
 
 from tests.example_scenes import thing, world_of
 from vcage.schema.goals import Goal
-from vcage.tasks.events import Watch
+from vcage.tasks.state import Watch
 from vcage.tasks.truth import goals_hold
 
 GOAL = Goal(subject="hammer", relation="handed", reference="right")
@@ -24,7 +24,7 @@ def told_of(monkeypatch: pytest.MonkeyPatch, holders: Sequence[str]) -> tuple[bo
         monkeypatch.setattr(world, "touching", lambda _name, touching=touching: touching)
         monkeypatch.setattr(world, "holds", lambda arm, _name, names=names: arm in names.split())
         world.step(125)
-    found = goals_hold([GOAL], {"hammer": hammer}, watch)
+    found = goals_hold([GOAL], watch)
     return found.success, found.reason
 
 

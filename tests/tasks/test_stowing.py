@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.example_scenes import robot, scene_of, thing, workplace, world_of
+from tests.example_scenes import robot, scene_of, subtask, thing, workplace, world_of
 from vcage.base.errors import InfeasibleScene
 from vcage.schema.goals import Description, Goal
+from vcage.schema.subtasks import Subtask
 from vcage.tasks.described import complaints, untrue
-from vcage.tasks.readiness import ready_for
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import initial_state
-from vcage.tasks.stowing import reached, stow, with_part
+from vcage.tasks.stowing import reached, ready_for, stow, with_part
 from vcage.tasks.templates import TEMPLATES
 from vcage.tasks.templates.set_down import SET_DOWN
 
@@ -111,3 +111,27 @@ def test_what_lies_in_no_drawer_is_reached_where_it_is():
     pack = thing("battery_pack", (0.3, -0.1), role="content")
     there = reached(pack, [CABINET])
     assert (there.thing, there.others, there.requires) == (pack, [CABINET], [])
+
+
+STAPLER = thing("stapler", (0.3, 0.0), role="content")
+TRAVEL = CABINET.asset.model.link("drawer_top").joint.far_end
+CLOSED = Goal(subject="cabinet_two_drawers", relation="closed", part="drawer_top")
+
+
+def needing(*requires: Goal) -> Subtask:
+    return subtask("stapler", "cabinet_two_drawers", requires=list(requires))
+
+
+@pytest.mark.parametrize(("requires", "joints"), [([OPEN], (0.0, TRAVEL)), ([CLOSED], ()), ([], ())])
+def test_drawers_are_as_the_sub_task_needs_them(requires, joints):
+    ready = ready_for(needing(*requires), scene_of([CABINET, STAPLER]), [CABINET, STAPLER])
+    assert ready.object("cabinet_two_drawers").joints == pytest.approx(joints)
+    assert ready.object("stapler").joints == ()
+
+
+def test_what_it_does_not_need_stays_as_it_is():
+    start = scene_of([CABINET, STAPLER])
+    records = [o.model_copy(update={"joints": (0.1, 0.1)}) if o.id == CABINET.id else o for o in start.objects]
+    start = start.model_copy(update={"objects": records})
+    assert ready_for(needing(CLOSED), start, [CABINET, STAPLER]).object(CABINET.id).joints == (0.1, 0.0)
+    assert start.object(CABINET.id).joints == (0.1, 0.1)

@@ -11,6 +11,7 @@ from vcage.schema.episodes import Truth
 from vcage.schema.goals import Goal
 from vcage.schema.subtasks import Grasp, Statement, Subtask
 from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.state import StillState
 from vcage.tasks.truth import Watch, goals_hold, others_stay, subtask_done, watch_of
 
 BOX = thing("packaging_box", (0.1, 0.05), 0.5)
@@ -18,7 +19,7 @@ BOX = thing("packaging_box", (0.1, 0.05), 0.5)
 
 def truth(subject: SceneObject, receptacle: SceneObject = BOX, relation: str = "inside") -> Truth:
     goal = Goal(subject=subject.id, relation=relation, reference=receptacle.id)
-    return goals_hold([goal], {o.id: o for o in (subject, receptacle)})
+    return goals_hold([goal], StillState({o.id: o for o in (subject, receptacle)}))
 
 
 def marker_at(x: float, y: float, z: float, yaw: float = 0.0) -> SceneObject:
@@ -28,7 +29,7 @@ def marker_at(x: float, y: float, z: float, yaw: float = 0.0) -> SceneObject:
 
 
 def test_that_nothing_was_asked_for_that_lasts_is_said():
-    assert goals_hold([], {}).reason == "nothing was asked for that lasts"
+    assert goals_hold([], StillState({})).reason == "nothing was asked for that lasts"
 
 
 def test_what_lies_on_the_floor_of_the_box_is_inside():
@@ -78,7 +79,7 @@ def test_a_block_on_the_rim_of_a_plate_is_not_on_its_middle():
 def test_all_goals_must_hold():
     inside, outside = marker_at(0.0, 0.0, 0.004), thing("block", (-0.3, 0.0))
     goals = [Goal(subject=s, relation="inside", reference=BOX.id) for s in ("marker", "block")]
-    found = goals_hold(goals, {o.id: o for o in (inside, outside, BOX)})
+    found = goals_hold(goals, StillState({o.id: o for o in (inside, outside, BOX)}))
     assert not found.success
     assert found.reason.startswith("block is")
 
@@ -106,7 +107,7 @@ def part(word: str, reference: str | None = None) -> Goal:
 )
 def test_whether_a_part_is_open_or_closed_its_joint_says(cabinet, share: float, is_open: bool, is_closed: bool):
     now = cabinet.moved(cabinet.pose, (share * cabinet.asset.model.links[0].joint.far_end,))
-    told = [goals_hold([part(word)], {cabinet.id: now}) for word in ("open", "closed")]
+    told = [goals_hold([part(word)], StillState({cabinet.id: now})) for word in ("open", "closed")]
     assert [t.success for t in told] == [is_open, is_closed]
     assert all(t.success or f"open by {100 * share:.0f} %" in t.reason for t in told)
 
@@ -117,8 +118,8 @@ def test_a_thing_in_a_drawer_is_where_the_drawer_is(cabinet):
     block = thing("block")
     inside = block.moved(opened.frame(0) * Pose([*opening.centre, opening.floor]))
     goal = Goal(subject="block", relation="inside", reference=cabinet.id, part="drawer")
-    assert goals_hold([goal], {"block": inside, cabinet.id: opened}).success
-    assert not goals_hold([goal], {"block": inside, cabinet.id: cabinet}).success
+    assert goals_hold([goal], StillState({"block": inside, cabinet.id: opened})).success
+    assert not goals_hold([goal], StillState({"block": inside, cabinet.id: cabinet})).success
 
 
 def test_what_was_pressed_and_came_back_was_pressed():
@@ -126,11 +127,11 @@ def test_what_was_pressed_and_came_back_was_pressed():
     world = world_of([bell])
     goal = Goal(subject=bell.id, relation="pressed", part="button")
     watch = Watch(world, {bell.id: bell}, [goal])
-    assert "by 0 % only" in goals_hold([goal], {bell.id: bell}, watch).reason
+    assert "by 0 % only" in goals_hold([goal], watch).reason
     world.set_object_joints(bell.id, [bell.asset.model.links[0].joint.far_end])
     world.step(50)
     assert world.object_joints(bell.id)[0] < 0.001
-    assert goals_hold([goal], {bell.id: bell}, watch).success
+    assert goals_hold([goal], watch).success
 
 
 def marker_subtask() -> Subtask:
@@ -208,14 +209,10 @@ def test_what_a_sub_task_is_to_leave_as_it_was_is_judged_with_its_goals(
     was = world.object_pose(CABINET.id)
     world.set_object_pose(CABINET.id, Pose(was.p + [shift, 0, 0], was.q))
     world.set_object_joints(CABINET.id, [far[0], other * far[1]])
-    found = subtask_done(OPENS, OPENS.goals, {CABINET.id: watch.now(CABINET.id)}, watch)
+    found = subtask_done(OPENS, OPENS.goals, watch)
     assert found.success is (told is None)
     assert told is None or found.reason.startswith(told)
-    assert subtask_done(OPENS.model_copy(update={"statements": []}), OPENS.goals, watch_now(watch), watch).success
-
-
-def watch_now(watch: Watch) -> dict[str, SceneObject]:
-    return {name: watch.now(name) for name in watch.objects}
+    assert subtask_done(OPENS.model_copy(update={"statements": []}), OPENS.goals, watch).success
 
 
 def test_what_lies_in_something_is_to_stay_there() -> None:
@@ -224,9 +221,9 @@ def test_what_lies_in_something_is_to_stay_there() -> None:
     stays = Statement(subject="marker", word="inside", reference=BOX.id)
     step = marker_subtask().model_copy(update={"goals": [], "statements": [stays]})
     watch = watch_of(step, world, {o.id: o for o in (BOX, inside)})
-    assert subtask_done(step, [], watch_now(watch), watch).success
+    assert subtask_done(step, [], watch).success
     world.set_object_pose("marker", marker_at(0.4, 0, 0.006).pose)
-    found = subtask_done(step, [], watch_now(watch), watch)
+    found = subtask_done(step, [], watch)
     assert not found.success and found.reason.startswith("not marker inside packaging_box any more: marker is ")
 
 

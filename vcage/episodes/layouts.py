@@ -18,8 +18,7 @@ import numpy as np
 from vcage.base.attempts import LIMITS, GaveUp, Refused, first_accepted, least_costly
 from vcage.base.errors import InfeasibleScene, NoFeasibleTask
 from vcage.base.geometry import Pose, world_aabb
-from vcage.layout.hands import hand_clearance
-from vcage.layout.items import ANY_YAW, FRONT_YAWS, TableItem, table_item
+from vcage.layout.items import ANY_YAW, FRONT_YAWS, TableItem, hand_clearance, table_item
 from vcage.layout.optimize import LayoutOptions
 from vcage.layout.placement.place import place
 from vcage.plans.descriptions import described_relations

@@ -45,8 +45,8 @@ from vcage.sim.world import World
 from vcage.tasks.assemble import episode_data
 from vcage.tasks.described import require_settled
 from vcage.tasks.loop import EpisodeRun, run_episode
-from vcage.tasks.readiness import ready_for
 from vcage.tasks.setting import Seen, Setting
+from vcage.tasks.stowing import ready_for
 from vcage.tasks.synthesis import Script, script_of
 from vcage.tasks.task import Asked
 from vcage.tasks.wording import in_other_words

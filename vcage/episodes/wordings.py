@@ -9,7 +9,7 @@ from vcage.models.wordings import TaskToWord
 from vcage.runs.context import StageContext
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Chain, Subtask
-from vcage.tasks.task_wording import template_wordings
+from vcage.tasks.wording import template_wordings
 
 MOST_WORDINGS = 24
 """Most sentences for a task, with the instruction."""

@@ -54,7 +54,7 @@ class Thing(Protocol):
 
 
 class State(Protocol):
-    """The simulator's state, and what happened since the sub-task began (:class:`vcage.tasks.state.WatchedState`)."""
+    """The simulator's state, and what happened since the sub-task began (:class:`vcage.tasks.state.Watch`)."""
 
     @property
     def arms(self) -> Collection[str]:
@@ -145,7 +145,6 @@ class GoalKind:
         event: it says what was done, whatever it looks like afterwards.
         opposite: word of the goal that is true where this one is false.
         happens: True where its event goes on now; ``notes`` remembers what earlier looks saw.
-        lasts_s: how long the event must go on.
         tool: property of an object without which it cannot be done (:class:`vcage.schema.asset.CatalogueEntry`).
         shown: pictures that the critic needs.
     """
@@ -167,7 +166,6 @@ class GoalKind:
     event: bool = False
     opposite: str | None = None
     happens: Callable[[Stated, State, set[str]], bool] | None = None
-    lasts_s: float = 0.0
     tool: Literal["reads_codes", "weighs"] | None = None
     shown: Shown = field(default_factory=Shown)
 

@@ -16,9 +16,8 @@ import numpy as np
 from vcage.base.attempts import least_costly
 from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose, rotation_2d, wrap_angle
-from vcage.layout.containers import fits_opening
-from vcage.layout.hands import hand_clearance
-from vcage.layout.items import ANY_YAW, TableItem
+from vcage.layout.groups import fits_opening
+from vcage.layout.items import ANY_YAW, TableItem, hand_clearance
 from vcage.layout.optimize import LayoutOptions, optimize_layout
 from vcage.layout.starts import SETTINGS as STARTS
 from vcage.layout.starts import starting_places

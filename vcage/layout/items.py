@@ -10,12 +10,40 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vcage.base.geometry import Pose, footprint_half_size, rotation_2d
-from vcage.layout.hands import HandClearance
 from vcage.layout.placement.free_region import TOLERANCE
 from vcage.objects.asset import Asset
 from vcage.objects.openings import Opening
+from vcage.schema.robot import Robot
 from vcage.schema.scene import ObjectRecord
 from vcage.sim.joints import link_poses
+
+
+@dataclass(frozen=True)
+class HandClearance:
+    """Clearance of a hand that comes straight down.
+
+    Args:
+        height: things lower than this pass under its palm, metres.
+        gap: that it needs between what it grasps and what is higher, metres.
+    """
+
+    height: float
+    gap: float
+
+
+def hand_clearance(robot: Robot, lowest_grasp_m: float = 0.013, narrowest_m: float = 0.014) -> HandClearance:
+    """Clearance of the largest of a robot's hands, to the micrometre.
+
+    Args:
+        robot: whose hands they are.
+        lowest_grasp_m: height above the table of a gripper's origin when it closes at its lowest.
+        narrowest_m: extent along the palm of the narrowest objects: the palm covers no table beside that much.
+    """
+    grippers = [arm.gripper for arm in robot.arms.values()]
+    below = min(gripper.finger_length for gripper in grippers)
+    aside = max(max(gripper.palm_size) / 2 for gripper in grippers)
+    return HandClearance(round(lowest_grasp_m + below, 6), round(aside - narrowest_m / 2, 6))
+
 
 ANY_YAW = tuple(float(yaw) for yaw in np.radians(range(-180, 180, 15)))
 """Headings of an object that can be used from all sides, radians."""

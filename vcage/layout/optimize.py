@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from vcage.base.errors import InfeasibleScene, UnknownName, UsageError
 from vcage.layout.check import require_exact
-from vcage.layout.cost import Cost, CostWeights, LayoutProblem, evaluate
+from vcage.layout.cost import Cost, CostWeights, evaluate
 from vcage.layout.groups import Groups
 from vcage.layout.items import TableItem
 from vcage.layout.solver import Solution, solve
@@ -83,15 +83,14 @@ class LayoutResult:
         Args:
             names: their ids.
         """
-        listed = {
-            name: [one for one in getattr(self, name) if one not in names]
-            for name in ("repaired", "released", "out_of_reach")
-        }
+        fields = vars(self).items()
+        lists = {name: [one for one in of if one not in names] for name, of in fields if isinstance(of, list)}
         by_id = {
-            name: {one: value for one, value in getattr(self, name).items() if one not in names}
-            for name in ("positions", "containers", "displaced")
+            name: {one: value for one, value in of.items() if one not in names}
+            for name, of in fields
+            if isinstance(of, dict)
         }
-        return replace(self, **listed, **by_id)
+        return replace(self, **lists, **by_id)
 
 
 def optimize_layout(
@@ -126,13 +125,13 @@ def optimize_layout(
     bounds = as_workspace(workspace)
     _require_known(relations, items)
     groups = Groups(items, relations)
-    search = partial(_solve, options=options, rng=rng)
+    search = partial(solve, weights=options.weights, rng=rng, restarts=options.restarts)
     repaired, released = _fill_containers(groups, search)
     allowed, out_of_reach = groups.allowed()
     for name in out_of_reach:
         logger.warning("%s cannot be reached where %s may stand", name, groups.root(groups.items[name]).id)
     problem = groups.table_problem(bounds, options.margin, allowed)
-    solution, moved = search(problem, groups.roots)
+    solution = search(problem, [item.id for item in groups.roots])
     if solution.extra < 1:
         logger.warning("the table has space for %.0f %% of the room for hands", 100 * solution.extra)
     origins = solution.centres - problem.target + np.array([item.target for item in groups.roots])
@@ -148,25 +147,21 @@ def optimize_layout(
         cost_before=evaluate(problem, options.weights, problem.target)[0],
         cost_after=evaluate(problem, options.weights, solution.centres)[0],
         starts=solution.starts,
-        repaired=sorted(repaired | moved),
+        repaired=sorted(repaired.union(solution.repaired)),
         released=released,
         out_of_reach=out_of_reach,
         hand_room=solution.extra,
     )
 
 
-_Search = Callable[[LayoutProblem, Sequence[TableItem]], tuple[Solution, set[str]]]
-"""Solves the problem of some items; also the ids of those that the exact repair moved."""
-
-
-def _fill_containers(groups: Groups, search: _Search) -> tuple[set[str], list[str]]:
+def _fill_containers(groups: Groups, search: Callable[..., Solution]) -> tuple[set[str], list[str]]:
     """Lay out the contents of every container; return the ids that the repair moved, and those that were released."""
     repaired: set[str] = set()
     released = []
     for container in groups.innermost_first():
         while contents := groups.contents(container):
             try:
-                solution, moved = search(groups.container_problem(container), contents)
+                solution = search(groups.container_problem(container), [item.id for item in contents])
             except InfeasibleScene as error:
                 smallest = min(contents, key=lambda item: (np.prod(item.size), item.id))
                 logger.warning("%s goes beside %s: %s", smallest.id, container.id, error.message)
@@ -174,16 +169,9 @@ def _fill_containers(groups: Groups, search: _Search) -> tuple[set[str], list[st
                 released.append(smallest.id)
                 continue
             groups.settle(container, solution.centres)
-            repaired |= moved
+            repaired.update(solution.repaired)
             break
     return repaired, released
-
-
-def _solve(
-    problem: LayoutProblem, items: Sequence[TableItem], *, options: LayoutOptions, rng: np.random.Generator
-) -> tuple[Solution, set[str]]:
-    solution = solve(problem, [item.id for item in items], options.weights, rng, options.restarts)
-    return solution, {items[k].id for k in solution.repaired}
 
 
 def _require_known(relations: Sequence[Relation], items: Sequence[TableItem]) -> None:

@@ -54,33 +54,27 @@ def draw_layout(
     Returns:
         (H, W, 3) uint8.
     """
-    plan = _Plan(table)
-    sheet = np.full(
-        (plan.height + SETTINGS.header_px + SETTINGS.footer_px, 2 * SETTINGS.panel_px + 3 * SETTINGS.edge_px, 3),
-        PAPER,
-        dtype=np.uint8,
-    )
+    height = round(table.size[1] * SETTINGS.panel_px / table.size[0])
+    across = 2 * SETTINGS.panel_px + 3 * SETTINGS.edge_px
+    sheet = np.full((height + SETTINGS.header_px + SETTINGS.footer_px, across, 3), PAPER, dtype=np.uint8)
     canvas = Canvas(sheet, text_size=17)
     colours = dict(zip([f.id for f in before], distinct_colours(len(before)), strict=True))
     clashes = collisions(before)
     moved = {f.id: 1000 * float(np.hypot(*np.subtract(f.target, b.target))) for b, f in zip(before, after, strict=True)}
-    foot = plan.height + SETTINGS.header_px + 10
 
-    plan.left = SETTINGS.edge_px
-    canvas.text((plan.left, 20), "Target layout (matched)", size=26)
-    _draw_plan(canvas, plan, workspace, before, colours)
+    plan = _Plan(canvas, table, SETTINGS.edge_px)
+    plan.draw("Target layout (matched)", workspace, before, colours)
     for rectangle in clashes:
-        _draw_clash(canvas, plan, rectangle)
-    _draw_labels(canvas, plan, before, labels, colours, {})
-    canvas.text((plan.left, foot), _count(clashes), fill=WARNING if clashes else INK, size=20)
+        plan.rectangle(rectangle, fill=(*WARNING, 120), outline=(*WARNING, 255))
+    plan.label(before, labels, colours, {})
+    plan.foot(_count(clashes), WARNING if clashes else INK)
 
-    plan.left = 2 * SETTINGS.edge_px + SETTINGS.panel_px
-    canvas.text((plan.left, 20), "Optimised layout", size=26)
-    _draw_plan(canvas, plan, workspace, after, colours)
+    plan = _Plan(canvas, table, 2 * SETTINGS.edge_px + SETTINGS.panel_px)
+    plan.draw("Optimised layout", workspace, after, colours)
     for old, new in zip(before, after, strict=True):
         canvas.arrow(plan.pixel(old.target).tolist(), plan.pixel(new.target).tolist(), INK, width=2)
-    _draw_labels(canvas, plan, after, labels, colours, moved)
-    canvas.text((plan.left, foot), f"{_count(collisions(after))}; {_summary(labels, moved)}", size=20)
+    plan.label(after, labels, colours, moved)
+    plan.foot(f"{_count(collisions(after))}; {_summary(labels, moved)}", INK)
     return canvas.picture()
 
 
@@ -124,77 +118,70 @@ def _summary(labels: Mapping[str, str], moved: Mapping[str, float]) -> str:
 
 
 class _Plan:
-    """Maps the table onto one panel; ``left`` is the panel's first column."""
+    """The table on one panel, from the pixel column ``left`` on."""
 
-    def __init__(self, table: Table):
+    def __init__(self, canvas: Canvas, table: Table, left: int):
+        self._canvas, self._left = canvas, left
         self._lower, self._upper = table.rectangle
         self._scale = SETTINGS.panel_px / table.size[0]
-        self.height = round(table.size[1] * self._scale)
-        self.left = 0
 
     def pixel(self, points: np.ndarray | Sequence[float]) -> np.ndarray:
         """(..., 2) pixels of world points (..., 2); y upwards."""
         points = np.asarray(points, dtype=np.float64)
-        u = (points[..., 0] - self._lower[0]) * self._scale + self.left
+        u = (points[..., 0] - self._lower[0]) * self._scale + self._left
         return np.stack([u, (self._upper[1] - points[..., 1]) * self._scale + SETTINGS.header_px], axis=-1)
 
-    def table(self) -> list[float]:
-        return [*self.pixel((self._lower[0], self._upper[1])), *self.pixel((self._upper[0], self._lower[1]))]
+    def _box(self, rectangle: np.ndarray) -> list[float]:
+        """Left, top, right and bottom pixel of a (2, 2) rectangle of the table."""
+        (u0, v1), (u1, v0) = self.pixel(rectangle).tolist()
+        return [u0, v0, u1, v1]
 
+    def rectangle(self, rectangle: np.ndarray, fill: tuple[int, ...], outline: tuple[int, ...]) -> None:
+        """Mark a (2, 2) rectangle of the table."""
+        self._canvas.draw.rectangle(self._box(rectangle), fill=fill, outline=outline, width=2)
 
-def _draw_table(canvas: Canvas, plan: _Plan, workspace: Workspace) -> None:
-    canvas.draw.rounded_rectangle(plan.table(), radius=10, fill=SETTINGS.wood, outline=SETTINGS.grey, width=2)
-    u0, v1 = plan.pixel(workspace.lower)
-    u1, v0 = plan.pixel(workspace.upper)
-    for u in np.arange(u0, u1, 12):
-        for v in (v0, v1):
-            canvas.draw.line([u, v, min(u + 5, u1), v], fill=SETTINGS.grey, width=2)
-    for v in np.arange(v0, v1, 12):
-        for u in (u0, u1):
-            canvas.draw.line([u, v, u, min(v + 5, v1)], fill=SETTINGS.grey, width=2)
-    canvas.text((u0 + 8, v1 - 26), "robot side, workspace dotted", fill=SETTINGS.grey, size=16)
+    def foot(self, words: str, colour: Colour) -> None:
+        """Write a line below the table."""
+        below = self.pixel(self._lower)[1] + 10
+        self._canvas.text((self._left, round(below)), words, fill=colour, size=20)
 
+    def draw(self, title: str, workspace: Workspace, items: Sequence[TableItem], colours: Mapping[str, Colour]) -> None:
+        """Draw the table with its workspace dotted, and the items on it, the largest first."""
+        self._canvas.text((self._left, 20), title, size=26)
+        draw, grey = self._canvas.draw, SETTINGS.grey
+        table = self._box(np.stack([self._lower, self._upper]))
+        draw.rounded_rectangle(table, radius=10, fill=SETTINGS.wood, outline=grey, width=2)
+        u0, v0, u1, v1 = self._box(np.array([workspace.lower, workspace.upper]))
+        for u in np.arange(u0, u1, 12):
+            for v in (v0, v1):
+                draw.line([u, v, min(u + 5, u1), v], fill=grey, width=2)
+        for v in np.arange(v0, v1, 12):
+            for u in (u0, u1):
+                draw.line([u, v, u, min(v + 5, v1)], fill=grey, width=2)
+        self._canvas.text((u0 + 8, v1 - 26), "robot side, workspace dotted", fill=grey, size=16)
+        for item in sorted(items, key=lambda f: -f.size[0] * f.size[1]):
+            self._draw_item(item, colours[item.id])
 
-def _draw_plan(
-    canvas: Canvas, plan: _Plan, workspace: Workspace, items: Sequence[TableItem], colours: Mapping[str, Colour]
-) -> None:
-    _draw_table(canvas, plan, workspace)
-    for item in sorted(items, key=lambda f: -f.size[0] * f.size[1]):
-        _draw_item(canvas, plan, item, colours[item.id])
+    def _draw_item(self, item: TableItem, colour: Colour) -> None:
+        half = np.array(item.size[:2]) / 2 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+        corners = self.pixel(np.array(item.target) + (half + item.centre) @ rotation_2d(item.yaw).T)
+        draw = self._canvas.draw
+        draw.polygon([tuple(p) for p in corners], fill=(*colour, 110), outline=(*colour, 255), width=3)
+        front, centre = (corners[0] + corners[1]) / 2, self.pixel(item.target)
+        draw.line([*(centre + 0.6 * (front - centre)), *front], fill=colour, width=3)
 
-
-def _draw_labels(
-    canvas: Canvas,
-    plan: _Plan,
-    items: Sequence[TableItem],
-    labels: Mapping[str, str],
-    colours: Mapping[str, Colour],
-    moved: Mapping[str, float],
-) -> None:
-    boxes = {f.id: _pixel_box(plan, f) for f in items}
-    for box in boxes.values():
-        canvas.keep_clear(box)
-    for f in items:
-        distance = moved.get(f.id, 0.0)
-        words = f"{labels[f.id]}  {distance:.0f} mm" if distance >= SETTINGS.shortest_move_mm else labels[f.id]
-        canvas.label(boxes[f.id], words, colours[f.id])
-
-
-def _pixel_box(plan: _Plan, item: TableItem) -> tuple[float, float, float, float]:
-    lower, upper = plan.pixel(item.rectangle() + item.target)
-    return float(lower[0]), float(upper[1]), float(upper[0]), float(lower[1])
-
-
-def _draw_item(canvas: Canvas, plan: _Plan, item: TableItem, colour: Colour) -> None:
-    half = np.array(item.size[:2]) / 2 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
-    corners = plan.pixel(np.array(item.target) + (half + item.centre) @ rotation_2d(item.yaw).T)
-    canvas.draw.polygon([tuple(p) for p in corners], fill=(*colour, 110), outline=(*colour, 255), width=3)
-    front = (corners[0] + corners[1]) / 2
-    centre = plan.pixel(item.target)
-    canvas.draw.line([*(centre + 0.6 * (front - centre)), *front], fill=colour, width=3)
-
-
-def _draw_clash(canvas: Canvas, plan: _Plan, rectangle: np.ndarray) -> None:
-    u0, v1 = plan.pixel(rectangle[0])
-    u1, v0 = plan.pixel(rectangle[1])
-    canvas.draw.rectangle([u0, v0, u1, v1], fill=(*WARNING, 120), outline=(*WARNING, 255), width=2)
+    def label(
+        self,
+        items: Sequence[TableItem],
+        labels: Mapping[str, str],
+        colours: Mapping[str, Colour],
+        moved: Mapping[str, float],
+    ) -> None:
+        """Write the items' labels beside them, with the millimetres that each was moved by."""
+        boxes = {f.id: self._box(f.rectangle() + f.target) for f in items}
+        for box in boxes.values():
+            self._canvas.keep_clear(box)
+        for f in items:
+            distance = moved.get(f.id, 0.0)
+            words = f"{labels[f.id]}  {distance:.0f} mm" if distance >= SETTINGS.shortest_move_mm else labels[f.id]
+            self._canvas.label(boxes[f.id], words, colours[f.id])

@@ -57,13 +57,13 @@ class Solution:
         centres: (n, 2) metres.
         starts: how many descents were run, with all gaps and with eased ones; 0 where the target was feasible, or one
             alone took the nearest place.
-        repaired: indices of the footprints that the exact repair moved.
+        repaired: names of the footprints that the exact repair moved.
         extra: share of the problem's wider gaps that was kept.
     """
 
     centres: np.ndarray
     starts: int
-    repaired: tuple[int, ...]
+    repaired: tuple[str, ...]
     extra: float = 1.0
 
 
@@ -82,7 +82,7 @@ def solve(
     if is_feasible(problem, problem.target) and not _broken(problem, problem.target):
         return Solution(problem.target.copy(), 0, ())
     if len(names) == 1 and problem.relations is None and (alone := repair(problem, problem.target)) is not None:
-        return Solution(alone[0], 0, alone[1])
+        return Solution(alone[0], 0, tuple(names[k] for k in alone[1]))
     with one_blas_thread():
         return _searched(problem, names, weights, rng, restarts)
 
@@ -93,23 +93,15 @@ def _searched(
     """The best layout of all starts, with as much of the wider gaps as there is a layout for."""
     wider = problem.extra
     eased = [] if wider is None else [(share, replace(problem, extra=share * wider)) for share in SETTINGS.eased_shares]
-    search, share = _Search(problem, weights, rng), 1.0
+    search, share = _Search(problem, names, weights, rng), 1.0
     while not search.run(restarts):
         if not eased:
             if not search.repair_harder():
-                search.pack(names)
+                search.pack()
             break
         share, problem = eased.pop(0)
-        search = _Search(problem, weights, rng, search.starts)
+        search = _Search(problem, names, weights, rng, search.starts)
     return search.solution(share)
-
-
-@dataclass(frozen=True, order=True)
-class _Score:
-    """Order of feasible layouts: first by broken relations, then by displacement cost."""
-
-    broken: int
-    displacement: float
 
 
 class _Search:
@@ -119,9 +111,18 @@ class _Search:
         starts: how many descents were run, with those of the searches before.
     """
 
-    def __init__(self, problem: LayoutProblem, weights: CostWeights, rng: np.random.Generator, starts: int = 0):
+    def __init__(
+        self,
+        problem: LayoutProblem,
+        names: Sequence[str],
+        weights: CostWeights,
+        rng: np.random.Generator,
+        starts: int = 0,
+    ):
         self._problem, self._tight, self._weights, self._rng = problem, tightened(problem), weights, rng
-        self._best: tuple[_Score, np.ndarray, tuple[int, ...]] | None = None
+        self._names = names
+        # The broken relations and the displacement cost, which order feasible layouts; centres; what was repaired.
+        self._best: tuple[tuple[int, float], np.ndarray, tuple[int, ...]] | None = None
         self.starts = starts
         self._ends: list[np.ndarray] = []  # the ends of all starts, feasible or not
 
@@ -129,7 +130,7 @@ class _Search:
         """The best layout; there must be one."""
         assert self._best is not None, "no layout was found"
         _, centres, moved = self._best
-        return Solution(centres, self.starts, moved, share)
+        return Solution(centres, self.starts, tuple(self._names[k] for k in moved), share)
 
     def run(self, restarts: int) -> bool:
         """Start from the targets, then from wider and wider around them; True if a feasible layout was found."""
@@ -140,13 +141,9 @@ class _Search:
             self._ends.append(self._descend(self._tight, self._problem.target + noise))
             gained = self._offer(repair(self._problem, self._ends[-1]))
             idle = 0 if gained else idle + 1
-            if (
-                self._best is not None
-                and self._best[0].broken == 0
-                and (idle >= SETTINGS.patience or not self._best[2])
-            ):
+            if self._best is not None and self._best[0][0] == 0 and (idle >= SETTINGS.patience or not self._best[2]):
                 return True
-        if self._best is not None and self._best[0].broken:
+        if self._best is not None and self._best[0][0]:
             self._give_up_relations(self._best[1])
         return self._best is not None
 
@@ -158,11 +155,11 @@ class _Search:
         """Keep a layout if it is the best; True if it is better by more than a little."""
         if repaired is None:
             return False
-        score = _Score(_broken(self._problem, repaired[0]), _displacement(self._problem, repaired[0]))
+        score = _broken(self._problem, repaired[0]), _displacement(self._problem, repaired[0])
         before = self._best[0] if self._best else None
         if before is None or score < before:
             self._best = (score, *repaired)
-        return before is None or score < _Score(before.broken, SETTINGS.gain_share * before.displacement)
+        return before is None or score < (before[0], SETTINGS.gain_share * before[1])
 
     def _give_up_relations(self, centres: np.ndarray) -> None:
         """Relations that cannot all hold pull at each other: leave out the worst, one at a time, and go on."""
@@ -185,14 +182,14 @@ class _Search:
         """From a layout that repair or packing took far away, towards the targets."""
         self._offer(repair(self._problem, self._descend(self._tight, centres, STAGES[-1:])))
 
-    def pack(self, names: Sequence[str]) -> None:
+    def pack(self) -> None:
         """A packed layout, pulled back towards the targets.
 
         Raises:
             InfeasibleScene: there is none.
         """
-        items = _as_items(self._problem, names)
-        problem = self._problem
+        problem, names = self._problem, self._names
+        items = _as_items(problem, names)
         placed = place(items, problem.bounds, self._rng, problem.margin, _fixed_boxes(problem))
         packed = problem.target.copy()
         for k in np.flatnonzero(problem.movable):

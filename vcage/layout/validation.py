@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from vcage.base.errors import UnknownName, UsageError
 from vcage.layout.items import TableItem
+from vcage.objects.openings import Opening
 
 
 def as_rectangles(rectangles: ArrayLike, what: str) -> np.ndarray:
@@ -68,7 +69,6 @@ def check_items(items: Sequence[TableItem]) -> None:
     by_id = {item.id: item for item in items}
     for item in items:
         _check_item(item)
-        _check_opening(item)
         _check_chain(item, by_id)
 
 
@@ -78,12 +78,18 @@ def _check_item(item: TableItem) -> None:
     if not len(item.yaws) or not _finite(item.yaws):
         raise UsageError(f"{item.id} has the headings {item.yaws}", hint="give at least one finite yaw")
     if not _finite([*item.target, *item.centre, *(() if item.body is None else np.ravel(item.body))]):
-        raise UsageError(
-            f"{item.id} has no finite target {item.target} or middle {item.centre}",
-            hint="make the stages before again",
-        )
+        words = f"{item.id} has no finite target {item.target} or middle {item.centre}"
+        raise UsageError(words, hint="make the stages before again")
     if item.allowed is not None:
         as_rectangles(item.allowed, f"where {item.id} may stand")
+    if item.opening is not None:
+        _check_opening(item.id, item.opening)
+
+
+def _check_opening(name: str, opening: Opening) -> None:
+    sound = _finite([*opening.centre, *opening.size, opening.floor]) and min(opening.size) > 0
+    if not sound or math.isnan(opening.rim):
+        raise UsageError(f"{name} has the opening {opening}", hint="check the container's mesh")
 
 
 def _finite(values: Sequence[float]) -> bool:
@@ -93,27 +99,15 @@ def _finite(values: Sequence[float]) -> bool:
         return False
 
 
-def _check_opening(item: TableItem) -> None:
-    opening = item.opening
-    if opening is None:
-        return
-    numbers = [*opening.centre, *opening.size, opening.floor]
-    if not (_finite(numbers) and min(opening.size) > 0) or math.isnan(opening.rim):
-        raise UsageError(f"{item.id} has the opening {opening}", hint="check the container's mesh")
-
-
 def _check_chain(item: TableItem, by_id: Mapping[str, TableItem]) -> None:
     chain = [item.id]
     while (name := by_id[chain[-1]].inside) is not None:
         if name not in by_id:
             raise UnknownName("container", name, [other.id for other in by_id.values() if other.opening is not None])
         if name in chain:
-            raise UsageError(
-                f"containers in a circle: {' in '.join([*chain, name])}",
-                hint="a container cannot lie inside itself; mend the plan",
-            )
+            circle = f"containers in a circle: {' in '.join([*chain, name])}"
+            raise UsageError(circle, hint="a container cannot lie inside itself; mend the plan")
         if by_id[name].opening is None:
-            raise UsageError(
-                f"{chain[-1]} lies in {name}, which has no room for contents", hint="give the container an opening"
-            )
+            words = f"{chain[-1]} lies in {name}, which has no room for contents"
+            raise UsageError(words, hint="give the container an opening")
         chain.append(name)

@@ -11,7 +11,6 @@ from collections.abc import Mapping, Sequence
 
 from numpy.typing import ArrayLike
 
-from vcage.base.errors import UnknownName
 from vcage.plans.actions import HOLDING
 from vcage.plans.plain_words import in_words
 from vcage.plans.relations import holds_between
@@ -39,9 +38,6 @@ def false_descriptions(
         UnknownName: a description names what has no box.
     """
     known = {**boxes, TABLE: ground}
-    for name in (name for d in descriptions for name in (d.subject, place_key(d))):
-        if name not in known:
-            raise UnknownName("object", name, list(known))
     return [d for d in descriptions if not holds_between(d.relation, d.subject, place_key(d), known)]
 
 

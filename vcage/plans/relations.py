@@ -12,6 +12,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import ArrayLike
 
+from vcage.base.errors import UnknownName
 from vcage.goals.thresholds import THRESHOLDS
 from vcage.schema.plan import TABLE, RelationWord
 from vcage.schema.scene import Workspace
@@ -45,7 +46,14 @@ def holds(relation: RelationWord, subject: ArrayLike, reference: ArrayLike) -> b
 
 
 def holds_between(relation: RelationWord, subject: str, reference: str, boxes: Mapping[str, ArrayLike]) -> bool:
-    """Check if a relation holds between two world boxes by id, of which the reference may be the table's ground."""
+    """Check if a relation holds between two world boxes by id, of which the reference may be the table's ground.
+
+    Raises:
+        UnknownName: one of them has no box.
+    """
+    for name in (subject, reference):
+        if name not in boxes:
+            raise UnknownName("object", name, list(boxes))
     judge = holds_on_table if reference == TABLE else holds
     return judge(relation, boxes[subject], boxes[reference])
 

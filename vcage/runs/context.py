@@ -14,7 +14,7 @@ from vcage.layout.capacities import capacity_of
 from vcage.layout.items import TableItem
 from vcage.layout.placement.reach import reach_for, robot_reach
 from vcage.layout.placement.reach_map import SETTINGS as REACH
-from vcage.layout.placement.tilted import Tilted
+from vcage.layout.placement.reach_map import Tilted
 from vcage.models.agent import PROVIDER as AGENT
 from vcage.models.protocols import Models
 from vcage.models.registry import DETECTORS, EMBEDDERS, Choice, build_models

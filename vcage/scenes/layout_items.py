@@ -13,8 +13,7 @@ from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose
 from vcage.layout.capacities import opening_for
 from vcage.layout.groups import intersections
-from vcage.layout.hands import hand_clearance
-from vcage.layout.items import TableItem, table_item
+from vcage.layout.items import TableItem, hand_clearance, table_item
 from vcage.layout.optimize import LayoutOptions, LayoutResult, optimize_layout
 from vcage.layout.placement.free_region import nearest_in_rectangles
 from vcage.plans.relations import DIRECTIONS, third_of
@@ -22,8 +21,7 @@ from vcage.runs.context import StageContext
 from vcage.schema.plan import TABLE, Relation
 from vcage.schema.scene import Role, Scene
 from vcage.sim.robots import load_robot
-from vcage.tasks.asked_arms import ANY_ARM
-from vcage.tasks.one_arm import for_one_arm, reached_by
+from vcage.tasks.asked_arms import ANY_ARM, for_one_arm, reached_by
 from vcage.tasks.scene_objects import SceneObject
 
 SETTLING_M = 0.002
@@ -55,8 +53,8 @@ def nearest_layout(
     """The nearest layout without collisions (:func:`~vcage.layout.optimize.optimize_layout`) in which arms reach all.
 
     Each demand is made only where there is room for it: first that one arm reaches what it alone must reach
-    (:mod:`~vcage.tasks.one_arm`), with room kept free for what is to be put beside something; then without that room;
-    then that some arm reaches each object however it is turned; last as it is turned.
+    (:mod:`~vcage.tasks.asked_arms`), with room kept free for what is to be put beside something; then without that
+    room; then that some arm reaches each object however it is turned; last as it is turned.
 
     Args:
         scene: with its robot.

@@ -13,10 +13,10 @@ from vcage.schema.subtasks import Subtask
 from vcage.sim.robots import load_robot
 from vcage.tasks.asked_arms import arm_for, asked_arms
 from vcage.tasks.choosing import moved_by
-from vcage.tasks.pushing import HEADINGS
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.templates import TEMPLATES
 from vcage.tasks.templates.proposal import Proposal
+from vcage.tasks.templates.push import HEADINGS
 
 
 def subtask_complaints(

@@ -13,10 +13,10 @@ from vcage.models.protocols import Reasoner
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import SlotAnswer, SlotQuestion, Subtask
 from vcage.tasks.choosing import checked, filled, slot_questions, with_open_parts
-from vcage.tasks.readiness import ready_for
 from vcage.tasks.rehearsal import proven
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import action_of, initial_state
+from vcage.tasks.stowing import ready_for
 
 logger = logging.getLogger(__name__)
 

@@ -29,7 +29,7 @@ from vcage.schema.goals import AskedGoal, Description, Goal, in_steps
 from vcage.schema.plan import TABLE
 from vcage.schema.scene import ObjectRecord, SceneTemplate
 from vcage.sim.robots import load_robot
-from vcage.tasks.picks import hand_has_room
+from vcage.tasks.feasibility import hand_has_room
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.stowing import stow
 

@@ -25,7 +25,7 @@ from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import AskedGoal, Description, Goal, Reading
 from vcage.schema.scene import Role, SceneTemplate
 from vcage.sim.robots import load_robot
-from vcage.tasks.task_wording import template_wordings
+from vcage.tasks.wording import template_wordings
 
 
 def choose_stated(

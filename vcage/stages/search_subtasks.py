@@ -30,9 +30,9 @@ from vcage.schema.goals import in_steps
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask, Subtasks
 from vcage.tasks.asked_arms import asked_arms
-from vcage.tasks.readiness import ready_for
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import action_of, compose, find_subtasks, initial_state
+from vcage.tasks.stowing import ready_for
 from vcage.tasks.synthesis import note_python, write_script
 from vcage.tasks.workplace import Workplace
 

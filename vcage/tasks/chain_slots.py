@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice, repeat
 
 import numpy as np
@@ -16,9 +16,9 @@ from vcage.schema.subtasks import Grasp, Subtask
 from vcage.tasks.feasibility import Transfer, examine
 from vcage.tasks.grasps import GraspPose, grasp_poses
 from vcage.tasks.primitives.place_way import SET_DOWN, place_way
-from vcage.tasks.pushing import examine_pushes
 from vcage.tasks.scene_objects import Obstacles, SceneObject
 from vcage.tasks.slots import Slot, allocate, lying_in, opened_for
+from vcage.tasks.templates.push import examine_pushes
 from vcage.tasks.workplace import Workplace
 
 UNREACHED_M = 1.0
@@ -229,8 +229,7 @@ class _OnTable:
 
     def _pushed(self, subtask: Subtask, thing: SceneObject, others: Sequence[SceneObject]) -> list[Pose]:
         """Ends of pushes that bring about the goal, the best first."""
-        arms = self.workplace.with_arms(subtask.arm).kinematics
-        pushes, _ = examine_pushes(thing, subtask.goals[0], others, arms, self.workplace.ground)
+        pushes, _ = examine_pushes(thing, subtask.goals[0], self.workplace.with_arms(subtask.arm).with_objects(others))
         return [push.end for push in pushes]
 
     def _put_down(self, subtask: Subtask, thing: SceneObject, others: Sequence[SceneObject]) -> list[Pose]:
@@ -245,8 +244,9 @@ class _OnTable:
     def _feasible(self, subtask: Subtask, thing: SceneObject, pose: Pose, others: Sequence[SceneObject]) -> bool:
         """True if an arm that can take an object can bring it to a place on the table."""
         arms = {grasp.arm: self.workplace.kinematics[grasp.arm] for grasp in subtask.grasps}
+        workplace = replace(self.workplace, kinematics=arms)
         contacts = {grasp.contact: thing.asset.annotation.contact_point(grasp.contact) for grasp in subtask.grasps}
         return subtask.hand_to is not None or any(
-            examine(Transfer.onto_table(thing, contact, [pose], others), arms, self.workplace.ground.height).feasible
+            examine(Transfer.onto_table(thing, contact, [pose], others), workplace).feasible
             for contact in contacts.values()
         )

@@ -1,16 +1,23 @@
-"""The choices of a task: grasps, slots and ways that are not known to fail, planned before anything moves."""
+"""The choices of a task: grasps, slots and ways that are not known to fail, planned before anything moves.
+
+In a further attempt a choice that is to blame is made last, and one that is not is kept: what was lost on the way is
+held otherwise and goes to the same slot, what came to lie on a rim goes to another slot by the same grasp. Where nobody
+knows what went wrong, grasp and slot both change. What failed together is not done again before all else was tried.
+"""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal, TypeVar
 
 import numpy as np
 
 from vcage.base.errors import UnknownName
 from vcage.base.geometry import Pose
 from vcage.schema.asset import ContactPoint
+from vcage.schema.episodes import AttemptStage, Failure
 from vcage.schema.plan import TABLE
 from vcage.sim.collision import Held
 from vcage.sim.motion import MotionPlanner
@@ -22,10 +29,105 @@ from vcage.tasks.primitives.pick import LeadsOn, PickPlan, PickWay, plan_pick
 from vcage.tasks.primitives.place import Surroundings
 from vcage.tasks.primitives.push import PushPlan, plan_push
 from vcage.tasks.reading import reading_poses
-from vcage.tasks.retry import Retry
 from vcage.tasks.scene_objects import Obstacles, SceneObject
 from vcage.tasks.slots import Slot, other_slots
 from vcage.tasks.workcell import TaskFailed, Workcell
+
+Choice = Literal["grasp", "arm", "slot"]
+
+BLAMED_FOR: Mapping[Failure, frozenset[Choice]] = {
+    "lost": frozenset({"grasp"}),
+    "astray": frozenset({"slot"}),
+    "disturbed": frozenset({"arm", "slot"}),
+}
+"""Choices to blame for a failure that the critic reports."""
+
+BLAMED_AT: Mapping[AttemptStage, frozenset[Choice]] = {
+    "plan": frozenset({"arm"}),
+    "grasp": frozenset({"grasp"}),
+    "place": frozenset({"slot"}),
+}
+"""Choices to blame, by how far an attempt came that no critic was asked about."""
+
+UNKNOWN: frozenset[Choice] = frozenset({"grasp", "slot"})
+"""Choices that change where nobody says what went wrong."""
+
+SAME = 1e-3
+"""Slots that differ by less are one, metres: objects stand a trifle otherwise in a world that was built anew."""
+
+Grasp = TypeVar("Grasp", bound="tuple[int | None, str]")
+"""Contact point and arm; a push has no contact point."""
+
+Place = TypeVar("Place", bound="Slot | None")
+"""A slot, or None for what is put nowhere."""
+
+
+def blamed(stage: AttemptStage, failure: Failure | None) -> frozenset[Choice]:
+    """The choices to blame for a failed attempt.
+
+    Args:
+        stage: how far it came.
+        failure: what the critic says went wrong, if it was asked and says so.
+    """
+    return BLAMED_AT.get(stage, UNKNOWN) if failure is None else BLAMED_FOR[failure]
+
+
+@dataclass(frozen=True)
+class Failed:
+    """A failed attempt: its choices, and those to blame."""
+
+    contact: int | None
+    arm: str | None
+    slot: Slot | None
+    blamed: frozenset[Choice]
+
+    def took(self, slot: Slot | None) -> bool:
+        """True where it had this slot, or one at the same place; None stands for no slot."""
+        if slot is None or self.slot is None:
+            return slot is self.slot
+        mine, other = self.slot, slot
+        apart = np.abs(np.concatenate([mine.pose.p - other.pose.p, mine.pose.q - other.pose.q])).max()
+        return (mine.receptacle, mine.point) == (other.receptacle, other.point) and bool(apart < SAME)
+
+
+@dataclass(frozen=True)
+class Retry:
+    """The order in which an attempt tries what there is to choose from.
+
+    Args:
+        failed: the attempts at the same sub-task before it.
+    """
+
+    failed: tuple[Failed, ...] = ()
+
+    def choices(self, grasps: Sequence[Grasp], slots: Iterable[Place]) -> Iterator[tuple[Place, list[Grasp]]]:
+        """Slots in the order in which they are tried, each with the grasps to try there, best first.
+
+        A slot comes twice where some of the grasps failed with it before: with those at the very end.
+
+        Args:
+            grasps: (contact point, arm), in the order of a first attempt.
+            slots: in the order of a first attempt; a single None for what is put nowhere.
+        """
+        ordered, again = sorted(grasps, key=self._blame), list[tuple[Place, list[Grasp]]]()
+        for slot in sorted(slots, key=self._blame_of_slot):
+            known = {(one.contact, one.arm) for one in self.failed if one.took(slot)}
+            left = [grasp for grasp in ordered if grasp not in known]
+            if left or not grasps:
+                yield slot, left
+            if len(left) < len(ordered):
+                again.append((slot, [grasp for grasp in ordered if grasp in known]))
+        yield from again
+
+    def _blame(self, grasp: tuple[int | None, str]) -> tuple[int, int]:
+        """Count how often the arm of a grasp was to blame, and the grasp itself."""
+        contact, arm = grasp
+        by_arm = [one for one in self.failed if one.arm == arm]
+        arms = sum("arm" in one.blamed for one in by_arm)
+        return arms, sum("grasp" in one.blamed and one.contact == contact for one in by_arm)
+
+    def _blame_of_slot(self, slot: Slot | None) -> int:
+        return sum("slot" in one.blamed and one.took(slot) for one in self.failed)
 
 
 class Choices:
@@ -123,12 +225,12 @@ class Choices:
             self.changes.append(f"{object_id} is operated in another way, with the {plan.arm} arm")
         return operation, plan
 
-    def _leading_on(self, target: SceneObject, slot: Slot | None, hand_to: str | None) -> LeadsOn | None:
-        """Return the check of where a grasp must lead: to a slot or a hand-over; None where it need not lead on."""
+    def _leading_on(self, target: SceneObject, slot: Slot | None, hand_to: str | None) -> LeadsOn:
+        """Return the check of where a grasp must lead: to a slot or a hand-over, or nowhere."""
         if hand_to is not None:
             return self._handing(target.id, hand_to, slot).leads_on
         if slot is None:
-            return None
+            return lambda *_: None
         around = Surroundings.of(self._cell, target.id, slot.receptacle, slot.point)
         return self._leads_to(target, around, slot.poses(self._cell.objects()))
 

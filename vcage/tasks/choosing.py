@@ -19,8 +19,9 @@ from vcage.schema.subtasks import (
     Statement,
     Subtask,
 )
-from vcage.tasks.pushing import HEADINGS
 from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.state import StillState
+from vcage.tasks.templates.push import HEADINGS
 from vcage.tasks.truth import goals_hold
 
 _STAYS = ("open", "closed", *HOLDING)
@@ -182,4 +183,4 @@ def _rides(name: str, lies: Mapping[str, str | None], handled: set[str]) -> bool
 
 
 def _holds(goal: Goal, objects: Mapping[str, SceneObject]) -> bool:
-    return goals_hold([goal], objects).success
+    return goals_hold([goal], StillState(objects)).success

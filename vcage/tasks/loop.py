@@ -11,6 +11,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -22,10 +23,10 @@ from vcage.schema.subtasks import Subtask
 from vcage.sim.recording import StateLog
 from vcage.sim.state import WorldState
 from vcage.sim.world import World
-from vcage.tasks.events import Watch
-from vcage.tasks.retry import Failed, Retry, blamed
+from vcage.tasks.choices import Failed, Retry, blamed
 from vcage.tasks.setting import PicturesByCamera, Seen, Setting
 from vcage.tasks.slots import Slot
+from vcage.tasks.state import Watch
 from vcage.tasks.synthesis import Script
 from vcage.tasks.task import Asked, Task, TaskFailed
 from vcage.tasks.truth import goals_hold, subtask_done, watch_of
@@ -92,7 +93,7 @@ def run_episode(
         verified = tried[-1].attempt.accepted
         if not verified:
             break
-    holds = goals_hold(goals, setting.now(world), Watch(world, setting.objects)) if verified else None
+    holds = goals_hold(goals, Watch(world, setting.objects)) if verified else None
     return EpisodeRun(
         log=recording,
         segments=[trial.segment for trial in trials if trial.segment is not None],
@@ -108,16 +109,6 @@ def _slots_during(
 ) -> dict[str, Slot]:
     """Slots by object: where each goes in the chain at last, and where the object of this sub-task goes now."""
     return {s.object: slots[s.id] for s in (*(s for s, _ in chain), subtask) if s.id in slots}
-
-
-@dataclass(frozen=True)
-class _Outcome:
-    """The end of one attempt at a sub-task."""
-
-    stage: AttemptStage
-    reason: str
-    verdict: Verdict | None = None
-    truth: Truth | None = None
 
 
 @dataclass(frozen=True)
@@ -195,7 +186,7 @@ class _Step:
                 message = f"{self.script.path}: verify(task) gives {asked!r}, not what task.ask(…) does"
                 raise DamagedFile(message, hint="mend it", maker="search_subtasks")
         except TaskFailed as error:
-            record = self._attempt(task, attempt, world.steps - start, _Outcome(error.stage, error.message))
+            record = self._attempt(task, attempt, world.steps - start, error.stage, error.message)
             return _Trial(record, slot=task.slot, exhausted=error.exhausted)
         finally:
             watch.stop()
@@ -203,11 +194,12 @@ class _Step:
         pictures = self._named(attempt, seen)
         verdict = self.setting.judge(asked, self.subtask, seen)
         verdict = verdict.model_copy(update={"pictures": list(pictures)})
-        truth = self._truth(asked, world, watch)
+        truth = subtask_done(self.subtask, asked.goals, watch)
         accepted = accepts(self.setting.accept, verdict, truth)
         stage: AttemptStage = "done" if accepted else "verify"
+        judged: dict[str, Any] = {"verdict": verdict, "truth": truth}
         reason = _reason(verdict, truth, accepted)
-        record = self._attempt(task, attempt, world.steps - start, _Outcome(stage, reason, verdict, truth))
+        record = self._attempt(task, attempt, world.steps - start, stage, reason, **judged)
         if not accepted:
             return _Trial(record, pictures, slot=task.slot)
         segment = Segment(
@@ -218,13 +210,9 @@ class _Step:
             arm=task.arm or "",
             contact=-1 if task.contact is None else task.contact,
             attempts=attempt + 1,
-            verdict=verdict,
-            truth=truth,
+            **judged,
         )
         return _Trial(record, pictures, segment)
-
-    def _truth(self, asked: Asked, world: World, watch: Watch) -> Truth:
-        return subtask_done(self.subtask, asked.goals, self.setting.now(world), watch)
 
     def _seen(self, before: PicturesByCamera, world: World, task: Task) -> Seen:
         """The pictures for the critic."""
@@ -245,12 +233,13 @@ class _Step:
             for camera, picture in pictures.items()
         }
 
-    def _attempt(self, task: Task, attempt: int, steps: int, outcome: _Outcome) -> Attempt:
+    def _attempt(
+        self, task: Task, attempt: int, steps: int, stage: AttemptStage, reason: str, **judged: Any
+    ) -> Attempt:
         record = self.setting.objects[self.subtask.object].record
-        accepted = outcome.stage == "done"
-        if not accepted:
+        if stage != "done":
             where = f"episode {self.episode}, {self.subtask.id}, attempt {attempt + 1}"
-            logger.info("%s: %s: %s", where, outcome.stage, outcome.reason)
+            logger.info("%s: %s: %s", where, stage, reason)
         return Attempt(
             episode=self.episode,
             step=self.number,
@@ -262,12 +251,11 @@ class _Step:
             arm=task.arm,
             contact=task.contact,
             changes=task.changes,
-            stage=outcome.stage,
-            reason=outcome.reason,
-            accepted=accepted,
-            verdict=outcome.verdict,
-            truth=outcome.truth,
+            stage=stage,
+            reason=reason,
+            accepted=stage == "done",
             steps=steps,
+            **judged,
         )
 
 

@@ -12,7 +12,7 @@ from vcage.base.attempts import LIMITS, GaveUp, first_accepted
 from vcage.base.errors import NoFeasibleTask
 from vcage.schema.plan import TABLE
 from vcage.schema.scene import Scene
-from vcage.schema.subtasks import PairAnswer, PairQuestion, Subtask
+from vcage.schema.subtasks import Subtask
 from vcage.sim.bodies import Body
 from vcage.sim.robots import load_robot
 from vcage.sim.world import World
@@ -20,7 +20,7 @@ from vcage.tasks.asked_arms import asked_arms, bound_to
 from vcage.tasks.chain_slots import slots_for_chain
 from vcage.tasks.choosing import as_chosen
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.search import compose, find_subtasks
+from vcage.tasks.search import compose, find_subtasks, judging
 from vcage.tasks.slots import Slot
 from vcage.tasks.synthesis import script_of
 from vcage.tasks.task import Task
@@ -215,15 +215,10 @@ def require_chain(scene: Scene, objects: Sequence[SceneObject], rng: np.random.G
         InfeasibleScene: the contents of one receptacle do not fit together, or an object has no place on the table.
     """
     goals, arms = {asked.goal for asked in scene.goals}, asked_arms(scene.goals)
-    found = find_subtasks(Workplace.of(scene, objects, rng), _nothing_else, goals, arms)
+    found = find_subtasks(Workplace.of(scene, objects, rng), judging(False), goals, arms)
     kept = {subtask.id: subtask for subtask in found.kept}
     for names in compose(scene, objects, found.kept, found.refused):
         proven([kept[name] for name in names.subtasks], objects, scene, rng)
-
-
-def _nothing_else(questions: Sequence[PairQuestion]) -> list[PairAnswer]:
-    """A judge that finds only what is asked for sensible."""
-    return [PairAnswer(object=q.object, receptacle=q.receptacle, sensible=False, reason="not asked") for q in questions]
 
 
 def _holder_of(slot: Slot, objects: Mapping[str, SceneObject]) -> tuple[str | None, str | None]:

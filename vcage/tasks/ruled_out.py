@@ -1,4 +1,8 @@
-"""Goals that are impossible wherever the objects stand: of the wrong size, without a place, or without a tool."""
+"""Goals that are impossible wherever the objects stand: of the wrong size, without a place or a tool, or tipped on
+the way.
+
+Objects that are filled and then moved are carried with their contents, if they can be held level.
+"""
 
 from __future__ import annotations
 
@@ -8,12 +12,11 @@ from typing import NamedTuple
 from vcage.base.errors import NoFeasibleTask
 from vcage.base.text import listed
 from vcage.plans.actions import HOLDING
-from vcage.schema.goals import AskedGoal, Goal, part_words
-from vcage.schema.subtasks import PairAnswer, PairQuestion
+from vcage.schema.goals import AskedGoal, Goal, in_steps, part_words
 from vcage.tasks.asked_arms import require_arms
-from vcage.tasks.filled import require_level
+from vcage.tasks.primitives.grip import stays_level
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.search import SMALLER, is_about, sensible
+from vcage.tasks.search import SMALLER, is_about, judging, sensible
 
 
 def require_way(goals: Sequence[AskedGoal], objects: Sequence[SceneObject], arms: Collection[str]) -> None:
@@ -51,7 +54,7 @@ class _RuledOut(NamedTuple):
 
 def _ruled_out(goals: Sequence[AskedGoal], objects: Sequence[SceneObject]) -> list[_RuledOut]:
     """Each goal that no sensible proposal brings about, where something is known to prevent it."""
-    proposals, refused, _ = sensible(objects, _all_sensible, [one.goal for one in goals])
+    proposals, refused, _ = sensible(objects, judging(True), [one.goal for one in goals])
     able = set[Goal]().union(*(proposal.goals for proposal in proposals))
     by_id = {o.id: o for o in objects}
     found = []
@@ -103,6 +106,34 @@ def _with_reasons(alike: Sequence[_RuledOut]) -> str:
     return f"{alike[0].asked.goal}{more} ({alike[0].asked.words!r}): {', '.join(alike[0].reasons[:3])}"
 
 
-def _all_sensible(questions: Sequence[PairQuestion]) -> list[PairAnswer]:
-    """A judge that finds everything sensible: the reasoner is asked later."""
-    return [PairAnswer(object=q.object, receptacle=q.receptacle, sensible=True, reason="not asked") for q in questions]
+def require_level(goals: Sequence[AskedGoal], objects: Sequence[SceneObject]) -> None:
+    """Refuse to move an object that was filled before, if it tips when it is carried.
+
+    Args:
+        goals: that are asked for.
+        objects: of the scene.
+
+    Raises:
+        NoFeasibleTask: names the thing, what lies in it, and the order in which it can be done.
+    """
+    by_id, lies = {o.id: o for o in objects}, dict[str, str]()
+    words = {one.goal: one.words for one in goals}
+    for step in in_steps(goals):
+        moved = {goal.subject: goal for goal in sorted(step, key=str) if goal.kind.acts_on is None}
+        filled = sorted((holder, other) for other, holder in lies.items() if holder in moved and other not in moved)
+        for name, content in filled:
+            if not stays_level(by_id[name]):
+                raise _tips(by_id[name], by_id[content], moved[name], words[moved[name]])
+        lies = {name: holder for name, holder in lies.items() if name not in moved}
+        lies |= {g.subject: str(g.reference) for g in step if g.relation == "inside" and g.part is None}
+
+
+def _tips(thing: SceneObject, content: SceneObject, goal: Goal, words: str) -> NoFeasibleTask:
+    """The error about an object that tips when it is carried with its content."""
+    name, other = thing.record.phrase, content.record.phrase
+    return NoFeasibleTask(
+        f"the {name} cannot be carried with the {other} in it ({words!r}): the gripper "
+        "holds it only by its edge, where it tips",
+        hint=f"ask to move the {name} first, and then to put the {other} into it",
+        details={"missing": [str(goal)]},
+    )

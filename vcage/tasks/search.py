@@ -32,6 +32,13 @@ from vcage.tasks.workplace import Workplace
 Judge = Callable[[Sequence[PairQuestion]], list[PairAnswer]]
 
 
+def judging(sensible: bool) -> Judge:
+    """A judge that finds all pairs sensible, or none: what is asked for is not its to judge."""
+    return lambda questions: [
+        PairAnswer(object=q.object, receptacle=q.receptacle, sensible=sensible, reason="not asked") for q in questions
+    ]
+
+
 @dataclass(frozen=True)
 class FoundSubtasks:
     """The sub-tasks that were kept, the refusals, and the number of candidates."""

@@ -54,8 +54,3 @@ class Setting:
     retries: int
     fps: int
     start: Mapping[str, Sequence[float]] = field(default_factory=dict)
-
-    def now(self, world: World) -> dict[str, SceneObject]:
-        """The objects as they are in a world, by id."""
-        bodies = {key: world.body(key) for key in self.objects}
-        return {key: o.moved(bodies[key].pose, bodies[key].joints) for key, o in self.objects.items()}

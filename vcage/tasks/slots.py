@@ -97,6 +97,12 @@ def room_for(receptacle: SceneObject, functional_point: int, contents: Sequence[
     return size - 2 * (max(0.0, spare) - FLUSH_GAP_M if flush else CONTENT_GAP_M)
 
 
+def stands_flush(target: SceneObject, receptacle: SceneObject, point: FunctionalPoint) -> bool:
+    """True where an object fills the top that it is put on, as a block on a block does."""
+    spare = np.array(receptacle.asset.opening(point).size) - target.asset.footprint
+    return point.holds == "on" and float(np.max(spare)) < 2 * CONTENT_GAP_M
+
+
 def other_slots(slots: Mapping[str, Slot], object_id: str, objects: Mapping[str, SceneObject]) -> list[Slot]:
     """Further slots for an object, always the same ones; those of the other objects stay theirs.
 

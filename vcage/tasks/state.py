@@ -1,10 +1,11 @@
-"""The simulator's state as a kind of goal asks for it: see :class:`vcage.goals.kind.State`."""
+"""The simulator's state as a kind of goal asks for it (:class:`vcage.goals.kind.State`), still or watched.
+
+A watch follows a world for events: presses, codes that are read, objects that lie on a scale or change hands.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,82 +13,38 @@ from vcage.goals.kind import Stated
 from vcage.goals.thresholds import THRESHOLDS
 from vcage.plans.relations import holds
 from vcage.schema.asset import FunctionalPoint
+from vcage.schema.goals import Goal
 from vcage.schema.plan import TABLE
 from vcage.sim.joints import joint_index, joint_positions
+from vcage.sim.world import PHYSICS_HZ, World
 from vcage.tasks.reading import reads
 from vcage.tasks.scene_objects import SceneObject
 
-if TYPE_CHECKING:
-    from vcage.tasks.events import Watch
 
-
-@dataclass(frozen=True)
-class WatchedState:
-    """Implements :class:`vcage.goals.kind.State`.
+class StillState:
+    """The part of :class:`vcage.goals.kind.State` that poses and joints tell; a watch tells all.
 
     Args:
-        objects: by id, as they are now.
-        seen: watches the world; None where only poses and joints are asked for.
+        objects: by id, as they are.
     """
 
-    objects: Mapping[str, SceneObject]
-    seen: Watch | None = None
-
-    @property
-    def watch(self) -> Watch:
-        """The watch of the world.
-
-        Raises:
-            ValueError: nothing watches it.
-        """
-        if self.seen is None:
-            raise ValueError("what happens in a world is told by a watch of it, and there is none")
-        return self.seen
-
-    @property
-    def arms(self) -> Collection[str]:
-        """Names of the robot's arms."""
-        return self.watch.world.arms
-
-    @property
-    def table_height(self) -> float:
-        """z of the table top, metres."""
-        return self.watch.world.table.height
+    def __init__(self, objects: Mapping[str, SceneObject]):
+        self.objects = objects
 
     def thing(self, name: str) -> SceneObject:
         """An object as it stands now."""
         return self.objects[name]
 
-    def at_start(self, name: str) -> SceneObject:
-        """An object as it stood at the start of the episode."""
-        return self.watch.objects[name]
-
-    def touching(self, name: str) -> set[str]:
-        """Ids of objects, names of arms, and ``table``, that press on an object."""
-        return {other.partition("/")[0] for other in self.watch.world.touching(name)}
-
-    def holds(self, arm: str, name: str) -> bool:
-        """True where all fingers of an arm press on an object."""
-        return self.watch.world.holds(arm, name)
-
-    def speed_m_per_s(self, name: str) -> float:
-        """Speed of an object since the last look."""
-        return self.watch.speed_m_per_s(name)
-
     def share(self, name: str, part: str) -> float:
         """Position of a moving part, as a share of its range from rest."""
-        thing = self.objects[name]
+        thing = self.thing(name)
         model = thing.asset.model
         index = joint_index(model, part)
         return float(joint_positions(model, thing.joints)[index]) / model.links[index].joint.far_end
 
-    def furthest_share(self, name: str, part: str) -> float:
-        """The same where it was farthest from rest."""
-        return self.watch.furthest_share(self.objects[name], part)
-
-    def lasted_s(self, goal: Stated) -> float:
-        """Longest time that the event of a goal went on without a break."""
-        return self.watch.lasted_s(goal)
+    def table_share(self, name: str) -> float:
+        """Share of an object's weight that the table bears; 0 where no world tells."""
+        return 0.0
 
     def weighs(self, name: str) -> bool:
         """True where a name is that of a scale."""
@@ -95,16 +52,16 @@ class WatchedState:
 
     def is_read(self, name: str) -> bool:
         """True where the window of a scanner reads a bar code of an object."""
-        return any(reads(self.objects[other], self.objects[name]) for other in self.objects if other != name)
+        return any(reads(self.thing(other), self.thing(name)) for other in self.objects if other != name)
 
     def stands(self, goal: Stated) -> bool:
         """True where the geometry of the goal's relation word holds between the boxes of its two objects."""
-        subject, reference = self.objects[goal.subject], self._reference(goal)
+        subject, reference = self.thing(goal.subject), self._reference(goal)
         return holds(goal.relation, subject.aabb, reference.aabb)  # pyrefly: ignore[bad-argument-type]
 
     def not_resting(self, goal: Stated) -> str | None:
         """Why the subject does not rest in or on the reference; None where it does."""
-        thing, receptacle, inside = self.objects[goal.subject], self._reference(goal), goal.relation == "inside"
+        thing, receptacle, inside = self.thing(goal.subject), self._reference(goal), goal.relation == "inside"
         points = [
             point for point in receptacle.asset.annotation.functional_points
             if point.link == goal.part and (point.holds == "in") == inside
@@ -112,7 +69,7 @@ class WatchedState:
         found = [place_complaint(thing, receptacle, point) for point in points]
         if None not in found:
             return next(iter(found), f"nothing is put {goal.relation} {receptacle.id}")
-        share = 0.0 if self.seen is None else self.seen.world.borne_by(thing.id).get(TABLE, 0.0)
+        share = self.table_share(thing.id)
         return f"the table bears {100 * share:.0f} % of {thing.id}" if share > THRESHOLDS.borne_share else None
 
     def _reference(self, goal: Stated) -> SceneObject:
@@ -123,7 +80,7 @@ class WatchedState:
         """
         if goal.reference not in self.objects:
             raise ValueError(f"no ground truth is defined for {str(goal)!r}")
-        return self.objects[goal.reference]
+        return self.thing(goal.reference)
 
 
 def resting_point(subject: SceneObject, receptacle: SceneObject) -> FunctionalPoint | None:
@@ -148,3 +105,124 @@ def place_complaint(subject: SceneObject, receptacle: SceneObject, point: Functi
     if receptacle.pose.rotation()[2, 2] < np.cos(THRESHOLDS.upright_rad):
         return f"{receptacle.id} is tipped"
     return None
+
+
+LOOK_EVERY_STEPS = 10
+"""Physics steps between two looks at contacts and codes."""
+
+LOOK_EVERY_S = LOOK_EVERY_STEPS / PHYSICS_HZ
+
+
+class Watch(StillState):
+    """Follows a world while it goes on; implements :class:`vcage.goals.kind.State`.
+
+    Args:
+        world: that is watched, from now on.
+        objects: by id, as they stood at the start of the episode.
+        goals: events that are waited for.
+        handled: id of an object; the arms that touch it are noted.
+
+    Attributes:
+        world: that is watched.
+        objects: as given.
+        began: the objects when the watch began, by id.
+        hands: the arms that touched ``handled``, in the order in which they first did.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        objects: Mapping[str, SceneObject],
+        goals: Collection[Goal] = (),
+        handled: str | None = None,
+    ):
+        super().__init__(objects)
+        self.world = world
+        self._furthest = {name: np.abs(joints) for name, joints in world.joints_of_objects().items()}
+        self._events = {goal: _Event(goal) for goal in goals if goal.kind.happens is not None}
+        self._before = world.object_poses()
+        self.began = {name: self.thing(name) for name in objects}
+        self._handled = handled
+        self.hands: list[str] = []
+        world.before_step.append(self._note)
+
+    def stop(self) -> None:
+        """Follow it no more."""
+        self.world.before_step.remove(self._note)
+
+    @property
+    def arms(self) -> Collection[str]:
+        """Names of the robot's arms."""
+        return self.world.arms
+
+    @property
+    def table_height(self) -> float:
+        """z of the table top, metres."""
+        return self.world.table.height
+
+    def thing(self, name: str) -> SceneObject:
+        """An object as it stands now."""
+        body = self.world.body(name)
+        return self.objects[name].moved(body.pose, body.joints)
+
+    def at_start(self, name: str) -> SceneObject:
+        """An object as it stood at the start of the episode."""
+        return self.objects[name]
+
+    def touching(self, name: str) -> set[str]:
+        """Ids of objects, names of arms, and ``table``, that press on an object."""
+        return {other.partition("/")[0] for other in self.world.touching(name)}
+
+    def holds(self, arm: str, name: str) -> bool:
+        """True where all fingers of an arm press on an object."""
+        return self.world.holds(arm, name)
+
+    def table_share(self, name: str) -> float:
+        """Share of an object's weight that the table bears."""
+        return self.world.borne_by(name).get(TABLE, 0.0)
+
+    def furthest_share(self, name: str, part: str) -> float:
+        """Position of a part where it was farthest from rest, as a share of its range: a pressed button comes back."""
+        model = self.objects[name].asset.model
+        index = joint_index(model, part)
+        return float(self._furthest[name][index]) / abs(model.links[index].joint.far_end)
+
+    def lasted_s(self, goal: Stated) -> float:
+        """For how long an event that was waited for went on at most."""
+        return self._events[goal].longest * LOOK_EVERY_S  # pyrefly: ignore[bad-index]
+
+    def speed_m_per_s(self, name: str) -> float:
+        """Speed of an object since the last look."""
+        return float(np.linalg.norm(self.world.object_pose(name).p - self._before[name].p)) / LOOK_EVERY_S
+
+    def _note(self, world: World) -> None:
+        for name, joints in world.joints_of_objects().items():
+            self._furthest[name] = np.maximum(self._furthest[name], np.abs(joints))
+        if world.steps % LOOK_EVERY_STEPS:
+            return
+        if self._handled is not None:
+            touching = self.touching(self._handled) & {*world.arms}
+            self.hands += sorted(touching - {*self.hands})
+        if self._events:
+            for event in self._events.values():
+                event.look(self)
+            self._before = world.object_poses()
+
+
+class _Event:
+    """Counts for how many looks the event of a goal goes on.
+
+    Args:
+        goal: of a kind with an event.
+    """
+
+    def __init__(self, goal: Goal):
+        self._goal = goal
+        self._notes: set[str] = set()
+        self._going = self.longest = 0
+
+    def look(self, state: Watch) -> None:
+        happens = self._goal.kind.happens
+        now = happens is not None and happens(self._goal, state, self._notes)
+        self._going = self._going + 1 if now else 0
+        self.longest = max(self.longest, self._going)

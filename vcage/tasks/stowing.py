@@ -1,4 +1,4 @@
-"""Objects that lie in a closed drawer at the start: their poses there, and once it is open."""
+"""Moving parts before a sub-task: what lies in a closed drawer, and a scene with parts open or closed as it needs."""
 
 from __future__ import annotations
 
@@ -13,10 +13,13 @@ from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose
 from vcage.objects.asset import Asset
 from vcage.schema.asset import FunctionalPoint
+from vcage.schema.base import PoseRecord, box_record
 from vcage.schema.goals import Goal, part_words
 from vcage.schema.robot import Robot
+from vcage.schema.scene import ObjectRecord, Scene
+from vcage.schema.subtasks import Subtask
 from vcage.tasks.access import open_to_a_hand
-from vcage.tasks.picks import hand_has_room
+from vcage.tasks.feasibility import hand_has_room
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import allocate, opened_for
 
@@ -112,3 +115,31 @@ def with_part(objects: Sequence[SceneObject], name: str, part: str, position: fl
         rides = o.record.container == name and o.record.container_part == part
         found.append(after if o is holder else o.moved(way * o.pose) if rides else o)
     return found
+
+
+def ready_for(subtask: Subtask, scene: Scene, objects: Sequence[SceneObject]) -> Scene:
+    """The scene as it must be before a sub-task: open what it needs open, closed what it needs closed, and what lies in
+    such a part where that is.
+
+    Args:
+        subtask: what is to begin.
+        scene: with parts as they are.
+        objects: of the scene.
+    """
+    now = [o.moved(o.pose, scene.object(o.id).joints) for o in objects]
+    for goal in subtask.requires:
+        holder = next((o for o in now if o.id == goal.subject), None)
+        if holder is None or goal.part not in {link.name for link in holder.asset.model.links}:
+            continue
+        end = holder.asset.model.link(goal.part).joint.far_end
+        now = with_part(now, holder.id, goal.part, end if goal.relation == "open" else 0.0)
+    there = {o.id: o for o in now}
+    return scene.model_copy(update={"objects": [_record(record, there[record.id]) for record in scene.objects]})
+
+
+def _record(record: ObjectRecord, now: SceneObject) -> ObjectRecord:
+    """An object as it is now; all joints at rest are none."""
+    update: dict[str, object] = {"joints": now.joints if any(now.joints) else ()}
+    if record.container_part is not None:
+        update |= {"pose": PoseRecord.of(now.pose), "aabb": box_record(now.asset.bounds, now.pose)}
+    return record.model_copy(update=update)

@@ -16,12 +16,11 @@ from vcage.schema.plan import TABLE
 from vcage.sim.paths import JointPath
 from vcage.sim.state import WorldState
 from vcage.sim.world import PHYSICS_HZ, World
-from vcage.tasks.choices import Choices
+from vcage.tasks.choices import Choices, Retry
 from vcage.tasks.primitives.grip import Grip, feel, minding
 from vcage.tasks.primitives.pick import carry_out_pick
 from vcage.tasks.primitives.place import SETTINGS, Surroundings, carry_out_place, plan_place
 from vcage.tasks.primitives.push import carry_out_push
-from vcage.tasks.retry import Retry
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import Slot
 from vcage.tasks.workcell import TaskFailed, failing_at

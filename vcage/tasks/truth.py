@@ -11,38 +11,37 @@ from vcage.schema.episodes import Truth
 from vcage.schema.goals import Goal
 from vcage.schema.subtasks import Statement, Subtask
 from vcage.sim.world import World
-from vcage.tasks.events import Watch
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.state import WatchedState
+from vcage.tasks.state import StillState, Watch
 
 
-def goals_hold(goals: Sequence[Goal], objects: Mapping[str, SceneObject], watch: Watch | None = None) -> Truth:
+def goals_hold(goals: Sequence[Goal], state: StillState) -> Truth:
     """Judge whether every goal is true of the state, or was done.
 
     Args:
-        objects: by id, at their present poses and joint positions.
-        watch: of the world while it was done; needed for what was done, and for what stands on the table.
+        goals: to judge.
+        state: a watch of the world while it was done; without what was done, and what stands on the table, the objects
+            alone do.
     """
     for goal in goals:
-        complaint = _complaint(goal, objects, watch)
+        complaint = _complaint(goal, state)
         if complaint:
             return Truth(success=False, reason=complaint)
     return Truth(success=True, reason="; ".join(map(str, goals)) or "nothing was asked for that lasts")
 
 
-def subtask_done(subtask: Subtask, goals: Sequence[Goal], objects: Mapping[str, SceneObject], watch: Watch) -> Truth:
+def subtask_done(subtask: Subtask, goals: Sequence[Goal], watch: Watch) -> Truth:
     """Check if a sub-task brought about some goals with the arm that it is asked of, and left the rest as it was.
 
     Args:
         subtask: that was done.
         goals: that it was to bring about.
-        objects: by id, as they are now.
         watch: since it began, of the object that was taken hold of where that is asked of an arm.
     """
-    truth = goals_hold(goals, objects, watch)
+    truth = goals_hold(goals, watch)
     if not truth.success:
         return truth
-    complaints = (_arm_complaint(subtask, watch), *(_changed(s, objects, watch) for s in subtask.statements))
+    complaints = (_arm_complaint(subtask, watch), *(_changed(s, watch) for s in subtask.statements))
     for complaint in complaints:
         if complaint is not None:
             return Truth(success=False, reason=complaint)
@@ -102,10 +101,10 @@ def _moved(name: str, watch: Watch) -> str | None:
     return f"{name} was tipped by {np.degrees(tilt):.0f}°" if tilt > THRESHOLDS.tipped_rad else None
 
 
-def _changed(statement: Statement, objects: Mapping[str, SceneObject], watch: Watch) -> str | None:
+def _changed(statement: Statement, watch: Watch) -> str | None:
     """Why what was to stay as it was did not, or None when it did."""
     goal = statement.goal
-    complaint = _moved(statement.subject, watch) if goal is None else _complaint(goal, objects, watch)
+    complaint = _moved(statement.subject, watch) if goal is None else _complaint(goal, watch)
     return None if complaint is None else f"not {statement} any more: {complaint}"
 
 
@@ -116,6 +115,6 @@ def _bears(below: SceneObject, thing: SceneObject) -> bool:
     return bool(np.all((lower <= middle) & (middle <= upper))) and thing.lowest >= bottom
 
 
-def _complaint(goal: Goal, objects: Mapping[str, SceneObject], watch: Watch | None) -> str | None:
+def _complaint(goal: Goal, state: StillState) -> str | None:
     """Why a goal does not hold, or None when it does."""
-    return goal.kind.complaint(goal, WatchedState(objects, watch))
+    return goal.kind.complaint(goal, state)  # pyrefly: ignore[bad-argument-type]  # kinds ask for what their words need

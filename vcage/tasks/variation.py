@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,37 +10,32 @@ from vcage.base.geometry import Pose, boxes_overlap
 from vcage.tasks.scene_objects import SceneObject
 
 
-@dataclass(frozen=True)
-class VariationSettings:
-    """Limits of the shifts.
-
-    Args:
-        shift_m: largest shift along an axis.
-        turn_rad: largest turn.
-        gap_m: gap that two objects keep, so that a finger finds room between them.
-    """
-
-    shift_m: float = 0.008
-    turn_rad: float = np.radians(6)
-    gap_m: float = 0.035
-
-
-SETTINGS = VariationSettings()
-
-
-def shifted_poses(objects: Sequence[SceneObject], rng: np.random.Generator) -> dict[str, Pose]:
+def shifted_poses(
+    objects: Sequence[SceneObject],
+    rng: np.random.Generator,
+    shift_m: float = 0.008,
+    turn_deg: float = 6.0,
+    gap_m: float = 0.035,
+) -> dict[str, Pose]:
     """A pose for each object, a little off its own; one that would come too close to another stays where it is.
 
     Objects that lie in a container, and containers that hold something, are not moved.
+
+    Args:
+        objects: of a scene.
+        rng: of all choices.
+        shift_m: largest shift along an axis.
+        turn_deg: largest turn.
+        gap_m: gap that two objects keep, so that a finger finds room between them.
     """
     holding = {o.record.container for o in objects} - {None}
     placed = {o.id: o for o in objects}
     for o in objects:
-        dx, dy, turn = rng.uniform(-1, 1, size=3) * [SETTINGS.shift_m, SETTINGS.shift_m, SETTINGS.turn_rad]
+        dx, dy, turn = rng.uniform(-1, 1, size=3) * [shift_m, shift_m, np.radians(turn_deg)]
         if o.record.container is not None or o.id in holding:
             continue
         moved = o.moved(Pose(o.pose.p + [dx, dy, 0.0], (Pose.from_yaw([0, 0, 0], turn) * Pose(q=o.pose.q)).q))
         others = [other for key, other in placed.items() if key != o.id]
-        if not any(boxes_overlap(moved.aabb, other.aabb, SETTINGS.gap_m) for other in others):
+        if not any(boxes_overlap(moved.aabb, other.aabb, gap_m) for other in others):
             placed[o.id] = moved
     return {key: o.pose for key, o in placed.items()}

@@ -13,7 +13,7 @@ from vcage.base.errors import UsageError
 from vcage.base.geometry import Pose
 from vcage.layout.placement import reach_map
 from vcage.layout.placement.reach import reach_for, robot_reach
-from vcage.layout.placement.tilted import EITHER, YAWS, Tilted
+from vcage.layout.placement.reach_map import EITHER, YAWS, Tilted
 from vcage.sim.cameras import overview
 from vcage.sim.robots import load_robot
 

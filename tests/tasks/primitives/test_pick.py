@@ -15,7 +15,6 @@ from vcage.sim.paths import JointPath, Load
 from vcage.sim.robots import load_robot
 from vcage.tasks.grasps import GraspPose, grasp_poses
 from vcage.tasks.primitives.pick import (
-    SETTINGS,
     lift_heights,
     pick_way,
     plan_pick,
@@ -28,7 +27,7 @@ from vcage.tasks.workcell import Workcell
 
 GRIPPER = robot().arms["left"].gripper
 
-CLEAR = SETTINGS.clearance_m
+CLEAR = 0.03
 
 
 def grasps_of(target: SceneObject) -> list[GraspPose]:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from tests.example_scenes import scene_of, sensible, thing, workplace
+from tests.example_scenes import TABLE_TOP, scene_of, sensible, thing, workplace
+from vcage.base.geometry import Pose
 from vcage.schema.goals import Goal
 from vcage.schema.subtasks import Subtask
+from vcage.tasks.feasibility import Transfer
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import FoundSubtasks, find_subtasks
 from vcage.tasks.synthesis import render_script
+from vcage.tasks.templates.hand_over import examine_detour, examine_passing
 
 HANDED = Goal(subject="hammer", relation="handed", reference="right")
 
@@ -75,3 +78,42 @@ def test_the_script_says_who_gives_and_who_takes():
         "task.place()",
         "task.home()",
     ]
+
+
+def to_table(target: SceneObject, x: float, y: float = 0.0) -> Transfer:
+    contact = target.asset.annotation.carrying_points[0]
+    return Transfer.onto_table(target, contact, [Pose([x, y, TABLE_TOP])], [])
+
+
+def test_the_arm_that_gives_is_another_than_the_one_that_takes():
+    found = examine_passing(to_table(thing("hammer", (-0.2, 0.0)), 0.2), "right", workplace([]))
+    assert [grasp.arm for grasp in found.grasps] == ["left"]
+    assert {check.name for check in found.checks} >= {"opening", "reach_grasp", "reach_meeting", "reach_place"}
+    assert all(check.passed for check in found.checks)
+
+
+def test_a_short_object_is_refused_for_the_room_between_the_hands():
+    found = examine_passing(to_table(thing("can", (-0.2, 0.0)), 0.2), "right", workplace([]))
+    assert not found.feasible
+    assert "no room side by side on red tin can: it is 9.0 cm long" in found.reason
+
+
+def test_an_object_that_the_giving_arm_does_not_reach_is_refused():
+    found = examine_passing(to_table(thing("hammer", (0.75, 0.4)), 0.2), "right", workplace([]))
+    assert found.reason == "the left arm does not reach 'handle' of red hammer"
+
+
+def test_a_place_that_the_taking_arm_does_not_reach_is_refused():
+    found = examine_passing(to_table(thing("hammer", (-0.2, 0.0)), 0.2, 1.5), "right", workplace([]))
+    assert "its place is out of reach" in found.reason
+
+
+def test_the_arm_that_reaches_the_place_takes_over():
+    to, findings = examine_detour([to_table(thing("hammer", (-0.5, 0.1)), 0.6, 0.1)], workplace([]))
+    assert to == "right"
+    assert [grasp.arm for finding in findings for grasp in finding.grasps] == ["left"]
+
+
+def test_one_arm_alone_hands_nothing_over():
+    left = workplace([]).with_arms("left")
+    assert examine_detour([to_table(thing("hammer", (-0.2, 0.0)), 0.2)], left) == (None, [])

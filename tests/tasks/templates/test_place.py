@@ -7,8 +7,8 @@ from dataclasses import replace
 from tests.example_scenes import thing, workplace
 from vcage.schema.goals import Goal
 from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.slots import stands_flush
 from vcage.tasks.templates import TEMPLATES
-from vcage.tasks.templates.place import stands_flush
 
 SCALE = thing("electronic_scale", (0.1, 0.05))
 

@@ -6,8 +6,8 @@ import numpy as np
 
 from tests.example_scenes import TABLE_TOP, thing, workplace, world_of
 from vcage.schema.goals import Goal
-from vcage.tasks.events import Watch
 from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.state import Watch
 from vcage.tasks.task import Task
 from vcage.tasks.templates import TEMPLATES
 from vcage.tasks.truth import goals_hold
@@ -51,7 +51,7 @@ def test_the_robot_scans_what_is_feasible_and_puts_back_what_it_took() -> None:
     still = next(name for name in objects if name != moved)
     task.show(moved, still, [(g.contact, g.arm) for g in subtask.grasps])
     task.home()
-    assert goals_hold([SCANNED], objects, watch).success
+    assert goals_hold([SCANNED], watch).success
     assert task.moment is not None and task.moment.objects[moved].p[2] > TABLE_TOP
     assert np.linalg.norm((world.object_pose(moved).p - objects[moved].pose.p)[:2]) < 0.02
 

@@ -41,7 +41,8 @@ def content_plane(container: TableItem, contents: Sequence[TableItem]) -> Plane:
     # Reach and view are the world's: they are asked of the container, see unions_of.
     plain = [replace(item, allowed=None, within=None) for item in contents]
     bounds = np.stack([centre - half, centre + half])
-    return make_plane(plain, bounds, CONTENT_MARGIN_M, np.empty((0, 2, 2)), lambda _item, _yaw: ())
+    plane = make_plane(plain, bounds, CONTENT_MARGIN_M, np.empty((0, 2, 2)), lambda _item, _yaw: ())
+    return replace(plane, container=container)
 
 
 class Carried:
@@ -89,13 +90,10 @@ class Carried:
 
     def below(self, item: TableItem, yaw: float) -> list[tuple[TableItem, Local]]:
         """All that an item at a yaw carries, with (2,) offset from the item's centre and heading, along world axes."""
-        return self._below(item, Local(np.zeros(2), float(yaw)))
-
-    def _below(self, item: TableItem, at: Local) -> list[tuple[TableItem, Local]]:
-        """All that an item carries, with (2,) offset from the item's centre and heading, both along world axes."""
-        found = []
+        found: list[tuple[TableItem, Local]] = []
         for content in contents_of(self._items, item.id):
             local = self._local[content.id]
-            here = Local(at.centre + rotation_2d(at.yaw) @ local.centre, at.yaw + local.yaw)
-            found += [(content, here), *self._below(content, here)]
+            way, turned = rotation_2d(yaw) @ local.centre, yaw + local.yaw
+            inner = [(deeper, Local(way + at.centre, at.yaw)) for deeper, at in self.below(content, turned)]
+            found += [(content, Local(way, turned)), *inner]
         return found

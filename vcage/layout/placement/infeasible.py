@@ -14,7 +14,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from vcage.base.errors import InfeasibleScene
-from vcage.layout.items import TableItem
 from vcage.layout.placement.free_region import TOLERANCE
 from vcage.layout.placement.plane import Plane, Stance
 from vcage.layout.placement.search import Outcome, pack_in_corners
@@ -43,48 +42,43 @@ class ProofSettings:
 SETTINGS = ProofSettings()
 
 
-def require_room(plane: Plane, container: TableItem | None = None) -> None:
+def require_room(plane: Plane) -> None:
     """Refuse an item that fits nowhere even alone, and more area than there is.
-
-    Args:
-        plane: the table, or the opening of ``container``.
 
     Raises:
         InfeasibleScene: names the item, the missing area and a way out.
     """
     for k in plane.order:
         if all(plane.alone(stance).is_empty for stance in plane.stances[k]):
-            raise _fits_nowhere(plane, k, container)
+            raise _fits_nowhere(plane, k)
     missing = plane.needed - plane.available
     if missing > SETTINGS.area_tolerance_m2:
-        room = f"the opening of {container.id}" if container else "the workspace"
-        message = (
-            f"{len(plane.items)} objects with margins need {plane.needed:.3f} m², {room} has {plane.available:.3f} m²"
-        )
-        raise _infeasible(plane, message, plane.order, missing, container)
+        needs = f"{len(plane.items)} objects with margins need {plane.needed:.3f} m²"
+        raise _infeasible(plane, f"{needs}, {plane.where} has {plane.available:.3f} m²", plane.order, missing)
 
 
-def no_place(plane: Plane, outcome: Outcome, container: TableItem | None = None) -> InfeasibleScene:
+def no_place(plane: Plane, outcome: Outcome) -> InfeasibleScene:
     """The error for the items that a search left over."""
     names = ", ".join(plane.items[k].id for k in outcome.left)
-    where = f"in the opening of {container.id}" if container else "on the table"
+    where = f"in {plane.where}" if plane.container else "on the table"
     message = f"no collision-free place {where} for {names} ({len(outcome.left)} of {len(plane.items)} objects)"
     missing = float(plane.areas[outcome.left].sum())
-    return _infeasible(plane, message, outcome.left, missing, container, drop=outcome.left)
+    return _infeasible(plane, message, outcome.left, missing, drop=outcome.left)
 
 
-def _fits_nowhere(plane: Plane, k: int, container: TableItem | None) -> InfeasibleScene:
+def _fits_nowhere(plane: Plane, k: int) -> InfeasibleScene:
     item, room = plane.items[k], plane.bounds[1] - plane.bounds[0]
     excess, stance = min(((_excess(s, room), s) for s in plane.stances[k]), key=lambda pair: pair[0].sum())
     size, too_long = 2 * stance.half, excess.max() > 2 * TOLERANCE
-    where = f"the opening of {container.id}" if container else "the workspace"
-    message = f"{item.id} ({_metres(size)}) fits nowhere in {where} ({_metres(room)}), {_reason(plane, k, too_long)}"
+    message = (
+        f"{item.id} ({_metres(size)}) fits nowhere in {plane.where} ({_metres(room)}), {_reason(plane, k, too_long)}"
+    )
     if too_long:
         message += "; it is too large by " + " and ".join(
             f"{by:.3f} m along {axis}" for by, axis in zip(excess, "xy", strict=True) if by > 0
         )
     missing = float(size.prod() - np.minimum(size, room.clip(min=0)).prod()) if too_long else stance.area
-    return _infeasible(plane, message, [k], max(missing, SETTINGS.area_tolerance_m2), container)
+    return _infeasible(plane, message, [k], max(missing, SETTINGS.area_tolerance_m2))
 
 
 def _excess(stance: Stance, room: np.ndarray) -> np.ndarray:
@@ -109,17 +103,12 @@ def _reason(plane: Plane, k: int, too_long: bool) -> str:
 
 
 def _infeasible(
-    plane: Plane,
-    message: str,
-    left: Sequence[int],
-    missing: float,
-    container: TableItem | None,
-    drop: Sequence[int] = (),
+    plane: Plane, message: str, left: Sequence[int], missing: float, drop: Sequence[int] = ()
 ) -> InfeasibleScene:
     dropped, enlarge = [plane.items[k].id for k in _drop(plane, drop)], _growth(plane)
     return InfeasibleScene(
         f"{message}: {max(missing, 1e-4):.4f} m² are missing",
-        hint=_hint(dropped, enlarge, container, len(plane.items)),
+        hint=_hint(dropped, enlarge, plane),
         details={
             "objects": [plane.items[k].id for k in left],
             "missing_area_m2": round(missing, 6),
@@ -127,13 +116,13 @@ def _infeasible(
             "available_area_m2": round(plane.available, 6),
             "drop": dropped,
             "enlarge_m": None if enlarge is None else [round(float(value), 3) for value in enlarge],
-            "container": container.id if container else None,
+            "container": plane.container.id if plane.container else None,
         },
     )
 
 
-def _hint(dropped: Sequence[str], enlarge: np.ndarray | None, container: TableItem | None, count: int) -> str:
-    rest = count - len(dropped)
+def _hint(dropped: Sequence[str], enlarge: np.ndarray | None, plane: Plane) -> str:
+    rest, container = len(plane.items) - len(dropped), plane.container
     proof = {0: "", 1: " (the other one fits)"}.get(rest, f" (the other {rest} fit)")
     ways = [f"drop {', '.join(dropped)}{proof}"]
     if container:

@@ -7,7 +7,7 @@ said when there are none :mod:`~vcage.layout.placement.infeasible`'s.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -55,8 +55,8 @@ def place(
     check_margin(margin)
     check_items(items)
     local: dict[str, Local] = {}
-    for container, plane in _openings(items):
-        spots = _solved(plane, rng, container)
+    for plane in _openings(items):
+        spots = _solved(plane, rng)
         local |= {plane.items[k].id: Local(spot.centre, spot.yaw) for k, spot in spots.items()}
     carried = Carried(items, local)
     plane = _table(contents_of(items, None), workspace, margin, obstacles, carried)
@@ -78,17 +78,16 @@ def require_possible(
     """
     check_margin(margin)
     check_items(items)
-    for container, plane in _openings(items):
-        require_room(plane, container)
+    for plane in _openings(items):
+        require_room(plane)
     on_table = contents_of(items, None)
     require_room(_table(on_table, workspace, margin, obstacles, Carried(on_table, {})))
 
 
-def _openings(items: Sequence[TableItem]) -> Iterator[tuple[TableItem, Plane]]:
-    """Every container that something lies in, and the plane of its contents."""
-    for container in items:
-        if contents := contents_of(items, container.id):
-            yield container, content_plane(container, contents)
+def _openings(items: Sequence[TableItem]) -> list[Plane]:
+    """The planes of the contents of every container that something lies in."""
+    held = [(container, contents_of(items, container.id)) for container in items]
+    return [content_plane(container, contents) for container, contents in held if contents]
 
 
 def _table(
@@ -107,10 +106,10 @@ def _related(plane: Plane, related: Related, carried: Carried) -> Plane:
     return make_plane(plane.items, plane.bounds, plane.margin, plane.obstacles, unions, related)
 
 
-def _solved(plane: Plane, rng: np.random.Generator, container: TableItem | None = None) -> dict[int, Spot]:
+def _solved(plane: Plane, rng: np.random.Generator) -> dict[int, Spot]:
     """Spots of all items of a plane, or why there are none."""
-    require_room(plane, container)
+    require_room(plane)
     outcome = arrange(plane, rng)
     if outcome.left:
-        raise no_place(plane, outcome, container)
+        raise no_place(plane, outcome)
     return outcome.spots

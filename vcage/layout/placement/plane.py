@@ -57,6 +57,7 @@ class Plane:
         margin: smallest gap between two rectangles, metres.
         obstacles: (m, 2, 2) rectangles that are taken.
         related: relations between the items that are kept; None for none.
+        container: whose opening it is; None for the table.
     """
 
     items: Sequence[TableItem]
@@ -65,6 +66,12 @@ class Plane:
     margin: float
     obstacles: np.ndarray
     related: Related | None = None
+    container: TableItem | None = None
+
+    @property
+    def where(self) -> str:
+        """The plane in words."""
+        return f"the opening of {self.container.id}" if self.container else "the workspace"
 
     @cached_property
     def areas(self) -> np.ndarray:

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vcage.base.geometry import Camera
-from vcage.layout.placement.reach_map import SETTINGS, Question, ReachMap
-from vcage.layout.placement.tilted import Tilted
+from vcage.layout.placement.reach_map import SETTINGS, Question, ReachMap, Tilted
 from vcage.layout.validation import as_workspace
 from vcage.objects.asset import Asset
 from vcage.schema.robot import Robot

@@ -1,12 +1,14 @@
 """Reach maps: inverse kinematics asked at the nodes of a grid of the world, and the answers in the user's cache.
 
-What is known of a node serves every workspace that it lies in.
+What is known of a node serves every workspace that it lies in. Where no arm reaches straight down, a tilted hand must
+reach some headings and heights.
 """
 
 from __future__ import annotations
 
 import functools
 import hashlib
+import itertools
 import json
 import logging
 from collections.abc import Sequence
@@ -14,21 +16,24 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
+import numpy as np
+
 from vcage.base.errors import DamagedFile, MissingStage, OutputFolderError, PartlyDone
 from vcage.base.files import cache_dir, read_json, sha256_file, write_json
 from vcage.base.geometry import Pose
-from vcage.layout.placement.tilted import YAWS, Tilted
+from vcage.objects.asset import Asset
 from vcage.schema.robot import Arm
+from vcage.schema.scene import Role
 from vcage.sim.kinematics import kinematics_of, leaning
 from vcage.sim.robots import package_file
 
 logger = logging.getLogger(__name__)
 
-VERSION = 2
-"""Of what a node's answer means; raised when kinematics or the question change, so that older maps are not used."""
+YAWS = tuple(np.radians(degrees) for degrees in (0.0, 45.0, 90.0, 135.0))
+"""Headings of the gripper that one arm must reach at a point; half a turn on is the same grasp."""
 
-Node = tuple[int, int]
-"""A node of the grid, in cells from the world's origin."""
+EITHER = ((0, 1), (0, 3), (2, 1), (2, 3))
+"""Sets of them, by number, of which one is enough for a hand that may also turn by a quarter."""
 
 
 @dataclass(frozen=True)
@@ -39,13 +44,67 @@ class ReachSettings:
         cell_m: of the grid; its nodes are the world's multiples of it.
         grasp_heights_m: above the table, at which an arm must reach an object that is moved; where no arm does straight
             down, the lowest, and as much higher as the hand comes straight to a grasp, tilted.
+        height_step_m: between the heights of the maps of tilted hands.
+        crosswise_cos: largest cosine between two directions that are about a quarter turn apart.
     """
 
     cell_m: float = 0.05
     grasp_heights_m: tuple[float, float] = (0.03, 0.22)
+    height_step_m: float = 0.03
+    crosswise_cos: float = 0.3
 
 
 SETTINGS = ReachSettings()
+
+
+@dataclass(frozen=True)
+class Tilted:
+    """Demands on a tilted hand where an object stands.
+
+    Args:
+        headings: sets of numbers of :data:`YAWS`; all headings of one of the sets.
+        higher: how much higher than the lowest grasp it lets go of what it brings, metres.
+    """
+
+    headings: tuple[tuple[int, ...], ...] = (tuple(range(len(YAWS))),)
+    higher: float = 0.0
+
+    @classmethod
+    def of(cls, asset: Asset, role: Role, yaw: float | None = None) -> Tilted:
+        """Return what it takes to move an object, or to put something into it.
+
+        A hand may choose its heading where it puts something down, and where it takes what it can close on in two
+        directions, such as a block.
+
+        Args:
+            asset, role: of the object.
+            yaw: its heading, where that is known.
+        """
+        kind = asset.annotation
+        if role == "receptacle":
+            rims = [asset.opening(point).rim for point in kind.functional_points if point.link is None]
+            # Rounded up, so that things of about one height share a map.
+            steps = float(np.ceil(max(rims, default=0.0) / SETTINGS.height_step_m - 1e-9))
+            return cls(EITHER, steps * SETTINGS.height_step_m)
+        closings = [np.array(point.closing[:2]) for point in kind.carrying_points]
+        if yaw is not None and closings:
+            return cls(tuple(sorted({_beside(yaw + float(np.arctan2(y, x))) for x, y in closings})))
+        crosswise = any(abs(float(a @ b)) < SETTINGS.crosswise_cos for a, b in itertools.combinations(closings, 2))
+        return cls(EITHER) if crosswise else cls()
+
+
+def _beside(heading: float) -> tuple[int, ...]:
+    """Numbers of the :data:`YAWS` to both sides of where the fingers close along, or of the one that it is."""
+    turns = (heading - np.pi / 2) % np.pi / (np.pi / len(YAWS))  # at heading 0 they close along y
+    sides = {int(np.floor(turns + 1e-6)), int(np.ceil(turns - 1e-6))}
+    return tuple(sorted(side % len(YAWS) for side in sides))
+
+
+VERSION = 2
+"""Of what a node's answer means; raised when kinematics or the question change, so that older maps are not used."""
+
+Node = tuple[int, int]
+"""A node of the grid, in cells from the world's origin."""
 
 
 class Reaching(Protocol):

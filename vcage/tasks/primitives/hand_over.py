@@ -28,10 +28,6 @@ TRIED = 16
 """Meetings for which every motion is planned before there is none."""
 
 
-def _all_do(_hold: Hold) -> None:
-    """Accept every hold, where nothing comes next."""
-
-
 @dataclass(frozen=True)
 class HandOver:
     """The hand-over of an object to an arm.
@@ -46,7 +42,7 @@ class HandOver:
     cell: Workcell
     object_id: str
     to: str
-    suits: Suits = _all_do
+    suits: Suits = lambda _hold: None
 
     def leads_on(self, planner: MotionPlanner, way: PickWay, _: np.ndarray, contact: ContactPoint) -> None:
         """Check that the object can be handed over by the planner's arm if it grasps it so where it stands.

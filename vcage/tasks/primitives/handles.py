@@ -104,10 +104,7 @@ def operating_ways(handle: Handle, target: float, gripper: Gripper, support: flo
     for share in TURNS_ALONG if turns else (1.0,):
         frames = [held_frame(handle, position, share) for position in _positions(handle, target)]
         for held in grasp_poses(frames[0], handle.contact, gripper, support, TILTS if turns else FINE_TILTS):
-            if handle.contact.use == "press":
-                yield _press_way(frames, held.in_object, gripper)
-            else:
-                yield _grasp_way(frames, held.in_object, handle.width, gripper)
+            yield _way(frames, held.in_object, handle, gripper)
 
 
 def held_frame(handle: Handle, position: float, share: float = 1.0) -> Pose:
@@ -131,28 +128,20 @@ def held_frame(handle: Handle, position: float, share: float = 1.0) -> Pose:
     return carrier * Pose(moved - turned.apply(point), turned.q)
 
 
-def _grasp_way(frames: Sequence[Pose], in_frame: Pose, width: float, gripper: Gripper) -> OperatingWay:
-    grasp, *motion = (frame * in_frame for frame in frames)
+def _way(frames: Sequence[Pose], in_frame: Pose, handle: Handle, gripper: Gripper) -> OperatingWay:
+    """The way of a hand that keeps a pose in some frames, there and, of a press, back again."""
+    presses = handle.contact.use == "press"
+    # The tips, not the frame between them, meet what is pressed.
+    held = _drawn_back(in_frame, gripper.tip_depth) if presses else in_frame
+    grasp, *there = (frame * held for frame in frames)
+    motion = [*there, *there[-2::-1], grasp] if presses else there
     return OperatingWay(
         before=_drawn_back(grasp, gripper.approach),
         grasp=grasp,
         motion=motion,
-        pushed=len(motion),
+        pushed=len(there),
         after=_drawn_back(motion[-1], gripper.approach),
-        opening=approach_opening(width, gripper),
-    )
-
-
-def _press_way(frames: Sequence[Pose], in_frame: Pose, gripper: Gripper) -> OperatingWay:
-    # The tips, not the frame between them, meet the part.
-    touch, *push = (frame * _drawn_back(in_frame, gripper.tip_depth) for frame in frames)
-    return OperatingWay(
-        before=_drawn_back(touch, gripper.approach),
-        grasp=touch,
-        motion=[*push, *push[-2::-1], touch],
-        pushed=len(push),
-        after=_drawn_back(touch, gripper.approach),
-        opening=0.0,
+        opening=0.0 if presses else approach_opening(handle.width, gripper),
     )
 
 

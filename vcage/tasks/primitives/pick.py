@@ -25,23 +25,6 @@ from vcage.tasks.workcell import CAREFUL_SPEED_SHARE, TaskFailed, Workcell, fail
 
 
 @dataclass(frozen=True)
-class LiftSettings:
-    """Heights of a lift.
-
-    Args:
-        clearance_m: between what is carried and the highest thing on the table.
-        heights: heights that are tried, from above everything to just above what the object comes out of or
-            goes into.
-    """
-
-    clearance_m: float = 0.03
-    heights: int = 3
-
-
-SETTINGS = LiftSettings()
-
-
-@dataclass(frozen=True)
 class PickWay:
     """Gripper poses of a pick, in order."""
 
@@ -82,7 +65,11 @@ def transfer_height(others: Sequence[SceneObject], table_height: float) -> float
 
 
 def transfer_heights(
-    others: Sequence[SceneObject], table_height: float, over: Iterable[float] = ()
+    others: Sequence[SceneObject],
+    table_height: float,
+    over: Iterable[float] = (),
+    clearance_m: float = 0.03,
+    heights: int = 3,
 ) -> tuple[float, ...]:
     """z's that the bottom of a carried object may keep, the highest first, metres.
 
@@ -92,10 +79,12 @@ def transfer_heights(
         others: on the table.
         table_height: z of the table top, metres.
         over: z's that it must be above in any case, metres.
+        clearance_m: between what is carried and the highest thing on the table.
+        heights: number that is tried, from above everything to just above what the object comes out of or goes into.
     """
     top = max([table_height, *(o.box.top for o in others)])
     least = max([table_height, *over])
-    return tuple(dict.fromkeys((np.linspace(top, min(least, top), SETTINGS.heights) + SETTINGS.clearance_m).tolist()))
+    return tuple(dict.fromkeys((np.linspace(top, min(least, top), heights) + clearance_m).tolist()))
 
 
 def lift_heights(target: SceneObject, others: Sequence[SceneObject], table_height: float) -> tuple[float, ...]:
@@ -142,7 +131,7 @@ def reached_lift(
 
 
 def plan_pick(
-    cell: Workcell, target: SceneObject, grasps: Sequence[tuple[int, str]], leads_on: LeadsOn | None = None
+    cell: Workcell, target: SceneObject, grasps: Sequence[tuple[int, str]], leads_on: LeadsOn = lambda *_: None
 ) -> PickPlan:
     """The first of ``grasps`` (contact point, arm) that has a free way, and from which the task can go on.
 
@@ -167,7 +156,7 @@ def plan_pick(
 
 
 def _plans(
-    cell: Workcell, target: SceneObject, contact_id: int, arm: str, leads_on: LeadsOn | None
+    cell: Workcell, target: SceneObject, contact_id: int, arm: str, leads_on: LeadsOn
 ) -> Iterator[PickPlan | str]:
     """For each pose of the hand at a contact point, the straightest first: a plan, or why there is none."""
     contact = target.asset.annotation.contact_point(contact_id)
@@ -196,8 +185,7 @@ def _plans(
             try:
                 if path is None:
                     raise MotionFailed("no joint angles grasp and lift it")
-                if leads_on is not None:
-                    leads_on(planner, way, path[-1], contact)
+                leads_on(planner, way, path[-1], contact)
                 reach = planner.move(begun.end, way.before, Load(opening), then=[way.grasp, way.lifted])
                 down = planner.line(reach.end, way.grasp, closing)
                 planner.line(down.end, way.lifted, _lifting(cell.held(target.id, way.grasp), grasped))

@@ -8,7 +8,6 @@ CLOSE = Operated(
     name="close",
     action="open",
     word="closed",
-    start=lambda joint: joint.far_end,
-    target=lambda _: 0.0,
+    closes=True,
     opposite="open",
 )

@@ -8,7 +8,5 @@ OPEN = Operated(
     name="open",
     action="open",
     word="open",
-    start=lambda _: 0.0,
-    target=lambda joint: joint.far_end,
     opposite="closed",
 )

@@ -21,28 +21,12 @@ from vcage.schema.subtasks import Check, PairQuestion, Refusal, Subtask, Templat
 from vcage.tasks.access import access, open_to_a_hand
 from vcage.tasks.feasibility import Transfer, examine, fits
 from vcage.tasks.findings import Feasibility, best_first
-from vcage.tasks.passing import examine_detour
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.slots import CONTENT_GAP_M, Slot, allocate, kept_in_by, lying_in, opened_for, room_for
+from vcage.tasks.slots import CONTENT_GAP_M, Slot, allocate, kept_in_by, lying_in, opened_for, room_for, stands_flush
 from vcage.tasks.stowing import reached
+from vcage.tasks.templates.hand_over import examine_detour
 from vcage.tasks.templates.proposal import Proposal
 from vcage.tasks.workplace import Workplace
-
-
-@dataclass(frozen=True)
-class SlotSettings:
-    """Numbers of places in a receptacle that are tried.
-
-    Args:
-        slots: before a contact point is refused for what is wrong with its place.
-        slots_out_of_reach: and where all that is wrong is that no arm reaches it.
-    """
-
-    slots: int = 12
-    slots_out_of_reach: int = 5
-
-
-SETTINGS = SlotSettings()
 
 
 @dataclass(frozen=True)
@@ -100,12 +84,6 @@ def lying(target: SceneObject, receptacle: SceneObject, point: FunctionalPoint) 
     """The goal that an object is in or on another, at one of its functional points."""
     word = "inside" if point.holds == "in" else "on"
     return Goal(subject=target.id, relation=word, reference=receptacle.id, part=point.link)
-
-
-def stands_flush(target: SceneObject, receptacle: SceneObject, point: FunctionalPoint) -> bool:
-    """True where an object fills the top that it is put on, as a block on a block does."""
-    spare = np.array(receptacle.asset.opening(point).size) - target.asset.footprint
-    return point.holds == "on" and float(np.max(spare)) < 2 * CONTENT_GAP_M
 
 
 def _elsewhere(refusal: Refusal) -> bool:
@@ -213,29 +191,43 @@ class Pair(Proposal):
         if self.goal not in self.asked or self.name != "place" or not any(map(_out_of_reach, tried.refused)):
             return None, tried.refused
         passing = replace(self, name="hand_over")
-        to, findings = examine_detour(list(tried.transfers.values()), workplace.kinematics, workplace.ground.height)
+        to, findings = examine_detour(list(tried.transfers.values()), workplace)
         if to is not None:
             return passing._subtask(workplace.objects, findings, there.requires, to), tried.refused
         return None, tried.refused + passing.judged(dict(zip(tried.transfers, findings, strict=False)))[1]
 
-    def _at_some_slot(self, thing: SceneObject, others: Sequence[SceneObject], workplace: Workplace) -> _AtSlot:
+    def _at_some_slot(
+        self,
+        thing: SceneObject,
+        others: Sequence[SceneObject],
+        workplace: Workplace,
+        slots: int = 12,
+        slots_out_of_reach: int = 5,
+    ) -> _AtSlot:
         """Examine slots until one is feasible, or more of them would not help.
+
+        Args:
+            thing: that is put there.
+            others: all other objects.
+            workplace: with the arms.
+            slots: that are tried before a contact point is refused for what is wrong with its place.
+            slots_out_of_reach: and where all that is wrong is that no arm reaches it.
 
         Raises:
             InfeasibleScene: there is no room for the object.
         """
         present = lying_in(self.receptacle, self.point, others)
         tried = _AtSlot({}, [], [])
-        for number in range(SETTINGS.slots):
+        for number in range(slots):
             slot = allocate(self._opened, self.point.id, [self.thing], workplace.rng, present)[self.thing.id]
             poses = Slot(self.receptacle.id, self.point.id, slot).poses({self.receptacle.id: self._opened})
             transfers = {
                 c.id: Transfer.into(thing, c, self._opened, self.point, poses, others)
                 for c in thing.asset.annotation.carrying_points
             }
-            found = {c: examine(t, workplace.kinematics, workplace.ground.height) for c, t in transfers.items()}
+            found = {c: examine(t, workplace) for c, t in transfers.items()}
             tried = _AtSlot(transfers, *self.judged(found))
-            far = number + 1 >= SETTINGS.slots_out_of_reach and all(map(_out_of_reach, tried.refused))
+            far = number + 1 >= slots_out_of_reach and all(map(_out_of_reach, tried.refused))
             if tried.feasible or far or not any(map(_elsewhere, tried.refused)):
                 break
         return tried

@@ -8,6 +8,4 @@ PRESS = Operated(
     name="press",
     action="press",
     word="pressed",
-    start=lambda _: 0.0,
-    target=lambda joint: joint.far_end,
 )

@@ -104,4 +104,4 @@ class Reading(Proposal):
         where = f"its place before {still.record.phrase}"
         contacts = mover.asset.annotation.carrying_points
         transfers = {c.id: Transfer(mover, c, where, poses, [], (), others) for c in contacts}
-        return self.judged({c: examine(t, workplace.kinematics, workplace.ground.height) for c, t in transfers.items()})
+        return self.judged({c: examine(t, workplace) for c, t in transfers.items()})

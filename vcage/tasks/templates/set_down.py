@@ -99,7 +99,7 @@ class Move(Proposal):
         return f"so that {self.goal}"
 
     def _finding(self, transfer: Transfer, workplace: Workplace) -> Feasibility:
-        return examine(transfer, workplace.kinematics, workplace.ground.height)
+        return examine(transfer, workplace)
 
     def _identifier(self) -> str:
         word = {"on": "onto", "presented": "shown", "back": "back"}.get(self.goal.relation, self.goal.relation)

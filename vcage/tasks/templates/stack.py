@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
-from vcage.tasks.templates.place import Placing, stands_flush
+from vcage.tasks.slots import stands_flush
+from vcage.tasks.templates.place import Placing
 
 STACK = Placing("stack", takes=stands_flush)

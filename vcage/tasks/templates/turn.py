@@ -8,6 +8,4 @@ TURN = Operated(
     name="turn",
     action="turn",
     word="turned",
-    start=lambda _: 0.0,
-    target=lambda joint: joint.far_end,
 )

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.layout.items import roll, standing_at, tray
-from vcage.layout.containers import assign_containers
+from vcage.layout.groups import assign_containers
 from vcage.layout.items import TableItem
 from vcage.objects.openings import Opening
 

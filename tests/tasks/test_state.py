@@ -10,9 +10,9 @@ from tests.example_scenes import TABLE_TOP, thing, world_of
 from vcage.base.geometry import Pose
 from vcage.schema.goals import Goal
 from vcage.sim.world import PHYSICS_HZ, World
-from vcage.tasks.events import Watch
 from vcage.tasks.reading import reading_poses
 from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.state import Watch
 from vcage.tasks.truth import goals_hold
 
 BAR, SCALE = "chocolate_bar", "electronic_scale"
@@ -37,14 +37,14 @@ def test_what_lies_still_on_a_scale_for_a_second_is_weighed() -> None:
     on_scale(world, BAR)
     world.step(int(1.5 * PHYSICS_HZ))
     assert watch.lasted_s(WEIGHED) >= 1.0
-    assert goals_hold([WEIGHED], watch.objects, watch).success
+    assert goals_hold([WEIGHED], watch).success
 
 
 def test_half_a_second_on_a_scale_is_too_short() -> None:
     world, watch = watched([thing(BAR, (0.3, 0.0)), thing(SCALE)], WEIGHED)
     on_scale(world, BAR)
     world.step(int(0.5 * PHYSICS_HZ))
-    truth = goals_hold([WEIGHED], watch.objects, watch)
+    truth = goals_hold([WEIGHED], watch)
     assert not truth.success and "was weighed for 0" in truth.reason
 
 
@@ -70,7 +70,7 @@ def test_a_code_before_a_scanner_for_a_moment_is_read(seconds: float, read: bool
     for _ in range(int(seconds * PHYSICS_HZ)):
         world.set_object_pose(scanner.id, there)  # held
         world.step()
-    assert goals_hold([SCANNED], watch.objects, watch).success is read
+    assert goals_hold([SCANNED], watch).success is read
 
 
 def test_what_happens_after_a_watch_has_stopped_is_not_seen() -> None:
