@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from vcage.datasets.packing.pack import Order, pack
     from vcage.datasets.packing.settings import CompressionSettings
     from vcage.datasets.reader import EpisodeReader
+    from vcage.episodes.second_judge import judge_pair
     from vcage.objects.library import Library
     from vcage.runs.context import StageContext
     from vcage.runs.running import run_stage
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
     from vcage.schema.scene import Scene
     from vcage.sim.world import World
     from vcage.stages.chain import ChainOptions, run_chain
-    from vcage.stages.verify import judge_pair
 
 __all__ = [
     "ChainOptions",
@@ -60,7 +60,7 @@ _PLACES = {
     "StageContext": "vcage.runs.context",
     "World": "vcage.sim.world",
     "append_to": "vcage.apps.appending",
-    "judge_pair": "vcage.stages.verify",
+    "judge_pair": "vcage.episodes.second_judge",
     "pack": "vcage.datasets.packing.pack",
     "replay_episode": "vcage.apps.replay",
     "run_chain": "vcage.stages.chain",

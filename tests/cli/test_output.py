@@ -105,7 +105,7 @@ def test_a_reader_that_goes_away_is_no_error() -> None:
 INTERRUPTED = """
 import os, signal, sys
 number = signal.Signals[sys.argv[1]]
-from vcage.cli.interrupts import end_process
+from vcage.cli.process import end_process
 from vcage.cli.output import run_cli
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job inherits that it is ignored
 class Fragile:

@@ -10,8 +10,7 @@ import pytest
 from tests.run_folders import Finished, copied
 from vcage.base.errors import InputFileError
 from vcage.base.files import read_json, write_json
-from vcage.runs.editable import Editable
-from vcage.runs.edits import changes
+from vcage.runs.edits import Editable, changes
 from vcage.schema.plan import Plan
 
 

@@ -14,7 +14,7 @@ from tests.run_folders import OPTIONS, Finished, copied
 from vcage.base.errors import InputFileError
 from vcage.base.files import RunFolder, read_json, write_json
 from vcage.episodes.question import Asking, _question
-from vcage.episodes.script_run import prepare_run
+from vcage.episodes.scripts import prepare_run
 from vcage.models.rules.reasoner import OfflineReasoner
 from vcage.runs.context import StageContext
 from vcage.scenes.slot_choices import with_chosen_slots

@@ -15,6 +15,7 @@ from vcage.base.drawing import EDGE, VIEW
 from vcage.base.errors import DamagedFile, InputFileError, MissingStage, StaleStage, UnknownName
 from vcage.base.files import RunFolder, read_json, write_json, write_text
 from vcage.base.pictures import read_picture, write_picture
+from vcage.episodes.second_judge import judge_pair
 from vcage.episodes.store import log_path, read_log
 from vcage.runs.edits import seal
 from vcage.schema.episodes import Attempt, CriticCounts, Episodes, SingleVerdict, Truth, Verdict, Verdicts
@@ -251,8 +252,8 @@ def test_without_the_picture_of_the_empty_table_the_stage_that_takes_it_is_named
 
 def test_a_pair_is_judged_by_what_it_shows(finished):
     subtask, before, after = pair(finished)
-    done = verify.judge_pair(finished.run, finished.context, subtask, before, after)
-    idle = verify.judge_pair(finished.run, finished.context, subtask, before, before)
+    done = judge_pair(finished.run, finished.context, subtask, before, after)
+    idle = judge_pair(finished.run, finished.context, subtask, before, before)
     assert isinstance(done, SingleVerdict) and done.verdict.accepted
     assert not idle.verdict.accepted and idle.verdict.reason
 
@@ -260,27 +261,27 @@ def test_a_pair_is_judged_by_what_it_shows(finished):
 def test_an_unknown_subtask_lists_those_there_are(finished):
     subtask, before, after = pair(finished)
     with pytest.raises(UnknownName, match=subtask):
-        verify.judge_pair(finished.run, finished.context, "fly-to-the-moon", before, after)
+        judge_pair(finished.run, finished.context, "fly-to-the-moon", before, after)
 
 
 def test_a_missing_picture_is_named(finished, tmp_path):
     subtask, before, _ = pair(finished)
     with pytest.raises(MissingStage, match=r"nowhere\.png"):
-        verify.judge_pair(finished.run, finished.context, subtask, before, tmp_path / "nowhere.png")
+        judge_pair(finished.run, finished.context, subtask, before, tmp_path / "nowhere.png")
 
 
 def test_what_is_no_picture_is_named(finished, tmp_path):
     subtask, before, _ = pair(finished)
     (tmp_path / "text.png").write_text("not a picture")
     with pytest.raises(DamagedFile, match=r"text\.png"):
-        verify.judge_pair(finished.run, finished.context, subtask, before, tmp_path / "text.png")
+        judge_pair(finished.run, finished.context, subtask, before, tmp_path / "text.png")
 
 
 def test_pictures_of_another_camera_s_size_are_refused(finished, tmp_path):
     subtask, before, after = pair(finished)
     small = write_picture(tmp_path / "small.png", np.ascontiguousarray(read_picture(after)[::2, ::2]))
     with pytest.raises(InputFileError, match=r"small\.png"):
-        verify.judge_pair(finished.run, finished.context, subtask, before, small)
+        judge_pair(finished.run, finished.context, subtask, before, small)
 
 
 def test_verdicts_of_another_layout_are_stale(finished, tmp_path):

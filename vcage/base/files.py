@@ -172,6 +172,14 @@ def atomic_folder(path: Path) -> Iterator[Path]:
             shutil.rmtree(old, ignore_errors=True)
 
 
+def link_or_copy(source: str | Path, target: str | Path) -> None:
+    """Give a file that is never written over a second name; copy it where the file system has no links."""
+    try:
+        os.link(source, target)
+    except OSError:
+        shutil.copy2(source, target)
+
+
 def whole(folder: Path) -> bool:
     """True if a folder's name marks no partial work and no folder under replacement."""
     return PARTIAL not in folder.name and REPLACED not in folder.name

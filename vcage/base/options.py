@@ -149,14 +149,6 @@ def file(text: str) -> Path:
     return Path(text).expanduser().absolute()
 
 
-def png(text: str) -> Path:
-    """The path of a PNG file, which may be there already."""
-    path = Path(text)
-    if path.suffix != ".png" or path.is_dir():
-        raise ValueError(f"{text!r} is not the name of a .png file")
-    return path
-
-
 POSITIVE, NATURAL, FOLDER = value(positive, "N"), value(natural, "N"), value(folder, "DIR")
 FILE = value(file, "FILE")
 RANGES = value(name_or_file, "{none,light,full,FILE}")

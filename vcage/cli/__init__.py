@@ -1,5 +1,39 @@
-"""The ``vcage`` command, and the entry of every script under ``skills/``."""
+"""The ``vcage`` command, and the entry of every script under ``skills/``.
 
-from vcage.cli.search_path import own_packages_first
+Importing it orders the folders in which this process finds packages, before any is imported that another may hold.
+"""
 
-own_packages_first()
+from __future__ import annotations
+
+import os
+import sys
+
+
+def _own_packages_first() -> None:
+    """Find Python's own modules and the packages of this environment before those in folders that others name.
+
+    Those are the folders in ``PYTHONPATH``, for processes that this one starts too, and the current one, in which
+    ``python -m`` looks first.
+
+    Robots' systems (ROS) and clusters name folders for other interpreters, whose packages may not load in this one.
+    What only they have is still found; the folder that this vcage was found in stays first.
+    """
+    try:
+        current = os.getcwd()  # noqa: PTH109, as pathlib may be one of theirs
+    except FileNotFoundError:  # no command works there
+        return
+    home = os.path.abspath(__file__).rsplit(os.sep, 3)[0]  # noqa: PTH100
+    named = os.environ.get("PYTHONPATH")
+    listed = [os.path.abspath(path) for path in named.split(os.pathsep)] if named else []  # noqa: PTH100
+    beside = [current] if sys.argv[:1] == ["-m"] and sys.path[:1] == [current] else []
+    foreign = {*beside, *listed} - {home}
+    sys.path.sort(key=lambda path: path in foreign)  # stable
+    if foreign and listed:
+        import sysconfig
+
+        own = [sysconfig.get_path("purelib"), sysconfig.get_path("platlib")]
+        first = [home] if home in listed else []
+        os.environ["PYTHONPATH"] = os.pathsep.join(dict.fromkeys([*first, *own, *listed]))
+
+
+_own_packages_first()

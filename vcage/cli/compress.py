@@ -1,10 +1,10 @@
-"""``vcage compress``: the stage on a run, or recordings of others."""
+"""``vcage compress``, the stage on a run or recordings of others; and ``vcage decompress``, which undoes it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 from tyro.conf import OmitArgPrefixes, Positional, arg
 
@@ -21,6 +21,7 @@ from vcage.datasets.packing.estimating import estimate, estimate_clips
 from vcage.datasets.packing.inspecting import FRAMES, as_lines, as_text, inspect, show_frames, totals
 from vcage.datasets.packing.output import TARGETS, OutputSpec, omitted
 from vcage.datasets.packing.pack import Order, pack
+from vcage.datasets.packing.unpacking import unpack_all
 from vcage.datasets.recordings.colours import AUTO, CHOICES, as_json
 from vcage.runs.raw_pictures import accepted_files, clips_of
 from vcage.stages import compress
@@ -160,3 +161,33 @@ class Compress(Command):
             asked.skip_damaged,
             asked.colours or AUTO,
         )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Decompress(Command):
+    """Put the pictures of compressed recordings back: HDF5 as it was laid out before, as many frames, in order.
+
+    INPUT is what `vcage compress` wrote: an HDF5 file whose videos lie beside it, or a folder of them. Arrays of pixels
+    come back as arrays, encoded pictures as PNG in the same kind of data set, so that they lose nothing more and every
+    reader of the layout sees what it saw before; where the file keeps their lengths, it keeps those of the PNGs then.
+    The pictures are those of the videos: what compression lost stays lost.
+
+    examples:
+      vcage decompress small --out restored
+      vcage decompress small/episode0.hdf5 --out restored --storage raw
+    """
+
+    input: Annotated[Path, FOLDER, Positional, arg(metavar="INPUT")]
+    """a compressed HDF5 file, or a folder of them"""
+    out: Annotated[Path, FOLDER]
+    """the folder to write; it must be new"""
+    storage: Literal["same", "raw"] = "same"
+    """pictures as they were stored before, or all as arrays of RGB"""
+    force: Flag = False
+    """replace what an earlier call wrote"""
+
+    def execute(self) -> Result:
+        """Put the pictures back."""
+        with progress("decompress") as show:
+            files = unpack_all(self.input, self.out, storage=self.storage, force=self.force, progress=show)
+        return Result(output=self.out, summary={"files": [str(file) for file in files]})

@@ -48,6 +48,10 @@ class Finding:
     required: bool = True
     mend: str = ""
 
+    def unfit(self, why: str, mend: str) -> Finding:
+        """Return the finding of a thing that is there, but not fit."""
+        return Finding(self.name, False, f"{self.found}{why}", self.required, mend)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Doctor(Command):
@@ -102,11 +106,10 @@ def python() -> Finding:
 
 
 def numpy() -> Finding:
-    finding = _package("numpy", "numpy>=1.26,<2")
+    wanted = "numpy>=1.26,<2"
+    finding = _package("numpy", wanted)
     if finding.ok and not finding.found.startswith("1."):
-        return Finding(
-            "numpy", False, f"{finding.found}, under which mplib crashes", mend=pip_command("numpy>=1.26,<2")
-        )
+        return finding.unfit(", under which mplib crashes", pip_command(wanted))
     return finding
 
 
@@ -118,9 +121,7 @@ def sapien() -> Finding:
         importlib.import_module("vcage.sim")
         importlib.import_module("sapien")
     except (ImportError, OSError) as error:
-        return Finding(
-            "sapien", False, f"{finding.found} does not load: {error}", mend=vcage_command("setup", "vulkan", "--force")
-        )
+        return finding.unfit(f" does not load: {error}", vcage_command("setup", "vulkan", "--force"))
     return finding
 
 
@@ -161,18 +162,16 @@ def video() -> Finding:
 
     encoders = [name for name in ("libx265", "libsvtav1", "libx264") if name in av.codecs_available]
     version = ".".join(map(str, av.library_versions["libavcodec"]))
-    found = f"{finding.found}, libavcodec {version}, encoders: {', '.join(encoders) or 'none'}"
-    if "libx265" not in encoders:
-        return Finding(
-            "PyAV", False, f"{found}; libx265 is needed", mend=pip_command("--force-reinstall", "--no-deps", "av")
-        )
-    return Finding("PyAV", True, found)
+    finding = Finding("PyAV", True, f"{finding.found}, libavcodec {version}, encoders: {', '.join(encoders) or 'none'}")
+    if "libx265" in encoders:
+        return finding
+    return finding.unfit("; libx265 is needed", pip_command("--force-reinstall", "--no-deps", "av"))
 
 
 def opencv() -> Finding:
     finding = _package("cv2", OPENCV, name="OpenCV", distribution=OPENCV)
     if finding.ok and not opencv_loads():
-        return Finding("OpenCV", False, f"{finding.found} does not load", mend=vcage_command("setup", "opencv"))
+        return finding.unfit(" does not load", vcage_command("setup", "opencv"))
     return finding
 
 
@@ -192,11 +191,10 @@ def keys() -> Finding:
         names = [f"{provider} in {source}" for provider, source in found_keys().items()]
     except VcageError as error:
         return Finding("keys", False, error.message, required=False, mend=error.hint)
-    found = ", ".join(names) or "none (the offline stand-ins are used)"
+    finding = Finding("keys", True, ", ".join(names) or "none (the offline stand-ins are used)", required=False)
     if open_to_others(key_file()):
-        found, mend = f"{found}; other users may read {key_file()}", closing_command(key_file())
-        return Finding("keys", False, found, required=False, mend=mend)
-    return Finding("keys", True, found, required=False)
+        return finding.unfit(f"; other users may read {key_file()}", closing_command(key_file()))
+    return finding
 
 
 def models() -> Finding:

@@ -14,9 +14,8 @@ from typing import TYPE_CHECKING, Any
 from vcage.base.commands import CALLED, vcage_command
 from vcage.base.errors import UnknownName, UsageError
 from vcage.base.version import __version__
-from vcage.cli.interrupts import end_process
 from vcage.cli.output import Result, run_cli
-from vcage.cli.process import prepare, require_fit
+from vcage.cli.process import end_process, prepare, require_fit
 from vcage.cli.progress import set_up
 from vcage.cli.streams import print_text, stray_output_on_stderr
 
@@ -32,13 +31,13 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "search-subtasks": ("vcage.stages.search_subtasks", "5. find feasible sub-tasks and chain them"),
     "collect": ("vcage.stages.collect", "6. let the robot do it, verified step by step"),
     "verify": ("vcage.cli.verify.Verify", "7. judge episodes or pictures again"),
-    "render": ("vcage.cli.render.RenderEpisodes", "draw episodes again under other looks, without simulating"),
+    "render": ("vcage.cli.recorded.RenderEpisodes", "draw episodes again under other looks, without simulating"),
     "compress": ("vcage.cli.compress.Compress", "8. compress videos of a run, or any recordings"),
     "export": ("vcage.cli.export.ExportEpisodes", "9. write LeRobot data sets"),
-    "decompress": ("vcage.cli.decompress.Decompress", "put the pictures of compressed recordings back"),
-    "replay": ("vcage.cli.replay.Replay", "simulate recorded episodes again, and say what differs"),
-    "report": ("vcage.cli.report.Report", "write the HTML page of a run"),
-    "view": ("vcage.cli.view.ViewEpisode", "look at an episode in the viewer Rerun"),
+    "decompress": ("vcage.cli.compress.Decompress", "put the pictures of compressed recordings back"),
+    "replay": ("vcage.cli.recorded.Replay", "simulate recorded episodes again, and say what differs"),
+    "report": ("vcage.cli.recorded.Report", "write the HTML page of a run"),
+    "view": ("vcage.cli.recorded.ViewEpisode", "look at an episode in the viewer Rerun"),
     "prompts show": ("vcage.cli.prompts.ShowPrompt", "print what a model would be asked in a run"),
     "assets list": ("vcage.cli.assets.ListAssets", "list the objects of the library"),
     "assets search": ("vcage.cli.assets.SearchAssets", "find objects by what they are called or mean"),

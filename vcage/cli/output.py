@@ -24,8 +24,7 @@ from vcage.base.errors import (
     VcageError,
 )
 from vcage.base.files import NO_ROOM
-from vcage.cli.interrupts import interruption, noting_interrupts
-from vcage.cli.process import LIMITS, folder_is_gone, removed_folder
+from vcage.cli.process import LIMITS, folder_is_gone, interruption, noting_interrupts, removed_folder
 from vcage.cli.streams import complain, print_record, print_text
 
 logger = logging.getLogger(__name__)

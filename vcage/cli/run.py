@@ -14,8 +14,8 @@ from vcage.base.files import RunFolder
 from vcage.base.progress import Progress
 from vcage.cli.arguments import Command
 from vcage.cli.going_on import not_dry, remembered
-from vcage.cli.interrupts import stop_if_interrupted
 from vcage.cli.output import Result
+from vcage.cli.process import stop_if_interrupted
 from vcage.cli.progress import progress
 from vcage.cli.stage import BeginCommand, about, context_of
 from vcage.runs.by_products import note_seconds

@@ -23,15 +23,12 @@ def complain(text: str) -> None:
 
 def print_record(record: dict[str, Any]) -> None:
     """Print a line of JSON to stdout, also inside :func:`stray_output_on_stderr`."""
-    print_text(json.dumps(record, ensure_ascii=not _can_print(json.dumps(record, ensure_ascii=False))))
-
-
-def _can_print(text: str) -> bool:
+    text = json.dumps(record, ensure_ascii=False)
     try:
         text.encode(_stdout().encoding or "utf-8")
     except UnicodeEncodeError:
-        return False
-    return True
+        text = json.dumps(record)
+    print_text(text)
 
 
 def print_text(text: str) -> None:

@@ -14,8 +14,8 @@ from vcage.base.commands import CALLED, joined
 from vcage.base.options import FOLDER
 from vcage.cli.arguments import parse, words
 from vcage.cli.going_on import naming_stages
-from vcage.cli.interrupts import end_process
 from vcage.cli.output import Result, run_cli
+from vcage.cli.process import end_process
 from vcage.cli.progress import set_up
 from vcage.cli.stage import StageCommand, execute_stage
 from vcage.cli.streams import stray_output_on_stderr
@@ -39,7 +39,7 @@ def run_script(path: str, argv: list[str] | None = None) -> int:
 
 def _run(path: Path, arguments: Sequence[str]) -> Result | None:
     from vcage.base.files import RunFolder
-    from vcage.episodes.script_run import prepare_run
+    from vcage.episodes.scripts import prepare_run
     from vcage.tasks.synthesis import load_script
 
     text = f"{load_script(path).values['TEXT']}\n\n{(collect.__doc__ or '').splitlines()[0]}"

@@ -14,6 +14,7 @@ from vcage.base.options import UNSAID
 from vcage.cli.arguments import Command
 from vcage.cli.output import Result
 from vcage.cli.stage import StageCommand, execute_stage
+from vcage.episodes.second_judge import judge_pair
 from vcage.stages import verify
 
 PICTURE = arg(metavar="PNG")
@@ -49,7 +50,7 @@ class Verify(StageCommand[verify.Options], Command):
         if self.subtask and self.before and self.after:
             run = RunFolder(self.run)
             context = self.stage.context(run)
-            answer = verify.judge_pair(run, context, self.subtask, self.before, self.after)
+            answer = judge_pair(run, context, self.subtask, self.before, self.after)
             return Result(schema=answer.SCHEMA, summary=answer.model_dump(mode="json", by_alias=True))
         if self.subtask or self.before or self.after:
             raise UsageError("--subtask, --before and --after belong together", hint="give all three, or none")

@@ -4,46 +4,31 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from vcage.base.drawing import EDGE, INK, PAPER, WARNING, WORDS, Canvas, Colour, contact_sheet
-from vcage.schema.episodes import Difference, Truth, Verdict
+from vcage.schema.episodes import Difference, Verdict
 from vcage.tasks.setting import Seen
 
 
-@dataclass(frozen=True)
-class TextSettings:
-    """The text under the pictures.
-
-    Args:
-        line_px: height of a line.
-        letters: per line, as wide as those of a verdict are on average.
-    """
-
-    line_px: int = 28
-    letters: int = 120
-
-
-TEXT = TextSettings()
-
-
-def draw_difference(found: Difference, seen: Seen) -> np.ndarray:
+def draw_difference(found: Difference, seen: Seen, line_px: int = 28, letters: int = 120) -> np.ndarray:
     """Draw the views before and after side by side, those of other moments below, and the verdicts under them.
 
     Args:
         found: the difference; a verdict that contradicts the simulator's state is red.
         seen: the pictures that both critics looked at, (H, W, 3) uint8 RGB.
+        line_px: height of a line of text.
+        letters: per line, as wide as those of a verdict are on average.
 
     Returns:
         (H', W', 3) uint8, two views wide.
     """
-    sheet, lines = contact_sheet(_views(seen)), list(_lines(found))
-    below = np.full((len(lines) * TEXT.line_px + EDGE, sheet.shape[1], 3), PAPER, dtype=np.uint8)
+    sheet, lines = contact_sheet(_views(seen)), list(_lines(found, letters))
+    below = np.full((len(lines) * line_px + EDGE, sheet.shape[1], 3), PAPER, dtype=np.uint8)
     canvas = Canvas(below, text_size=WORDS)
     for number, (line, colour) in enumerate(lines):
-        canvas.text((EDGE, number * TEXT.line_px), line, fill=colour)
+        canvas.text((EDGE, number * line_px), line, fill=colour)
     return np.vstack([sheet, canvas.picture()])
 
 
@@ -55,20 +40,16 @@ def _views(seen: Seen) -> Sequence[tuple[str, np.ndarray]]:
     return [(f"{when}, {camera}", seen[when][camera]) for when, camera in order if camera in seen.get(when, {})]
 
 
-def _lines(found: Difference) -> Iterator[tuple[str, Colour]]:
+def _lines(found: Difference, letters: int) -> Iterator[tuple[str, Colour]]:
     """Yield the text, line by line, with its colour."""
     said = [("while collecting", found.earlier_verdict), ("again", found.verdict)]
     paragraphs = [(f"Episode {found.episode}, step {found.step}, attempt {found.attempt}: {found.text}", INK)]
     paragraphs += [(_verdict(when, v), WARNING if v.accepted != found.truth.success else INK) for when, v in said]
-    paragraphs += [(_truth(found.truth), INK)]
+    paragraphs += [(f"The simulator's state says {'yes' if found.truth.success else 'no'}: {found.truth.reason}", INK)]
     for words, colour in paragraphs:
-        yield from ((line, colour) for line in textwrap.wrap(words, TEXT.letters, subsequent_indent="    "))
+        yield from ((line, colour) for line in textwrap.wrap(words, letters, subsequent_indent="    "))
 
 
 def _verdict(when: str, said: Verdict) -> str:
     yes = "yes" if said.accepted else "no"
     return f"{said.provider}, {when}, says {yes} ({said.confidence:.2f}): {said.reason}"
-
-
-def _truth(truth: Truth) -> str:
-    return f"The simulator's state says {'yes' if truth.success else 'no'}: {truth.reason}"

@@ -147,7 +147,7 @@ def _question(context: StageContext, scene: Scene, asking: Asking) -> CriticQues
         text=asking.text,
         goals=list(goals),
         **{when: _views(when, seen, taken_by) for when in ("before", "after", "moment", "start")},
-        uncalibrated=_uncalibrated(seen, taken_by),
+        uncalibrated={when: {k: p for k, p in by.items() if k not in taken_by} for when, by in seen.items()},
         references={o.id: context.look(o, opened.get(o.id, ())) for o in scene.objects},
         planned={o.id: o.pose.pose() for o in scene.objects},
         opened=opened,
@@ -170,11 +170,6 @@ def _views(when: str, seen: Seen, taken_by: Mapping[str, Camera]) -> dict[str, V
     """The pictures of a moment from the calibrated cameras, by camera."""
     shown = {name: p for name, p in seen.get(when, {}).items() if name in taken_by}
     return {name: _view(p, taken_by[name], f"{when}, {name}") for name, p in shown.items()}
-
-
-def _uncalibrated(seen: Seen, taken_by: Collection[str]) -> dict[str, dict[str, np.ndarray]]:
-    """The pictures from all other cameras."""
-    return {when: {name: p for name, p in by.items() if name not in taken_by} for when, by in seen.items()}
 
 
 def _view(picture: np.ndarray, camera: Camera, name: str) -> View:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import logging
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache
@@ -72,8 +72,7 @@ class _Task:
     source: Path
     episode: int
     look: int
-    ranges: Randomisation
-    seed: int
+    order: Order
     out: Path
 
 
@@ -89,9 +88,9 @@ def render_run(run: RunFolder, order: Order, progress: Progress = silent) -> Ren
         raise UsageError(f"--looks is {order.looks}", hint=f"give 1 to {order.MOST_LOOKS}")
     chosen = _chosen(run, order.episodes)
     folder = run.root / FOLDER
-    _sweep(run, folder)
+    earlier = _swept(run, folder)
     tasks = [
-        _Task(run.file(str(e.file)), e.index, look, order.ranges, order.seed, folder / _name(e.index, look))
+        _Task(run.file(str(e.file)), e.index, look, order, folder / _name(e.index, look))
         for look in range(order.looks)
         for e in chosen
     ]
@@ -105,6 +104,7 @@ def render_run(run: RunFolder, order: Order, progress: Progress = silent) -> Ren
             done.append(render)
             if len(done) < len(tasks):
                 progress(f"{Path(render.file).name} drawn", len(done), len(tasks))
+    renders = {render.file: render for render in (*earlier, *done)}
     record = Renders(
         provenance=Provenance(
             producer="render",
@@ -112,7 +112,7 @@ def render_run(run: RunFolder, order: Order, progress: Progress = silent) -> Ren
             options={"looks": order.looks, "randomisation": order.ranges.model_dump(mode="json", by_alias=True)},
             inputs={run.relative(task.source): sha256_file(task.source) for task in tasks[: len(chosen)]},
         ),
-        renders=sorted([*done, *_of_earlier_calls(folder, done)], key=lambda render: (render.episode, render.look)),
+        renders=sorted(renders.values(), key=lambda render: (render.episode, render.look)),
     )
     record.write(folder / INDEX)
     return record
@@ -134,8 +134,12 @@ def _name(episode: int, look: int) -> str:
     return f"episode_{episode:06d}-look_{look:03d}.hdf5"
 
 
-def _sweep(run: RunFolder, folder: Path) -> None:
-    """Remove files of a killed call, and renders of an episode that does not count any more or is another."""
+def _swept(run: RunFolder, folder: Path) -> list[Render]:
+    """Remove files of a killed call, and renders of an episode that does not count any more or is another.
+
+    Returns:
+        The renders of earlier calls that stay.
+    """
     sources = {episode.index: run.file(str(episode.file)) for episode in accepted_episodes(run)}
 
     @cache
@@ -145,29 +149,25 @@ def _sweep(run: RunFolder, folder: Path) -> None:
         with EpisodeReader(sources[episode]) as reader:
             return reader.episode.digest()
 
+    found = []
     for path in sorted(folder.glob("episode_*-look_*.hdf5")):
-        made = _made(path)
-        if made is None:
+        render, digest = _made(path)
+        if render is None:
             path.unlink()
-        elif now(made["episode"]) != made["sha256"]:
-            logger.warning("%s is removed: episode %d counts no more, or is another", path, made["episode"])
+        elif now(render.episode) != digest:
+            logger.warning("%s is removed: episode %d counts no more, or is another", path, render.episode)
             path.unlink()
+        else:
+            found.append(render)
+    return found
 
 
-def _made(path: Path) -> dict[str, Any] | None:
-    """Return the record of a render; None for a file of a killed call, or no render of ours."""
+def _made(path: Path) -> tuple[Render | None, str]:
+    """Return the record of a render, and the digest of its episode; None for a killed call's file, or none of ours."""
     with suppress(DamagedFile, OSError, KeyError, ValueError, TypeError), open_hdf5_file(path) as file:
-        made = {**json.loads(file["meta/render"][()]), "frames": len(file["timestamp"])}
-        return made if _record(path, made, made["frames"]) and isinstance(made["sha256"], str) else None
-    return None
-
-
-def _of_earlier_calls(folder: Path, drawn: Collection[Render]) -> Iterator[Render]:
-    """Yield the renders of earlier calls."""
-    now = {Path(render.file).name for render in drawn}
-    for path in folder.glob("episode_*-look_*.hdf5"):
-        if path.name not in now and (made := _made(path)) is not None:
-            yield _record(path, made, made["frames"])
+        made = json.loads(file["meta/render"][()])
+        return _record(path, made, len(file["timestamp"])), str(made["sha256"])
+    return None, ""
 
 
 def _record(path: Path, made: Mapping[str, Any], frames: int) -> Render:
@@ -182,8 +182,8 @@ def _render(task: _Task) -> Render:
     with EpisodeReader(task.source) as reader:
         episode = reader.episode
     recorded = Recorded.of(episode, task.source, _context())
-    rng = np.random.default_rng([task.seed, task.episode, task.look])
-    look = draw_look(task.ranges.look, recorded.scene, recorded.models, recorded.robot, rng)
+    rng = np.random.default_rng([task.order.seed, task.episode, task.look])
+    look = draw_look(task.order.ranges.look, recorded.scene, recorded.models, recorded.robot, rng)
     meta = _drawn_meta(recorded, task, look)
     if not _is_there(task.out, meta):
         _write(task.out, recorded, look, meta)
@@ -197,21 +197,19 @@ def _context() -> StageContext:
 
 def _drawn_meta(recorded: Recorded, task: _Task, look: Look) -> dict[str, Any]:
     """Return the facts of an episode with another look and the same random world."""
-    drawn = recorded.drawn.model_copy(update={"look": look, "ranges": _both(recorded.drawn.ranges, task.ranges.name)})
+    world, own = recorded.drawn.ranges, task.order.ranges.name
+    drawn = recorded.drawn.model_copy(
+        update={"look": look, "ranges": own if own == world else f"{world}, its look {own}"}
+    )
     made = {
         "episode": task.episode,
         "look": task.look,
-        "ranges": task.ranges.name,
-        "seed": task.seed,
+        "ranges": own,
+        "seed": task.order.seed,
         "sha256": recorded.episode.digest(),
         "versions": versions(),
     }
     return {**recorded.episode.meta, **world_facts(recorded.scene, drawn), "render": made}
-
-
-def _both(world: str, look: str) -> str:
-    """Return the names of the ranges of a world, and of a look."""
-    return look if look == world else f"{world}, its look {look}"
 
 
 def _is_there(path: Path, meta: Mapping[str, Any]) -> bool:

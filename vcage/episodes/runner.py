@@ -34,7 +34,7 @@ from vcage.runs.stage import Job
 from vcage.schema.episodes import Attempt, Episode, Verdict
 from vcage.schema.goals import Goal, in_steps
 from vcage.schema.plan import Relation
-from vcage.schema.randomisation import Drawn, Randomisation, WorldRanges
+from vcage.schema.randomisation import Drawn, Randomisation
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Chain, Subtask, Subtasks
 from vcage.sim.looks import draw_look, look_world
@@ -80,29 +80,6 @@ class _Work:
     goals: list[Goal]
     starts: Starts
 
-    @classmethod
-    def of(
-        cls,
-        chain: Chain,
-        kept: Mapping[str, Subtask],
-        scene: Scene,
-        relations: Sequence[Relation] | None,
-        ranges: WorldRanges,
-        named: Mapping[str, Script],
-        context: StageContext,
-    ) -> _Work:
-        """Return the scripts of a chain, and its starts: those of an instruction are where its plan was proven.
-
-        ``relations`` of the plan hold in drawn layouts; None if no layouts are drawn. ``named`` scripts are executed
-        in place of generated ones.
-        """
-        steps = [(kept[name], named.get(name) or script_of(kept[name])) for name in chain.subtasks]
-        own_grasps = frozenset(subtask.id for subtask, script in steps if not script.tries(subtask.grasps))
-        start = ready_for(steps[0][0], scene, context.objects(scene))
-        goals = lasting(in_steps(scene.goals) or [subtask.goals for subtask, _ in steps])
-        starts = Starts(start, relations, [subtask for subtask, _ in steps], ranges, context)
-        return cls(chain.text, chain.wordings, steps, own_grasps, goals, starts)
-
 
 class EpisodeRunner:
     """Runs the episodes of a collection, with what all of them share.
@@ -132,8 +109,27 @@ class EpisodeRunner:
         kept = {s.id: s for s in subtasks.kept}
         varied = stage.options["layout"] == "varied" and run.plan.exists()  # a script that runs alone has no plan
         relations = read_plan(run, Scene.read(run.scene), context).relations if varied else None
-        given = (kept, self._scene, relations, ranges.world, scripts or {}, context)
-        self._chains = [_Work.of(chain, *given) for chain in subtasks.chains]
+        self._chains = [self._work(chain, kept, relations, scripts or {}) for chain in subtasks.chains]
+
+    def _work(
+        self,
+        chain: Chain,
+        kept: Mapping[str, Subtask],
+        relations: Sequence[Relation] | None,
+        named: Mapping[str, Script],
+    ) -> _Work:
+        """Return the scripts of a chain, and its starts: those of an instruction are where its plan was proven.
+
+        ``relations`` of the plan hold in drawn layouts; None if no layouts are drawn. ``named`` scripts are executed
+        in place of generated ones.
+        """
+        scene, context = self._scene, self._context
+        steps = [(kept[name], named.get(name) or script_of(kept[name])) for name in chain.subtasks]
+        own_grasps = frozenset(subtask.id for subtask, script in steps if not script.tries(subtask.grasps))
+        start = ready_for(steps[0][0], scene, context.objects(scene))
+        goals = lasting(in_steps(scene.goals) or [subtask.goals for subtask, _ in steps])
+        starts = Starts(start, relations, [subtask for subtask, _ in steps], self._ranges.world, context)
+        return _Work(chain.text, chain.wordings, steps, own_grasps, goals, starts)
 
     def one(self, index: int, folder: Path) -> tuple[Episode, list[Attempt]]:
         """Run an episode and write its files.
@@ -197,9 +193,8 @@ class EpisodeRunner:
         return [(reworded(subtask, start.phrases), script) for subtask, script in work.steps]
 
     def _judge(self, start: Start, asked: Asked, subtask: Subtask, seen: Seen, background: np.ndarray) -> Verdict:
-        text = in_other_words(asked.text, start.phrases)
-        told = (seen, background, subtask.requires, subtask.grasped, subtask.statements)
-        return verdict(self._context, start.scene, Asking(text, asked.goals, *told))
+        words = {"text": in_other_words(asked.text, start.phrases), "goals": asked.goals}
+        return verdict(self._context, start.scene, Asking.of(subtask.model_copy(update=words), seen, background))
 
     def _record(self, done: EpisodeRun, index: int, name: str, start: Start, drawn: Drawn) -> Episode:
         frames = len(done.log)

@@ -11,7 +11,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from vcage.base.errors import DamagedFile, InputFileError, MissingStage
-from vcage.base.files import atomic_folder, write_text
+from vcage.base.files import atomic_folder, link_or_copy, write_text
 from vcage.base.keeper import Keeper
 from vcage.base.leftovers import PARTIAL, REPLACED, recover
 from vcage.base.reading import Unreadable, text_of
@@ -53,7 +53,7 @@ class EpisodeStore:
         shutil.rmtree(self.folder, ignore_errors=True)
         with atomic_folder(self.folder) as folder:
             if done is not None:
-                shutil.copytree(done.path.parent, folder, copy_function=os.link, dirs_exist_ok=True)
+                shutil.copytree(done.path.parent, folder, copy_function=link_or_copy, dirs_exist_ok=True)
         if done is not None:
             self._load()
 

@@ -18,7 +18,7 @@ from vcage.models.quantifiers import quantified
 from vcage.models.selection_check import phrase_of
 from vcage.objects.bystanders import bystanders
 from vcage.runs.context import StageContext
-from vcage.scenes.stability import moved_objects
+from vcage.scenes.possible import moved_objects, settled_record
 from vcage.schema.asset import CatalogueEntry, PhysicalModel
 from vcage.schema.base import PoseRecord, box_record
 from vcage.schema.randomisation import HEIGHT_STEP, WorldDraw, WorldRanges, heights_within
@@ -64,9 +64,7 @@ class Worlds:
         records = []
         for o in self.scene.objects:
             changed = self._as_variant(o, draw.variants[o.id]) if o.id in draw.variants else o
-            pose = shift * o.pose.pose()
-            box = box_record(self.context.asset(changed).bounds, pose)
-            records.append(changed.model_copy(update={"pose": PoseRecord.of(pose), "aabb": box}))
+            records.append(settled_record(changed, shift * o.pose.pose(), self.context))
         return self.scene.model_copy(update={"table": table, "objects": records})
 
     def clutter(self, draw: WorldDraw) -> list[SceneObject]:

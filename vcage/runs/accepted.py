@@ -1,4 +1,4 @@
-"""The episodes of a run that count: accepted by collect, and not refused by verify since.
+"""The episodes of a run that count: accepted by collect or by a person, and not refused by verify since.
 
 A refused episode stays on disk, and later stages leave it out.
 """
@@ -8,10 +8,11 @@ from __future__ import annotations
 import logging
 import shutil
 from pathlib import Path
+from typing import TypeVar
 
 from vcage.base.errors import DamagedFile, MissingStage, NotJudged
 from vcage.base.files import RunFolder, sha256_file
-from vcage.schema.episodes import Episode, Episodes, Verdict, Verdicts
+from vcage.schema.episodes import BY_HAND, Episode, Episodes, Verdict, Verdicts
 
 logger = logging.getLogger(__name__)
 
@@ -93,3 +94,27 @@ def remove_exports(data_sets: Path) -> None:
 def acceptance_files(run: RunFolder) -> list[Path]:
     """Return the files that decide which episodes count: inputs of every stage that reads episodes."""
     return [run.episodes, *([run.verdicts] if run.verdicts.exists() else [])]
+
+
+DECISIONS = ("accepted", "reason", "confidence")
+"""Fields of an episode or a verdict that a person decides; all else was recorded."""
+
+D = TypeVar("D", Episode, Verdict)
+
+
+def decided(was: D, now: D) -> D:
+    """Return a decision that may have been edited, with a reason of its own and with who decided.
+
+    Args:
+        was: as it was written.
+        now: as it is in the edited file.
+    """
+    if now == was:
+        return was
+    reason = now.reason
+    if was.accepted != now.accepted and was.reason == now.reason:  # which says why of the contrary
+        reason = "accepted by hand" if now.accepted else "refused by hand"
+    decision = {"reason": reason}
+    if isinstance(now, Verdict):
+        decision |= {"provider": BY_HAND, "failure": None if now.accepted else now.failure}
+    return now.model_copy(update=decision)

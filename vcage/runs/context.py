@@ -27,9 +27,9 @@ from vcage.sim.appearance import Appearance
 from vcage.sim.drawer import Drawing, ModelDrawer, Window, reference_view
 from vcage.sim.kinematics import ArmKinematics, kinematics_of
 from vcage.sim.robots import load_robot
+from vcage.sim.world import World
 from vcage.tasks.scene_objects import SceneObject
 from vcage.vision.protocols import Reference
-from vcage.vision.symmetry import rotational_symmetry
 
 logger = logging.getLogger(__name__)
 
@@ -52,7 +52,6 @@ class StageContext:
         self._choice = Choice(models) if isinstance(models, str) else models
         self._networks = detector, embedder
         self._references: dict[tuple[str, str, tuple[float, ...]], np.ndarray] = {}
-        self._symmetries: dict[tuple[str, str], int] = {}
         self._drawers: dict[tuple[str, str], ModelDrawer] = {}
         self._reach: dict[tuple[str, Workspace, Table, bool, str | None, Tilted], np.ndarray] = {}
 
@@ -160,13 +159,7 @@ class StageContext:
         x, y, z = (float(length) for length in asset.size)
         return Reference(record.phrase, *self.reference(record, joints), (x, y, z))
 
-    def symmetry(self, record: ObjectRecord) -> int:
-        """Return the n-fold rotational symmetry of the top view of an object: 0 is round, 1 none."""
-        key = (record.asset, record.variant)
-        if key not in self._symmetries:
-            self._symmetries[key] = rotational_symmetry(self.reference(record)[0])
-        return self._symmetries[key]
-
-    def appearance(self, texture: str) -> Appearance:
-        """Return the plain look of a scene: studio light and the table's own texture."""
-        return Appearance(table_texture=surface_picture("table", texture))
+    def drawn_world(self, scene: Scene) -> World:
+        """Return a world of a scene to take pictures of, in its plain look: studio light, the table's own texture."""
+        look = Appearance(table_texture=surface_picture("table", scene.table.texture))
+        return World.of_scene(scene, self.physical_models(scene), appearance=look, render=True)

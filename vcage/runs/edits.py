@@ -1,18 +1,21 @@
-"""Find what a person changed in a stage's folder since the stage wrote it, which :data:`SEAL` beside it says.
+"""Edited files as new inputs: found, checked like what the stage makes itself, then used.
 
-:mod:`vcage.runs.editable` says what becomes of it.
+What a person changed in a stage's folder since the stage wrote it, :data:`SEAL` beside it says.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NoReturn, TypeVar
+from typing import Any, Generic, NoReturn, TypeVar
 
 from vcage.base.errors import InputFileError
-from vcage.base.files import read_json, sha256_file, stage_of_file, write_json
+from vcage.base.files import RunFolder, read_json, sha256_file, stage_of_file, write_json
 from vcage.base.inside import path_complaint
+from vcage.base.pictures import read_picture
+from vcage.runs.context import StageContext
 from vcage.schema.base import StageDocument
 
 D = TypeVar("D", bound=StageDocument)
@@ -76,11 +79,6 @@ def edited_scripts(path: Path) -> dict[str, str]:
 def lost(path: Path) -> list[str]:
     """Name the files that a stage wrote beside its JSON, not further below, and that are gone."""
     return [name for name in _written(path)["files"] if "/" not in name and not (path.parent / name).is_file()]
-
-
-def written_record(path: Path, kind: type[D]) -> D:
-    """Return the JSON of a stage as the stage wrote it."""
-    return kind.parse(_written(path)["record"], path)
 
 
 def changes(path: Path) -> Iterator[tuple[Place, str, str]]:
@@ -167,3 +165,81 @@ def _in_words(value: Any) -> str:
         return f"{len(value)} of them"
     text = json.dumps(value, ensure_ascii=False)
     return text if len(text) <= 80 else f"{text[:77]}..."
+
+
+# --- what may be edited -----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Edit(Generic[D]):
+    """A stage's JSON that a person edited.
+
+    Args:
+        run: the run folder.
+        path: of the JSON.
+        was: the record as it was written.
+        record: the record as it is now.
+        keep: names of other files that were edited, which stay as they are.
+        folder: a copy of the stage's folder, which takes its place.
+        context: what stages share.
+    """
+
+    run: RunFolder
+    path: Path
+    was: D
+    record: D
+    keep: frozenset[str]
+    folder: Path
+    context: StageContext
+
+    def changes(self, *fields: str) -> list[str]:
+        """Name those of some fields that were edited."""
+        return [field for field in fields if getattr(self.was, field) != getattr(self.record, field)]
+
+
+@dataclass(frozen=True)
+class Editable(Generic[D]):
+    """The part of a stage's files that a person may edit; an edit of anything else is refused.
+
+    Args:
+        document: the stage's JSON.
+        fields: those that may be edited, with all below them: ``episodes.*.reason``; ``episodes.#`` is their number.
+        pictures: the files beside may be edited as well; else they are evidence.
+        accept: check an edited record, and finish it as the stage finishes its own; raises InputFileError.
+    """
+
+    document: type[D]
+    fields: Sequence[str] = ()
+    pictures: bool = False
+    accept: Callable[[Edit[D]], D] = lambda edit: edit.record
+
+    def accepted(self, run: RunFolder, path: Path, files: Sequence[str], folder: Path, context: StageContext) -> D:
+        """Return the record of a stage of which files were edited, with them among its ``edited``.
+
+        Args:
+            run: the run folder.
+            path: the stage's JSON.
+            files: names of the edited files.
+            folder: a copy of the stage's folder, in which files may be replaced.
+            context: what stages share.
+
+        Raises:
+            InputFileError: what was edited is not possible or not to be edited: names file, field and expectation.
+        """
+        was, record = self.document.parse(_written(path)["record"], path), self.document.read(path)
+        for place, found, expected in changes(path):
+            if not any(_covers(field.split("."), place) for field in ("edited", *self.fields)):
+                field = ".".join(place).removesuffix(".#")
+                refuse(path, field, found, f"{expected}, as it was written")
+        beside = [name for name in files if name != path.name]
+        for name in beside:
+            if not self.pictures:
+                refuse(path.parent / name, "(whole file)", "changed by hand", f"what {stage_of_file(path)} recorded")
+            read_picture(path.parent / name)
+        keep = frozenset([*beside, *edited_scripts(path)])
+        record = self.accept(Edit(run, path, was, record, keep, folder, context))
+        return record.model_copy(update={"edited": sorted({*was.edited, *files})})
+
+
+def _covers(field: Sequence[str], place: Place) -> bool:
+    return len(place) >= len(field) and all(one in ("*", part) for one, part in zip(field, place, strict=False))

@@ -16,6 +16,7 @@ from vcage.plans.check import plan_complaints
 from vcage.plans.descriptions import unsaid, with_descriptions
 from vcage.plans.plain_words import in_words
 from vcage.runs.context import StageContext
+from vcage.runs.edits import refuse
 from vcage.schema.matches import Matches
 from vcage.schema.plan import LayoutPlan, Plan
 from vcage.schema.scene import Scene
@@ -80,8 +81,7 @@ def read_matches(run: RunFolder, scene: Scene) -> Matches:
     far = [m.object for m in matches.matches if np.any(m.position < lower) or np.any(m.position > upper)]
     if far:
         raise InputFileError(
-            f"{run.matches} has places that are nowhere near the table: {', '.join(far)}",
-            maker="match",
+            f"{run.matches} has places that are nowhere near the table: {', '.join(far)}", maker="match"
         )
     return matches
 
@@ -95,11 +95,7 @@ def read_pictures(run: RunFolder, scene: Scene) -> ScenePictures:
     """
     for name in ("source", "segmentation", "background"):
         if name not in scene.pictures:
-            raise InputFileError(
-                f"{run.scene}: field pictures.{name}: nothing; expected the path of a picture",
-                hint="mend the field",
-                maker="select_place",
-            )
+            refuse(run.scene, f"pictures.{name}", "nothing", "the path of a picture")
     read = {"source": read_picture, "segmentation": read_labels, "background": read_picture}
     pictures = {name: reader(run.file(scene.pictures[name])) for name, reader in read.items()}
     expected = (scene.top_camera.height, scene.top_camera.width)

@@ -8,7 +8,6 @@ a stage that is killed leaves it with the one or the other.
 from __future__ import annotations
 
 import os
-import shutil
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
@@ -18,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from vcage.base.errors import DamagedFile, InputFileError, MissingStage, StaleStage
-from vcage.base.files import RunFolder, atomic_path, sha256_file
+from vcage.base.files import RunFolder, atomic_path, link_or_copy, sha256_file
 from vcage.base.videos import decoded_count
 from vcage.base.workers import cores
 from vcage.datasets.hdf5_files import damage, open_hdf5_file
@@ -47,11 +46,6 @@ class EpisodeFile:
     path: Path
     frames: int
 
-    @property
-    def holds_links(self) -> bool:
-        """True if its pictures lie in videos beside it; raises as :func:`holds_links`."""
-        return holds_links(self.path)
-
 
 def accepted_files(run: RunFolder) -> list[EpisodeFile]:
     """Return the files of the episodes that count; raises as :func:`vcage.runs.accepted.accepted_episodes`."""
@@ -75,7 +69,7 @@ def require_raw(files: Iterable[EpisodeFile]) -> None:
     Raises:
         MissingStage: some do not; says how to have them again.
     """
-    gone = [file.path for file in files if file.holds_links]
+    gone = [file.path for file in files if holds_links(file.path)]
     if gone:
         raise MissingStage(
             f"{gone[0]}{f' and {len(gone) - 1} more' if gone[1:] else ''} holds no raw pictures any more: they were "
@@ -106,7 +100,7 @@ def clips_of(files: Iterable[EpisodeFile]) -> list[Clip]:
     """
     clips = []
     for file in files:
-        if not file.holds_links:
+        if not holds_links(file.path):
             recording = open_hdf5(file.path)
             rate = float(recording.fps or 0)
             clips += [Clip(file.path.stem, recording, camera.name, rate) for camera in recording.cameras]
@@ -115,12 +109,8 @@ def clips_of(files: Iterable[EpisodeFile]) -> list[Clip]:
 
 def made_with(run: RunFolder, options: Mapping[str, Any]) -> Compression | None:
     """Return the run's compression if it was made with these options."""
-    record = _compression(run)
+    record = Compression.read(run.compression) if run.compression.exists() else None
     return record if record and record.provenance.options == options else None
-
-
-def _compression(run: RunFolder) -> Compression | None:
-    return Compression.read(run.compression) if run.compression.exists() else None
 
 
 def earlier_videos(
@@ -133,13 +123,15 @@ def earlier_videos(
     Raises:
         MissingStage: the videos would have to be made again: more than the set of episodes has changed.
     """
-    gone = {file.name: file for file in files if file.holds_links}
+    gone = {file.name: file for file in files if holds_links(file.path)}
     if not gone:
         return {}
-    record = _compression(run)
-    known = [*record.streams, *chain(*(one.streams for one in record.set_aside.values()))] if record else []
+    if not run.compression.exists():
+        require_raw(gone.values())
+    record = Compression.read(run.compression)
+    known = [*record.streams, *chain(*(one.streams for one in record.set_aside.values()))]
     streams = [stream for stream in known if stream.episode in gone]
-    changed = differences(record.provenance, now) if record else []
+    changed = differences(record.provenance, now)
     others = changed and all(what.startswith("input ") for what in changed)
     if not others or {stream.episode for stream in streams} != gone.keys():
         require_raw(gone.values())
@@ -191,7 +183,7 @@ def link_videos(run: RunFolder, files: Iterable[EpisodeFile], record: Compressio
         DamagedFile: a video does not hold what it should; then all episodes keep their pictures.
         DiskFull, OutputFolderError: the episodes cannot be written.
     """
-    raw = [file for file in files if file.name in record.packed and not file.holds_links]
+    raw = [file for file in files if file.name in record.packed and not holds_links(file.path)]
     waiting = {
         file: [(run.file(stream.file), stream) for stream in record.streams if stream.episode == file.name]
         for file in raw
@@ -200,7 +192,8 @@ def link_videos(run: RunFolder, files: Iterable[EpisodeFile], record: Compressio
         list(pool.map(lambda video: _verify(*video), chain(*waiting.values())))
     for file, videos in waiting.items():
         for video, _ in videos:
-            _link_beside(video, file.path)
+            with atomic_path(file.path.with_name(video.name)) as part:
+                link_or_copy(video, part)
         packed = _packed(file.path, [stream for _, stream in videos], scratch)
         if sha256_file(packed) != record.packed[file.name]:
             raise StaleStage(
@@ -223,12 +216,3 @@ def _verify(video: Path, stream: VideoStream) -> None:
             f"{video} holds {frames} frames in {size} bytes, {stream.frames} in {stream.bytes} were written",
             maker="compress",
         )
-
-
-def _link_beside(video: Path, episode: Path) -> None:
-    """Give a video a second name in the folder of its episode."""
-    with atomic_path(episode.with_name(video.name)) as part:
-        try:
-            os.link(video, part)
-        except OSError:  # a file system without hard links
-            shutil.copyfile(video, part)

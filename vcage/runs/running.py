@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import importlib
 import logging
-import os
 import shutil
 import time
 from collections.abc import Iterator
@@ -13,14 +12,13 @@ from pathlib import Path
 from typing import Any, Protocol, cast
 
 from vcage.base.errors import FolderInUse, MissingStage
-from vcage.base.files import OWN, PRODUCERS, RunFolder, atomic_folder, cache_path
+from vcage.base.files import OWN, PRODUCERS, RunFolder, atomic_folder, cache_path, link_or_copy
 from vcage.base.hold import held
 from vcage.base.leftovers import recover, sweep_cache, sweep_folder
 from vcage.base.progress import Progress, silent
 from vcage.runs.by_products import interrupted, note_seconds, noting_progress, unfinished
 from vcage.runs.context import StageContext
-from vcage.runs.editable import Editable
-from vcage.runs.edits import edited_scripts, edits, seal
+from vcage.runs.edits import Editable, edited_scripts, edits, seal
 from vcage.runs.stage import Job, StageOptions, StageResult
 
 logger = logging.getLogger(__name__)
@@ -49,10 +47,8 @@ class Stage(Protocol):
         """Return a few facts for the caller."""
         ...
 
-    @property
-    def EDITABLE(self) -> Editable[Any]:
-        """The part of its files that a person may edit."""
-        ...
+    EDITABLE: Editable[Any]
+    """The part of its files that a person may edit."""
 
 
 def stage_of(name: str) -> Stage:
@@ -152,17 +148,9 @@ def _accept_edits_of(path: Path, run: RunFolder, context: StageContext) -> None:
     stage = PRODUCERS[path.parent.name]
     logger.warning("%s of %s was edited by hand: checking it", ", ".join(files), stage)
     with atomic_folder(path.parent) as folder:
-        shutil.copytree(path.parent, folder, copy_function=_link, dirs_exist_ok=True)
+        shutil.copytree(path.parent, folder, copy_function=link_or_copy, dirs_exist_ok=True)
         record = stage_of(stage).EDITABLE.accepted(run, path, files, folder, context)
         seal(record, folder / path.name, edited_scripts(path))
-
-
-def _link(source: str, target: str) -> None:
-    """Link a file, or copy it where the file system has no links. Files are replaced, never written over."""
-    try:
-        os.link(source, target)
-    except OSError:
-        shutil.copy2(source, target)
 
 
 @contextlib.contextmanager

@@ -20,8 +20,7 @@ from vcage.models.selection_check import NamedObject, entries_of, instructed, na
 from vcage.objects.asset import Asset
 from vcage.plans.actions import lasting
 from vcage.runs.context import StageContext
-from vcage.scenes.start_relations import scene_object, started
-from vcage.scenes.starting_poses import StartingPoses
+from vcage.scenes.starting_poses import StartingPoses, scene_object, started
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import AskedGoal, Reading, in_steps
 from vcage.schema.plan import Selection

@@ -15,7 +15,7 @@ from vcage.base.errors import InfeasibleScene
 from vcage.base.pictures import write_labels, write_picture
 from vcage.models.selection_check import NamedObject
 from vcage.runs.context import StageContext
-from vcage.scenes.stability import moved_objects, settle_checks
+from vcage.scenes.possible import moved_objects, settle_checks
 from vcage.scenes.starting_poses import StartingPoses
 from vcage.schema.scene import Scene, SceneTemplate
 from vcage.sim.cameras import observe, shoot
@@ -92,10 +92,8 @@ def _given_up(refusals: Sequence[Exception]) -> InfeasibleScene:
 
 def photograph(scene: Scene, context: StageContext, folder: Path) -> Scene:
     """Write the pictures of the scene into a folder, and note the meaning of the segmentation's values in the scene."""
-    look = context.appearance(scene.table.texture)
-    world = World.of_scene(scene, context.physical_models(scene), appearance=look, render=True)
+    world, empty = context.drawn_world(scene), context.drawn_world(scene.model_copy(update={"objects": []}))
     shot = observe(world, scene.top_camera)
-    empty = World(scene.table, {}, appearance=look, render=True)
     write_picture(folder / "source.png", shot.picture)
     write_picture(folder / "background.png", shoot(empty, scene.top_camera))
     write_labels(folder / "segmentation.png", shot.segmentation)

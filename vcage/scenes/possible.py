@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+import difflib
+import math
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
 from itertools import chain
 from pathlib import Path
@@ -16,10 +19,7 @@ from vcage.models.registry import third_reader
 from vcage.models.same_reading import contradictions
 from vcage.plans.plain_words import in_words
 from vcage.runs.context import StageContext
-from vcage.runs.editable import Edit
-from vcage.runs.edits import Complaint, require_none
-from vcage.scenes.known_names import all_names, near_names, unknown_name
-from vcage.scenes.stability import STABILITY, moved_objects, settle_checks
+from vcage.runs.edits import Complaint, Edit, require_none
 from vcage.schema.base import PoseRecord, box_record
 from vcage.schema.goals import Goal, Reading
 from vcage.schema.plan import TABLE
@@ -32,6 +32,36 @@ from vcage.sim.world import World
 from vcage.tasks.described import untrue
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.state import resting_point
+
+
+@dataclass(frozen=True)
+class StabilityLimits:
+    """The most that settling may move an object that stays where it was put."""
+
+    drift_m: float = 0.005
+    tilt_rad: float = math.radians(4)
+
+
+STABILITY = StabilityLimits()
+
+
+def moved_objects(report: SettleReport) -> list[str]:
+    """Ids of the objects that did not stay where they were put."""
+    return [
+        name
+        for name, drift in report.drift_m.items()
+        if drift > STABILITY.drift_m or report.tilt_rad[name] > STABILITY.tilt_rad
+    ]
+
+
+def settle_checks(report: SettleReport) -> dict[str, float]:
+    """Steps and largest motion of settling, for the checks of a scene."""
+    return {
+        "settle_steps": report.steps,
+        "largest_drift_mm": round(1000 * max(report.drift_m.values()), 3),
+        "largest_tilt_deg": round(float(np.degrees(max(report.tilt_rad.values()))), 3),
+    }
+
 
 ROUNDING_M = 1e-6
 """Metres (or radians) by which a joint may be outside its range, and an object beyond the table's edge."""
@@ -211,3 +241,29 @@ def _wrong_descriptions(scene: Scene, objects: Sequence[SceneObject]) -> Iterato
     for d in untrue(scene, objects):
         wanted = f"poses in which {in_words(d, {o.id: o.phrase for o in scene.objects})}"
         yield f"descriptions.{scene.descriptions.index(d)}", "it is not true where the objects stand", wanted
+
+
+# --- names ------------------------------------------------------------------------------------------------
+
+
+def near_names(name: str, known: Collection[str]) -> str:
+    """Known names that are like an unknown one; some of all where none is."""
+    near = difflib.get_close_matches(name, known, n=3) or sorted(known)[:12]
+    return f"{', '.join(near)}{' or another of those that there are' if len(near) < len(known) else ''}"
+
+
+def all_names(objects: Sequence[SceneObject]) -> str:
+    """Objects and parts that goals may be about, for an error."""
+    parts = [f"{o.id}/{link.name}" for o in objects for link in o.asset.model.links]
+    return f"what there is: {', '.join([*(o.id for o in objects), *parts])}"
+
+
+def unknown_name(goal: Goal, objects: Mapping[str, SceneObject], arms: Collection[str]) -> str | None:
+    """The first thing or part that a goal names and the scene does not have; None where it has all."""
+    if goal.subject not in objects:
+        return goal.subject
+    if goal.reference is not None and goal.reference not in {*objects, TABLE, *arms}:
+        return goal.reference
+    owner = objects.get(goal.reference or "", objects[goal.subject])
+    parts = {link.name for thing in (owner, objects[goal.subject]) for link in thing.asset.model.links}
+    return goal.part if goal.part is not None and goal.part not in parts else None

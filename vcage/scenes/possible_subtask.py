@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from vcage.runs.edits import Complaint
-from vcage.scenes.known_names import all_names, near_names, unknown_name
+from vcage.scenes.possible import all_names, near_names, unknown_name
 from vcage.schema.goals import Goal
 from vcage.schema.plan import TABLE
 from vcage.schema.scene import Scene

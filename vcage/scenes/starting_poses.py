@@ -1,11 +1,11 @@
-"""Poses of the objects of a scene before they settle: on the table, in and on each other, and in closed drawers.
+"""Starts of the objects of a scene before they settle: on the table, in and on each other, and in closed drawers.
 
 All descriptions of the start are true, and a hand has room around each object that is to be taken out of another.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import repeat
 
@@ -14,24 +14,25 @@ import numpy as np
 from vcage.base.attempts import LIMITS, GaveUp, Refused, first_accepted
 from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose
-from vcage.layout.capacities import opening_for
+from vcage.layout.capacities import capacity_of, opening_for
 from vcage.layout.items import TableItem, table_item
 from vcage.layout.placement.place import place
 from vcage.layout.placement.view import view_rectangles
-from vcage.models.selection_check import NamedObject
+from vcage.models.selection_check import NamedObject, room_complaints, starting_as_described
 from vcage.objects.asset import Asset
+from vcage.objects.library import Library
 from vcage.plans.actions import open_at_start
 from vcage.plans.descriptions import HOLDING, described_relations
 from vcage.plans.plain_words import in_words
 from vcage.runs.context import StageContext
-from vcage.scenes.start_relations import scene_object
-from vcage.schema.goals import AskedGoal, Description, Goal, in_steps
+from vcage.schema.base import PoseRecord, box_record
+from vcage.schema.goals import AskedGoal, Description, Goal, in_steps, part_words
 from vcage.schema.plan import TABLE
 from vcage.schema.scene import ObjectRecord, SceneTemplate
 from vcage.sim.robots import load_robot
-from vcage.tasks.feasibility import hand_has_room
+from vcage.tasks.feasibility import fits, hand_has_room
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.stowing import stow
+from vcage.tasks.stowing import point_in, stow
 
 MARGIN_M = 0.015
 """Smallest gap between two objects: wide enough for the picture to show the table between them."""
@@ -196,3 +197,55 @@ def _place_items(objects: Sequence[NamedObject], template: SceneTemplate, contex
 
 def asset_of(o: NamedObject, context: StageContext) -> Asset:
     return context.library.asset(o.asset, o.variant)
+
+
+def started(objects: Sequence[NamedObject], descriptions: Sequence[Description], library: Library) -> list[NamedObject]:
+    """The objects as they start by the descriptions.
+
+    Raises:
+        InfeasibleScene: descriptions contradict each other, or there is no room; names the objects and sizes.
+    """
+    found, wrong = starting_as_described(objects, descriptions)
+    rooms = {o.id: capacity_of(o.id, library.asset(o.asset, o.variant)) for o in found}
+    wrong = wrong or [*room_complaints(found, rooms), *_drawer_complaints(found, library)]
+    if wrong:
+        raise InfeasibleScene(
+            f"not all can start where the instruction says: {'; '.join(wrong)}",
+            hint="ask for a smaller thing, or for a place with more room; another --seed does not help",
+            details={"problems": wrong},
+        )
+    return found
+
+
+def _drawer_complaints(objects: Sequence[NamedObject], library: Library) -> Iterator[str]:
+    by_id = {o.id: o for o in objects}
+    for o in objects:
+        if o.starts_in is None or o.starts_in_part is None:
+            continue
+        holder, thing = (scene_object(one, library.asset(one.asset, one.variant)) for one in (by_id[o.starts_in], o))
+        point, part = point_in(holder.asset, o.starts_in_part), part_words(o.starts_in_part)
+        above = [other.id for other in objects if other.starts_in == o.id]
+        if point is None:
+            yield f"{o.id} cannot start in the {part} of {o.starts_in}, where nothing lies"
+        elif above:
+            yield f"{', '.join(above)} cannot start in or on {o.id}, which starts in the {part} of {o.starts_in}"
+        elif not (check := fits(thing, holder, point)).passed:
+            yield f"{o.id} has no room where it starts, in the {part} of {o.starts_in}: {check.message}"
+
+
+def scene_object(o: NamedObject, asset: Asset, pose: Pose | None = None, joints: tuple[float, ...] = ()) -> SceneObject:
+    """An object at a pose, with its moving parts at positions; without a pose it lies in nothing, to look at sizes."""
+    at = pose or Pose()
+    record = ObjectRecord(
+        id=o.id,
+        asset=o.asset,
+        variant=o.variant,
+        phrase=o.phrase,
+        role=o.role,
+        pose=PoseRecord.of(at),
+        aabb=box_record(asset.bounds, at),
+        joints=joints,
+        container=None if pose is None else o.starts_in,
+        container_part=None if pose is None else o.starts_in_part,
+    )
+    return SceneObject(record, asset, at, joints)

@@ -14,7 +14,6 @@ from vcage.base.files import RunFolder
 from vcage.base.options import Flag
 from vcage.base.progress import Progress, silent
 from vcage.base.workers import preload_module
-from vcage.episodes.ranges import required_ranges
 from vcage.runs.context import StageContext
 from vcage.runs.running import Stage, at_work, timed
 from vcage.runs.stage import StageResult
@@ -65,7 +64,7 @@ class ChainOptions(
             UsageError: there is neither, or both; says the way out.
             UnknownName, MissingStage, InputFileError: there are no such ranges, or they are not possible.
         """
-        required_ranges(self.randomise, self.layout)
+        self.ranges()
         has_task = self.instruction is not None or bool(self.goals)
         if not has_task and not self.all_subtasks:
             raise UsageError(

@@ -19,48 +19,28 @@ from typing import Annotated, Any, Literal
 
 from tyro.conf import UseAppendAction
 
-from vcage.base.errors import TooFewVerified
+from vcage.base.errors import TooFewVerified, UsageError
 from vcage.base.files import RunFolder, sha256_file
 from vcage.base.memory import free_memory
 from vcage.base.options import FILE, NATURAL, POSITIVE, RANGES, UNSAID
 from vcage.base.progress import Progress, silent
 from vcage.base.workers import Processes, SameProcess, cores
-from vcage.episodes.decisions import DECISIONS, decided
-from vcage.episodes.named_scripts import named_scripts, unnamed_edits
-from vcage.episodes.quota import Wanted
-from vcage.episodes.ranges import required_ranges
+from vcage.episodes.quota import Wanted, never_verified
 from vcage.episodes.runner import EpisodeRunner
-from vcage.episodes.shortfall import never_verified, shortfall
+from vcage.episodes.scripts import named_scripts, unnamed_edits
 from vcage.episodes.store import EpisodeStore
+from vcage.runs.accepted import DECISIONS, decided
 from vcage.runs.context import StageContext
-from vcage.runs.editable import Edit, Editable
+from vcage.runs.edits import Edit, Editable, refuse
 from vcage.runs.stage import Job, ModelOptions, StageResult, stage_seed
 from vcage.schema.episodes import Accept, Attempt, Episode, Episodes
+from vcage.schema.randomisation import Randomisation
 from vcage.schema.subtasks import Subtasks
 from vcage.sim.robots import load_randomisation
 from vcage.tasks.setting import OnFailure
 from vcage.tasks.synthesis import load_script
 
 logger = logging.getLogger(__name__)
-
-
-@dataclass(frozen=True)
-class CrewSettings:
-    """Processes that collect.
-
-    Args:
-        memory_bytes: free memory for each; measured, a process takes half of it.
-        hang_factor: a process hangs, and is ended, after this many times the limit of an episode (an episode that is
-            merely slow ends itself before),
-        start_s: and so many seconds for its start.
-    """
-
-    memory_bytes: int = 1_000_000_000
-    hang_factor: float = 1.5
-    start_s: float = 60.0
-
-
-CREW = CrewSettings()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,13 +72,32 @@ class Options(ModelOptions):
     """an edited script, executed for the sub-task that its file is named after, instead of a generated one; may be
     repeated"""
 
+    def ranges(self, lone: bool = False) -> Randomisation:
+        """Load the ranges to draw from, and require layouts that give room to other variants and clutter.
+
+        Args:
+            lone: True if a script runs alone, which has no plan to draw layouts by.
+
+        Raises:
+            UsageError: layouts are not drawn, but the ranges need them.
+            UnknownName, MissingStage, InputFileError: there are no such ranges, or they are not possible.
+        """
+        ranges = load_randomisation(self.randomise)
+        if (ranges.world.variants or ranges.world.clutter[1]) and (self.layout == "fixed" or lone):
+            raise UsageError(
+                f"{ranges.name} asks for other variants or for clutter, which need layouts that are drawn"
+                + (", and a sub-task that runs alone has none" if lone else ", not --layout fixed"),
+                hint="leave out --layout, or give --randomise a file with variants: false and clutter: [0, 0]",
+            )
+        return ranges
+
 
 def job(run: RunFolder, options: Options, context: StageContext) -> Job:
     """Return the work of the stage. Its options leave out the number of episodes, as more can be added later, and
     those that change no episode: processes, and the limit of an episode."""
     scripts = {name: sha256_file(path) for name, path in named_scripts(run, options.script).items()}
     planned = [run.plan] if options.layout == "varied" and run.plan.exists() else []
-    ranges = required_ranges(options.randomise, options.layout, lone=run.subtasks.exists() and not run.plan.exists())
+    ranges = options.ranges(lone=run.subtasks.exists() and not run.plan.exists())
     return Job(
         run=run,
         output=run.episodes,
@@ -158,24 +157,22 @@ def execute(
             f"none of {len(record.episodes)} episodes was verified: {record.episodes[-1].reason}",
             hint=f"see {run.episodes.parent / 'log.jsonl'}; another --seed gives another layout",
         )
-    grown, short = done is not None, shortfall(record, wanted)
+    grown, short = done is not None, wanted.shortfall(record)
     return StageResult(record, run.episodes, fresh=True, grown=grown, short=short, notes=notes)
 
 
 def _accept(edit: Edit[Episodes]) -> Episodes:
     """Take the decisions of a person: to refuse an episode, or to accept one again of which all was verified."""
     record = edit.record
-    episodes = [_decided(*pair) for pair in zip(edit.was.episodes, record.episodes, strict=True)]
+    episodes = [
+        decided(was, now).model_copy(update={"verdicts": list(map(decided, was.verdicts, now.verdicts))})
+        for was, now in zip(edit.was.episodes, record.episodes, strict=True)
+    ]
     for number, episode in enumerate(episodes):
         if episode.accepted and not _verified(edit.run, episode, record):
             wanted = "false, unless every sub-task of its chain was verified and its pictures were recorded"
-            edit.refuse(f"episodes.{number}.accepted", "true", wanted)
+            refuse(edit.path, f"episodes.{number}.accepted", "true", wanted)
     return record.model_copy(update={"episodes": episodes})
-
-
-def _decided(was: Episode, now: Episode) -> Episode:
-    verdicts = [decided(*pair) for pair in zip(was.verdicts, now.verdicts, strict=True)]
-    return decided(was, now).model_copy(update={"verdicts": verdicts})
 
 
 EDITABLE = Editable(
@@ -246,21 +243,33 @@ def _fill(store: EpisodeStore, wanted: Wanted, options: Options, context: StageC
                 progress(f"{len(store.episodes)} episodes run", wanted.total - missing, wanted.total)
 
 
-def _crew(options: Options, wanted: int, context: StageContext) -> SameProcess[_Task, _Done] | Processes[_Task, _Done]:
-    """Return the processes that run the episodes; a single one is this process, which has loaded what it needs."""
-    workers = min(options.workers or min(_enough(wanted), free_memory() // CREW.memory_bytes), wanted)
+def _crew(
+    options: Options,
+    wanted: int,
+    context: StageContext,
+    memory_bytes: int = 1_000_000_000,
+    hang_factor: float = 1.5,
+    start_s: float = 60.0,
+) -> SameProcess[_Task, _Done] | Processes[_Task, _Done]:
+    """Return the processes that run the episodes; a single one is this process, which has loaded what it needs.
+
+    Args:
+        options: of the stage.
+        wanted: episodes that are missing.
+        context: of this process.
+        memory_bytes: free memory for each process; measured, a process takes half of it.
+        hang_factor: a process hangs, and is ended, after this many times the limit of an episode (an episode that is
+            merely slow ends itself before),
+        start_s: and so many seconds for its start.
+    """
+    # One more than there are cores where a few episodes would leave cores idle for long. Measured on two cores with
+    # three: three episodes of ``vcage run`` take a twelfth less, twelve a tenth more.
+    enough = cores() + (cores() < wanted < 2 * cores())
+    workers = min(options.workers or min(enough, free_memory() // memory_bytes), wanted)
     if workers <= 1:
         runner = cache(partial(_runner, context=context))
         return SameProcess(lambda task: runner(task.run, task.options).one(task.index, task.folder))
-    return Processes(_in_process, workers, CREW.hang_factor * options.episode_limit + CREW.start_s)
-
-
-def _enough(wanted: int) -> int:
-    """Return the number of cores, or one more where a few episodes would leave cores idle for long.
-
-    Measured on two cores with three: three episodes of ``vcage run`` take a twelfth less, twelve a tenth more.
-    """
-    return cores() + (cores() < wanted < 2 * cores())
+    return Processes(_in_process, workers, hang_factor * options.episode_limit + start_s)
 
 
 def _in_process(task: _Task) -> _Done:

@@ -18,7 +18,7 @@ from vcage.datasets.packing.settings import CompressionSettings
 from vcage.datasets.packing.writing import compression_record
 from vcage.runs.accepted import acceptance_files, no_episode_counts, remove_exports
 from vcage.runs.context import StageContext
-from vcage.runs.editable import Editable
+from vcage.runs.edits import Editable
 from vcage.runs.raw_pictures import (
     accepted_files,
     clips_of,

@@ -31,7 +31,7 @@ from vcage.datasets.recordings.opening import open_hdf5
 from vcage.datasets.recordings.robotwin import export_robotwin
 from vcage.runs.accepted import acceptance_files, no_episode_counts, remove_exports
 from vcage.runs.context import StageContext
-from vcage.runs.editable import Editable
+from vcage.runs.edits import Editable
 from vcage.runs.raw_pictures import EpisodeFile, accepted_files, clips_of, originals, require_raw
 from vcage.runs.stage import Job, StageOptions, StageResult, stage_seed
 from vcage.schema.base import Provenance

@@ -26,7 +26,7 @@ from vcage.models.llm_editor import edit_complaint
 from vcage.models.protocols import EditRequest
 from vcage.plans.descriptions import with_descriptions
 from vcage.runs.context import StageContext
-from vcage.runs.editable import Edit, Editable
+from vcage.runs.edits import Edit, Editable
 from vcage.runs.inputs import described_check, read_pictures, read_plan
 from vcage.runs.stage import Job, ModelOptions, StageResult, stage_seed
 from vcage.schema.base import Provenance
@@ -113,7 +113,18 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
 
 def _finished(plan: Plan, request: EditRequest, folder: Path, context: StageContext, *, is_drawn: bool) -> Plan:
     """Return a plan with its figures; draw its target picture, unless that is there, and note who drew it."""
-    found: dict[str, Any] = {"checks": _solvable(request), "notes": _notes(request)}
+    layout = request.layout  # the solver's, whoever draws the picture
+    found: dict[str, Any] = {
+        "checks": {
+            "relations_solvable": round(layout.kept.share, 4),
+            "relations_unsolved": layout.kept.sentences,
+            "overlapping": layout.overlapping,
+        },
+        "notes": [
+            f"{name}: the source picture shows nothing of it, so the plan's picture cannot move it"
+            for name in request.hidden
+        ],
+    }
     if not is_drawn:
         write_picture(folder / TARGET, context.models.editor.rearrange(request))
         providers = plan.provenance.providers | context.models.providers("editor")
@@ -156,20 +167,3 @@ def _request(plan: Plan, pictures: ScenePictures, scene: Scene, context: StageCo
         plan=LayoutPlan(text=plan.text, relations=plan.relations),
         items=context.capacities(scene),
     )
-
-
-def _solvable(request: EditRequest) -> dict[str, Any]:
-    """Return the share of the plan that the layout's solver can keep at once, whoever draws the picture."""
-    layout = request.layout
-    return {
-        "relations_solvable": round(layout.kept.share, 4),
-        "relations_unsolved": layout.kept.sentences,
-        "overlapping": layout.overlapping,
-    }
-
-
-def _notes(request: EditRequest) -> list[str]:
-    return [
-        f"{name}: the source picture shows nothing of it, so the plan's picture cannot move it"
-        for name in request.hidden
-    ]

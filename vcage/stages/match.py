@@ -27,16 +27,17 @@ from vcage.models.registry import DETECTORS, EMBEDDERS, split_weights
 from vcage.plans.kept import Kept, relations_kept
 from vcage.plans.relations import ground_box
 from vcage.runs.context import StageContext
-from vcage.runs.editable import Edit, Editable
+from vcage.runs.edits import Edit, Editable
 from vcage.runs.inputs import read_matches, read_pictures, read_plan
 from vcage.runs.stage import Job, ModelOptions, StageResult, stage_seed
-from vcage.schema.base import Box, Provenance, box_record
+from vcage.schema.base import Provenance, box_record
 from vcage.schema.matches import Match, Matches
 from vcage.schema.plan import Plan
 from vcage.schema.scene import Scene
 from vcage.sim.drawer import ModelDrawer
 from vcage.vision.match import THRESHOLD, Looks, Recogniser, match_picture
 from vcage.vision.overlay import draw_overlay
+from vcage.vision.symmetry import rotational_symmetry
 
 logger = logging.getLogger(__name__)
 
@@ -114,13 +115,14 @@ def execute(
     def make(folder: Path, provenance: Provenance) -> Matches:
         scene = Scene.read(run.scene)
         plan = read_plan(run, scene, context)
+        symmetries = {o.id: rotational_symmetry(context.reference(o)[0]) for o in scene.objects}
         found = match_picture(
             scene,
             plan,
             read_pictures(run, scene),
             read_picture(run.file(plan.target)),
             Recogniser(context.models.detector, context.models.embedder, options.threshold),
-            Looks({o.id: context.symmetry(o) for o in scene.objects}, ModelDrawer(context.physical_models(scene))),
+            Looks(symmetries, ModelDrawer(context.physical_models(scene))),
         )
         shown = _shown(scene, plan, found.matches, context)
         notes = found.notes + _doubts(found.matches, shown)
@@ -155,22 +157,16 @@ EDITABLE = Editable(
 
 def _shown(scene: Scene, plan: Plan, matches: list[Match], context: StageContext) -> Kept:
     """Return the part of the plan that is true of the objects where they were matched."""
-    ground = ground_box(scene.workspace, scene.table.height)
-    return relations_kept(plan.relations, _boxes(scene, matches, context), ground)
-
-
-def _checks(shown: Kept) -> dict[str, Any]:
-    return {"relations_shown": round(shown.share, 4), "relations_not_shown": shown.sentences}
-
-
-def _boxes(scene: Scene, matches: list[Match], context: StageContext) -> dict[str, Box]:
-    """Return world boxes of the objects where they were matched, by id."""
     boxes = {}
     for m in matches:
         record = scene.object(m.object)
         pose = Pose.from_yaw([*m.position, record.pose.position[2]], m.yaw)
         boxes[m.object] = box_record(context.asset(record).bounds, pose)
-    return boxes
+    return relations_kept(plan.relations, boxes, ground_box(scene.workspace, scene.table.height))
+
+
+def _checks(shown: Kept) -> dict[str, Any]:
+    return {"relations_shown": round(shown.share, 4), "relations_not_shown": shown.sentences}
 
 
 def _doubts(matches: list[Match], shown: Kept) -> list[str]:

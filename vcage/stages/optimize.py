@@ -34,18 +34,16 @@ from vcage.layout.stowed import with_places, with_stowed
 from vcage.plans.actions import HOLDING
 from vcage.plans.kept import Kept, relations_kept_in
 from vcage.runs.context import StageContext
-from vcage.runs.editable import Edit, Editable
+from vcage.runs.edits import Edit, Editable
 from vcage.runs.inputs import read_matches, read_plan
 from vcage.runs.stage import Job, StageOptions, StageResult, stage_seed
 from vcage.scenes.layout_items import Targets, nearest_layout
-from vcage.scenes.possible import SCENE_FIELDS, accepted_scene, settled_record
-from vcage.scenes.stability import moved_objects, settle_checks
+from vcage.scenes.possible import SCENE_FIELDS, accepted_scene, moved_objects, settle_checks, settled_record
 from vcage.schema.base import Provenance
 from vcage.schema.matches import Matches
 from vcage.schema.plan import TABLE
 from vcage.schema.scene import ObjectRecord, Scene, Workspace
 from vcage.sim.cameras import shoot
-from vcage.sim.world import World
 from vcage.tasks.described import require_settled
 from vcage.tasks.rehearsal import require_chain
 from vcage.tasks.scene_objects import SceneObject
@@ -154,9 +152,7 @@ def _accept(edit: Edit[Scene]) -> Scene:
     if not edit.changes(*SCENE_FIELDS):
         return edit.record
     settled, run, context = accepted_scene(edit), edit.run, edit.context
-    look = context.appearance(settled.table.texture)
-    world = World.of_scene(settled, context.physical_models(settled), appearance=look, render=True)
-    write_picture(edit.folder / "top.png", shoot(world, settled.top_camera))
+    write_picture(edit.folder / "top.png", shoot(context.drawn_world(settled), settled.top_camera))
     if not run.matches.exists():  # a sub-task that is run by itself has no plan
         return settled
     targets = with_stowed(settled, _targets(settled, read_matches(run, settled)))
@@ -307,8 +303,7 @@ def _with_poses(
 
 def _rebuild(scene: Scene, context: StageContext) -> tuple[Scene, np.ndarray]:
     """The layout as it settles in the simulator, where it must stay put, and its (H, W, 3) picture from above."""
-    look = context.appearance(scene.table.texture)
-    world = World.of_scene(scene, context.physical_models(scene), appearance=look, render=True)
+    world = context.drawn_world(scene)
     report = world.settle()
     moved = moved_objects(report)
     if moved or not report.settled:

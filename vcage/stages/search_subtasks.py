@@ -20,8 +20,7 @@ from vcage.base.progress import Progress, silent
 from vcage.episodes.wordings import task_to_word, worded_chain
 from vcage.plans.planner import Task, complaints
 from vcage.runs.context import StageContext
-from vcage.runs.editable import Edit, Editable
-from vcage.runs.edits import Complaint, require_none
+from vcage.runs.edits import Complaint, Edit, Editable, require_none
 from vcage.runs.stage import Job, ModelOptions, StageResult, stage_seed
 from vcage.scenes.possible_subtask import subtask_complaints
 from vcage.scenes.slot_choices import ready_objects, with_chosen_slots

@@ -36,7 +36,7 @@ from vcage.base.options import UNSAID, value
 from vcage.base.progress import Progress, silent
 from vcage.base.text import one_line
 from vcage.runs.context import StageContext
-from vcage.runs.editable import Edit, Editable
+from vcage.runs.edits import Edit, Editable
 from vcage.runs.stage import Job, ModelOptions, StageResult
 from vcage.scenes.chosen_objects import choose
 from vcage.scenes.placed_scene import photograph, place_until_stable
@@ -164,7 +164,13 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
             instruction, chosen = choose_stated(told, instruction, template, context, rng)
         for note in chosen.notes:
             logger.warning("%s", note)
-        scene = _empty_scene(template, instruction, provenance, stage)
+        scene: dict[str, Any] = {
+            "provenance": provenance,
+            "instruction": instruction,
+            "template": template.name,
+            **{name: getattr(template, name) for name in ("robot", "table", "workspace", "top_camera")},
+            "pictures": {name: stage.inside(f"{name}.png") for name in ("source", "background", "segmentation")},
+        }
         if chosen.reading is not None:
             read = chosen.reading
             scene |= {"goals": read.goals, "untouched": read.untouched, "descriptions": read.descriptions}
@@ -185,17 +191,3 @@ def _accept(edit: Edit[Scene]) -> Scene:
 
 
 EDITABLE = Editable(Scene, fields=SCENE_FIELDS, pictures=True, accept=_accept)
-
-
-def _empty_scene(template: SceneTemplate, instruction: str | None, provenance: Provenance, stage: Job) -> dict:
-    """The fields of the scene that do not depend on the objects."""
-    return {
-        "provenance": provenance,
-        "instruction": instruction,
-        "template": template.name,
-        "robot": template.robot,
-        "table": template.table,
-        "workspace": template.workspace,
-        "top_camera": template.top_camera,
-        "pictures": {name: stage.inside(f"{name}.png") for name in ("source", "background", "segmentation")},
-    }

@@ -8,26 +8,20 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from vcage.base.errors import MissingStage, StaleStage, UnknownName
+from vcage.base.errors import StaleStage
 from vcage.base.files import RunFolder
 from vcage.base.options import Flag
 from vcage.base.pictures import write_picture
 from vcage.base.progress import Progress, silent
-from vcage.episodes.decisions import DECISIONS, decided
 from vcage.episodes.differences import draw_difference
-from vcage.episodes.question import TOP, Asking, verdict
 from vcage.episodes.second_judge import JudgedStep, SecondJudge
 from vcage.episodes.store import confusion, log_path, read_log
-from vcage.episodes.stored_pictures import by_moment, empty_table_of, of_same_attempt, scene_of, top_view
-from vcage.episodes.worlds import other_phrases, reworded
-from vcage.runs.accepted import judged_steps
+from vcage.runs.accepted import DECISIONS, decided, judged_steps
 from vcage.runs.context import StageContext
-from vcage.runs.editable import Edit, Editable
+from vcage.runs.edits import Edit, Editable
 from vcage.runs.stage import Job, ModelOptions, StageResult, stage_seed
 from vcage.schema.base import Provenance
-from vcage.schema.episodes import BY_HAND, Attempt, Difference, Episode, Episodes, SingleVerdict, Verdict, Verdicts
-from vcage.schema.scene import Scene
-from vcage.schema.subtasks import Subtasks
+from vcage.schema.episodes import BY_HAND, Attempt, Difference, Episodes, Verdict, Verdicts
 
 logger = logging.getLogger(__name__)
 
@@ -129,11 +123,6 @@ def _accept(edit: Edit[Verdicts]) -> Verdicts:
 EDITABLE = Editable(Verdicts, fields=[f"episodes.*.*.{said}" for said in DECISIONS], accept=_accept)
 
 
-def _named(episode: Episode) -> str:
-    """Return the name of an episode among the verdicts."""
-    return episode.file or f"episode {episode.index}"
-
-
 def _judged(
     run: RunFolder, judge: SecondJudge, folder: Path, provenance: Provenance, progress: Progress, *, refused: bool
 ) -> Verdicts:
@@ -148,9 +137,9 @@ def _judged(
     return Verdicts(
         provenance=provenance,
         accept=collected.accept,
-        episodes={_named(e): [said[tuple(v.pictures)] for v in e.verdicts] for e in accepted},
+        episodes={e.file or f"episode {e.index}": [said[tuple(v.pictures)] for v in e.verdicts] for e in accepted},
         taken_over=judge.taken_over,
-        critic=confusion([_judged_as(attempt, said[step.pictures]) for attempt, step in counted]),
+        critic=confusion([a.model_copy(update={"verdict": said[step.pictures]}) for a, step in counted]),
         earlier_critic=confusion([attempt for attempt, _ in counted]),
         not_kept=len(tried) - len(counted),
         differences=list(_differences(judge, counted, said, folder)),
@@ -172,10 +161,6 @@ def _countable(tried: Sequence[_Tried], judge: SecondJudge) -> list[_Tried]:
     if tried and not found:
         logger.warning("verify: none of %d judged attempts has stored pictures and truth: nothing to count", len(tried))
     return found
-
-
-def _judged_as(attempt: Attempt, verdict: Verdict) -> Attempt:
-    return attempt.model_copy(update={"verdict": verdict})
 
 
 def _differences(
@@ -202,31 +187,3 @@ def _differences(
         )
         write_picture(folder / found.picture, draw_difference(found, judge.pictures(step)))
         yield found
-
-
-def judge_pair(run: RunFolder, context: StageContext, subtask_id: str, before: Path, after: Path) -> SingleVerdict:
-    """Return a verdict about two pictures from the run's top camera.
-
-    Example:
-        >>> judge_pair(RunFolder("runs/blocks"), StageContext(), "block_red-onto-plate_white", before, after).verdict
-
-    Raises:
-        MissingStage: the run has no layout or sub-tasks yet, or a picture is missing.
-        DamagedFile, InputFileError: a picture cannot be read, or is of another size than the camera's.
-        UnknownName: the run has no such sub-task.
-    """
-    for path, stage in ((run.layout, "optimize"), (run.subtasks, "search_subtasks")):
-        if not path.exists():
-            raise MissingStage(f"verify needs {path}, which does not exist", hint=f"run {stage} first")
-    kept = {s.id: s for s in Subtasks.read(run.subtasks).kept}
-    if subtask_id not in kept:
-        raise UnknownName("sub-task", subtask_id, kept)
-    scene = scene_of(before, run)
-    subtask = reworded(kept[subtask_id], other_phrases(Scene.read(run.layout), scene.objects))
-    seen = dict(by_moment(of_same_attempt(after), scene))
-    seen |= {
-        when: {**seen.get(when, {}), TOP: top_view(p, scene)} for when, p in (("before", before), ("after", after))
-    }
-    said = verdict(context, scene, Asking.of(subtask, seen, empty_table_of(before, scene)))
-    pictures = [str(before), str(after)]
-    return SingleVerdict(text=subtask.text, verdict=said.model_copy(update={"pictures": pictures}))

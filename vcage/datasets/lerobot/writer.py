@@ -6,8 +6,6 @@ well as on the instruction; ``meta/subtasks`` also has all the wordings of each.
 
 from __future__ import annotations
 
-import os
-import shutil
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
@@ -18,7 +16,7 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from vcage.base.errors import DamagedFile, UsageError
-from vcage.base.files import write_json
+from vcage.base.files import link_or_copy, write_json
 from vcage.datasets.lerobot.episode import LANGUAGE, PERSISTENT, LeRobotEpisode, SubtaskSpan, span_starts, with_language
 from vcage.datasets.lerobot.features import SUBTASK, agreed_info, features_of, video_key, video_keys
 from vcage.datasets.lerobot.meta import INFO, appendable_info
@@ -241,7 +239,4 @@ def link_files(source: Path, target: Path, but: Collection[Path]) -> None:
         if inside in but:
             continue
         (target / inside).parent.mkdir(parents=True, exist_ok=True)
-        try:
-            os.link((source / inside).resolve(), target / inside)
-        except OSError:  # another disk, or one that knows no links
-            shutil.copy2(source / inside, target / inside)
+        link_or_copy((source / inside).resolve(), target / inside)

@@ -11,7 +11,6 @@ from vcage.runs.context import StageContext
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal
 from vcage.sim.cameras import shoot
-from vcage.sim.world import World
 from vcage.tasks.scene_objects import SceneObject
 
 PARTS = {"cabinet_one_drawer": "drawer", "laptop": "screen", "kitchen_timer": "dial", "tap": "lever"}
@@ -35,8 +34,7 @@ def judged(
 ) -> Verdict:
     """The verdict on pictures of an object with a part at two shares of its range, where the goal is about ``part``."""
     scene = scene_of([subject, thing("block", (0.3, -0.1))])
-    models = context.physical_models(scene)
-    world = World.of_scene(scene, models, appearance=context.appearance(table), render=True)
+    world = context.drawn_world(scene.model_copy(update={"table": scene.table.topped(table)}))
     links = subject.asset.model.links
     pictures = []
     for share in (before, after):

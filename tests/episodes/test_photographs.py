@@ -8,8 +8,7 @@ import numpy as np
 
 from tests.example_scenes import robot, scene_of, thing
 from vcage.base.geometry import Camera
-from vcage.episodes.close_ups import CODE, WINDOW, scan_cameras
-from vcage.episodes.photographs import Photographer, light_look
+from vcage.episodes.photographs import CODE, WINDOW, Photographer, light_look, scan_cameras
 from vcage.schema.goals import Goal
 from vcage.sim.cameras import observe
 from vcage.sim.looks import look_world

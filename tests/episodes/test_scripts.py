@@ -9,7 +9,7 @@ import pytest
 from tests.example_scenes import scene_of, subtask, thing
 from vcage.base.errors import DamagedFile
 from vcage.base.files import RunFolder
-from vcage.episodes.script_run import NEEDED, prepare_run
+from vcage.episodes.scripts import NEEDED, prepare_run
 from vcage.schema.goals import Goal
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Preference, Statement, Subtask, Subtasks

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from vcage.episodes.decisions import decided
+from vcage.runs.accepted import decided
 from vcage.schema.episodes import BY_HAND, Verdict
 
 YES = Verdict(accepted=True, reason="it stands there", confidence=0.9, provider="offline")
