@@ -47,7 +47,7 @@ class Made:
         stored: its file.
         encode_ms: CPU time of the encoding that is kept, per frame.
         search_ms: CPU time of the whole search, per frame.
-        encodes: encodings of the search, that which is kept included.
+        encodes: encodings in the search, the final one included.
         gop, crf, pixel_format: of a video.
         limit: what the search had to stay below, JOD; None without a search.
     """
@@ -152,8 +152,8 @@ class Searched:
 
     Args:
         name: of the format.
-        choices: what the search may choose from.
-        like: a format that must come before; what it loses on the same clip is the limit, in place of :data:`LIMIT`.
+        choices: the options the search may choose from.
+        like: a format measured before this one; its loss on the same clip is the limit, in place of :data:`LIMIT`.
         after: a format that must come before, of another GOP; the search keeps its pixel format and begins a little
             above its CRF, which saves encodings.
     """
@@ -243,7 +243,7 @@ OTHER_GOPS = tuple(Searched(f"vcage-g{gop}", replace(DEFAULTS, gops=(gop,)), aft
 
 
 def formats(quick: bool) -> list[Format]:
-    """The formats in an order in which each finds before it what it needs.
+    """The formats in an order that puts each after its dependencies.
 
     Args:
         quick: without :data:`OTHER_GOPS`.

@@ -104,7 +104,7 @@ def _losses(film: Film, made: Made, indices: Sequence[int], metric: JodMetric) -
 
 @cache
 def code_hash() -> str:
-    """Of all that decides what is measured: with other code, versions or default choices a clip is measured anew."""
+    """Hash of everything that affects a measurement: new code, versions or default choices mean a new one."""
     versions = f"{av.__version__} {cv2.__version__} {metadata.version('cvvdp')} {VERSION}"
     digest = hashlib.sha256(f"{versions} {CompressionSettings().choices()}".encode())
     files = [Path(videos.__file__)]

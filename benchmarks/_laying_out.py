@@ -12,7 +12,7 @@ def lay_out(run: RunFolder, begun: select_place.Options, context: StageContext) 
 
     Args:
         run: the run folder.
-        begun: what is asked for, and the seed of all stages.
+        begun: the request, and the seed of all stages.
         context: the library and the offline models.
 
     Raises:

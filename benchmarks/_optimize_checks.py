@@ -19,10 +19,10 @@ class PlacedAsset:
     """An asset at a pose.
 
     Args:
-        asset: what stands there.
+        asset: the asset.
         pose: in the world.
-        container: id of the object that it lies in or on, None on the table.
-        room: (2, 2) lower and upper corner of what it needs in its own frame, with what its moving parts sweep, metres;
+        container: id of the object it lies in or on, None on the table.
+        room: (2, 2) lower and upper corner of its room in its own frame, with the sweep of its moving parts, metres;
             None for no more than its own box.
     """
 
@@ -58,7 +58,7 @@ class PlacedAsset:
 
 
 def colliding_boxes(placed: Mapping[str, PlacedAsset]) -> list[tuple[str, str]]:
-    """Pairs of ids whose rooms overlap; what lies in a container may overlap it, and whatever carries that.
+    """Pairs of ids whose rooms overlap; contents may overlap their container and its supports.
 
     Two things that one container carries are compared in its frame, where its walls are straight.
     """

@@ -1,4 +1,4 @@
-"""Draft a scene of the optimisation benchmark: its objects, which of them lie in which, and where in there."""
+"""Draft a scene of the optimisation benchmark: objects, containers, and positions inside them."""
 
 from __future__ import annotations
 

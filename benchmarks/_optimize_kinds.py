@@ -55,7 +55,7 @@ class Kind:
     ) -> TableItem:
         """The item for the optimiser, as the stage makes it: the swept room, its middle and the body in it.
 
-        The stage gives openings that nothing is meant to lie in too; to the optimiser that is the same.
+        The stage also gives openings that take no contents; to the optimiser that is the same.
         """
         return replace(
             self.room,
@@ -76,7 +76,7 @@ def own_kinds(library: Library) -> list[Kind]:
 
 
 def _kind(asset: Asset) -> Kind:
-    """Openings of what has moving parts, those that open sideways and narrow ones count as none."""
+    """Openings of articulated objects; narrow ones and those that open sideways do not count."""
     point = next(iter(asset.annotation.functional_points), None)
     plain = Kind(asset, table_item(asset.name, asset), None, "on")
     if point is None or asset.articulated or point.sideways:

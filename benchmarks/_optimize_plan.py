@@ -1,4 +1,4 @@
-"""The relations that a planner would have written for a layout: where everything is, said by what is near it."""
+"""The relations a planner would have written for a layout: each object's place relative to its neighbours."""
 
 from __future__ import annotations
 

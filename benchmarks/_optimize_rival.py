@@ -99,7 +99,7 @@ def finite_differences(problem: LayoutProblem, weights: CostWeights) -> np.ndarr
 
 
 class PlainCost:
-    """J of :mod:`vcage.layout.cost` without its gradient, so that the rival does not pay for what it does not use.
+    """J of :mod:`vcage.layout.cost` without its gradient, so that the rival pays for no unused work.
 
     Every pair has the same margin. Only the plan's term makes its gradient too: it is small beside the pairs.
     """

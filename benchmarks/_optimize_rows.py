@@ -18,9 +18,9 @@ class Outcome:
         ms: time of the optimisation.
         kept_targets: share of the plan's relations that the noisy targets keep.
         boxes, meshes: pairs of ids that collide.
-        in_bounds: whether every box is in the workspace.
-        in_reach: whether what is bound and on the table is where it may be; None when nothing is bound.
-        kept: share of the plan's relations that the layout keeps.
+        in_bounds: True if every box is in the workspace.
+        in_reach: True if every bound object on the table is in reach; None when nothing is bound.
+        kept: share of the plan's relations that hold in the layout.
         displacements: of every object from its target in the plane, metres.
         restarts: starts of the table's problem.
         hand_room: share of the room for hands that was found.
@@ -89,7 +89,7 @@ class Row:
 
 
 def goals(rows: Sequence[Row]) -> dict[str, float | None]:
-    """The figures that the benchmark is about, over all rows, or those of one noise or number of objects."""
+    """The benchmark's figures, over all rows, or over those of one noise or number of objects."""
     everything = _pooled(rows, lambda row: True)
     return {
         "collision_aabb": everything["collision_aabb"],

@@ -36,7 +36,7 @@ class Setting:
     Args:
         name: in the table.
         margin: smallest gap on the table, metres; clean layouts keep it too.
-        hands: whether what can be carried is grasped, and wants room for a hand beside what is high.
+        hands: True if portable objects are grasped and need room for a hand beside high ones.
     """
 
     name: str
@@ -62,11 +62,11 @@ class CleanScene:
         kinds: by id, in the order in which they are given to the optimiser.
         poses: on a table of height 0, by id.
         containers: id of the container by id of the content; the others stand on the table.
-        allowed: (m, 2, 2) rectangles that the middle of a room must lie in, by id of those that are bound.
+        allowed: (m, 2, 2) rectangles for the middle of a room, by id of the bound objects.
         workspace: (2, 2) metres.
         relations: the plan.
-        fill: share of the workspace that the rooms of what stands on the table cover.
-        setting: what the optimiser is asked for.
+        fill: share of the workspace covered by the rooms of the objects on the table.
+        setting: the request to the optimiser.
         grasped: ids of what a hand will reach for.
     """
 
@@ -115,7 +115,7 @@ class CleanScene:
 
 
 def _middle(thing: PlacedAsset) -> np.ndarray:
-    """(2,) middle of the room of what stands there, in the world."""
+    """(2,) middle of the object's room in the world."""
     room = thing.asset.bounds[:, :2] if thing.room is None else thing.room
     return thing.pose.apply(np.array([*room.mean(axis=0), 0.0]))[:2]
 
@@ -128,10 +128,10 @@ def draw_scene(
     Args:
         kinds: what to draw from.
         n: objects in all; at least twice ``containers``.
-        containers: how many hold something.
-        bound: whether an arm's reach binds the containers, the contents and half of what else has no moving parts.
+        containers: number of objects with contents.
+        bound: True if an arm's reach binds the containers, the contents and half of the other rigid objects.
         rng: the only source of randomness.
-        setting: what the optimiser is asked for.
+        setting: the request to the optimiser.
     """
     draft = Draft(kinds, n, containers, rng)
     fill = rng.uniform(*FILL)

@@ -35,7 +35,7 @@ class TrueShapes:
 
     Args:
         assets: by id.
-        poses: of those that have a place, by id.
+        poses: of the placed objects, by id.
     """
 
     def __init__(self, assets: Mapping[str, Asset], poses: Mapping[str, Pose]):

@@ -81,8 +81,8 @@ def depth_first(items: Sequence[TableItem], workspace: np.ndarray, seed: int, ma
     """Holodeck's way: candidates on a grid in four headings, depth first, largest object first, back when none is
     free; the fullest partial solution when the budget is over.
 
-    Its constraints between objects are none here, so the order of the candidates is random. An object that may not
-    stand in all four headings has those that it may.
+    It has no constraints between objects, so the order of the candidates is random. An object that may not
+    stand in all four headings has the allowed ones.
     """
     order = sorted(items, key=lambda item: (-item.size[0] * item.size[1], item.id))
     return _DepthFirst(order, workspace, np.random.default_rng(seed), margin).run()
@@ -114,7 +114,7 @@ class _DepthFirst:
         return states[within], boxes[within]
 
     def _extend(self, chosen: list[int], taken: np.ndarray) -> bool:
-        """Place what is left after ``chosen``; whether all objects have a place."""
+        """Place the remaining objects after ``chosen``; True if all objects have a place."""
         if len(chosen) > len(self._best):
             self._best = chosen
         if len(chosen) == len(self._order):
@@ -130,6 +130,6 @@ class _DepthFirst:
 
 
 def _taken(boxes: np.ndarray, taken: np.ndarray, margin: float) -> np.ndarray:
-    """(c,) whether boxes (c, 2, 2) come closer than the margin to one of those that are taken (k, 2, 2)."""
+    """(c,) True where boxes (c, 2, 2) come closer than the margin to an occupied one (k, 2, 2)."""
     near = (boxes[:, None, 0] < taken[None, :, 1] + margin) & (taken[None, :, 0] < boxes[:, None, 1] + margin)
     return np.all(near, axis=2).any(axis=1)

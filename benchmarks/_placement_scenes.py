@@ -118,7 +118,7 @@ class Stock:
 
     @functools.cached_property
     def reach(self) -> np.ndarray:
-        """(m, 2, 2) rectangles where some arm reaches what stands there."""
+        """(m, 2, 2) rectangles where some arm reaches the object."""
         heights = tuple(Table().height + h for h in REACH.grasp_heights_m)
         return robot_reach(load_robot(ROBOT), REACHED_AREA, heights)
 
@@ -134,7 +134,7 @@ class Stock:
 
 
 def draw_roles(assets: list[Asset]) -> list[Role]:
-    """A role for each object: the first ones that can be carried are contents, the next that hold things receptacles.
+    """A role for each object: the first portable ones are contents, the next containers are receptacles.
 
     Objects with moving parts are context: what they need is reached at their front, not at their centre.
     """

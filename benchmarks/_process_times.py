@@ -23,7 +23,7 @@ class Timed:
         code: its exit code.
         stdout: what it printed.
         wall_s: seconds from its start to its end.
-        cpu_s: CPU seconds of its process and of all below it, also of those that outlive it.
+        cpu_s: CPU seconds of its process and all descendants, including those that outlive it.
     """
 
     code: int

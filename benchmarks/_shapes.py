@@ -1,4 +1,4 @@
-"""Test if solids of convex pieces meet: the one exact test of every benchmark, independent of what it judges."""
+"""Test if solids of convex pieces meet: the one exact test of every benchmark, independent of the code under test."""
 
 from __future__ import annotations
 

@@ -3,7 +3,7 @@
 The clips are rendered episodes (``benchmarks/_compression_episodes.py``) at 25 frames per second and, apart, some of
 them "sparse", with the 10 that a collection has unless more are asked for, and some "noisy", as a real camera would
 have recorded them (``benchmarks/_compression_noise.py``). Formats named ``…-gN`` are searched for the fewest
-bytes with which all keyframes, and the frames that the search checks besides, lose less than 0.1 JOD; ``N`` is the GOP,
+bytes with which all keyframes and the other checked frames lose less than 0.1 JOD; ``N`` is the GOP,
 250 the encoders' own default. ``vcage-g2-as-lerobot`` is searched, with LeRobot's GOP, for what LeRobot's default loses
 on the same clip. Where AV1, which has no 4:4:4 here, cannot reach 0.1 JOD, it is searched for a little more than what
 it loses at its best.

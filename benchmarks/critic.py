@@ -1,12 +1,12 @@
 """Count the critic's verdicts on outcomes of sub-tasks whose truth the simulator knows.
 
-Half of the outcomes are successes, some of them ugly. The others failed, each in one of a score of ways that were made
+Half of the outcomes are successes, some of them ugly. The others failed, each in one of about twenty ways made
 in the simulator, by the robot or by hand. Scenes are those of five templates and of the sentences that ``benchmarks
 sentences`` runs whole. They are drawn until there are twenty successes and as many failures of each template of
-sub-tasks, or too many have been drawn; the log names what is missing then. The critic sees what it sees while data is
-collected.
+sub-tasks, or the limit of draws is reached; the log then names the missing ones. The critic sees the same as during
+collection.
 
-``untouched`` outcomes are those that nobody looks at while the offline critic is tuned: of two scenes, and of about
+``untouched`` outcomes are kept unseen while the offline critic is tuned: of two scenes, and of about
 half of the kinds of objects that its unit tests do not show (drawn on 2026-11-26, ``_critic/scenes.py``). Precision and
 recall stand with the lower end of their Wilson interval (95 %).
 

@@ -1,4 +1,4 @@
-"""Count sentences that are read right, refused, or misread: those that the grammar was written for, and others.
+"""Count sentences read right, refused, or misread: those the grammar was written for, and others.
 
 ``libero`` and ``robotwin`` are sentences of these benchmarks, of tasks whose objects exist here; ``reasons`` says why
 the others are refused (:mod:`benchmarks._instructions.tasks`).
@@ -44,8 +44,8 @@ def run(quick: bool, name_untouched: bool = False, tasks: Path = TASKS) -> dict[
 
     Args:
         quick: every third sentence.
-        name_untouched: of the untouched ones too.
-        tasks: folder with the sentences of others; where a file is not there, that is told instead.
+        name_untouched: True to name the untouched ones too.
+        tasks: folder with foreign sentences; a missing file is reported instead.
     """
     scenes = load_scenes()
     named = {"seen": True, "untouched": name_untouched}
@@ -105,7 +105,7 @@ def read(case: Mapping[str, Any], things: Mapping[str, CatalogueEntry]) -> tuple
 
 
 def agrees(found: Sequence[AskedGoal], steps: Sequence[Sequence[Sequence[str]]]) -> bool:
-    """True if the goals are those of the record, each once, and none comes before what must come before it."""
+    """True if the goals match the record, each once, in an allowed order."""
     wanted = [(number, goal) for number, step in enumerate(steps) for goal in _spread(step, found)]
     if len(wanted) != len(found):
         return False
@@ -131,7 +131,7 @@ def _spread(step: Sequence[Sequence[str]], found: Sequence[AskedGoal]) -> Iterat
 
 
 def _fits(asked: AskedGoal, goal: Sequence[str]) -> bool:
-    """True if a goal is one of those that a record allows: ``[inside, apple_red|apple_green, bowl]``."""
+    """True if a goal is one that a record allows: ``[inside, apple_red|apple_green, bowl]``."""
     word, *names = goal
     found = asked.goal
     subject = f"{found.subject}/{found.part}" if found.reference is None and found.part else found.subject

@@ -49,8 +49,8 @@ def run(quick: bool, kills: int, seed: int) -> dict[str, Any]:
 
     All processes of the run get SIGKILL. Then the same command is given until it ends.
 
-    Each row, by the stage that was at work: ``kills``; ``finished`` runs, with exit code 0; ``same``, those of them
-    with all files equal to those of the undisturbed run, except for what says times; ``leftovers``, files that the
+    Each row, by the stage that was killed: ``kills``; ``finished`` runs, with exit code 0; ``same``, those of them
+    with all files equal to those of the undisturbed run, except recorded times; ``leftovers``, files that the
     undisturbed run has not, in the run folder, beside it and among temporary files. ``different`` and ``left`` name the
     files, ``errors`` what runs said that did not finish.
 
@@ -113,7 +113,7 @@ class _Row:
 
 
 def compared(undisturbed: Mapping[str, str], files: Mapping[str, str]) -> tuple[list[str], list[str]]:
-    """Files that are missing or have another content, and those that should not be there; path → hash each."""
+    """Missing, changed and extra files; path → hash each."""
     return [path for path, digest in undisturbed.items() if files.get(path) != digest], sorted(
         set(files) - {*undisturbed}
     )
@@ -147,7 +147,7 @@ class _Place:
             raise VcageError(f"the undisturbed run failed: {error}")
 
     def taken(self) -> dict[str, str]:
-        """All that there is, path → hash, which is removed; what says times has none."""
+        """All files, path → hash, each then removed; files with times have no hash."""
         paths = [
             path for path in sorted(self.folder.rglob("*")) if not path.is_dir() and "__pycache__" not in path.parts
         ]

@@ -129,7 +129,7 @@ def _cut(rectangles: np.ndarray, bounds: np.ndarray) -> np.ndarray:
 
 
 def fill(places: np.ndarray, region: np.ndarray) -> float:
-    """Cells in which something was found, against those expected of as many uniform draws from a region.
+    """Occupied cells, against those expected of as many uniform draws from a region.
 
     Args:
         places: (n, 2) where it was, metres.

@@ -1,19 +1,19 @@
 """Measure the closed loop: verified long trajectories per hour, with failures that are planted by hand.
 
-A chain of sub-tasks is carried out over and over. First what was put down is taken away again in a share of the
-attempts, so that a step fails as often as is asked for, whoever looks: once trying again from the last verified state
-(``resample``), once beginning anew at the first failure (``abort``), and once without looking (``open``). Once the
-critic that looks at pictures judges, once one that is always right. In theory, where steps succeed with p, resampling
+A chain of sub-tasks is executed over and over. First, objects set down are taken away again in a share of the
+attempts, so that a step fails at the given rate for every critic: once retrying from the last verified state
+(``resample``), once restarting at the first failure (``abort``), and once without checks (``open``). Once the
+picture critic judges, once a perfect one. In theory, where steps succeed with p, resampling
 needs n / p attempts for n steps and aborting (1 − pⁿ) / (1 − p) / pⁿ.
 
-Then failures have causes that stay: of the grasps of a step, and of the slots, a share is bad each time. What a bad
-grasp takes is found near where it was, what goes to a bad slot beside its receptacle; a step is tried again as often as
-``collect`` does. Here ``resample`` changes what the critic says went wrong, ``blind`` knows no more than that it is a
+Then failures have lasting causes: a share of the grasps of a step and of the slots is bad each time. The object of a
+bad grasp is found near its old place, that of a bad slot beside its receptacle; a step is retried as often as in
+``collect``. Here ``resample`` changes the part the critic blames, ``blind`` knows only the
 no, and changes grasp and slot together; ``named`` is the share of planted failures that the critic gave their right
 name. ``counted`` has the same for more shares and some hundred steps, without physics and with every reason right.
 
-Trajectories are counted that were accepted; ``false`` are those in which some step had failed all the same, ``over
-plain`` is how many times those per hour of ``abort``, or of ``blind``, there are.
+The counts are of accepted trajectories; ``false`` are those with a failed step all the same, ``over
+plain`` is the ratio of accepted trajectories per hour to ``abort``, or to ``blind``.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ def run(quick: bool, trajectories: int | None = None) -> dict[str, Any]:
             if critic == "pictures":
                 few = collect.Options.retries
                 rows += [_Row(chain, steps, "causes", GOOD, few, critic, mode) for mode in ("resample", "blind")]
-            for _ in range(wanted):  # in turn, so that whatever else the machine does slows all down alike
+            for _ in range(wanted):  # in turn, so that other load on the machine slows all down alike
                 for row in rows:
                     row.next_accepted()
             found += _compared([row.figures() for row in rows])
@@ -93,12 +93,12 @@ class Tally:
     """Outcomes of the episodes of a row.
 
     Args:
-        accepted: episodes whose every step was.
-        false: those of them in which some step had failed.
+        accepted: episodes with every step accepted.
+        false: accepted episodes with a failed step.
         attempts: at all steps.
         failed: attempts that did not do the step.
-        steps: that were verified.
-        named: planted failures that were refused, and what they were taken for.
+        steps: verified steps.
+        named: refused planted failures, with the reasons given for them.
     """
 
     accepted: int = 0

@@ -1,4 +1,4 @@
-"""Layouts with noise made collision-free again: what is left, what it costs, and what plain L-BFGS-B makes of them.
+"""Noisy layouts made collision-free again: remaining overlap, cost, and the result of plain L-BFGS-B.
 
 Every scene begins as a layout that is known to be good (``benchmarks/_optimize_scenes.py``): real objects, a workspace
 of 2:1 filled up to 60 %, contents in containers, and in every third scene a region that an arm reaches. A plan is read
@@ -70,9 +70,9 @@ SEED = 4
 def run(quick: bool) -> dict[str, Any]:
     """One row for each setting, noise, number of objects and number of containers; failures go to the log by seed.
 
-    Rates are shares of scenes. ``collision_*``, ``in_bounds``, ``relations_kept`` and the displacements are of the
-    scenes that were solved; ``finite_difference_*`` of those of them that the rival tried, ``in_reach`` of those that
-    an arm's reach binds. Times are the process's own, in one thread: what else the machine does is not in them.
+    Rates are shares of scenes. ``collision_*``, ``in_bounds``, ``relations_kept`` and the displacements are over
+    solved scenes; ``finite_difference_*`` over those the rival tried, ``in_reach`` over those with
+    an arm's reach. Times are the process's own, in one thread, without other load on the machine.
 
     Args:
         quick: 10 scenes of each row instead of 60. The rival, slow on many objects, tries all with up to 20 objects
@@ -168,7 +168,7 @@ def _ground(clean: CleanScene) -> np.ndarray:
 
 
 def _rival(clean: CleanScene, targets: dict[str, np.ndarray], ms: float) -> dict[str, Any]:
-    """The rival moves the same objects, told what lies in what; it is judged by what stands on the table."""
+    """The rival moves the same objects and knows the containers; it is judged by the objects on the table."""
     found = parts(clean, targets)
     started = time.process_time()
     centres = {at: finite_differences(part.problem, CostWeights()) for at, part in found.items()}

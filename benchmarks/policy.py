@@ -2,13 +2,13 @@
 
 The paper's table II on the scale of two cores: an ACT-like policy (``benchmarks/_policy/network.py``) is trained on
 pictures of each encoding, with several seeds, which are paired: the same first weights and the same frames in the same
-order. It is also trained on raw pictures of as many episodes whose layout is fixed. All are tested on held-out episodes
-of layouts that no training has seen, on their raw pictures: what counts is what a policy learned, whatever it sees.
-Pictures are made small, which averages away a part of what an encoder did (``benchmarks/_policy/demonstrations.py``).
+order. It is also trained on raw pictures of as many episodes with a fixed layout. All are tested on held-out episodes
+of layouts that no training has seen, on their raw pictures: the test is of the learned policy, not of its input.
+Pictures are made small, which averages away a part of the encoder's effect (``benchmarks/_policy/demonstrations.py``).
 
 Then policies do the task in the simulator, from the starts of held-out episodes in other lights: the k-th rollouts of
 all rows have the same start and light, and the policies of a row's seeds take turns. ``replayed`` counts the recorded
-actions of these episodes, carried out in the same way: what is lost there is not the policies' fault.
+actions of these episodes, executed in the same way: losses there are not the policies' fault.
 
 Episodes, small pictures and weights are kept in ``--data``, and an interrupted run goes on where it was.
 """
@@ -106,8 +106,8 @@ def run(
     - ``bytes``: of the pictures that the policy's cameras took, at their full size; raw is uncompressed RGB.
     - ``error_rad``: mean L1 error of a predicted chunk on held-out episodes over all joints, radians, with its interval
       at 95 % over seeds (Student's t); ``error_gripper``: the same of the openings, from 0 to 1, without interval.
-    - ``touched``, ``lifted``: rollouts in which a hand touched, or held above where it stood, what was to be moved.
-    - ``success``: rollouts that did the task; ``success_low``, ``success_high``: its Wilson interval at 95 %.
+    - ``touched``, ``lifted``: rollouts in which a hand touched the object to move, or held it above its old place.
+    - ``success``: rollouts that completed the task; ``success_low``, ``success_high``: its Wilson interval at 95 %.
     - ``seconds``: of training, all seeds together; none where all weights were kept from before.
     - ``held_out``: its ``still`` is the error of a policy that never moves, which the others must be held against.
     - ``differences``: of ``error_rad``, paired by seed, with the interval at 95 %; ``within`` says that it holds 0.
@@ -129,7 +129,7 @@ def run(
     others = load(held_out, plan.held_out, "raw", view)
     rollouts = Rollouts(held_out, plan.held_out, view)
     rows = [Row(name, demonstrations, plan, task.data / "policies") for name, demonstrations in _sets(task, plan, view)]
-    for seed in range(plan.seeds):  # in turn, so that whatever else the machine does slows all down alike
+    for seed in range(plan.seeds):  # in turn, so that other load on the machine slows all down alike
         for row in rows:
             row.train(seed, others)
     for number in range(plan.rollouts):

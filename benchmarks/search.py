@@ -1,6 +1,6 @@
 """Time the search for sub-tasks in scenes of 40 objects, and count the reasons of its refusals.
 
-No model is called: the rules that stand in for one judge what is sensible.
+No model is called: the offline rules judge which pairs are sensible.
 """
 
 from __future__ import annotations

@@ -44,7 +44,7 @@ class Slot:
         return cls(record["role"], kinds, least, most, record.get("colour"))
 
     def answers(self, chosen: SelectedAsset, colour: str) -> bool:
-        """True if a chosen object is one of those that the slot asks for."""
+        """True if a chosen object is one that the slot asks for."""
         return (
             self.role in ("any", chosen.role)
             and (self.kinds is None or chosen.asset in self.kinds)
@@ -80,7 +80,7 @@ class Tally:
 
 
 def run(quick: bool) -> dict[str, float]:
-    """Recall of needed slots and precision of what was chosen; what is missed goes to the log.
+    """Recall of needed slots and precision of the chosen objects; missed slots go to the log.
 
     Args:
         quick: every third instruction.

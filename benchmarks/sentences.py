@@ -1,12 +1,12 @@
-"""Ordinary sentences run whole: those that our own pages tell people to try, and those of LIBERO that can be asked for.
+"""Ordinary sentences run whole: the examples on our own pages, and LIBERO's feasible ones.
 
 Each is run as ``vcage run SENTENCE --episodes 1 --models offline`` runs it, up to the verification. The pages are read
 when the benchmark runs (README.md, docs/, skills/), so it follows them. Attempts are counted under the kind of sub-task
-(template) that was attempted. A sentence counts under each template of its chain; one that is refused before there is a
-chain, under ``refused``; under ``all`` each counts once. ``exit_0`` are those of them that end with exit code 0.
-``true`` are attempts that the simulator's state calls a success, ``accepted`` those of which the critic says yes:
-``false_accepted`` are not true, ``false_refused`` are true and not accepted. ``wrong_episodes`` are sentences of
-which an episode counts though a goal does not hold at its end. ``seconds`` are those of a sentence, on average.
+(template) of the attempt. A sentence counts under each template of its chain; one refused before there is a
+chain, under ``refused``; under ``all`` each counts once. ``exit_0`` are sentences that end with exit code 0.
+``true`` are attempts that the simulator's state calls a success, ``accepted`` those with a yes of the critic:
+``false_accepted`` are not true, ``false_refused`` are true and not accepted. ``wrong_episodes`` are sentences with
+an accepted episode in which a goal does not hold at the end. ``seconds`` is the mean time of a sentence.
 """
 
 from __future__ import annotations

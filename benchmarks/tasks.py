@@ -1,8 +1,8 @@
 """The paper's tasks, each from its own sentence: how often every step and the whole succeed, by the simulator's state.
 
 Each seed has a scene of its own, and in it a layout drawn as ``collect`` draws them (``--layout fixed``: as it was
-optimised, with small shifts). No critic looks and nothing is tried again: an episode ends at its first failed step. A
-task that the engine refuses, in whatever stage, counts as failed with that reason.
+optimised, with small shifts). There is no critic and no retry: an episode ends at its first failed step. A
+task refused by the engine, in any stage, counts as failed with that reason.
 """
 
 from __future__ import annotations
@@ -65,8 +65,8 @@ class Tally:
     """Outcome of a task.
 
     Args:
-        steps, done: steps that were begun, and those that succeeded.
-        whole: episodes of which every step did, and all goals held at the end.
+        steps, done: started steps, and the successful ones.
+        whole: episodes with all steps successful and all goals true at the end.
         failures: how often, by reason.
     """
 
@@ -177,7 +177,7 @@ def play(
     """One episode of a chain, judged by nobody, in which nothing is tried again.
 
     Args:
-        scene: where it begins, but for what is drawn.
+        scene: its start, except for the random draws.
         chain: sub-tasks with their scripts.
         goals: what must be true at the end.
         seed: of all choices.

@@ -156,7 +156,7 @@ def _processes(process: int) -> list[psutil.Process]:
 
 
 def _peak(process: int) -> int:
-    """Most bytes that a process held which has not ended; 0 of one that has."""
+    """Peak memory of a running process, bytes; 0 of one that has ended."""
     try:
         found = re.search(r"^VmHWM:\s+(\d+) kB$", Path(f"/proc/{process}/status").read_text(), re.MULTILINE)
     except OSError:

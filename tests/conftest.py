@@ -21,7 +21,7 @@ settings.load_profile("any-machine")
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Files with slow tests come first, so that no process is left with one of them when the others have ended.
 
-    One that needs the finished run is the very first, and others that do come when it has been made.
+    Tests that need the finished run come first; the others follow once it exists.
     """
     slow = {item.path: False for item in items if item.get_closest_marker("slow")}
     slow |= {item.path: True for item in items if item.path in slow and "finished" in item.fixturenames}

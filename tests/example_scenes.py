@@ -152,7 +152,7 @@ def script_of(step: Subtask, play: Callable[[Task], None] | None = None) -> Scri
 
 @dataclass
 class Critic:
-    """Answers in turn, then the last answer for ever: yes, no, or what went wrong; remembers what it was asked."""
+    """Answers in turn, then the last answer for ever: yes, no, or a failure; remembers its questions."""
 
     answers: Sequence[bool | Failure] = (True,)
     asked: list[Asked] = field(default_factory=list)

@@ -20,7 +20,7 @@ FACES = ((0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (1, 3, 7, 5))  
 
 @dataclass(frozen=True)
 class Thing:
-    """A box whose right end is dark, so that its heading can be seen."""
+    """A box with a dark right end, so that its heading can be seen."""
 
     id: str
     phrase: str

@@ -1,4 +1,4 @@
-"""Synthetic recordings: a textured rectangle that moves over noise, and an arm that moves with it."""
+"""Synthetic recordings: a textured rectangle that moves over noise, and an arm moving along."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""An agent that runs commands and is their model: it errs once in each kind of question, reads why, mends it, goes on.
+"""An agent that runs commands and is their model: it errs once per kind of question, reads why, corrects it, continues.
 
-What it does are acts, and whoever carries them out sends back what it saw: in this process, or by a client's tools.
+Its steps are acts; the executor sends back the result: in this process, or through a client's tools.
 """
 
 from __future__ import annotations
@@ -97,7 +97,7 @@ class ScriptedAgent:
 
 
 def last_record(printed: str) -> dict[str, Any]:
-    """The JSON object that a command of ours ends with; a client may add lines of its own, and what stderr said."""
+    """The JSON object at the end of a command's output; a client may add lines of its own, and stderr."""
     lines = [line for line in printed.splitlines() if line.startswith("{") and '"ok": ' in line]
     assert lines, printed
     return json.loads(lines[-1])

@@ -1,4 +1,4 @@
-"""The agent that runs the stages is their model: it reads each question, errs once in every role, mends it, goes on."""
+"""The agent that runs the stages is their model: it reads each question, errs once in every role, and corrects it."""
 
 from __future__ import annotations
 
@@ -64,13 +64,13 @@ def chained(agent: ScriptedAgent, capsys: pytest.CaptureFixture[str], folder: Pa
     return made
 
 
-def test_the_rules_refuse_what_the_agent_is_asked(tmp_path: Path, capsys) -> None:
+def test_the_rules_refuse_questions_for_the_agent(tmp_path: Path, capsys) -> None:
     answer = command(capsys, "select-place", TASK, "--out", tmp_path / "run", "--models", "offline")
     assert answer.code == 2 and "next player" in answer.error["message"]
 
 
 @pytest.mark.slow
-def test_an_agent_runs_the_chain_as_its_model_and_what_it_said_is_replayed_byte_for_byte(
+def test_an_agent_runs_the_chain_as_its_model_and_its_answers_are_replayed_byte_for_byte(
     tmp_path: Path, capsys
 ) -> None:
     agent, first = ScriptedAgent(), tmp_path / "run"

@@ -35,7 +35,7 @@ def killed(program: list[str], cwd: Path, when: Callable[[], bool]) -> None:
 
 
 @pytest.mark.slow
-def test_a_run_that_is_killed_again_and_again_ends_with_the_same_files(finished: Finished, tmp_path):
+def test_a_run_killed_repeatedly_ends_with_the_same_files(finished: Finished, tmp_path):
     run = copied(finished.run, tmp_path / "run", before="collect").root
     killed(RUN, tmp_path, lambda: any(run.glob("episodes.collecting/critic/*")))
     assert process([*VCAGE, "collect", "--run", "run", *COLLECT], tmp_path).code == 0
@@ -51,7 +51,7 @@ def test_a_run_that_is_killed_again_and_again_ends_with_the_same_files(finished:
 
 
 @pytest.mark.slow
-def test_a_replacement_that_is_killed_leaves_the_old_stage(finished: Finished, tmp_path):
+def test_a_killed_replacement_leaves_the_old_stage(finished: Finished, tmp_path):
     run = copied(finished.run, tmp_path / "run", before="inpaint_plan")
     before = digests(run.root / "place")
     line = [*VCAGE, "select-place", INSTRUCTION, "--out", "run", "--seed", "1", "--force"]

@@ -22,12 +22,12 @@ def test_importing_it_imports_nothing_else() -> None:
     assert loaded == ["vcage", "vcage.base", "vcage.base.version"]
 
 
-def test_every_name_says_what_it_is_with_an_example() -> None:
+def test_every_name_is_explained_with_an_example() -> None:
     texts = {name: inspect.getdoc(getattr(vcage, name)) or "" for name in vcage.__all__}
     assert [name for name, text in texts.items() if "\nExample:\n    >>> " not in text] == []
 
 
-def test_the_names_for_type_checkers_are_those_of_the_program() -> None:
+def test_the_names_for_type_checkers_match_the_program() -> None:
     tree = ast.parse(inspect.getsource(vcage))
     imports = {
         alias.name: node.module

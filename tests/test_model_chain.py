@@ -155,7 +155,7 @@ def who_answered(run: Path) -> set[tuple[str, str]]:
 
 
 @pytest.mark.slow
-def test_a_stage_script_that_meets_a_fault_says_how_to_go_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_stage_script_with_a_fault_says_how_to_continue(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     run = str(tmp_path / "run")
     with ModelServer() as server:
         use(server, monkeypatch)

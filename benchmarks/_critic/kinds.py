@@ -31,7 +31,7 @@ def nothing(played: Played) -> Shots:
     """Nothing happened: the robot moved and touched nothing."""
     was = played.shots.before
     moment = played.shots.moment
-    if moment is not None and played.goal.relation != "pressed":  # whose hand would reach into what it does not press
+    if moment is not None and played.goal.relation != "pressed":  # whose hand would hit an object outside the press
         was_there = replace(moment, objects=was.objects, object_joints=was.object_joints)
         return played.untrue("nothing was moved", after=was, moment=was_there)
     return played.untrue("nothing was moved", after=was, moment=None if moment is None else was)
@@ -58,7 +58,7 @@ def off_table(played: Played) -> Shots | None:
 
 
 def wrong_object(played: Played) -> Shots | None:
-    """Another thing was brought there, one that looks alike if there is one."""
+    """Another object was put there, a look-alike if there is one."""
     if played.goal.relation not in MOVED:
         return None
     thing, (old, new) = played.subject, played.ends

@@ -51,7 +51,7 @@ FRONTS = ("sign", "carton", "box")
 
 
 def outcomes(draw: Draw) -> list[Outcome]:
-    """Of every sub-task a success or two, where it succeeds, and as many failures; none of what does not fit."""
+    """Make one or two successes per sub-task, where it succeeds, and as many failures; skip pairs that do not fit."""
     if draw.part == "tuning" and draw.scene in UNTOUCHED_SCENES:
         return []
     context, rng = _context(), np.random.default_rng([draw.seed, zlib.crc32(draw.scene.encode())])

@@ -71,7 +71,7 @@ class OutcomeTruth(Record):
 
 
 class OutcomeRecord(OutcomeQuestion, OutcomeTruth):
-    """One outcome: what is asked, and what is true."""
+    """One outcome: the critic's question and the truth."""
 
 
 class OutcomeList(Document):
@@ -95,8 +95,8 @@ class Outcome:
     """One outcome with its pictures.
 
     Args:
-        record: what is asked, and what is true.
-        scene: where it was done.
+        record: the question and the truth.
+        scene: the scene of the outcome.
         seen: (H, W, 3) uint8 RGB pictures, by when and camera.
         empty: (H, W, 3) uint8, the empty table from above.
     """
@@ -116,7 +116,7 @@ class Outcome:
 
 
 def neutral_id(name: str, seed: int) -> str:
-    """A number that is drawn for an outcome of some name: it tells neither what it was made from nor what is true."""
+    """Random number for a named outcome; it reveals neither source nor truth."""
     return f"{np.random.default_rng([seed, *name.encode()]).integers(10**12):012d}"
 
 
@@ -126,7 +126,7 @@ def picture_paths(outcome: str, seen: Mapping[str, Mapping[str, np.ndarray]]) ->
 
 
 def write_list(records: list[OutcomeRecord], folder: Path) -> None:
-    """Write what describes a folder of outcomes: what is asked and, apart from it, what is true."""
+    """Write the records of a folder of outcomes: the questions and, in a file of its own, the truth."""
     OutcomeList(outcomes=[OutcomeQuestion(**_fields(record, OutcomeQuestion)) for record in records]).write(
         folder / LIST
     )

@@ -30,7 +30,7 @@ SETTLE = 500
 
 @dataclass(frozen=True)
 class Shots:
-    """States that a critic is shown, and what is true of them.
+    """States for the critic, with the truth about them.
 
     Args:
         before, after: the sub-task.
@@ -185,7 +185,7 @@ class Played:
         return self.leaning(Pose(pose.p, Pose.from_yaw([0, 0, 0], self.rng.uniform(0, 2 * np.pi)).q), most=0.6)
 
     def with_objects(self, objects: Mapping[str, Pose]) -> WorldState | None:
-        """The moment that tells most with objects elsewhere; None where there is none."""
+        """The moment with most other objects displaced; None where there is none."""
         moment = self.shots.moment
         return None if moment is None else replace(moment, objects=dict(objects))
 
@@ -203,7 +203,7 @@ class Played:
 
         Args:
             poses, joints: of objects, by id.
-            ended: whether everything else is as it was afterwards, not as it was before.
+            ended: True if everything else is as it was afterwards, False if as before.
         """
         shots = self.shots
         world = self.case.build()

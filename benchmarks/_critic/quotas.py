@@ -19,7 +19,7 @@ Make = Callable[[Sequence[Draw], Sequence[OutcomeRecord]], list[OutcomeRecord]]
 
 @dataclass(frozen=True)
 class Quotas:
-    """Limits of what is made beyond the draws that there are in any case.
+    """Limits of the outcomes made beyond the regular draws.
 
     Args:
         each: successes, and failures, of each template.
@@ -31,8 +31,8 @@ class Quotas:
 
 
 def filled(draws: Sequence[Draw], make: Make, quotas: Quotas) -> list[OutcomeRecord]:
-    """Make the outcomes of some draws, then of further ones of the scenes that gave what is missing, until there is
-    enough of every template; what is missing at last is logged.
+    """Make the outcomes of some draws, then more of the scenes that gave missing ones, until every template has
+    enough; templates still short at the end are logged.
 
     Args:
         draws: what is made in any case.
@@ -54,7 +54,7 @@ def filled(draws: Sequence[Draw], make: Make, quotas: Quotas) -> list[OutcomeRec
 
 
 def lacking(records: Iterable[OutcomeRecord], each: int) -> dict[str, tuple[int, int]]:
-    """Template of which there is not enough → how many successes and failures there are."""
+    """Template short of outcomes → its numbers of successes and failures."""
     counts: dict[str, Counter[bool]] = defaultdict(Counter)
     for record in records:
         counts[record.template][record.success] += 1

@@ -62,8 +62,8 @@ class Draw:
         scene: name, one of :func:`settings`.
         seed: of all choices.
         robot: by name.
-        subtasks: how many are carried out.
-        part: what the outcomes may be of: that which may be looked at while tuning, the other, or ``all``.
+        subtasks: number of sub-tasks to execute.
+        part: the part of the outcomes to make: the one for tuning, the other, or ``all``.
         templates: kinds of sub-tasks that are carried out; any where none is named.
     """
 

@@ -108,7 +108,7 @@ def _has_support(played: Played) -> bool:
 
 
 def _is_free(played: Played, box: np.ndarray) -> bool:
-    """True when a support (2, 2) touches nothing else there, and is still among what stands on the table."""
+    """True when a support (2, 2) touches nothing else there and is still among the objects on the table."""
     now = played.now(played.shots.after)
     mine = {played.goal.subject, str(played.subtask.receptacle)}
     others = [o.around_boxes[:, :2] for o in now.values() if o.id not in mine]

@@ -69,12 +69,12 @@ def _read(text: str, catalogue: Sequence[CatalogueEntry]) -> tuple[list[AskedGoa
 
 
 def _agree(found: Sequence[AskedGoal], things: Things, task: Mapping[str, Any]) -> bool:
-    """Check if the goals are those of the task, up to which of the objects of a kind are meant.
+    """Check if the goals match the task, regardless of the instance of a kind.
 
     'Every bread' asks for as many goals as there are breads: then each goal that is read is one of the task's.
     """
     wanted = task["goals"]
-    if all(goal["relation"] != "open" for goal in wanted):  # what is opened on the way is told or not
+    if all(goal["relation"] != "open" for goal in wanted):  # opening on the way may be a goal or not
         found = [asked for asked in found if asked.goal.relation != "open"]
     if not wanted or not task.get("goals_complete", True):
         return False
@@ -98,7 +98,7 @@ def _fits(asked: AskedGoal, things: Things, wanted: Mapping[str, Any], task: Map
 
 
 def _is(entry: CatalogueEntry, kind: str, colour: str | None, task: Mapping[str, Any]) -> bool:
-    """Check if an object is of the kind that a task means by its words, or of one that goes by the same head."""
+    """Check if an object is of the kind that the words of a task mean, or of one with the same head noun."""
     told = [other if isinstance(other, str) else other["kind"] for other in task["objects"]]
     said = {word for text in told if kind in re.findall(r"\w+", text) for word in re.findall(r"\w+", text)}
     alike = entry.name in {kind, *said} or names_of(entry).words[-1] == kind.replace("_", " ").split()[-1]

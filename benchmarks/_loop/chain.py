@@ -119,7 +119,7 @@ class Played:
 
     Args:
         run: of the closed loop.
-        named: of each planted failure that was refused: what it is, and what the critic said it is.
+        named: of each planted failure that was refused: its true kind and the critic's.
     """
 
     run: EpisodeRun
@@ -153,7 +153,7 @@ class _Looking:
     named: list[tuple[Failure, Failure | None]] = field(default_factory=list)
 
     def play(self, subtask: Subtask, script: Script, task: Task) -> None:
-        """Carry out a script; then bring what was put down elsewhere by hand, if that is planted."""
+        """Execute a script; then displace the objects set down, if a failure is planted."""
         world, was = task.world, task.world.object_pose(subtask.object)
         watch = watch_of(subtask, world, self.objects)
         try:

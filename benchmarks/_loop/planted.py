@@ -1,4 +1,4 @@
-"""Failures that are planted in attempts: when one happens, and what it does to what was put down."""
+"""Failures planted in attempts: when one happens, and its effect on the object set down."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Planted(Protocol):
 
 @dataclass(frozen=True)
 class Chance:
-    """A share of the attempts succeeds; the others lose what they carry, whatever they do.
+    """A share of the attempts succeeds; the others lose their object under any choice.
 
     Args:
         share: that succeeds.
@@ -53,7 +53,7 @@ class Chance:
 class Causes:
     """A share of the grasps, and of the slots, is good for a step; the others are bad each time that they are taken.
 
-    A bad grasp loses what it takes, what is put in a bad slot does not stay there.
+    A bad grasp loses its object; an object in a bad slot does not stay there.
 
     Args:
         share: of each that is good.
@@ -72,7 +72,7 @@ class Causes:
         return None
 
     def bad_grasps(self, subtask: Subtask) -> list[tuple[int, str]]:
-        """(Contact point, arm) that lose what they take; one of a step's grasps is always good."""
+        """(Contact point, arm) of grasps that lose their object; one of a step's grasps is always good."""
         grasps = sorted((g.contact, g.arm) for g in subtask.grasps)
         bad = [grasp for grasp in grasps if self._bad(f"{subtask.id} grasp {grasp}")]
         return bad[1:] if len(bad) == len(grasps) else bad

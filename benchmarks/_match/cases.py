@@ -133,7 +133,7 @@ def read_case(folder: Path, root: Path | None = None) -> Case:
 def _damaged(name: str, why: str) -> InputFileError:
     return InputFileError(
         f"case {name}: {why}",
-        hint=f"mend the case as {DOCUMENT} says, or move its folder away",
+        hint=f"fix the case as {DOCUMENT} says, or move its folder away",
         details={"case": name},
     )
 

@@ -67,7 +67,7 @@ def visible_shares(
 
 
 def target_look(level: Level, template: SceneTemplate, rng: np.random.Generator) -> tuple[Appearance, dict[str, Any]]:
-    """Light and table of the target picture, and what is other than in the source."""
+    """Light and table of the target picture, and its differences from the source."""
     done: dict[str, Any] = {}
     texture = plain_look(template.table.texture).table_texture
     if level.table:

@@ -137,8 +137,8 @@ def _complaint(
 def row(level: str, stack: str, scores: Sequence[Score]) -> dict[str, Any]:
     """One row of the table.
 
-    ``identity``: right matches over matches made. ``recall``: right matches over objects that are present.
-    ``false_matches``: share of the matches made that are of a missing object or lie on something else; those that lie
+    ``identity``: right matches over all matches. ``recall``: right matches over present objects.
+    ``false_matches``: share of matches of a missing object or on another object; matches
     on nothing are only in ``astray``, so identity + false_matches + astray = 1. Errors: over right matches, yaw up to
     the object's symmetry. ``seconds``: median over pictures; ``seconds_10``: over those of about ten objects;
     ``cpu_seconds``: of processor time, which other work on the machine does not lengthen.

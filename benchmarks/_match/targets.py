@@ -76,7 +76,7 @@ def _true_object(thing: Thing, pose: Pose | None, visible: float) -> TrueObject:
 
 
 def _stranger(looks: list[Look], rng: np.random.Generator) -> Thing:
-    """Something small or middling that the scene does not have, and that can be told from what it has."""
+    """A small or medium object that the scene lacks and that looks unlike its objects."""
     others = [look for look in library().variants() if look not in looks]
     pool = [look for look in others if library().asset(*look).footprint.prod() < STRANGER_AREA]
     while True:

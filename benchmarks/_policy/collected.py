@@ -33,7 +33,7 @@ class Task:
     Args:
         instruction: in plain language.
         robot: name of the robot.
-        data: folder in which the runs are kept, so that a second benchmark does not collect again.
+        data: folder with the runs, which a second benchmark reuses.
         workers: processes that collect and compress; None for as many as there are cores.
     """
 
@@ -74,7 +74,7 @@ class Task:
         )
 
     def _collected(self, name: str, options: ChainOptions, seed: int = SCENE_SEED) -> RunFolder:
-        """The run of that name with as many episodes as are wanted; what it has is not collected again."""
+        """The run of that name with the wanted number of episodes; existing ones are not collected again."""
         run = RunFolder(self.data / name)
         context = options.context(run)
         for stage in SCENE_STAGES:

@@ -1,7 +1,7 @@
 """Episodes as a policy is trained on them: the same frames, their pictures from one encoding or another.
 
 Pictures are made small by averaging areas, the same way for all encodings: two cores train on nothing larger, and it
-averages away a part of what an encoder did to the pictures, for every encoding alike.
+averages away a part of the encoder's effect on the pictures, for every encoding alike.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ class Demonstrations:
 def load(run: RunFolder, episodes: int, encoding: Encoding, view: View) -> Demonstrations:
     """The first episodes of a run that count.
 
-    Their small pictures are kept beside the run, so that they are made once, and read from there as they are needed.
+    Their small pictures are stored once beside the run and read from there.
     """
     chosen = accepted_episodes(run)[:episodes]
     name = f"{encoding}-{len(chosen)}-{view.height}x{view.width}-{'-'.join(view.cameras)}"
@@ -124,7 +124,7 @@ def _make(run: RunFolder, chosen: Sequence[Episode], encoding: Encoding, view: V
             total += stored
         found.append(np.stack(of_cameras, axis=1))
     write_json(path.with_suffix(".json"), {"bytes": total})
-    with atomic_path(path) as part:  # after its figures: what is there is whole
+    with atomic_path(path) as part:  # after its figures: an existing file is complete
         np.save(part, np.concatenate(found))
 
 

@@ -101,7 +101,7 @@ class Policy:
 
 
 def trained(demonstrations: Demonstrations, settings: Settings, seed: int, name: str, kept: Path) -> Policy:
-    """A policy that was trained; its weights are kept in a file, so that an interrupted benchmark goes on there."""
+    """A trained policy; its weights are in a file, so that an interrupted benchmark resumes there."""
     policy = Policy(demonstrations, settings.size, seed)
     if kept.exists():
         policy.network.load_state_dict(torch.load(kept, map_location=policy.device, weights_only=True))
@@ -152,7 +152,7 @@ def still(others: Demonstrations, chunk: int) -> dict[str, float]:
 
 
 def _errors(given: NDArray[np.float32], others: Demonstrations) -> dict[str, float]:
-    """Those of (F, chunk, D) actions, what lies behind the end of an episode left out."""
+    """(F, chunk, D) actions, without the padding after the end of an episode."""
     wanted, valid = others.chunk(np.arange(len(others)), given.shape[1])
     per_number = np.abs(given - wanted)[valid].mean(axis=0)
     is_gripper = np.isin(np.arange(len(per_number)), others.grippers)

@@ -1,4 +1,4 @@
-"""Collect the sentences that are run: the examples of our own pages, and those of LIBERO that can be asked for."""
+"""Collect the sentences to run: the examples of our own pages, and LIBERO's feasible ones."""
 
 from __future__ import annotations
 

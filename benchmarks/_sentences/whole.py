@@ -93,7 +93,7 @@ class Whole:
     """A sentence to be run.
 
     Args:
-        sentence: what is asked for.
+        sentence: the instruction.
         seed: of all choices.
         robot: by name; the scene's where not given.
         keep: folder below which the run folder stays, and in which a finished one is not run again.

@@ -132,11 +132,11 @@ def test_a_data_set_is_begun_in_an_empty_folder(runs, out):
 def test_notes_that_cannot_be_read_stop_the_addition(runs, out):
     append_to(out, runs[0])
     (out / ADDED).write_text('{"lerobot-v3.0": ["0a1b"]}')
-    with pytest.raises(DamagedFile, match="which episodes"):
+    with pytest.raises(DamagedFile, match="does not list the episodes"):
         append_to(out, runs[1])
 
 
-def test_videos_are_those_of_the_export_and_searched_no_second_time(tmp_path, out, monkeypatch):
+def test_videos_come_from_the_export_without_a_second_search(tmp_path, out, monkeypatch):
     run = exported(tmp_path / "run", codec="h264")
     monkeypatch.setattr(export, "search_data_set", lambda *_, **__: pytest.fail("encoded again"))
     append_to(out, run)

@@ -97,7 +97,7 @@ def test_an_episode_comes_about_again_bit_for_bit(plain, context):
     assert (replayed.states, replayed.versions, replayed.equal) == (None, {}, True)
 
 
-def test_so_does_one_of_which_a_sub_task_was_tried_again(tmp_path, context):
+def test_an_episode_with_a_retried_sub_task_replays_too(tmp_path, context):
     run = play(Critic([False, True]))
     assert run.segments[0].attempts == 2
     path = written(tmp_path / "retried.hdf5", run)
@@ -106,13 +106,13 @@ def test_so_does_one_of_which_a_sub_task_was_tried_again(tmp_path, context):
     assert replay_episode(path, context).equal
 
 
-def test_so_does_one_that_was_rejected(tmp_path, context):
+def test_a_rejected_episode_replays_too(tmp_path, context):
     run = play(Critic([False]), retries=1)
     assert not run.accepted
     assert replay_episode(written(tmp_path / "rejected.hdf5", run), context).equal
 
 
-def test_what_failed_attempts_were_told_is_not_kept(plain, tmp_path):
+def test_commands_of_failed_attempts_are_not_kept(plain, tmp_path):
     again = written(tmp_path / "retried.hdf5", play(Critic([False, True])))
     with EpisodeReader(plain) as one, EpisodeReader(again) as two:
         once, retried = one.episode.drives, two.episode.drives
@@ -126,7 +126,7 @@ def test_it_takes_less_than_four_kilobytes_for_a_second(plain):
         assert sum(part.id.get_storage_size() for part in parts) < 4000 * file["timestamp"][-1]
 
 
-def test_a_command_that_was_changed_is_told_with_its_frame(copy, context):
+def test_a_changed_command_is_reported_with_its_frame(copy, context):
     with h5py.File(copy, "r+") as file:
         told = file["drives/left/told"]
         step = told.shape[1] // 2
@@ -138,13 +138,13 @@ def test_a_command_that_was_changed_is_told_with_its_frame(copy, context):
     assert "left_joint" in states.what and states.by
 
 
-def test_a_state_that_was_changed_is_told_with_its_frame_and_by_how_much(copy, context):
+def test_a_changed_state_is_reported_with_its_frame_and_difference(copy, context):
     with h5py.File(copy, "r+") as file:
         file["objects/block"][7, 0] += 0.25
     assert replay_episode(copy, context).states == Difference("the position of block", 7, 0.25)
 
 
-def test_another_version_is_told_though_all_is_equal(copy, context):
+def test_another_version_is_reported_even_if_all_is_equal(copy, context):
     with h5py.File(copy, "r+") as file:
         file["meta/versions"][()] = json.dumps(versions() | {"sapien": "2.0"})
     replayed = replay_episode(copy, context)
@@ -155,7 +155,7 @@ def test_another_version_is_told_though_all_is_equal(copy, context):
 def test_an_episode_of_an_earlier_version_is_to_be_recorded_again(copy, context):
     with h5py.File(copy, "r+") as file:
         del file["drives"]
-    with pytest.raises(DrivesNotRecorded, match="does not hold") as error:
+    with pytest.raises(DrivesNotRecorded, match="lacks the commands") as error:
         replay_episode(copy, context)
     assert "record the episode again" in error.value.hint
 
@@ -175,7 +175,7 @@ def pictured(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def with_drawn(path: Path, to: Path, drawn: object) -> Path:
-    """A copy of a file that says something else of what was drawn for it."""
+    """A copy of a file with other random draws."""
     copied = Path(shutil.copy(path, to))
     with h5py.File(copied, "r+") as file:
         file["meta/randomisation"][()] = json.dumps(drawn)
@@ -189,18 +189,18 @@ def test_pictures_come_about_again_in_the_look_that_the_file_tells_and_in_no_oth
     assert all(isinstance(one, Difference) and one.frame == 0 and one.by for one in found.values())
 
 
-def test_what_weighs_otherwise_than_the_file_tells_does_not_move_alike(pictured, tmp_path, context):
+def test_an_object_of_another_mass_moves_differently(pictured, tmp_path, context):
     drawn = Drawn(ranges="full", look=look(0), world=WorldDraw(mass={"block": 0.5}))
     other = with_drawn(pictured, tmp_path, drawn.model_dump(mode="json"))
     assert replay_episode(other, context).states is not None
 
 
-def test_a_file_that_does_not_tell_what_was_drawn_is_told(plain, tmp_path, context):
+def test_a_file_without_its_random_draws_is_reported(plain, tmp_path, context):
     with pytest.raises(DamagedFile, match="looked"):
         replay_episode(with_drawn(plain, tmp_path, {}), context)
 
 
-def test_arms_that_the_robot_has_not_are_told(plain, tmp_path, context):
+def test_unknown_arms_are_reported(plain, tmp_path, context):
     drawn = Drawn(ranges="full", look=look(0), world=WorldDraw(start={"middle": [0.0] * 7}))
     with pytest.raises(DamagedFile, match="no arm 'middle'"):
         replay_episode(with_drawn(plain, tmp_path, drawn.model_dump(mode="json")), context)
@@ -214,21 +214,21 @@ def test_arms_that_the_robot_has_not_are_told(plain, tmp_path, context):
         ({}, {"cam_low": CameraShift(shift=(0, 0, 0), turn_deg=(0, 0, 0), fovy=1)}, "no camera 'cam_low'"),
     ],
 )
-def test_what_was_drawn_for_something_that_there_is_not_is_told(plain, tmp_path, context, world, cameras, told):
+def test_draws_for_an_unknown_object_are_reported(plain, tmp_path, context, world, cameras, told):
     seen = look(0).model_copy(update={"cameras": cameras})
     drawn = Drawn(ranges="full", look=seen, world=WorldDraw.model_validate(world))
     with pytest.raises(DamagedFile, match=told):
         replay_episode(with_drawn(plain, tmp_path, drawn.model_dump(mode="json")), context)
 
 
-def test_a_robot_that_is_not_that_of_the_scene_is_told(copy, context):
+def test_a_robot_other_than_the_scenes_is_reported(copy, context):
     with h5py.File(copy, "r+") as file:
         file["meta/robot"][()] = json.dumps("aloha_agilex")
     with pytest.raises(DamagedFile, match="its robot is 'aloha_agilex'"):
         replay_episode(copy, context)
 
 
-def test_joints_that_an_arm_has_not_are_told(pictured, tmp_path, context):
+def test_unknown_joints_are_reported(pictured, tmp_path, context):
     path = Path(shutil.copy(pictured, tmp_path))
     with h5py.File(path, "r+") as file:
         fewer = file["robot_joints/left"][:, :5]
@@ -238,7 +238,7 @@ def test_joints_that_an_arm_has_not_are_told(pictured, tmp_path, context):
         replay_episode(path, context)
 
 
-def test_a_camera_that_stood_elsewhere_than_the_file_says_is_told(pictured, tmp_path, context):
+def test_a_camera_at_another_pose_is_reported(pictured, tmp_path, context):
     path = Path(shutil.copy(pictured, tmp_path))
     with h5py.File(path, "r+") as file:
         file["cameras/cam_high/extrinsics"][5:, 0, 3] += 0.5
@@ -246,7 +246,7 @@ def test_a_camera_that_stood_elsewhere_than_the_file_says_is_told(pictured, tmp_
     assert isinstance(found, Difference) and found.frame == 5 and found.by == pytest.approx(0.5)
 
 
-def test_a_picture_that_was_changed_is_told_with_its_frame(pictured, tmp_path, context):
+def test_a_changed_picture_is_reported_with_its_frame(pictured, tmp_path, context):
     path = Path(shutil.copy(pictured, tmp_path))
     with h5py.File(path, "r+") as file:
         images = file["observations/images/cam_high"]
@@ -257,7 +257,7 @@ def test_a_picture_that_was_changed_is_told_with_its_frame(pictured, tmp_path, c
     assert found["cam_high"] == Difference("the picture of cam_high", 3, 1)
 
 
-def test_where_a_video_took_the_place_of_pictures_the_hash_of_those_that_were_recorded_tells(finished):
+def test_the_hash_of_the_recorded_pictures_is_reported_where_a_video_replaced_them(finished):
     path = next(finished.run.root.glob("episodes/*.hdf5"))
     with EpisodeReader(path) as reader:
         assert not any(reader.holds_pictures(camera) for camera in reader.cameras)

@@ -1,4 +1,4 @@
-"""Commands that are told run as they stand."""
+"""Printed commands run unchanged."""
 
 from __future__ import annotations
 

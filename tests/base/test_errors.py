@@ -21,7 +21,7 @@ def test_a_line_holds_message_and_hint_in_one_line():
     assert line == "no room for plate (drop one)"
 
 
-def test_a_record_holds_what_a_program_needs():
+def test_a_record_holds_the_fields_for_programs():
     record = InfeasibleScene("no room", details={"missing_m2": 0.02}).as_record()
     assert record == {
         "code": "infeasible_scene",
@@ -42,9 +42,9 @@ KINDS = [
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_an_error_comes_whole_from_another_process(kind):
-    error = pickle.loads(pickle.dumps(kind("a.hdf5 is damaged", hint="mend it", details={"frame": 3})))
+    error = pickle.loads(pickle.dumps(kind("a.hdf5 is damaged", hint="fix it", details={"frame": 3})))
     assert type(error) is kind
-    assert (error.message, error.hint, error.details) == ("a.hdf5 is damaged", "mend it", {"frame": 3})
+    assert (error.message, error.hint, error.details) == ("a.hdf5 is damaged", "fix it", {"frame": 3})
     assert str(error) == "a.hdf5 is damaged"
 
 

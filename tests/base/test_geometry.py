@@ -37,7 +37,7 @@ def test_poses_of_the_same_numbers_are_equal_and_serve_as_one_key(p, q):
     assert len({Pose(p, q), Pose(p, q)}) == 1
 
 
-def test_a_pose_differs_from_one_elsewhere_from_one_turned_and_from_what_is_no_pose():
+def test_poses_differ_by_position_by_rotation_and_from_other_types():
     assert Pose() != Pose([0, 0, 1e-12])
     assert Pose() != Pose.from_yaw([0, 0, 0], 1e-6)
     assert Pose() != (0, 0, 0)

@@ -28,7 +28,7 @@ def packages(tmp_path, monkeypatch):
 
 
 @pytest.mark.usefixtures("packages")
-def test_what_is_left_out_is_not_loaded():
+def test_excluded_modules_are_not_loaded():
     with left_out("slow_package", "plots"):
         plotter = importlib.import_module("plotter")
     assert not hasattr(plotter.plots, "loaded")
@@ -42,7 +42,7 @@ def test_afterwards_it_can_be_imported():
 
 
 @pytest.mark.usefixtures("packages")
-def test_what_is_loaded_already_is_what_is_found():
+def test_loaded_modules_are_found_first():
     importlib.import_module("slow_package.plots")
     with left_out("slow_package", "plots"):
         plotter = importlib.import_module("plotter")

@@ -105,7 +105,7 @@ def test_a_run_with_a_link_or_a_pipe_is_refused_by_its_name(plant, tmp_path: Pat
     assert told.value.message.startswith(str(planted)) and told.value.details == {"path": str(planted)}
 
 
-def test_what_is_not_of_a_run_may_be_a_link(tmp_path: Path) -> None:
+def test_files_outside_a_run_may_be_links(tmp_path: Path) -> None:
     (tmp_path / "home").symlink_to("/")
     (tmp_path / "run").symlink_to(tmp_path)
     assert RunFolder(tmp_path / "run").scene == tmp_path / "place" / "scene.json"

@@ -32,7 +32,7 @@ def test_work_made_from_another_is_to_be_done_again(path):
     assert not keeper.knows(keeper.found())
 
 
-def test_what_was_never_done_is_missing(tmp_path):
+def test_a_stage_never_run_is_missing(tmp_path):
     keeper = Keeper(tmp_path / "bread.json", Bread, "rye")
     assert keeper.kept() is None
     with pytest.raises(MissingStage):

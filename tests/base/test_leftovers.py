@@ -74,7 +74,7 @@ def test_folders_of_others_and_links_stay(tmp_path):
     assert len(list(tmp_path.iterdir())) == 4
 
 
-def test_partial_work_in_a_held_folder_goes_but_for_that_of_living_processes_and_names_of_others(tmp_path):
+def test_partial_work_of_dead_processes_goes_from_a_held_folder(tmp_path):
     living = os.getppid()
     gone = [f"place{PARTIAL}{NOBODY}/a.png", f"options{PARTIAL}{NOBODY}.json", f"place/deep/b{PARTIAL}{NOBODY}.png"]
     stays = [
@@ -91,7 +91,7 @@ def test_partial_work_in_a_held_folder_goes_but_for_that_of_living_processes_and
     assert sorted(p.relative_to(tmp_path).as_posix() for p in tmp_path.rglob("*") if p.is_file()) == sorted(stays)
 
 
-def test_what_was_to_be_replaced_is_put_back_where_nothing_came_in_its_place(tmp_path):
+def test_a_replaced_file_is_put_back_if_nothing_took_its_place(tmp_path):
     for name in (f"place{REPLACED}{NOBODY}", f"match{REPLACED}{NOBODY}", "match"):
         (tmp_path / name).mkdir()
         (tmp_path / name / "of").write_text(name)
@@ -122,7 +122,7 @@ def test_a_folder_killed_between_its_two_renames_is_restored(tmp_path):
     assert len(list(tmp_path.iterdir())) == 1
 
 
-def test_what_a_process_that_is_still_there_writes_is_left_to_it(tmp_path):
+def test_files_of_a_living_process_are_left_alone(tmp_path):
     other = subprocess.Popen(["sleep", "60"])
     part = tmp_path / f"x{PARTIAL}{other.pid}"
     part.mkdir()

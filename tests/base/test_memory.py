@@ -52,7 +52,7 @@ def test_a_group_that_took_more_than_its_limit_leaves_nothing(machine):
     assert memory.free_memory() == 0
 
 
-def test_what_is_remembered_is_asked_once_until_it_is_forgotten():
+def test_a_remembered_answer_is_asked_once_until_forgotten():
     asked = []
     double = memory.remembered(8)(lambda number: asked.append(number) or 2 * number)
     assert [double(1), double(1)] == [2, 2] and asked == [1]

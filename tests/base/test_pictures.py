@@ -1,4 +1,4 @@
-"""Picture files: what is read back, and what is refused before it is decoded."""
+"""Picture files: reading, and refusals before decoding."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ from vcage.base.placeholders import require_fetched
         (b"\x00\x05\x16\x07\x00\x02\x00\x00", "AppleDouble"),
     ],
 )
-def test_what_stands_for_another_file_is_named_with_the_way_to_fetch_it(tmp_path, content, named):
+def test_a_pointer_file_is_named_with_the_command_that_fetches_it(tmp_path, content, named):
     (tmp_path / "a.mp4").write_bytes(content)
     with pytest.raises(DamagedFile, match=rf"a\.mp4 is .*{named}"):
         require_fetched(tmp_path / "a.mp4")

@@ -45,7 +45,7 @@ def test_a_byte_order_mark_and_line_ends_of_windows_are_taken(tmp_path: Path) ->
         (b"", 1, "Expecting value"),
     ],
 )
-def test_what_is_no_json_is_refused_by_its_line(data: bytes, line: int, why: str, tmp_path: Path) -> None:
+def test_broken_json_is_refused_by_its_line(data: bytes, line: int, why: str, tmp_path: Path) -> None:
     path = tmp_path / "asset.json"
     path.write_bytes(data)
     with pytest.raises(DamagedFile, match=rf"asset\.json is not valid JSON: line {line}: .*{why}") as caught:
@@ -57,7 +57,7 @@ def test_what_is_no_json_is_refused_by_its_line(data: bytes, line: int, why: str
     ("data", "line"),
     [(b"a: 1\nb: 2\na: 3", 3), (b"a: [\n1", 2), (b"a: 1\nb: \x01", 2), (b"[\n" * 100_000, 201), (b"a: 2020-99-99", 1)],
 )
-def test_what_is_no_yaml_is_refused_by_its_line(data: bytes, line: int, tmp_path: Path) -> None:
+def test_broken_yaml_is_refused_by_its_line(data: bytes, line: int, tmp_path: Path) -> None:
     path = tmp_path / "robot.yml"
     path.write_bytes(data)
     with pytest.raises(DamagedFile, match=rf"robot\.yml is not valid YAML: line {line}: "):
@@ -98,5 +98,5 @@ def test_a_missing_file_and_one_that_is_too_long_are_named(tmp_path: Path) -> No
         open_regular(tmp_path / "long.json", "a JSON file", DocumentLimits(max_bytes=5).max_bytes)
 
 
-def test_what_is_nested_as_deep_as_may_be_is_read() -> None:
+def test_data_nested_up_to_the_limit_is_read() -> None:
     assert parse_json("[" * 200 + "]" * 200)

@@ -7,7 +7,7 @@ import pytest
 from vcage.base.time_limit import TimeLimitReached, time_limit, undisturbed
 
 
-def test_what_takes_too_long_is_interrupted_past_every_handler_of_errors():
+def test_slow_code_is_interrupted_past_every_error_handler():
     with pytest.raises(TimeLimitReached), time_limit(0.05):
         while True:
             try:
@@ -16,13 +16,13 @@ def test_what_takes_too_long_is_interrupted_past_every_handler_of_errors():
                 continue
 
 
-def test_what_is_quick_enough_is_not_interrupted():
+def test_fast_code_is_not_interrupted():
     with time_limit(0.2):
         pass
     time.sleep(0.3)
 
 
-def test_what_is_undisturbed_is_done_before_the_time_is_up():
+def test_undisturbed_work_finishes_within_its_time():
     done = []
     with pytest.raises(TimeLimitReached), time_limit(0.05):
         with undisturbed(), undisturbed():

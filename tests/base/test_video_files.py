@@ -48,7 +48,7 @@ def test_a_relative_path_is_never_taken_for_a_protocol(tmp_path, video, monkeypa
 
 
 @pytest.mark.parametrize("limits", [VideoLimits(max_frames=3), VideoLimits(max_pixels=100)])
-def test_a_video_that_declares_too_much_is_refused_with_what_it_declares(video, monkeypatch, limits):
+def test_a_video_that_declares_too_much_is_refused_with_its_claim(video, monkeypatch, limits):
     monkeypatch.setattr(video_files, "LIMITS", limits)
     with pytest.raises(OversizedFile, match="4 frames of 64 x 48"), open_video(video):
         pass

@@ -78,7 +78,7 @@ def test_every_frame_alone_is_that_of_the_whole_video(videos, name):
 @pytest.mark.parametrize("name", [*OTHERS, *OURS])
 @settings(deadline=None, max_examples=15)
 @given(indices=st.sets(st.integers(0, FRAMES - 1)))
-def test_any_frames_are_those_of_the_whole_video_in_the_order_of_time(videos, name, indices):
+def test_chosen_frames_match_the_whole_video_in_time_order(videos, name, indices):
     path, whole = videos[name]
     assert np.array_equal(decode(path, list(indices)), whole[sorted(indices)])
 
@@ -103,7 +103,7 @@ def test_a_video_in_memory_is_read_like_a_file(videos, video):
     assert np.array_equal(decode(video, [3, 31]), videos["gop-10.mp4"][1][[3, 31]])
 
 
-def test_a_frame_is_reached_without_decoding_those_far_before_it(videos, tmp_path):
+def test_a_frame_is_reached_without_decoding_distant_ones(videos, tmp_path):
     path, whole = videos["h264.mp4"]
     with av.open(str(path)) as container:
         packets = [packet for packet in container.demux(video=0) if packet.size]
@@ -150,7 +150,7 @@ READERS = {
 
 @pytest.mark.parametrize("read", READERS.values(), ids=READERS)
 @pytest.mark.parametrize("content", [b"", b"not a video at all", None], ids=["empty", "text", "header"])
-def test_what_is_no_video_is_damaged(tmp_path, video, read, content):
+def test_a_file_without_video_data_is_damaged(tmp_path, video, read, content):
     path = tmp_path / "video.mp4"
     path.write_bytes(video[:300] if content is None else content)
     with pytest.raises(DamagedFile, match=r"video\.mp4"):

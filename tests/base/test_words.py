@@ -21,5 +21,5 @@ def test_lemmas_are_singular(plural: str, singular: str) -> None:
 
 
 @pytest.mark.parametrize("word", ["scissors", "chess", "bus", "box"])
-def test_what_only_ends_like_a_plural_is_none(word: str) -> None:
+def test_a_word_that_only_ends_like_a_plural_is_singular(word: str) -> None:
     assert not is_plural(word)

@@ -77,7 +77,7 @@ def test_an_error_of_a_task_comes_whole_and_ends_the_others():
     assert nothing_left() and time.monotonic() - begun < 60
 
 
-def test_a_worker_that_is_killed_is_work_that_remains():
+def test_a_killed_worker_leaves_its_work_open():
     with pytest.raises(PartlyDone, match="worker process was ended") as partly:
         list(map_in_processes(vanish, [0, 1, 2], 2))
     assert "--workers" in partly.value.hint
@@ -106,7 +106,7 @@ def answers(work, tasks, workers: int, limit_s: float | None = None) -> list:
         return list(processes.results())
 
 
-def test_a_process_that_is_killed_loses_only_its_task_which_is_begun_again(tmp_path):
+def test_a_killed_process_loses_only_its_task_which_restarts(tmp_path):
     folders = [tmp_path / name for name in "ab"]
     for folder in folders:
         folder.mkdir()
@@ -114,7 +114,7 @@ def test_a_process_that_is_killed_loses_only_its_task_which_is_begun_again(tmp_p
     assert nothing_left()
 
 
-def test_a_process_that_is_silent_is_ended_and_its_task_begun_again(tmp_path):
+def test_a_silent_process_is_ended_and_its_task_restarts(tmp_path):
     assert answers(silent_once, [tmp_path], 1, limit_s=3.0) == ["done"]
     assert nothing_left()
 
@@ -134,7 +134,7 @@ def say(word: str) -> None:
     logging.getLogger("vcage.elsewhere").warning("it said %s", word)
 
 
-def test_what_a_process_logs_is_logged_here(caplog):
+def test_logs_of_a_process_reach_the_parent(caplog):
     answers(say, ["hello", "there"], 2)
     assert sorted(record.getMessage() for record in caplog.records) == ["it said hello", "it said there"]
     assert {record.name for record in caplog.records} == {"vcage.elsewhere"}
@@ -173,13 +173,13 @@ with Processes(eval, 1) as processes:
 
 
 @pytest.mark.skipif(cores() == 1, reason="nothing is loaded ahead on one core")
-def test_what_is_loaded_ahead_is_there_in_processes_alone():
+def test_preloaded_modules_exist_in_workers_only():
     done = subprocess.run([sys.executable, "-c", LOADED_AHEAD], capture_output=True, text=True)
     assert (done.stdout, done.stderr) == ("True False\n", "")
 
 
 @pytest.mark.skipif(cores() == 1, reason="nothing is loaded ahead on one core")
-def test_what_lies_in_the_current_folder_is_not_taken_for_what_is_loaded_ahead(tmp_path):
+def test_modules_in_the_current_folder_do_not_shadow_preloaded_ones(tmp_path):
     (tmp_path / "colorsys.py").write_text("raise RuntimeError('another one')")
     done = subprocess.run([sys.executable, "-c", LOADED_AHEAD], capture_output=True, text=True, cwd=tmp_path)
     assert (done.stdout, done.stderr) == ("True False\n", "")
@@ -232,7 +232,7 @@ def test_a_result_that_cannot_be_sent_is_an_error_that_says_so():
         answers(give_what_cannot_be_sent, [0], 1)
 
 
-def test_who_goes_away_leaves_no_process():
+def test_a_parent_that_exits_leaves_no_process():
     results = map_in_processes(refuse_two, [0, 1, 3, 4], 2)
     next(results)
     results.close()
@@ -276,7 +276,7 @@ def test_workers_end_with_the_process_that_started_them(number):
     assert not psutil.wait_procs(children, WAIT)[1]
 
 
-# --- what a worker knows of the process that started it ------------------------------------------------
+# --- what a worker knows of its parent process --------------------------------------------------------
 
 SETS_A_VARIABLE = "import os; os.environ['OF_AN_IMPORT'] = 'set'"
 
@@ -295,7 +295,7 @@ with Processes(eval, 1) as processes:
 
 
 @pytest.mark.skipif(cores() == 1, reason="nothing is loaded ahead on one core")
-def test_what_an_import_sets_in_the_environment_stays_there_whatever_this_process_has_imported(tmp_path):
+def test_environment_changes_of_an_import_stay_in_its_process(tmp_path):
     (tmp_path / "sets_a_variable.py").write_text(SETS_A_VARIABLE)
     done = subprocess.run(
         [sys.executable, "-c", ENVIRONMENT_AFTER_IMPORT],
@@ -325,7 +325,7 @@ except UsageError as error:
 
 @pytest.mark.parametrize("deep", [False, True], ids=["forked", "spawned"])
 @pytest.mark.parametrize("way", ["file", "stdin", "module"])
-def test_a_script_needs_no_main_guard_and_what_it_defines_itself_is_refused_by_name(tmp_path, way, deep):
+def test_a_script_needs_no_main_guard_and_its_own_functions_are_refused_by_name(tmp_path, way, deep):
     script = tmp_path / "bare_script.py"
     script.write_text(BARE_SCRIPT)
     temporary = tmp_path / ("deep" * 30 if deep else "t")
@@ -340,10 +340,10 @@ def test_a_script_needs_no_main_guard_and_what_it_defines_itself_is_refused_by_n
     )
     begun, results, refused = done.stdout.splitlines()
     assert (begun, results, done.stderr) == ("begun", "[6, 24]", "")
-    assert "'Mine'" in refused and "in a module of its own" in refused
+    assert "'Mine'" in refused and "in a module" in refused
 
 
-# --- what is left of one that was killed ---------------------------------------------------------------
+# --- after a worker was killed -------------------------------------------------------------------------
 
 KILLED = """
 import os, signal

@@ -74,12 +74,12 @@ def a_clip(clips: str = "rendered") -> list[Measured]:
 # --- rows ----------------------------------------------------------------------------------------------
 
 
-def test_rows_say_what_is_saved_against_each_other_format() -> None:
+def test_rows_state_savings_against_every_other_format() -> None:
     ours = rows(a_clip())[-1]
     assert [ours[f"vs_{name}"] for name in ("raw", "png", "jpeg_hdf5", "lerobot_av1")] == [0.99, 0.975, 0.95, 0.75]
 
 
-def test_rows_have_every_figure_that_is_asked_for() -> None:
+def test_rows_have_every_requested_figure() -> None:
     for row in rows(a_clip()):
         assert row.keys() >= ASKED
 
@@ -93,7 +93,7 @@ def test_rendered_and_noisy_clips_have_rows_apart() -> None:
     assert {row["vs_lerobot_av1"] for row in both if row["format"] == OURS.name} == {0.75}
 
 
-def test_losses_are_those_of_the_worst_clip() -> None:
+def test_losses_come_from_the_worst_clip() -> None:
     worse = replace(a_clip()[-1], losses_keyframes=[0.3], losses_heldout=[0.2])
     row = rows([*a_clip(), worse])[-1]
     assert (row["jod_loss_keyframes_max"], row["jod_loss_heldout_max"], row["clips_in_limit"]) == (0.3, 0.2, 1)
@@ -151,7 +151,7 @@ def test_a_clip_is_measured_once(small: Clip) -> None:
     assert once[0].losses_keyframes == [0.0, 0.0] and once[0].losses_heldout == [0.0]
 
 
-def test_an_interrupted_clip_goes_on_with_the_format_that_is_missing(small: Clip) -> None:
+def test_an_interrupted_clip_resumes_with_the_missing_format(small: Clip) -> None:
     first, second = Counted("first"), Counted("second")
     measure_clip(small, [first])
     measure_clip(small, [first, second])
@@ -199,7 +199,7 @@ def test_the_last_line_is_json_with_a_row_for_each_format(capsys: pytest.Capture
     assert "curves" not in figures
 
 
-def test_the_time_that_is_left_is_told(caplog: pytest.LogCaptureFixture) -> None:
+def test_the_remaining_time_is_reported(caplog: pytest.LogCaptureFixture) -> None:
     caplog.set_level("INFO")
     assert list(compression._watched(iter("ab"), 2)) == ["a", "b"]
     assert caplog.messages[0].startswith("1 of 2 done")

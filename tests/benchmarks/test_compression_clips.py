@@ -62,7 +62,7 @@ def test_quick_takes_the_beginnings_of_two_episodes() -> None:
     assert all(clip.length for clip in quick)
 
 
-def test_a_rendered_clip_is_what_the_episode_holds(recorded: np.ndarray) -> None:
+def test_a_rendered_clip_matches_the_episode(recorded: np.ndarray) -> None:
     film = Clip(RECIPES[0], RIGHT).load()
     np.testing.assert_array_equal(film.frames, recorded)
     assert film.fps == recordings.FPS

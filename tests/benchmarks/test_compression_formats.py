@@ -1,4 +1,4 @@
-"""Formats of the compression benchmark on a small clip: LeRobot's own, and those that are searched."""
+"""Formats of the compression benchmark on a small clip: LeRobot's own, and the searched ones."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def loss(made: Made, metric: JodMetric) -> float:
 
 
 @pytest.mark.parametrize("quick", [True, False])
-def test_every_format_comes_after_those_that_it_asks(quick: bool) -> None:
+def test_every_format_comes_after_its_dependencies(quick: bool) -> None:
     seen: set[str | None] = {None}
     for form in formats(quick):
         assert not isinstance(form, Searched) or {form.like, form.after} <= seen
@@ -88,7 +88,7 @@ def test_another_gop_begins_anew_where_the_first_had_to_be_lossless(tmp_path: Pa
     assert made.pixel_format == "yuv444p10le" and made.crf is not None
 
 
-def test_a_codec_without_a_lossless_form_is_searched_for_what_it_can_reach(tmp_path: Path, metric: JodMetric) -> None:
+def test_a_codec_without_a_lossless_form_is_searched_for_its_best_quality(tmp_path: Path, metric: JodMetric) -> None:
     made = Searched("av1", Choices("av1", gops=(4,))).make(FILM, metric, tmp_path, {})
     assert made.limit is not None and made.limit >= LIMIT
     assert loss(made, metric) < made.limit

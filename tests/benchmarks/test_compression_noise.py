@@ -28,7 +28,7 @@ def test_no_two_frames_have_the_same_noise() -> None:
 
 
 @pytest.mark.parametrize("colour", [(200, 120, 60), (40, 40, 40), (90, 150, 210)])
-def test_colours_stay_what_they_are(colour: tuple[int, int, int]) -> None:
+def test_colours_are_preserved(colour: tuple[int, int, int]) -> None:
     frames = np.tile(np.array(colour, np.uint8), (2, 48, 64, 1))
     np.testing.assert_allclose(film(frames).mean(axis=(0, 1, 2)), colour, atol=1.5)
 

@@ -25,7 +25,7 @@ def test_jpeg_pictures_keep_red_and_blue_apart(tmp_path: Path) -> None:
     np.testing.assert_allclose(stored.read([0]), red, atol=3)
 
 
-def test_bytes_are_those_of_the_encoded_pictures(tmp_path: Path) -> None:
+def test_bytes_match_the_encoded_pictures(tmp_path: Path) -> None:
     stored = store_pictures(FRAMES, tmp_path / "clip.hdf5", ".png", [])
     assert stored.bytes == sum(len(cv2.imencode(".png", frame[..., ::-1])[1]) for frame in FRAMES)
     assert stored.bytes < stored.path.stat().st_size

@@ -49,7 +49,7 @@ def judged(
     return Judged(record, accepted, confidence, "seen", 1.0)
 
 
-def test_precision_is_of_what_was_accepted_and_recall_of_what_succeeded() -> None:
+def test_precision_is_over_accepted_and_recall_over_successful_episodes() -> None:
     told = (
         [judged(True, True)] * 8 + [judged(True, False)] * 2 + [judged(False, True, "beside")] + [judged(False, False)]
     )
@@ -113,7 +113,7 @@ def test_the_critic_is_counted_by_template() -> None:
     assert found["by_template"] == {"place": {"n": 3, "successes": 2, "failures": 1, "false_yes": 0, "false_no": 1}}
 
 
-def test_scenes_are_made_of_every_sentence_too_and_quick_takes_one_of_each_template() -> None:
+def test_scenes_cover_every_sentence_and_quick_takes_one_per_template() -> None:
     names = {slug(sentence.text) for sentence in sentences()}
     assert names <= set(settings()) and set(SCENES) <= set(settings())
     full = critic.drawn(7, "dual_panda", "all", quick=False)
@@ -128,7 +128,7 @@ def test_a_folder_without_a_list_is_named(tmp_path: Path) -> None:
         next(read_outcomes(tmp_path))
 
 
-def test_what_is_true_stands_in_a_file_apart(tmp_path: Path) -> None:
+def test_the_truth_is_in_a_file_of_its_own(tmp_path: Path) -> None:
     record = judged(False, True, kind="beside").record.model_copy(update={"reason": "it lies beside the tray"})
     write_list([record], tmp_path)
     asked, truth = ((tmp_path / name).read_text() for name in ("outcomes.json", "truth.json"))
@@ -137,7 +137,7 @@ def test_what_is_true_stands_in_a_file_apart(tmp_path: Path) -> None:
     assert not {*OutcomeTruth.model_fields} & {*OutcomeQuestion.model_fields}
 
 
-def test_a_folder_whose_truth_was_moved_away_names_what_is_missing(tmp_path: Path) -> None:
+def test_a_folder_without_its_truth_file_names_it(tmp_path: Path) -> None:
     write_list([judged(True, True).record], tmp_path)
     (tmp_path / "truth.json").write_text(OutcomeTruths(truths={}).model_dump_json(by_alias=True))
     with pytest.raises(InputFileError, match=r"truth\.json says nothing of 1"):

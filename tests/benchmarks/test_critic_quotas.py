@@ -51,7 +51,7 @@ def test_scenes_are_drawn_again_until_there_is_enough() -> None:
     assert [draw.seed for draw in maker.rounds[-1]] == [7, 7], "seeds that no draw had"
 
 
-def test_only_scenes_that_gave_what_is_missing_are_drawn_again_and_only_for_that() -> None:
+def test_only_scenes_with_missing_failures_are_redrawn() -> None:
     maker = Maker()
 
     def make(draws: Sequence[Draw], before: Sequence[OutcomeRecord]) -> list[OutcomeRecord]:
@@ -64,7 +64,7 @@ def test_only_scenes_that_gave_what_is_missing_are_drawn_again_and_only_for_that
     )
 
 
-def test_what_is_still_missing_after_the_last_round_is_said(caplog: pytest.LogCaptureFixture) -> None:
+def test_failures_missing_after_the_last_round_are_reported(caplog: pytest.LogCaptureFixture) -> None:
     maker = Maker()
     with caplog.at_level(logging.WARNING):
         filled(DRAWS, maker, Quotas(each=20, rounds=1))

@@ -1,4 +1,4 @@
-"""Outcomes of a support that was pushed away, and of what slid off it, made in the simulator."""
+"""Outcomes with a support pushed away or an object that slid off it, made in the simulator."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def test_a_support_that_was_pushed_away_stands_elsewhere_and_the_thing_beside_it
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_what_slid_off_is_beside_its_support_which_stays(seed: int) -> None:
+def test_an_object_that_slid_off_lies_beside_its_support(seed: int) -> None:
     played = put_on(SUPPORTS["a block"], seed)
     shots = slid_off(played)
     assert shots is not None and not shots.truth.success
@@ -66,7 +66,7 @@ def test_what_slid_off_is_beside_its_support_which_stays(seed: int) -> None:
     assert now["upper"].pose.p[2] < was["upper"].pose.p[2] - 0.01
 
 
-def test_nothing_slides_off_what_is_flat() -> None:
+def test_nothing_slides_off_a_flat_support() -> None:
     assert slid_off(put_on(SUPPORTS["a plate"], 0)) is None
 
 

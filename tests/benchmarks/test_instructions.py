@@ -37,7 +37,7 @@ OPEN = ("box", "open", None, "lid")
         ([("a", "on", "c"), ("b", "on", "c")], [[["tower", "a", "b", "c"]]], False),
     ],
 )
-def test_a_reading_is_right_with_the_same_goals_in_an_order_that_is_allowed(found, steps, right) -> None:
+def test_a_reading_with_the_same_goals_in_an_allowed_order_is_right(found, steps, right) -> None:
     assert agrees(asked(*found), steps) is right
 
 
@@ -49,7 +49,7 @@ def test_a_refusal_is_right_where_the_record_asks_for_one() -> None:
     assert read(steps, SCENES["kitchen"])[0] == "refused"
 
 
-def test_a_task_of_others_is_right_up_to_which_of_a_kind_it_is() -> None:
+def test_a_foreign_task_is_right_regardless_of_which_instance() -> None:
     library = Library.load()
     kinds = [library.entry(name) for name in ("apple", "plate", "block")]
     goal = {"relation": "on", "subject": "apple", "reference": "plate", "part": None}
@@ -59,7 +59,7 @@ def test_a_task_of_others_is_right_up_to_which_of_a_kind_it_is() -> None:
     assert outcome({**task, "text": "Throw the apple at the plate"}, kinds)[0] == "refused"
 
 
-def test_tasks_that_need_kinds_which_are_not_there_are_left_out(tmp_path: Path) -> None:
+def test_tasks_of_missing_kinds_are_left_out(tmp_path: Path) -> None:
     path = tmp_path / "libero.json"
     path.write_text('[{"needs": ["kind:stove"]}, {"needs": ["verb:pour"]}]')
     assert possible(path) == [{"needs": ["verb:pour"]}]

@@ -1,4 +1,4 @@
-"""Failures that are planted, and what is counted of the loop that meets them."""
+"""Planted failures, and the counts of the loop that meets them."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def test_a_cause_stays_as_long_as_the_episode_does() -> None:
         assert len({Causes(0.5, seed).failure(STEP, GRASP, ON_PLATE) for _ in range(3)}) == 1
 
 
-def test_a_bad_grasp_loses_what_it_takes_and_a_bad_slot_does_not_keep_what_is_put_there() -> None:
+def test_a_bad_grasp_loses_its_object_and_a_bad_slot_rejects_it() -> None:
     told = [Causes(0.7, seed) for seed in SEEDS]
     failures = [causes.failure(STEP, GRASP, ON_PLATE) for causes in told]
     assert set(failures) == {None, "lost", "astray"}
@@ -45,14 +45,14 @@ def test_one_grasp_of_a_step_is_always_good() -> None:
 
 
 @pytest.mark.parametrize(("failure", "beside", "far"), [("lost", False, False), ("astray", True, True)])
-def test_what_befell_an_object_leaves_it_where_the_reason_says(failure: Failure, beside: bool, far: bool) -> None:
+def test_a_failed_object_ends_where_its_reason_says(failure: Failure, beside: bool, far: bool) -> None:
     block, plate = block_and_plate()
     found = befallen(failure, subtask(), {"block": block, "plate": plate}, block.pose, GROUND, np.random.default_rng(0))
     assert bool(holds("beside", block.moved(found).aabb, plate.aabb)) is beside
     assert bool(np.linalg.norm((found.p - block.pose.p)[:2]) > 0.03) is far
 
 
-def test_what_has_no_room_beside_its_receptacle_is_lost_instead() -> None:
+def test_an_object_without_room_beside_its_receptacle_is_lost() -> None:
     block, plate = block_and_plate()
     no_room = Ground(plate.pose.p[:2] - 0.01, plate.pose.p[:2] + 0.01, TABLE_TOP)
     found = befallen(
@@ -74,7 +74,7 @@ def test_a_reason_spares_attempts_and_more_steps_are_done() -> None:
     assert told["resample"]["verified"] > told["blind"]["verified"]
 
 
-def test_figures_are_those_of_the_time_that_it_took() -> None:
+def test_figures_belong_to_the_measured_time() -> None:
     tally = Tally(accepted=4, false=1, attempts=30, failed=6, steps=24, named=[("lost", "lost"), ("astray", None)])
     figures = tally.figures(seconds=60.0)
     assert (figures["per_hour"], figures["true_per_hour"]) == (240.0, 180.0)

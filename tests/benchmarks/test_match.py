@@ -76,7 +76,7 @@ def test_keeping_pictures_that_were_not_made_is_refused(pictures: Path) -> None:
         match.run(True, pictures=pictures, keep=pictures)
 
 
-def test_an_unknown_detector_is_refused_with_those_that_there_are() -> None:
+def test_an_unknown_detector_error_lists_the_known_ones() -> None:
     with pytest.raises(UnknownName, match="background, grounding-dino"):
         build("backgroud+classical")
 

@@ -1,4 +1,4 @@
-"""Cases on disk: what is written is read back, and what is damaged is refused by name."""
+"""Cases on disk: written cases are read back, and damaged ones refused by name."""
 
 from __future__ import annotations
 

@@ -51,7 +51,7 @@ def test_a_round_object_has_no_yaw_error(scene: Scene):
     assert score(scene, truth(), [match("plate", 0.3, yaw=2.0)]).right[0].yaw_error == 0
 
 
-def test_what_is_kept_is_neither_right_nor_wrong(scene: Scene):
+def test_kept_matches_are_neither_right_nor_wrong(scene: Scene):
     one = score(scene, truth(), [match("block", 0.0, method="kept")])
     assert (one.right, one.wrong, one.present) == ([], [], 2)
 

@@ -81,7 +81,7 @@ def test_bound_objects_stand_where_they_may(library: Library) -> None:
     assert all(is_within(scene.poses[id].p[:2], scene.allowed[id]) for id in contents)
 
 
-def test_the_optimiser_is_told_what_a_drawer_sweeps_and_where_its_body_is(library: Library) -> None:
+def test_the_optimiser_gets_the_swept_area_and_body_of_a_drawer(library: Library) -> None:
     kind = next(k for k in own_kinds(library) if k.asset.name == "cabinet_one_drawer")
     item = kind.item("a", 0.0, np.array([1.0, 2.0]), None, None)
     assert item.size[1] > kind.asset.size[1] + 0.05
@@ -89,7 +89,7 @@ def test_the_optimiser_is_told_what_a_drawer_sweeps_and_where_its_body_is(librar
     np.testing.assert_allclose(item.body_rectangle(), kind.asset.bounds[:, :2])
 
 
-def test_what_has_moving_parts_stands_on_the_table_and_faces_the_robot(library: Library) -> None:
+def test_articulated_objects_stand_on_the_table_facing_the_robot(library: Library) -> None:
     movable = [kind for kind in own_kinds(library) if kind.asset.articulated]
     others = [kind for kind in own_kinds(library) if kind.opening is not None]
     scene = draw_scene([*movable, *others], 12, 2, False, np.random.default_rng(2))
@@ -147,7 +147,7 @@ def test_boxes_of_content_and_container_may_overlap_and_others_may_not(library: 
     assert colliding_boxes(pair(library, "tray", "block", Pose([0, 0, 0.005]))) == [("tray", "block")]
 
 
-def test_contents_are_compared_in_the_frame_of_what_carries_them(library: Library) -> None:
+def test_contents_are_compared_in_the_frame_of_their_container(library: Library) -> None:
     turned = Pose.from_yaw([0, 0, 0], np.pi / 4)
     placed = {"tray": PlacedAsset(library.asset("tray"), turned)}
     for name, y in (("a", -0.021), ("b", 0.021)):
@@ -155,7 +155,7 @@ def test_contents_are_compared_in_the_frame_of_what_carries_them(library: Librar
     assert colliding_boxes(placed) == []
 
 
-def test_what_stands_in_the_way_of_a_drawer_collides(library: Library) -> None:
+def test_an_object_in_the_way_of_a_drawer_collides(library: Library) -> None:
     kind = next(k for k in own_kinds(library) if k.asset.name == "cabinet_one_drawer")
     in_front = Pose([0, kind.asset.bounds[0, 1] - 0.05, 0])
     placed = {"block": PlacedAsset(library.asset("block"), in_front), "cabinet": PlacedAsset(kind.asset, Pose())}
@@ -164,7 +164,7 @@ def test_what_stands_in_the_way_of_a_drawer_collides(library: Library) -> None:
     assert colliding_boxes(placed) == [("block", "cabinet")]
 
 
-def test_what_stands_in_the_wall_of_its_container_collides_by_mesh(library: Library) -> None:
+def test_an_object_in_the_wall_of_its_container_collides_by_mesh(library: Library) -> None:
     inside = pair(library, "basket", "block", Pose([0, 0, 0.006]), "basket")
     assert colliding_meshes(inside) == []
     in_the_wall = pair(library, "basket", "block", Pose([0.1, 0, 0.006]), "basket")
@@ -217,7 +217,7 @@ def test_a_scene_without_noise_is_solved_and_keeps_its_plan(scene: CleanScene) -
     assert outcome.rival_ratio > 0
 
 
-def test_what_is_declared_infeasible_is_searched_longer(scene: CleanScene, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_layout_declared_infeasible_is_searched_longer(scene: CleanScene, monkeypatch: pytest.MonkeyPatch) -> None:
     real, tried = optimize.optimize_layout, []
 
     def only_with_many_restarts(*args):

@@ -93,14 +93,14 @@ def test_a_rival_answers_a_seed_the_same_again(method) -> None:
     assert method(BLOCKS, TABLE, 5, MARGIN_M) == method(BLOCKS, TABLE, 5, MARGIN_M)
 
 
-def test_random_retries_leave_out_what_finds_no_place() -> None:
+def test_random_retries_leave_out_unplaceable_objects() -> None:
     large = unplaced("large", (0.7, 0.35))
     placed = random_retries([large, unplaced("too much", (0.3, 0.3)), BLOCKS[0]], TABLE, 0, MARGIN_M)
     assert "large" in placed and "too much" not in placed
 
 
 @pytest.mark.slow
-def test_maniskill_leaves_what_finds_no_place_at_the_origin() -> None:
+def test_maniskill_leaves_unplaceable_objects_at_the_origin() -> None:
     placed = maniskill([unplaced("large", (0.7, 0.35)), unplaced("too much", (0.3, 0.3))], TABLE + 1, 0, MARGIN_M)
     assert (placed["too much"].x, placed["too much"].y) == pytest.approx((1, 1))
 
@@ -110,7 +110,7 @@ def test_depth_first_keeps_the_fullest_partial_solution() -> None:
     assert len(depth_first(items, TABLE, 0, 0.0)) == 2
 
 
-def test_depth_first_keeps_to_the_headings_that_are_allowed() -> None:
+def test_depth_first_keeps_to_the_allowed_headings() -> None:
     front = unplaced("front", (0.3, 0.1), tuple(np.radians((-15, 0, 15))))
     assert {depth_first([front], TABLE, seed, MARGIN_M)["front"].yaw for seed in range(5)} == {0.0}
 
@@ -128,7 +128,7 @@ def test_pieces_collide_beyond_five_millimetres_and_boxes_at_once(stock: Stock, 
     assert shapes.collide("a", "b") == collides
 
 
-def test_boxes_are_those_of_the_shapes_as_they_stand(stock: Stock) -> None:
+def test_boxes_match_the_posed_shapes(stock: Stock) -> None:
     block = stock.library.asset("block")
     shapes = TrueShapes({"a": block}, {"a": Pose.from_yaw([0.39, 0, 0], np.pi / 4)})
     half = np.sqrt(2) * block.size[0] / 2
@@ -137,7 +137,7 @@ def test_boxes_are_those_of_the_shapes_as_they_stand(stock: Stock) -> None:
     assert shapes.within(2 * TABLE) == 1
 
 
-def test_what_moves_far_or_turns_much_is_not_stable() -> None:
+def test_an_object_that_moves_far_or_turns_much_is_unstable() -> None:
     assert Drift(9.9, 7.9).stable
     assert not Drift(10.1, 0.0).stable and not Drift(0.0, 8.1).stable
 

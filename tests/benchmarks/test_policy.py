@@ -1,4 +1,4 @@
-"""What the policy benchmark trains, on demonstrations that are made up."""
+"""The training data of the policy benchmark, on made-up demonstrations."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def weights(made: Policy) -> torch.Tensor:
 # --- training ------------------------------------------------------------------------------------------
 
 
-def test_a_policy_learns_what_pictures_show() -> None:
+def test_a_policy_learns_from_pictures() -> None:
     losses: list[float] = []
     made = Policy(toy(), SETTINGS.size, 0)
     before = errors(made, toy())
@@ -61,7 +61,7 @@ def test_the_same_seed_gives_the_same_weights_and_another_one_others() -> None:
     assert torch.equal(first, again) and not torch.equal(first, other)
 
 
-def test_what_was_trained_is_not_trained_again(tmp_path: Path) -> None:
+def test_a_trained_policy_is_not_trained_again(tmp_path: Path) -> None:
     few = Settings(steps=3, batch=8, size=SETTINGS.size)
     first = trained(toy(), few, 0, "toy", tmp_path / "weights.pt")
     (tmp_path / "weights.pt").touch()
@@ -69,7 +69,7 @@ def test_what_was_trained_is_not_trained_again(tmp_path: Path) -> None:
     assert torch.equal(weights(first), weights(again))
 
 
-def test_numbers_that_are_normalised_come_back_as_they_were() -> None:
+def test_normalised_numbers_come_back_unchanged() -> None:
     numbers = np.random.default_rng(0).normal(3, 5, (50, 4)).astype(np.float32)
     numbers[:, 2] = 1.25  # an arm that does not move
     scale = Scale.of(numbers)
@@ -81,7 +81,7 @@ def test_numbers_that_are_normalised_come_back_as_they_were() -> None:
 # --- demonstrations ------------------------------------------------------------------------------------
 
 
-def test_a_chunk_does_not_go_on_in_the_next_episode() -> None:
+def test_a_chunk_stops_at_the_end_of_its_episode() -> None:
     made = toy(episodes=2, frames=5)
     made.actions[:, 0] = np.arange(10)
     actions, valid = made.chunk(np.array([0, 3, 4, 5]), 4)
@@ -90,7 +90,7 @@ def test_a_chunk_does_not_go_on_in_the_next_episode() -> None:
     assert np.array_equal(actions[3], made.actions[5:9])
 
 
-def test_what_lies_behind_the_end_of_an_episode_counts_for_no_error() -> None:
+def test_padding_after_the_end_of_an_episode_adds_no_loss() -> None:
     made = toy(episodes=1, frames=3)
     made.actions[:, 0] = [3, 7, 13]
     one = Policy(made, SETTINGS.size, 0)
@@ -139,7 +139,7 @@ def test_a_rollout_tells_how_far_it_came(finished: Finished) -> None:
 
 
 class _Repeats:
-    """Does what was recorded, whatever it sees."""
+    """Repeats the recorded actions regardless of its input."""
 
     def __init__(self, actions: np.ndarray):
         self._left = actions
@@ -159,7 +159,7 @@ class _Waits:
 
 
 class _Arm:
-    """Notes what it is told."""
+    """Records its calls."""
 
     def __init__(self, joints: int):
         self.qpos = np.zeros(joints + 1)
@@ -172,7 +172,7 @@ class _Arm:
         self.told.append(opening)
 
 
-def test_each_arm_is_told_its_own_part_of_an_action_and_fingers_open_no_wider_than_they_can() -> None:
+def test_each_arm_gets_its_part_of_an_action_and_fingers_stay_in_range() -> None:
     arms = {"left": _Arm(1), "right": _Arm(2)}
     command(arms, np.array([1, 1.2, 3, 4, -0.1], np.float32), np.arange(5, dtype=np.float32))  # pyrefly: ignore
     assert arms["left"].told == [[1], [0], 1.0]

@@ -44,7 +44,7 @@ def test_each_proposal_is_kept_or_refused_under_its_name() -> None:
     assert refused and not any("no reason given" in _refusal(name, found) for name in refused)
 
 
-def test_what_cannot_be_weighed_says_why() -> None:
+def test_an_infeasible_weighing_says_why() -> None:
     found = searched([thing("chocolate_bar", (0.0, 0.9)), thing("electronic_scale", (0.1, 0.05))])
     assert "does not reach" in _refusal("weigh chocolate_bar weighed 0", found)
 

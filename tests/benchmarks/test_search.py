@@ -10,7 +10,7 @@ from vcage.schema.subtasks import Refusal
 from vcage.tasks.search import FoundSubtasks
 
 
-def test_reasons_are_of_one_kind_whatever_things_are_called_and_however_large_they_are() -> None:
+def test_reasons_are_grouped_regardless_of_names_and_sizes() -> None:
     objects = block_and_plate()
     block, plate = (o.record.phrase for o in objects)
     reasons = [

@@ -37,7 +37,7 @@ def test_a_role_and_a_colour_must_agree() -> None:
     assert score("", [slot(kinds=["block"], colour="blue")], chosen("block"), [], CATALOGUE).recall == 0.0
 
 
-def test_context_and_what_may_be_there_are_not_wrong() -> None:
+def test_context_and_optional_objects_are_not_wrong() -> None:
     extra = [*chosen("stapler", role="context"), *chosen("mug")]
     tally = score("", [slot(kinds=["block"])], [*chosen("block"), *extra], ["mug"], CATALOGUE)
     assert tally.precision == 1.0

@@ -83,7 +83,7 @@ def test_pages_without_a_sentence_are_an_error(tmp_path: Path) -> None:
         of_pages(tmp_path)
 
 
-def test_those_of_libero_are_twenty_five_with_ids_of_their_own() -> None:
+def test_libero_has_twenty_five_tasks_with_ids_of_their_own() -> None:
     found = of_libero()
     assert len(found) == len({sentence.source for sentence in found}) == 25
     assert all(sentence.source.startswith("libero/") for sentence in found)
@@ -140,7 +140,7 @@ def test_a_sentence_counts_under_each_of_its_templates_and_once_under_all() -> N
     ]
 
 
-def test_verdicts_are_false_where_the_state_says_otherwise() -> None:
+def test_verdicts_are_false_where_the_state_contradicts() -> None:
     attempts = [(True, True), (True, False), (False, True), (False, False), (None, None)]
     row = figures([result(*(tried("place", *one) for one in attempts))])["rows"][0]
     assert row["attempts"] == 5, "one of them ended before anyone looked"
@@ -156,7 +156,7 @@ def test_a_sentence_without_a_chain_counts_as_refused() -> None:
     assert (found["sentences"][0]["exit_code"], found["sentences"][0]["reason"]) == (2, "too few")
 
 
-def test_false_verdicts_and_wrong_episodes_are_told_with_both_reasons() -> None:
+def test_false_verdicts_and_wrong_episodes_are_reported_with_both_reasons() -> None:
     one = result(tried("place", False, True), tried("place", True, True), wrong="it lies beside it")
     first, verdict, episode = told(one)
     assert "exit 0" in first
@@ -164,7 +164,7 @@ def test_false_verdicts_and_wrong_episodes_are_told_with_both_reasons() -> None:
     assert "WRONG EPISODE: it lies beside it" in episode
 
 
-def test_what_is_not_understood_ends_with_the_exit_code_of_the_command(tmp_path: Path) -> None:
+def test_a_sentence_not_understood_ends_with_the_commands_exit_code(tmp_path: Path) -> None:
     task = Whole(Sentence("Fold the napkin", "test"), keep=tmp_path)
     first = ran(task)
     assert (first.exit_code, first.templates, first.tried) == (2, [], [])
@@ -172,7 +172,7 @@ def test_what_is_not_understood_ends_with_the_exit_code_of_the_command(tmp_path:
     assert (tmp_path / task.name / "sentence.json").exists()
 
 
-def test_a_sentence_that_is_finished_is_not_run_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_finished_sentence_is_not_run_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(whole, "_run", lambda task, folder: result(tried("place", True, True)))
     task = Whole(Sentence("Put it there", "README.md"), keep=tmp_path)
     (tmp_path / task.name / "run").mkdir(parents=True)  # begun, and interrupted
@@ -182,7 +182,7 @@ def test_a_sentence_that_is_finished_is_not_run_again(tmp_path: Path, monkeypatc
     assert ran(task) == first
 
 
-def test_an_error_of_our_own_is_exit_code_1_and_the_others_go_on(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_internal_error_is_exit_code_1_and_the_others_continue(monkeypatch: pytest.MonkeyPatch) -> None:
     class Broken:
         __name__ = "vcage.stages.select_place"
 
@@ -199,7 +199,7 @@ def test_a_run_goes_as_far_as_the_verification() -> None:
     assert not {"compress", "export"} & set(whole.THROUGH)
 
 
-def test_no_sentence_that_is_left_is_an_error_of_usage() -> None:
+def test_no_remaining_sentence_is_a_usage_error() -> None:
     with pytest.raises(UsageError, match="zebra"):
         benchmark.run(quick=False, only="zebra")
     with pytest.raises(UsageError, match="seed"):

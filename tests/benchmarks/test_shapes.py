@@ -43,7 +43,7 @@ def test_two_edges_that_cross_are_parted_across_both() -> None:
 
 
 @pytest.mark.parametrize(("depth", "collides"), [(TOUCHING - 1e-4, False), (TOUCHING + 1e-4, True), (-0.01, False)])
-def test_one_pair_of_pieces_that_is_too_deep_is_enough(depth: float, collides: bool) -> None:
+def test_one_pair_of_pieces_too_deep_is_enough(depth: float, collides: bool) -> None:
     far = BOX + 5.0
     assert pieces_collide([far, BOX], [BOX + [0.1 - depth, 0, 0]]) is collides
 

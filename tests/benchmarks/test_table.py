@@ -26,7 +26,7 @@ def test_figures_without_rows_are_one_row() -> None:
     ]
 
 
-def test_what_stands_beside_the_rows_follows_them() -> None:
+def test_metadata_follows_the_rows() -> None:
     text = list(lines({"rows": [{"n": 1}], "seeds": 50, "goals": {"kept": 0.999}}))
     assert [line.split() for line in text] == [["n"], ["1"], ["seeds", "50"], ["goals.kept", "0.999"]]
 

@@ -14,7 +14,7 @@ from vcage.cli.main import COMMANDS, load
 
 
 def examples(name: str) -> list[list[str]]:
-    """The examples in a command's help, as the words after its name; those that a shell would change are left out."""
+    """The examples in a command's help, as the words after its name; those a shell would change are left out."""
     lines = re.findall(rf"^ +vcage {name}\b(.*)$", load(name).text, re.MULTILINE)
     return [shlex.split(line) for line in lines if not set("|~") & set(line)]
 
@@ -24,7 +24,7 @@ def parsed(name: str, line: list[str]) -> Any:
 
 
 @pytest.mark.parametrize("name", COMMANDS)
-def test_what_is_made_of_a_command_line_gives_the_same_command_line(name: str) -> None:
+def test_a_parsed_command_line_formats_to_itself(name: str) -> None:
     for line in examples(name):
         again = words(parsed(name, line))
         assert words(parsed(name, again)) == again, line
@@ -49,14 +49,12 @@ def test_every_kind_of_option_survives(line: str) -> None:
     assert str(words(options)).count("'--") == len(re.findall(r"(?<!\S)--?[a-z]", line))
 
 
-def test_paths_are_said_from_the_root_even_where_they_are_the_default(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_paths_are_absolute_even_by_default(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     assert words(parsed("assets gallery", ["mug"])) == ["mug", "--out", str(tmp_path / "runs" / "gallery")]
     assert words(parsed("report", ["--run", "a b"])) == ["--run", str(tmp_path / "a b")]
 
 
-def test_the_help_of_every_stage_has_examples_that_are_tried_here() -> None:
+def test_the_examples_in_the_help_of_every_stage_run() -> None:
     stages = [name for name, (place, _) in COMMANDS.items() if place.startswith("vcage.stages")]
     assert stages and all(examples(name) for name in stages)

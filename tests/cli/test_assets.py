@@ -32,7 +32,7 @@ def test_a_scene_can_be_listed_alone(capsys) -> None:
     assert len(lines) == record["kinds"] + 1 == record["scenes"]["bathroom"] + 1
 
 
-def test_an_unknown_scene_is_refused_with_those_there_are(capsys) -> None:
+def test_an_unknown_scene_error_lists_the_known_ones(capsys) -> None:
     code, _, record = run(capsys, "assets", "list", "--scene", "garage")
     assert code == 2 and "bathroom" in record["error"]["message"]
 
@@ -47,7 +47,7 @@ def test_the_validation_ends_with_its_counts(capsys, tmp_path: Path) -> None:
     assert record["objects"] == 1 and record["failed"] == [] and (tmp_path / "proof.json").is_file()
 
 
-def test_a_validation_that_fails_says_what_and_exits_with_3(capsys, tmp_path: Path, monkeypatch) -> None:
+def test_a_failed_validation_names_the_problem_and_exits_with_3(capsys, tmp_path: Path, monkeypatch) -> None:
     monkeypatch.setattr("vcage.apps.proof.mesh.LIMITS", MeshLimits(max_faces=10))
     code, _, record = run(
         capsys, "assets", "validate", "soap_bar", "--quick", "--no-page", "--workers", 1, "--out", tmp_path
@@ -61,7 +61,7 @@ def test_an_unknown_object_is_refused_with_a_suggestion(capsys, tmp_path: Path) 
     assert code == 2 and "soap_bar" in record["error"]["hint"]
 
 
-def test_the_gallery_draws_what_is_named(capsys, tmp_path: Path) -> None:
+def test_the_gallery_draws_the_named_objects(capsys, tmp_path: Path) -> None:
     code, _, record = run(capsys, "assets", "gallery", "soap_bar", "--out", tmp_path)
     assert code == 0 and record["summary"]["kinds"] == 1
     assert (tmp_path / "index.html").is_file()

@@ -84,7 +84,7 @@ def test_a_dry_run_estimates_and_writes_nothing(capsys, tmp_path, source):
     assert sorted(tmp_path.rglob("*")) == before
 
 
-def test_a_dry_run_of_a_run_estimates_what_the_stage_would_write(capsys, tmp_path):
+def test_a_dry_run_of_a_run_estimates_the_output(capsys, tmp_path):
     run = collected(tmp_path / "run")
     before = sorted(tmp_path.rglob("*"))
     answer = command(capsys, "compress", "--run", run.root, *QUICK[2:], "--workers", 1, "--seed", 7, "--dry-run")
@@ -118,9 +118,7 @@ def test_a_dry_run_of_a_run_estimates_what_the_stage_would_write(capsys, tmp_pat
         (["--keep-raw"], "usage", "only read"),
     ],
 )
-def test_a_wrong_option_is_refused_with_what_would_be_right_before_any_work(
-    capsys, tmp_path, source, options, code, said
-):
+def test_a_wrong_option_is_refused_with_the_right_one_before_any_work(capsys, tmp_path, source, options, code, said):
     answer = compress(capsys, source, "--out", tmp_path / "out", *options)
     assert (answer.code, answer.error["code"]) == (2, code)
     assert said in answer.error["message"] + answer.error["hint"]
@@ -136,12 +134,12 @@ def test_neither_recordings_nor_a_run_is_refused(capsys):
     "options",
     [["--out", "x"], ["--to", "videos"], ["--fps", "3"], ["--cameras", "c"], ["--skip-damaged"], ["--inspect"]],
 )
-def test_what_is_for_recordings_is_refused_for_a_run(capsys, tmp_path, options):
+def test_options_for_recordings_are_refused_for_a_run(capsys, tmp_path, options):
     answer = command(capsys, "compress", "--run", tmp_path, *options)
     assert (answer.code, answer.error["code"]) == (2, "usage") and options[0] in answer.error["message"]
 
 
-def test_a_frame_rate_that_nobody_says_is_asked_for(capsys, source):
+def test_an_unknown_frame_rate_is_asked_for(capsys, source):
     answer = command(capsys, "compress", source)
     assert (answer.code, answer.error["hint"]) == (2, "give --fps N")
 
@@ -175,9 +173,7 @@ def whole(four, tmp_path_factory) -> dict[str, str]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGKILL, -signal.SIGKILL), (signal.SIGINT, 130)])
-def test_what_was_finished_when_it_was_ended_is_not_done_again(
-    capsys, tmp_path, four, whole, monkeypatch, number, code
-):
+def test_work_finished_before_an_interruption_is_not_repeated(capsys, tmp_path, four, whole, monkeypatch, number, code):
     assert _ended_early(four, tmp_path / "out", number) == code
     assert not (tmp_path / "out").exists()
     work = tmp_path / f"out{WORKING}/videos"

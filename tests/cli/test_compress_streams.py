@@ -53,7 +53,7 @@ def centre(out: Path) -> list[int]:
 @pytest.mark.parametrize(
     ("options", "colour"), [((), BLUE), (("--colours", "bgr"), BLUE), (("--colours", "rgb"), BLUE[::-1])]
 )
-def test_a_blue_thing_of_robotwins_stays_blue_unless_a_user_says_otherwise(capsys, tmp_path, blue, options, colour):
+def test_a_blue_robotwin_object_stays_blue_unless_a_user_overrides_it(capsys, tmp_path, blue, options, colour):
     answer = compress(capsys, blue, "--out", tmp_path / "out", *options)
     assert np.abs(np.array(centre(tmp_path / "out")) - colour).max() < 30
     (told,) = answer.record["summary"]["colours"]
@@ -94,7 +94,7 @@ def test_depth_stays_as_it_was_beside_videos_and_is_named(capsys, tmp_path, with
 
 
 @pytest.mark.parametrize("options", [("--to", "lerobot-v3.0", "--task", "open"), ("--to", "videos")])
-def test_depth_is_left_out_of_what_has_no_place_for_it_and_named(capsys, tmp_path, with_depth, options):
+def test_depth_is_dropped_and_named_where_a_format_has_no_place_for_it(capsys, tmp_path, with_depth, options):
     summary = compress(capsys, with_depth, "--out", tmp_path / "out", *options).record["summary"]
     assert [one["done"] for one in summary["other_streams"]] == ["left out"]
     assert any("cam_high_depth (depth, uint16): left out" in note for note in summary["notes"]["a"])

@@ -39,7 +39,7 @@ def test_encoded_pictures_come_as_arrays_on_demand(capsys, tmp_path):
     ("source", "code", "name"),
     [("in", 2, "usage"), ("none", 3, "bad_input_file"), ("empty", 3, "bad_input_file")],
 )
-def test_what_was_not_compressed_is_refused(capsys, tmp_path, small, source, code, name):
+def test_an_uncompressed_run_is_refused(capsys, tmp_path, small, source, code, name):
     (tmp_path / "empty").mkdir()
     answer = command(capsys, "decompress", tmp_path / source, "--out", tmp_path / "back")
     assert (answer.code, answer.error["code"]) == (code, name)
@@ -53,7 +53,7 @@ def test_a_missing_video_is_named_with_the_way_out(capsys, tmp_path, small):
     assert "b.cam_high.mp4" in answer.error["message"] and answer.error["hint"]
 
 
-def test_what_is_there_is_replaced_with_force_only(capsys, tmp_path, small):
+def test_existing_output_is_replaced_only_with_force(capsys, tmp_path, small):
     call = ("decompress", small, "--out", tmp_path / "back")
     assert command(capsys, *call).code == 0
     before = digests(tmp_path)
@@ -63,5 +63,5 @@ def test_what_is_there_is_replaced_with_force_only(capsys, tmp_path, small):
     assert digests(tmp_path) == before
 
 
-def test_an_output_among_what_is_read_is_refused(capsys, small):
+def test_an_output_inside_the_input_is_refused(capsys, small):
     assert command(capsys, "decompress", small, "--out", small / "back").error["code"] == "output_not_writable"

@@ -26,7 +26,7 @@ def look(monkeypatch: pytest.MonkeyPatch, *findings: Finding) -> None:
     monkeypatch.setattr(doctor, "CHECKS", tuple(found))
 
 
-def test_a_key_file_that_others_may_read_is_found_with_what_mends_it(monkeypatch, tmp_path: Path):
+def test_a_key_file_readable_by_others_is_reported_with_the_fix(monkeypatch, tmp_path: Path):
     path = tmp_path / "keys.json"
     path.write_text('{"openai": "very-secret"}')
     path.chmod(0o644)
@@ -38,7 +38,7 @@ def test_a_key_file_that_others_may_read_is_found_with_what_mends_it(monkeypatch
     assert doctor.keys().ok
 
 
-def test_all_well_exits_with_0_and_lists_what_was_found(
+def test_all_well_exits_with_0_and_lists_the_findings(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     look(monkeypatch, FINE, OPTIONAL)
@@ -75,7 +75,7 @@ def test_numpy_2_is_unfit(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "numpy>=1.26,<2" in finding.mend
 
 
-def test_a_package_that_is_not_installed_is_mended_with_pip(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_package_is_fixed_with_pip(monkeypatch: pytest.MonkeyPatch) -> None:
     def absent(name: str) -> str:
         raise doctor.metadata.PackageNotFoundError(name)
 
@@ -91,7 +91,7 @@ def test_cvvdp_of_another_version_is_mended_by_setup(monkeypatch: pytest.MonkeyP
     assert doctor.cvvdp().mend.endswith("vcage setup cvvdp")
 
 
-def test_no_driver_and_a_driver_that_does_not_draw_are_told_apart(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_driver_and_a_driver_that_cannot_render_are_told_apart(monkeypatch: pytest.MonkeyPatch) -> None:
     def none() -> Driver:
         raise NoRenderer("nothing draws", hint="x")
 

@@ -50,5 +50,5 @@ def test_a_folder_in_the_run_is_not_added_to(run, tmp_path, capsys, monkeypatch)
     monkeypatch.setenv("HOME", str(tmp_path))
     answer = export(capsys, run, "--append-to=~/run/export")
     assert (answer.code, answer.error["code"]) == (2, "usage")
-    assert "lies in the run folder" in answer.error["message"]
+    assert "is in the run folder" in answer.error["message"]
     assert not run.export.exists()

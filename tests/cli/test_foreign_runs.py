@@ -49,7 +49,7 @@ def told_by(capsys, name: str, run: RunFolder):
 
 @pytest.fixture
 def linked(foreign: RunFolder, tmp_path: Path):
-    """The run with its episodes elsewhere, and what lies there."""
+    """The run with its episodes elsewhere, and their files."""
     elsewhere = tmp_path / "elsewhere"
     episodes = foreign.root / "episodes"
     shutil.move(episodes, elsewhere)
@@ -60,7 +60,7 @@ def linked(foreign: RunFolder, tmp_path: Path):
 
 
 @pytest.mark.parametrize("name", COMMANDS)
-def test_a_stage_folder_that_is_a_link_is_refused(name: str, linked, capsys) -> None:
+def test_a_stage_folder_must_not_be_a_link(name: str, linked, capsys) -> None:
     run, elsewhere = linked
     before = {path: sha256_file(path) for path in elsewhere.rglob("*") if path.is_file()}
     answer = told_by(capsys, name, run)

@@ -1,4 +1,4 @@
-"""Every command that is told runs as it stands: in any folder, with a PATH that has no vcage."""
+"""Every printed command runs unchanged: in any folder, with a PATH without vcage."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def told(path: Path) -> list[ast.Call]:
 
 
 def sample(call: ast.Call) -> list[str]:
-    """The words of a command that a module tells, with something likely in place of what is known when it is told."""
+    """The words of a command printed by a module, with a likely value for everything known only at run time."""
     likely = {"part": "assets", "run": "/somewhere/a run", "imported[:8]": "mug"}
     likely |= {"str(folder)": "/a run/renders", "str(run.root / 'renders-compressed')": "/a run/renders-compressed"}
     words = []
@@ -44,7 +44,7 @@ def sample(call: ast.Call) -> list[str]:
 
 
 def literal_commands() -> list[list[str]]:
-    """All commands that modules tell, each once; but those that are made of what was called."""
+    """All commands printed by modules, each once, except those made from the call itself."""
     made_of_calls = {"main.py", "going_on.py"}
     found = {tuple(sample(call)) for path in SOURCES if path.name not in made_of_calls for call in told(path)}
     return sorted(map(list, found))
@@ -96,7 +96,7 @@ def test_the_chain_is_gone_through_from_next_to_next_in_a_folder_with_spaces(
     begun = shlex.join(["select-place", INSTRUCTION, "--out", str(run), "--models", "offline"])
     answer = run_as_told(f"{vcage_command()} {begun}")
     for later in (["collect", "--episodes", "1", "--fps", "5"], ["compress", *QUICK_VIDEOS]):
-        command(capsys, *later, "--run", run)  # what is said once is said again by `next`
+        command(capsys, *later, "--run", run)  # `next` repeats options given once
     steps = []
     while answer.record["next"]:
         assert answer.code == 0, answer.stderr
@@ -110,7 +110,7 @@ def test_the_chain_is_gone_through_from_next_to_next_in_a_folder_with_spaces(
     assert {"--episodes", "1", "--fps", "5"} <= set(of["collect"]) and set(QUICK_VIDEOS) <= set(of["compress"])
 
 
-def test_what_is_missing_is_led_to_by_next_with_the_options_of_the_call_that_missed_it(
+def test_next_repeats_the_options_of_the_call_that_lacked_input(
     finished: Finished, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ):
     run = copied(finished.run, tmp_path / "a run", before="search_subtasks")
@@ -122,7 +122,7 @@ def test_what_is_missing_is_led_to_by_next_with_the_options_of_the_call_that_mis
     assert found.record["next"] == vcage_command("collect", "--run", run, "--models", "offline", "--episodes", "5")
 
 
-def test_what_would_throw_something_away_is_offered_but_is_not_next(
+def test_a_destructive_command_is_offered_but_not_as_next(
     finished: Finished, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ):
     run = copied(finished.run, tmp_path / "run", before="optimize")
@@ -146,7 +146,7 @@ def test_wrong_options_lead_to_the_help(capsys: pytest.CaptureFixture[str]) -> N
     assert command(capsys).record["next"] == vcage_command("--help")
 
 
-def test_options_that_are_not_given_any_more_are_forgotten(tmp_path: Path) -> None:
+def test_options_no_longer_given_are_forgotten(tmp_path: Path) -> None:
     run = RunFolder(tmp_path)
     run.scene.parent.mkdir()
     with remembered(run, Options(models="offline", threshold=0.7)):

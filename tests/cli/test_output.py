@@ -44,7 +44,7 @@ def test_an_error_of_ours_gives_its_code_one_line_and_the_record(capsys: pytest.
     assert (error["code"], error["hint"], error["retryable"]) == ("model_refused", "reword", False)
 
 
-def test_a_finding_that_is_a_failure_keeps_its_text(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_failed_finding_keeps_its_text(capsys: pytest.CaptureFixture[str]) -> None:
     assert run_cli(lambda: Result(text="a table", error=ModelRefused("no"))) == 5
     out, _ = capsys.readouterr()
     assert out.startswith("a table\n")
@@ -87,7 +87,7 @@ sys.exit(run_cli(work))
 """
 
 
-def test_what_libraries_print_goes_to_stderr() -> None:
+def test_prints_of_libraries_go_to_stderr() -> None:
     done = subprocess.run([sys.executable, "-c", STRAY, "0"], capture_output=True, text=True)
     assert done.returncode == 0
     assert len(done.stdout.splitlines()) == 1 and last_line(done.stdout)["ok"]
@@ -124,7 +124,7 @@ sys.exit(end_process(run_cli(work)))
 
 
 @pytest.mark.parametrize("how", [["SIGINT"], ["SIGINT", "import-error"], ["SIGTERM"]])
-def test_an_interruption_ends_the_process_before_what_it_stopped_is_torn_down(how: list[str]) -> None:
+def test_an_interruption_ends_the_process_before_teardown(how: list[str]) -> None:
     done = subprocess.run([sys.executable, "-c", INTERRUPTED, *how], capture_output=True, text=True)
     assert done.returncode == 130
     assert last_line(done.stdout)["error"]["code"] == "interrupted"

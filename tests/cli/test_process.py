@@ -30,7 +30,7 @@ def last_record(done: subprocess.CompletedProcess[str]) -> dict:
 
 
 @pytest.mark.parametrize("program", [f"{VCAGE} {LIST}", SCRIPT])
-def test_a_closed_stdout_is_told_and_the_command_is_done(tmp_path: Path, program: str) -> None:
+def test_a_closed_stdout_is_reported_and_the_command_completes(tmp_path: Path, program: str) -> None:
     done = shell(f"{program} >&-", tmp_path)
     assert (done.returncode, done.stderr) == (0, "vcage: stdout is closed, so the result is not printed\n")
 
@@ -42,14 +42,14 @@ def test_without_stderr_stdout_has_the_record_alone(tmp_path: Path, closed: str)
     assert last_record(done)["ok"] is False
 
 
-def test_a_file_that_is_opened_does_not_take_the_place_of_a_closed_stream(tmp_path: Path) -> None:
+def test_an_opened_file_does_not_replace_a_closed_stream(tmp_path: Path) -> None:
     code = "from vcage.cli.process import prepare; prepare(); print(open('a', 'w').fileno(), file=open('b', 'w'))"
     shell(f'{sys.executable} -c "{code}" <&- >&- 2>&-', tmp_path)
     assert int((tmp_path / "b").read_text()) > 2
 
 
 @pytest.mark.parametrize("command", [LIST, "--help", "robots list --help"])
-def test_a_full_stdout_is_told_on_stderr(tmp_path: Path, command: str) -> None:
+def test_a_full_stdout_is_reported_on_stderr(tmp_path: Path, command: str) -> None:
     done = shell(f"{VCAGE} {command} >/dev/full", tmp_path)
     assert done.returncode == 7
     assert "No space left" in done.stderr

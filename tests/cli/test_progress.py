@@ -22,11 +22,11 @@ from vcage.cli.streams import stray_output_on_stderr
         (60, 4, 4, ""),
     ],
 )
-def test_the_time_left_is_told_once_it_is_known_and_long(elapsed, done, total, expected):
+def test_the_remaining_time_is_reported_once_it_is_known_and_long(elapsed, done, total, expected):
     assert time_left(elapsed, done, total) == expected
 
 
-def test_what_an_earlier_call_did_does_not_count_for_the_time_left(caplog, monkeypatch):
+def test_work_of_an_earlier_call_does_not_count_for_the_remaining_time(caplog, monkeypatch):
     moments = iter([0, 0, 100, 200, 200, 260])
     monkeypatch.setattr("time.monotonic", lambda: float(next(moments)))
     with caplog.at_level(logging.INFO), progress("compress") as show:
@@ -49,7 +49,7 @@ def test_each_step_is_a_line_where_stderr_is_no_terminal(caplog):
     assert caplog.messages == ["collect: [1/2] episode 0", "collect: [2/2] episode 1"]
 
 
-def test_steps_are_lines_of_json_on_stdout_where_that_is_asked_for(capsys):
+def test_steps_are_json_lines_on_stdout_on_request(capsys):
     set_up(False, "json")
     with stray_output_on_stderr(), progress("collect") as show:
         print("stray")

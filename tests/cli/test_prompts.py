@@ -1,4 +1,4 @@
-"""``vcage prompts show`` prints what a stage asks, and asks nobody."""
+"""``vcage prompts show`` prints the questions of a stage without asking anyone."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def planned(run: Path, capsys: pytest.CaptureFixture[str]) -> Path:
     ("name", "stage"),
     [("select_assets", ("select-place", TASK, "--out")), ("plan_layout", ("inpaint-plan", "--run"))],
 )
-def test_what_is_shown_is_what_an_agent_is_asked(
+def test_the_shown_prompt_is_the_agents(
     planned: Path, name: str, stage: tuple[str, ...], tmp_path: Path, capsys
 ) -> None:
     shown = command(capsys, "prompts", "show", name, "--run", str(planned))
@@ -46,7 +46,7 @@ def test_showing_changes_nothing_in_the_run(planned: Path, capsys) -> None:
     assert digests(planned) == before
 
 
-def test_what_is_missing_is_told_with_its_own_path_and_the_command_that_makes_it(planned: Path, capsys) -> None:
+def test_missing_input_is_reported_with_its_path_and_the_command_that_makes_it(planned: Path, capsys) -> None:
     ended = command(capsys, "prompts", "show", "judge_pairs", "--run", str(planned))
     assert (ended.code, ended.error["details"]["missing"]) == (3, str(planned / "optimize" / "scene.json"))
 
@@ -61,4 +61,4 @@ def test_options_that_were_damaged_are_named_with_their_file(planned: Path, tmp_
     write_json(run.options, {"models": ["--models", "nobody"]})
     answer = command(capsys, "prompts", "show", "plan_layout", "--run", run)
     assert answer.code == 3 and str(run.options) in answer.error["message"] and "nobody" in answer.error["message"]
-    assert answer.error["hint"].startswith("mend it")
+    assert answer.error["hint"].startswith("fix it")

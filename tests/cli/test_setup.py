@@ -49,7 +49,7 @@ def test_a_package_of_the_right_version_is_left_alone(monkeypatch: pytest.Monkey
     assert main(["setup", "cvvdp"]) == 0
 
 
-def test_cvvdp_is_installed_without_what_would_replace_torch(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_cvvdp_is_installed_without_replacing_torch(monkeypatch: pytest.MonkeyPatch) -> None:
     commands: list[list[str]] = []
 
     def run(command: list[str], **options: Any) -> subprocess.CompletedProcess[str]:
@@ -95,7 +95,7 @@ class FakePackage:
 
 @pytest.fixture
 def fake_packages(monkeypatch: pytest.MonkeyPatch) -> dict[str, FakePackage]:
-    """Two packages, one of which was fetched already, and a library that has nothing to build."""
+    """Two packages, one of them already fetched, and a library with nothing to build."""
     from vcage.objects import library, packages
 
     fakes = {"one": FakePackage("one", here=True), "two": FakePackage("two", here=False)}
@@ -106,7 +106,7 @@ def fake_packages(monkeypatch: pytest.MonkeyPatch) -> dict[str, FakePackage]:
     return fakes
 
 
-def test_only_packages_that_are_not_here_are_fetched(
+def test_only_missing_packages_are_fetched(
     fake_packages: dict[str, FakePackage], capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["setup", "assets"]) == 0
@@ -125,7 +125,7 @@ def test_a_package_that_cannot_be_had_is_a_warning(
 
 
 @pytest.mark.parametrize("way", ["option", "variable"])
-def test_packages_are_left_alone_where_that_is_asked_for(
+def test_packages_are_left_alone_on_request(
     way: str, fake_packages: dict[str, FakePackage], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     if way == "variable":

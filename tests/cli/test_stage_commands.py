@@ -65,7 +65,7 @@ def run(finished: Finished, tmp_path) -> RunFolder:
 
 
 @pytest.mark.parametrize("stage", DOCUMENTS)
-def test_a_finished_stage_reports_what_is_there_and_changes_nothing(finished, stage, capsys):
+def test_a_finished_stage_reports_its_result_and_changes_nothing(finished, stage, capsys):
     files = digests(finished.run.root)
     answer = command(capsys, *arguments(stage, finished.run))
     assert answer.code == 0, answer.stderr
@@ -85,7 +85,7 @@ def test_a_finished_run_is_left_alone(run, capsys):
     assert digests(run.root) == files
 
 
-def test_a_dry_run_says_what_would_be_made_and_writes_nothing(finished, tmp_path, capsys):
+def test_a_dry_run_lists_its_outputs_and_writes_nothing(finished, tmp_path, capsys):
     run = before(finished, "match", tmp_path)
     files = digests(run.root)
     answer = command(capsys, "match", "--run", run, "--dry-run")
@@ -111,7 +111,7 @@ def test_a_pair_of_pictures_is_judged(finished, capsys):
     assert (answer.code, answer.error["code"]) == (2, "usage")
 
 
-def test_after_other_episodes_a_run_makes_again_what_follows_from_them(run, capsys, monkeypatch):
+def test_a_run_with_other_episodes_remakes_the_stages_after_it(run, capsys, monkeypatch):
     def stop(*_: object, **__: object) -> None:
         raise PartlyDone("far enough")
 

@@ -29,7 +29,7 @@ def error_of(capsys: pytest.CaptureFixture[str]) -> dict:
 
 
 @pytest.mark.slow
-def test_it_collects_episodes_of_its_own_and_other_commands_go_on_from_there(finished, script, tmp_path, capsys):
+def test_it_collects_its_own_episodes_and_other_commands_continue_from_there(finished, script, tmp_path, capsys):
     run = RunFolder(tmp_path / "one")
     line = ["--episodes", "1", "--fps", str(FPS), "--models", "offline", "--out", run.root]
     answer = process([sys.executable, script, *line], cwd=tmp_path)
@@ -44,7 +44,7 @@ def test_it_collects_episodes_of_its_own_and_other_commands_go_on_from_there(fin
     assert (answer.code, summary["verified"], summary["taken_over"], summary["differ"]) == (0, 1, 1, 0)
 
 
-def test_its_help_says_what_it_does(script, capsys):
+def test_the_help_describes_the_command(script, capsys):
     assert run_script(str(script), ["--help"]) == 0
     out = capsys.readouterr().out
     assert Subtasks.read(script.with_name("subtasks.json")).kept[0].template == "place"
@@ -67,7 +67,7 @@ def test_a_script_that_lost_a_value_is_named(script, tmp_path, capsys):
     assert (error["code"], "GRASPS" in error["message"]) == ("damaged_file", True)
 
 
-def test_a_script_edited_for_another_asset_names_what_is_missing(script, tmp_path, capsys):
+def test_a_script_edited_for_another_asset_names_the_missing_parts(script, tmp_path, capsys):
     broken = tmp_path / script.name
     broken.write_text(script.read_text().replace("('plate', 'white'", "('platter', 'white'"))
     assert run_script(str(broken), ["--out", str(tmp_path / "run")]) == 3

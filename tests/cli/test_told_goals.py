@@ -19,7 +19,7 @@ GOALS = ("marker inside packaging_box", "then rubber_eraser inside packaging_box
 
 
 @pytest.mark.slow
-def test_the_script_makes_the_scene_of_told_goals_and_a_changed_goal_makes_it_stale(tmp_path):
+def test_the_script_makes_the_scene_of_given_goals_and_a_changed_goal_makes_it_stale(tmp_path):
     run = RunFolder(tmp_path / "run")
     told = [word for goal in GOALS for word in ("--goal", goal)]
     answer = process([sys.executable, SCRIPT, *told, "--out", str(run)], tmp_path)
@@ -46,7 +46,7 @@ def test_the_script_makes_the_scene_of_told_goals_and_a_changed_goal_makes_it_st
     [
         (["--goal", "eraser inside pot"], "unknown_name", "did you mean rubber_eraser"),
         (["--goal", "plate inside pot"], "no_feasible_task", "no contact point to carry it by"),
-        (["--goal", "apple inside mug"], "no_feasible_task", "nothing can bring about"),
+        (["--goal", "apple inside mug"], "no_feasible_task", "nothing can achieve"),
         (["--goal", "then apple inside pot"], "usage", "has none before it"),
         (["--objects", "apple"], "usage", "--objects needs goals"),
     ],
@@ -65,7 +65,7 @@ def test_goals_and_every_subtask_of_a_scene_are_refused_together(capsys, tmp_pat
     assert "--goal" in answer.error["hint"]
 
 
-def test_a_dry_run_says_what_was_told(capsys, tmp_path):
+def test_a_dry_run_repeats_the_given_goals(capsys, tmp_path):
     answer = command(capsys, "select-place", "--goal", GOALS[0], "--out", tmp_path / "run", "--dry-run")
     assert answer.record["summary"]["options"]["goals"] == [GOALS[0]]
 

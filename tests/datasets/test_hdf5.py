@@ -33,7 +33,7 @@ def test_arrays_and_facts_come_back_as_they_were(file):
     assert np.array_equal(after.cameras["cam_high"].intrinsics, before.cameras["cam_high"].intrinsics)
 
 
-def test_its_digest_comes_back_too_whatever_becomes_of_its_pictures_and_no_other_episode_has_it(file):
+def test_its_digest_survives_any_change_of_its_pictures_and_is_unique(file):
     before = episode()
     with EpisodeReader(file) as reader:
         assert reader.episode.digest() == before.digest()
@@ -147,6 +147,6 @@ def test_another_version_is_refused(file):
         EpisodeReader(file)
 
 
-def test_an_unknown_camera_is_refused_with_those_there_are(file):
+def test_an_unknown_camera_is_refused_with_the_known_ones(file):
     with EpisodeReader(file) as reader, pytest.raises(UnknownName, match="cam_high"):
         reader.images("cam_low")

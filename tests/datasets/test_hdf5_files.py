@@ -31,7 +31,7 @@ def fill(file: h5py.File) -> None:
         file.create_group(f"group{index}").attrs["text"] = "long " * 500
 
 
-def test_what_is_written_is_read_again(tmp_path):
+def test_written_data_is_read_back(tmp_path):
     with new_hdf5(tmp_path / "a.hdf5") as file:
         fill(file)
     rng = np.random.default_rng(0)

@@ -16,7 +16,7 @@ def file(tmp_path):
         yield file
 
 
-def test_numbers_that_are_declared_and_not_stored_are_refused_with_their_size(file):
+def test_declared_but_missing_numbers_are_refused_with_their_size(file):
     dataset = file.create_dataset("action", (10**9, 7), np.float32, chunks=(1000, 7), compression="gzip")
     with pytest.raises(OversizedFile, match=r"file\.hdf5:/action is too large: .* 28,000,000,000 bytes"):
         require_numbers_fit(dataset)
@@ -36,7 +36,7 @@ def test_pictures_that_do_not_fit_in_memory_are_refused_with_their_size(file, sh
         require_pictures_fit(dataset)
 
 
-def test_a_filter_that_is_not_there_is_named(file):
+def test_a_missing_filter_is_named(file):
     properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
     properties.set_chunk((4,))
     properties.set_filter(32026, h5py.h5z.FLAG_OPTIONAL, (1,))

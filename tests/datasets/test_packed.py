@@ -76,7 +76,7 @@ def test_all_but_the_pictures_is_the_same_bit_for_bit(source, packed):
     assert {name: one for name, one in before.items() if name not in keys and before[name] != after[name]} == {}
 
 
-def test_a_link_says_which_stream_it_is_and_what_was_there(source, packed):
+def test_a_link_names_its_stream_and_the_original(source, packed):
     with h5py.File(packed) as file, h5py.File(source) as old:
         for stream in streams(source):
             link = file[stream.key]
@@ -107,7 +107,7 @@ def test_the_same_source_gives_the_same_bytes(source, packed, tmp_path):
 
 
 def test_a_file_is_not_written_over_itself(source):
-    with pytest.raises(UsageError, match="that is read"):
+    with pytest.raises(UsageError, match="is the input file"):
         write_packed(source, source, streams(source))
 
 
@@ -128,7 +128,7 @@ def test_a_source_that_cannot_be_read_is_named(tmp_path, content):
         write_packed(source, tmp_path / "packed.hdf5", [])
 
 
-def test_what_is_packed_again_says_of_its_pictures_what_they_were_at_first(source, packed, tmp_path):
+def test_repacked_pictures_keep_their_original_description(source, packed, tmp_path):
     again = write_packed(packed, tmp_path / "again.hdf5", streams(packed))
     assert again.read_bytes() == packed.read_bytes()
 
@@ -188,7 +188,7 @@ def spoil_cut(video: Path) -> None:
 
 
 @pytest.mark.parametrize("spoil", [spoil_missing, spoil_shorter, spoil_cut])
-def test_a_video_that_is_not_what_it_should_be_is_named(packed, tmp_path, spoil):
+def test_a_wrong_video_is_named(packed, tmp_path, spoil):
     packed = shutil.copytree(packed.parent, tmp_path / "copy") / packed.name
     video = sorted(packed.parent.glob("*.mp4"))[0]
     spoil(video)
@@ -209,7 +209,7 @@ def test_a_video_of_another_size_is_named(tmp_path):
 # --- unpacking -----------------------------------------------------------------------------------------
 
 
-def test_unpacked_pictures_are_what_the_layouts_readers_saw_before(source, packed, tmp_path):
+def test_unpacked_pictures_match_the_original_for_the_layouts_readers(source, packed, tmp_path):
     whole = unpack(packed, tmp_path / "whole.hdf5")
     with h5py.File(source) as before, h5py.File(whole) as after:
         for stream in streams(source):

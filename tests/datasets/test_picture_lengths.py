@@ -1,4 +1,4 @@
-"""Statements of files about their encoded pictures stay true of those that are put back."""
+"""Statements of files about their encoded pictures stay true of the restored ones."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def read_cut(path: Path, *, by_frame: bool = False) -> dict[str, np.ndarray]:
 
 @pytest.mark.parametrize("by_frame", [False, True])
 @pytest.mark.parametrize("dtype", [np.float32, np.int64, np.uint16])
-def test_readers_that_cut_padded_pictures_at_their_lengths_read_those_that_were_put_back(tmp_path, dtype, by_frame):
+def test_readers_that_cut_padded_pictures_read_the_restored_ones(tmp_path, dtype, by_frame):
     source = act_plus_plus(tmp_path / "a.hdf5", dtype, by_frame=by_frame)
     back = unpack(pack(source, tmp_path / "small/a.hdf5"), tmp_path / "back.hdf5")
     old, new = read_cut(source, by_frame=by_frame), read_cut(back, by_frame=by_frame)
@@ -113,7 +113,7 @@ def test_a_file_is_flagged_as_encoded_while_one_camera_is(tmp_path):
         assert file.attrs["compress"] and file["observations/images/cam_high"].ndim == 4
 
 
-def test_numbers_that_are_not_the_lengths_stay_as_they_are(tmp_path):
+def test_numbers_unlike_the_lengths_stay_unchanged(tmp_path):
     source = act_plus_plus(tmp_path / "a.hdf5")
     with h5py.File(source, "r+") as file:
         file["compress_len"][...] = file["compress_len"][()] + 1
@@ -123,7 +123,7 @@ def test_numbers_that_are_not_the_lengths_stay_as_they_are(tmp_path):
         assert all(np.array_equal(old[key], new[key]) for key in ("compress_len", "steps"))
 
 
-def test_pictures_that_are_alike_have_rows_of_their_own(tmp_path):
+def test_identical_pictures_have_rows_of_their_own(tmp_path):
     source = act(tmp_path / "a.hdf5", encoded=True)
     with h5py.File(source, "r+") as file:
         own = file["observations/images/cam_high"]
@@ -177,7 +177,7 @@ def sizes(dataset: h5py.Dataset) -> tuple[np.ndarray, int]:
 
 @pytest.fixture(scope="module")
 def other_forms(tmp_path_factory) -> tuple[Path, Path]:
-    """A file of one camera that says sizes in all forms, as datasets and as attributes; and that which came back."""
+    """A file of one camera with sizes in all forms, as datasets and as attributes; and its restored copy."""
     folder = tmp_path_factory.mktemp("forms")
     padded = [jpeg(picture) for picture in pictures(0)]
     longest = max(map(len, padded)) + 3
@@ -200,7 +200,7 @@ def test_sizes_are_true_in_every_form_of_the_pictures_that_came_back(other_forms
         assert not np.array_equal(old[name], expected)
 
 
-def test_what_looks_like_sizes_and_is_in_no_known_form_is_named_and_stays(other_forms):
+def test_apparent_sizes_of_an_unknown_form_are_named_and_stay(other_forms):
     (recording,) = open_recordings(other_forms[0])
     (note,) = [note for note in recording.notes if "sizes" in note]
     assert note.startswith(f"{KEY}@mean_bytes, padding: like sizes of the pictures, in no known form")

@@ -69,7 +69,7 @@ def test_a_video_lies_nowhere_but_beside_its_file(name):
         ("vcage_original_channels", '"x"'),
     ],
 )
-def test_a_link_that_is_not_whole_is_damaged(file, link, attribute, value):
+def test_an_incomplete_link_is_damaged(file, link, attribute, value):
     dataset = write_link(file, "link", link)
     del dataset.attrs[attribute]
     if value is not None:

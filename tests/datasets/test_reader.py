@@ -30,7 +30,7 @@ def test_pictures_that_lie_in_a_video_are_read_from_it(packed):
         assert np.array_equal(images[2], every[2])
 
 
-def test_a_video_that_is_gone_is_named(packed, tmp_path):
+def test_a_vanished_video_is_named(packed, tmp_path):
     alone = shutil.copyfile(packed[1], tmp_path / "alone.hdf5")
     with EpisodeReader(alone) as reader, pytest.raises(DamagedFile, match="which is not there"):
         reader.images(reader.cameras[0])

@@ -18,7 +18,7 @@ STEPS = 1000
 
 @pytest.fixture
 def drives() -> DriveLog:
-    """One arm that swings, and one that rests off the origin."""
+    """One arm that swings, and one at rest off the origin."""
     time = np.arange(STEPS)[:, None] / 250
     rows = np.zeros((STEPS, LAYOUT.size))
     for part in PARTS[:-1]:
@@ -82,7 +82,7 @@ def test_an_attribute_that_no_simulation_takes_is_refused_by_file_and_part(file,
 
 
 @pytest.mark.parametrize("name", ["settled", "restarts"])
-def test_an_attribute_that_is_missing_is_named(file, name):
+def test_a_missing_attribute_is_named(file, name):
     with h5py.File(file, "r+") as stored:
         del stored["drives"].attrs[name]
         with pytest.raises(DamagedFile, match=f"attribute {name} None"):
@@ -110,7 +110,7 @@ def test_numbers_that_no_drive_takes_are_refused_by_file_and_dataset(file, name,
             read_drives(stored["drives"])
 
 
-def test_a_part_that_is_missing_is_named(file):
+def test_a_missing_part_is_named(file):
     with h5py.File(file, "r+") as stored:
         del stored["drives/left/opening"]
         with pytest.raises(DamagedFile, match="/drives/left has no dataset opening"):

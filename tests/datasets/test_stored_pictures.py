@@ -53,7 +53,7 @@ def test_a_damaged_picture_file_is_named(read, data):
 
 
 @pytest.mark.parametrize("data", [b"", b"GIF89a"])
-def test_what_is_no_picture_file_that_is_known_is_refused(data):
+def test_an_unknown_picture_format_is_refused(data):
     with pytest.raises(DamagedFile, match="camera 0"):
         storage_of(data, "camera 0")
 

@@ -46,7 +46,7 @@ def files_of_the_page() -> dict[str, str]:
 
 
 def installed(path: Path, name: str) -> ModuleType:
-    """A module of that name from a file that lies elsewhere."""
+    """A module of that name from a file in another folder."""
     spec = importlib.util.spec_from_file_location(name, path)
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
@@ -147,7 +147,7 @@ def judged(played: Played, moment: WorldState, after: WorldState) -> Verdict:
     return verdict(context, played.scene, Asking.of(played.subtask, seen, empty))
 
 
-def test_the_goal_can_be_stated_and_is_said_in_words(played: Played) -> None:
+def test_the_goal_can_be_stated_and_put_into_words(played: Played) -> None:
     assert played.subtask.text == f"Lift the {OBJECTS[0].record.phrase}."
     assert len(played.subtask.texts) >= 9
 

@@ -1,4 +1,4 @@
-"""The picture of what two critics differ about: which views it shows, and whose words are marked."""
+"""The picture of the differences between two critics: its views, and the marked words."""
 
 from __future__ import annotations
 

@@ -58,7 +58,7 @@ def boxes(finished: Finished, scene: Scene, layout: Layout) -> dict[str, np.ndar
     return {o.id: world_aabb(o.asset.bounds, layout.poses[o.id]) for o in finished.context.objects(scene)}
 
 
-def test_every_layout_keeps_what_the_runs_own_keeps_of_the_plan(finished, scene, relations, drawn):
+def test_every_layout_retains_the_same_plan_as_the_run(finished, scene, relations, drawn):
     own = {o.id: np.array(o.aabb) for o in scene.objects}
     ground = ground_box(scene.workspace, scene.table.height)
     kept = [r for r in relations if r not in relations_kept(relations, own, ground).broken]
@@ -93,7 +93,7 @@ def test_every_sub_task_has_grasps_and_a_slot_there(drawn, chain):
         assert all(layout.grasps.values())
 
 
-def test_what_lies_in_another_thing_goes_with_it(finished, scene, relations, chain):
+def test_contents_move_with_their_container(finished, scene, relations, chain):
     block, plate = (next(o for o in scene.objects if o.role == role) for role in ("content", "receptacle"))
     lying = block.model_copy(update={"container": plate.id, "pose": plate.pose})
     objects = [lying if o.id == block.id else o for o in scene.objects]
@@ -105,7 +105,7 @@ def test_what_lies_in_another_thing_goes_with_it(finished, scene, relations, cha
     assert not np.allclose(poses[plate.id].p, plate.pose.position, atol=0.005)
 
 
-def test_a_layout_in_which_a_goal_is_fulfilled_already_is_refused(finished, scene, chain, relations):
+def test_a_layout_with_a_goal_already_true_is_refused(finished, scene, chain, relations):
     told = next(r for r in relations if r.relation == "left_of")
     goal = chain[0].goals[0].model_copy(update=told.model_dump())
     begun = [chain[0].model_copy(update={"goals": [goal]})]
@@ -123,7 +123,7 @@ def test_a_goal_that_the_runs_own_layout_fulfils_too_is_no_reason_to_refuse(fini
     assert source.draw(np.random.default_rng(0)).refused == {}
 
 
-def test_where_no_layout_is_found_the_runs_own_is_taken_and_that_is_recorded(finished: Finished, tmp_path, monkeypatch):
+def test_without_a_new_layout_the_runs_own_is_used_and_recorded(finished: Finished, tmp_path, monkeypatch):
     def nowhere(*_: object, **__: object) -> None:
         raise InfeasibleScene("full")
 

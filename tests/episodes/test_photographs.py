@@ -61,7 +61,7 @@ def test_one_camera_looks_onto_the_code_and_one_into_the_window() -> None:
     assert in_the_middle(world, cameras[WINDOW]) == scanner.id
 
 
-def test_a_camera_goes_to_the_other_side_of_what_is_in_the_way() -> None:
+def test_a_camera_moves_to_the_other_side_of_an_obstacle() -> None:
     alone = scanning()
     first = scan_cameras(rendered(alone), alone, "juice_carton")[CODE]
     at = 0.5 * first.pose.p[:2]

@@ -70,7 +70,7 @@ def test_each_look_is_another_and_is_recorded_with_the_world_of_the_episode(run,
     assert all(record.world == records[0].world for record in records)
 
 
-def test_what_is_drawn_already_is_left_and_more_can_be_drawn(run, rendered):
+def test_existing_renders_are_kept_and_more_can_be_added(run, rendered):
     _, drawn = files(run, rendered)
     before = [path.stat().st_mtime_ns for path in drawn]
     more = render_run(run, Order(looks=3, ranges=FULL, seed=0))
@@ -78,7 +78,7 @@ def test_what_is_drawn_already_is_left_and_more_can_be_drawn(run, rendered):
     assert len(more.renders) == 3
 
 
-def test_the_index_names_what_earlier_calls_drew_with_their_ranges(run, rendered):
+def test_the_index_names_the_renders_of_earlier_calls_with_their_ranges(run, rendered):
     light = render_run(run, Order(looks=1, ranges=load_randomisation("light"), seed=4))
     told = [(one.look, one.ranges, one.seed) for one in light.renders]
     assert told[:2] == [(0, "light", 4), (1, "full", 0)]
@@ -102,7 +102,7 @@ def test_the_sheet_shows_an_episode_of_fewer_than_three_cameras(count, tmp_path)
     assert (picture == 90).all(axis=2).mean() > 0.5
 
 
-def test_what_a_killed_render_left_is_drawn_again(run, rendered):
+def test_leftovers_of_a_killed_render_are_drawn_again(run, rendered):
     _, drawn = files(run, rendered)
     whole = drawn[1].read_bytes()
     drawn[1].write_bytes(whole[: len(whole) // 2])
@@ -113,7 +113,7 @@ def test_what_a_killed_render_left_is_drawn_again(run, rendered):
     assert not partial.exists()
 
 
-def test_what_was_drawn_of_an_episode_that_counts_no_more_or_is_another_is_removed(run, rendered):
+def test_renders_of_rejected_or_replaced_episodes_are_removed(run, rendered):
     _, drawn = files(run, rendered)
     refused, earlier = (drawn[0].with_name(f"episode_00000{n}-look_{m:03d}.hdf5") for n, m in ((9, 0), (0, 7)))
     for path, told in ((refused, {"episode": 9}), (earlier, {"sha256": "of another recording"})):

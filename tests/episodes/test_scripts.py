@@ -1,4 +1,4 @@
-"""A script that is run by itself has the sub-task that it was made from."""
+"""A script run directly has the sub-task it was made from."""
 
 from __future__ import annotations
 

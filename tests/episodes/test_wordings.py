@@ -51,7 +51,7 @@ def test_the_sentences_of_a_model_come_first_and_its_dropped_ones_are_counted(co
     assert len(chain.wordings) < MOST_WORDINGS
 
 
-def test_a_wording_that_is_unclear_in_an_episode_is_left_out_there(context):
+def test_a_wording_unclear_in_an_episode_is_left_out_there(context):
     wordings = worded_chain(CHAIN, [STEP], scene(), context, OfflineReasoner()).wordings
     there = scene("block")
     blue = there.objects[2].model_copy(update={"variant": "blue", "phrase": "blue block"})
@@ -70,7 +70,7 @@ def test_a_wording_with_another_look_than_the_episode_has_is_left_out(context):
     assert wordings_for(TEXT, wordings, [STEP], there, context) == [TEXT, "Put the block onto the plate."]
 
 
-def test_a_sub_task_that_is_a_task_of_its_own_is_said_in_its_own_words(context):
+def test_a_sub_task_with_its_own_task_has_its_own_words(context):
     lone = scene().model_copy(update={"instruction": None, "goals": []})
     assert wordings_for(STEP.text, [], [STEP], lone, context) == [STEP.text, *STEP.texts]
 

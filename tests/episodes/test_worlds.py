@@ -1,4 +1,4 @@
-"""What is simulated otherwise in an episode: all that is said stays true, and what there is no room for is counted."""
+"""Randomised worlds of an episode: all statements stay true, and objects without room are counted."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def test_things_are_called_as_they_look(finished, scene, drawn):
             assert finished.context.asset(now).variant.colour in now.phrase
 
 
-def test_what_is_recorded_as_clutter_stands_in_the_scene_and_touches_nothing(scene, drawn):
+def test_recorded_clutter_stands_in_the_scene_and_touches_nothing(scene, drawn):
     own = {o.id for o in scene.objects}
     for start in drawn:
         assert {o.id for o in start.scene.objects} - own == start.world.clutter.keys()
@@ -97,7 +97,7 @@ def test_what_is_recorded_as_clutter_stands_in_the_scene_and_touches_nothing(sce
         assert all(start.scene.object(name).role == "context" for name in start.world.clutter)
 
 
-def test_everything_stands_on_a_table_that_is_lower_by_whole_centimetres(scene, drawn):
+def test_a_table_lower_by_whole_centimetres_carries_everything(scene, drawn):
     for start in drawn:
         height = scene.table.height + start.world.table_height
         assert start.scene.table.height == pytest.approx(height)
@@ -105,7 +105,7 @@ def test_everything_stands_on_a_table_that_is_lower_by_whole_centimetres(scene, 
         assert all(o.pose.p[2] == pytest.approx(height, abs=0.005) for o in start.objects.values())
 
 
-def test_mass_and_friction_are_those_of_the_models(drawn):
+def test_mass_and_friction_match_the_models(drawn):
     for start in drawn:
         for name, model in start.models.items():
             assert model.total_mass == pytest.approx(start.world.mass[name])
@@ -131,7 +131,7 @@ def test_plain_ranges_change_nothing(finished, scene):
     assert start.phrases == {}
 
 
-def test_where_there_is_no_room_for_clutter_there_is_none_and_that_is_told(finished, scene, monkeypatch):
+def test_clutter_without_room_is_dropped_and_reported(finished, scene, monkeypatch):
     monkeypatch.setattr("vcage.episodes.layouts.SETTINGS", EpisodeLayoutSettings(clutter_gap_m=0.6))
     start = made(finished, scene, WorldRanges(clutter=(4, 4))).draw(np.random.default_rng(0))
     assert start.drawn
@@ -148,7 +148,7 @@ def test_red_for_blue_and_blue_for_red_are_exchanged_at_once(finished, scene):
     assert first.phrase not in said.text
 
 
-def test_less_is_drawn_of_what_takes_room_when_layouts_are_refused():
+def test_refused_layouts_lead_to_less_clutter():
     world = WorldDraw(variants={"a": "red"}, clutter={f"c{n}": "cup" for n in range(6)}, clutter_drawn=6)
     assert [(len(w.clutter), w.variants) for w, _ in starts_module._eased(world)] == [
         (6, {"a": "red"}),

@@ -1,4 +1,4 @@
-"""Every program in ``examples/`` runs as a process of its own, on small inputs, and does what its docstring says."""
+"""Every program in ``examples/`` runs in its own process, on small inputs, and does what its docstring promises."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ def test_the_offline_critic_has_the_evidence_that_a_kind_names(kind: GoalKind) -
 
 
 @pytest.mark.parametrize("kind", KINDS.values(), ids=list(KINDS))
-def test_every_kind_is_said_in_ten_ways_that_a_review_recognises(kind: GoalKind) -> None:
+def test_every_kind_has_ten_wordings_that_pass_the_review(kind: GoalKind) -> None:
     texts = worded(goal_of_kind(kind), "the pen", "the box")
     assert len(set(texts)) >= 10
     recognised = [text for text in texts if {*kind.says.split()} & {*text.lower().rstrip(".?").split()}]
@@ -43,11 +43,11 @@ def test_opposites_are_mutual(kind: GoalKind) -> None:
 
 
 @pytest.mark.parametrize("kind", [kind for kind in KINDS.values() if kind.happens], ids=lambda kind: kind.word)
-def test_what_happens_once_is_an_event(kind: GoalKind) -> None:
+def test_goals_that_happen_once_are_events(kind: GoalKind) -> None:
     assert kind.event
 
 
-def test_on_the_table_is_judged_otherwise_than_on_an_object() -> None:
+def test_on_the_table_is_judged_unlike_on_an_object() -> None:
     on = KINDS["on"]
     assert kind_of(goal_of_kind(on)) is on
     assert kind_of(goal_of_kind(on, "table")).evidence == "moved"
@@ -64,7 +64,7 @@ def test_lines_of_prompts_fit_their_width() -> None:
     assert max(map(len, lines)) <= PROMPT_WIDTH + 2
 
 
-def test_a_meaning_that_two_kinds_share_is_told_once() -> None:
+def test_a_meaning_shared_by_two_kinds_is_given_once() -> None:
     goals = [goal_of_kind(KINDS[word]) for word in ("left_of", "right_of", "inside", "on")]
     assert [lines[0].split(":")[0] for lines in meanings(goals, THRESHOLDS)] == [
         "Inside or on an object", "Left of, right of, in front of, behind",

@@ -22,7 +22,7 @@ def capacity(
     ceiling: float | None = None,
     bare: bool = False,
 ) -> TableItem:
-    """What the checks of sizes need: whether things are put ``in`` it or ``on`` it, and how much room they have."""
+    """Inputs of the size checks: ``in`` or ``on``, and the available room."""
     x, y, z = size
     rim = math.inf if holds == "on" else z
     room = Opening((0.0, 0.0), opening, z if bare else 0.0, rim) if holds else None

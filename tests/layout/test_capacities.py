@@ -74,7 +74,7 @@ def test_of_a_cabinet_with_closed_drawers_the_top_takes_things(library):
         (("book", "on", "block"), None),
     ],
 )
-def test_sizes_and_openings_decide_what_goes_where(triple, words):
+def test_sizes_and_openings_decide_the_containers(triple, words):
     found = size_complaints(plan(triple), ROOMS)
     assert found == [] if words is None else len(found) == 1 and words in found[0]
 
@@ -87,7 +87,7 @@ def test_contents_that_do_not_fit_together_are_named():
     assert size_complaints(plan(("a", "inside", "box"), ("b", "inside", "box")), ROOMS) == []
 
 
-def test_beside_one_that_stands_out_on_a_bare_top_there_is_no_room():
+def test_no_room_is_left_beside_an_overhanging_object_on_a_bare_top():
     assert "book, c do not fit into block together" in size_complaints(
         plan(("book", "on", "block"), ("c", "on", "block")), ROOMS
     )[0]  # fmt: skip
@@ -97,7 +97,7 @@ SIDES = st.floats(0.005, 0.3)
 
 
 @given(size=st.tuples(SIDES, SIDES), angle=st.floats(0, 3.2), spare=st.tuples(SIDES, SIDES))
-def test_what_fits_at_some_angle_is_not_called_too_large(size, angle, spare):
+def test_an_object_that_fits_at_some_angle_is_not_called_too_large(size, angle, spare):
     c, s = abs(math.cos(angle)), abs(math.sin(angle))
     box = (c * size[0] + s * size[1] + 1e-6, s * size[0] + c * size[1] + 1e-6)
     rooms = {"x": capacity((*size, 0.1)), "y": capacity((*spare, 0.1))}
@@ -109,7 +109,7 @@ def test_what_fits_at_some_angle_is_not_called_too_large(size, angle, spare):
 
 
 @given(size=st.tuples(SIDES, SIDES), opening=st.tuples(SIDES, SIDES))
-def test_what_fits_at_no_angle_is_called_too_large(size, opening):
+def test_an_object_that_fits_at_no_angle_is_called_too_large(size, opening):
     angles = [math.pi * k / 720 for k in range(361)]
     boxes = [(math.cos(t) * size[0] + math.sin(t) * size[1], math.sin(t) * size[0] + math.cos(t) * size[1])
              for t in angles]  # fmt: skip

@@ -88,12 +88,12 @@ def test_sticking_out_of_the_workspace_costs_its_square():
     assert evaluate(task, CostWeights(), task.target)[0].boundary == pytest.approx(0.03**2)
 
 
-def test_what_is_out_of_reach_costs_the_square_of_the_way_to_the_nearest_rectangle():
+def test_an_object_out_of_reach_costs_its_squared_distance_to_the_nearest_rectangle():
     allowed = np.array([[[0.2, 0.0], [0.3, 0.1]], [[-0.3, 0.0], [-0.1, 0.1]]])
     task = LayoutProblem(np.array([[0.02, 0.02]]), np.zeros((1, 2)), BOUNDS, 0.01, (allowed,))
     assert evaluate(task, CostWeights(), task.target)[0].reach == pytest.approx(0.1**2)
     assert evaluate(task, CostWeights(), np.array([[0.25, 0.05]]))[0].reach == 0
 
 
-def test_penetrations_are_negative_for_what_is_apart():
+def test_penetrations_are_negative_for_separate_shapes():
     assert penetrations(*pair(0.02))[0, 1] == pytest.approx(-0.01)

@@ -11,7 +11,7 @@ from vcage.objects.openings import Opening
 CUP = Opening(centre=(0.0, 0.0), size=(0.06, 0.06), floor=0.005, rim=0.105)
 
 
-def test_what_may_lie_in_a_container_and_meets_it_is_assigned():
+def test_an_allowed_content_that_touches_its_container_is_assigned():
     assert assign_containers([tray(), roll()]) == {"tray": None, "roll": "tray"}
 
 
@@ -19,11 +19,11 @@ def test_without_permission_nothing_is_assigned():
     assert assign_containers([tray(), roll(inside=None)])["roll"] is None
 
 
-def test_what_stands_beside_its_container_stays_there():
+def test_an_object_beside_its_container_stays_there():
     assert assign_containers([tray(), roll(target=(0.3, 0))])["roll"] is None
 
 
-def test_what_is_longer_than_the_opening_is_not_assigned():
+def test_an_object_longer_than_the_opening_is_not_assigned():
     assert assign_containers([tray(), roll(size=(0.28, 0.02, 0.02))])["roll"] is None
 
 
@@ -46,7 +46,7 @@ def test_volume_counts_in_deep_containers():
     assert assign_containers([cup, low])["low"] == "cup"
 
 
-def test_what_the_plan_demands_is_assigned_wherever_its_target_is():
+def test_a_planned_content_is_assigned_regardless_of_its_targets_place():
     items = [tray(), roll(target=(0.3, 0))]
     assert assign_containers(items, demanded=["roll"])["roll"] == "tray"
 

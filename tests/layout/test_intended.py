@@ -47,7 +47,7 @@ def test_the_offline_plan_is_kept_without_overlap_in_the_workspace(seed: int) ->
 
 @settings(max_examples=15, deadline=None)
 @given(data=st.data())
-def test_nothing_is_lost_and_nothing_overlaps_whatever_the_plan_says(data: st.DataObject) -> None:
+def test_nothing_is_lost_and_nothing_overlaps_under_any_plan(data: st.DataObject) -> None:
     scene = scene_of([PLATE, *BLOCKS, MARKERS[0]])
     names = st.sampled_from([o.id for o in scene.objects])
     words = st.sampled_from(["left_of", "right_of", "in_front_of", "behind", "near", "beside"])
@@ -57,7 +57,7 @@ def test_nothing_is_lost_and_nothing_overlaps_whatever_the_plan_says(data: st.Da
     assert not any(boxes_overlap(boxes[a], boxes[b]) for a, b in itertools.combinations(boxes, 2))
 
 
-def test_what_is_fixed_stays_and_the_others_go_round_it() -> None:
+def test_fixed_objects_stay_and_the_others_go_round_them() -> None:
     scene = scene_of([PLATE, *BLOCKS])
     there = {"red-block": Pose.from_yaw((0.0, 0.05, HEIGHT), 0.3)}
     layout = plan(("plate", "center", "table"), ("green-block", "left_of", "red-block"))
@@ -77,7 +77,7 @@ def test_fixed_objects_may_overlap_each_other_and_stand_outside_the_workspace(ca
     assert all(found.poses[name].p[:2].tolist() == [0.5, 0.0] for name in there)
 
 
-def test_what_lies_in_a_container_moves_and_turns_with_it() -> None:
+def test_contents_move_and_turn_with_their_container() -> None:
     pen = MARKERS[0].moved(at=(BOX.at[0] + 0.03, BOX.at[1]), yaw=BOX.yaw, base=0.005)
     scene = inside(scene_of([BOX, pen]), pen.id, "box")
     found = laid_out(scene, plan(("box", "center", "table"), (pen.id, "inside", "box"))).poses
@@ -99,7 +99,7 @@ def test_contents_are_centred_in_the_opening_of_their_container() -> None:
     assert laid_out(scene, both, items=items).kept.sentences == []
 
 
-def test_what_fits_into_its_container_only_when_turned_is_turned() -> None:
+def test_an_object_that_fits_its_container_only_when_turned_is_turned() -> None:
     pen = MARKERS[0].moved(yaw=np.pi / 2)
     box = BOX.moved(size=(0.2, 0.05, 0.08), yaw=0.0)
     found = laid_out(scene_of([box, pen]), plan(("box", "center", "table"), (pen.id, "inside", "box")))
@@ -123,15 +123,15 @@ def test_an_object_larger_than_the_workspace_is_put_in_its_middle() -> None:
     assert box[:, :2].mean(axis=0) == pytest.approx([0, 0])
 
 
-def test_what_there_is_no_room_to_keep_apart_is_named(caplog: pytest.LogCaptureFixture) -> None:
+def test_an_object_without_room_to_keep_apart_is_named(caplog: pytest.LogCaptureFixture) -> None:
     boards = [Thing(name, (1, 2, 3), (0.5, 0.45, 0.02), at=(0.1, 0.1)) for name in ("oak", "elm", "ash", "fir")]
     scene, layout = scene_of(boards), plan(("oak", "center", "table"))
     found = laid_out(scene, layout).overlapping
     assert len(found) >= 2
-    assert f"there is no room to keep these apart: {', '.join(found)}" in caplog.text
+    assert f"no room to keep these apart: {', '.join(found)}" in caplog.text
 
 
-def test_what_lies_in_another_does_not_count_as_overlapping(caplog: pytest.LogCaptureFixture) -> None:
+def test_contents_do_not_count_as_overlapping(caplog: pytest.LogCaptureFixture) -> None:
     scene = scene_of([BOX, BLOCKS[0]])
     layout = plan(("box", "center", "table"), ("red-block", "inside", "box"))
     assert laid_out(scene, layout).overlapping == []

@@ -61,7 +61,7 @@ def test_every_object_finds_a_place_on_the_table_alone() -> None:
         assert place([table_item(name, library.asset(name))], workspace, np.random.default_rng(0))[name]
 
 
-def test_an_opening_is_told_from_the_middle_of_the_rectangle(cabinet) -> None:
+def test_an_opening_is_positioned_by_the_middle_of_the_rectangle(cabinet) -> None:
     room = replace(table_item("cabinet", cabinet), opening=Opening((0.02, 0.03), (0.1, 0.1), 0.2, 0.3))
     spot = Placement(0.1, 0.05, 0.4)
     middle = content_plane(room, []).bounds.mean(axis=0)
@@ -72,7 +72,7 @@ def test_an_opening_is_told_from_the_middle_of_the_rectangle(cabinet) -> None:
 HAND = HandClearance(height=0.05, gap=0.095)
 
 
-def test_a_panda_passes_over_low_things_and_has_its_palm_beside_what_it_grasps() -> None:
+def test_a_panda_passes_over_low_things_and_has_its_palm_beside_the_grasped_object() -> None:
     assert hand_clearance(load_robot("dual_panda")) == HAND
 
 
@@ -85,7 +85,7 @@ def test_the_largest_hand_of_a_robot_counts() -> None:
     assert found == HandClearance(height=0.033, gap=0.143)
 
 
-def test_only_what_a_palm_would_touch_beside_what_is_grasped_gets_more_room() -> None:
+def test_only_obstacles_at_palm_height_beside_the_grasped_object_get_more_room() -> None:
     grasped, low, high = (
         standing_at(name, (0.05, 0.05, z), 0.0, (0, 0)) for name, z in (("a", 0.04), ("b", 0.05), ("c", 0.2))
     )

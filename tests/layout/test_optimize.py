@@ -265,7 +265,7 @@ def test_a_thing_goes_to_the_third_of_the_table_that_the_plan_names(word):
     assert result.displaced["vase"] < 0.2, "it moves no farther than to the edge of the third"
 
 
-def test_relations_hold_for_what_lies_in_a_container():
+def test_relations_hold_for_contents_of_a_container():
     tray, *rolls = tray_with_rolls(1)
     mug = standing_at("mug", (0.08, 0.08, 0.1), 0.0, (-0.1, 0.05))
     plan = relation("mug", "right_of", "roll0")
@@ -281,7 +281,7 @@ def test_contents_are_ordered_in_their_turned_container():
     assert kept(items, result, *plan) == 1
 
 
-def test_what_belongs_inside_comes_inside_from_anywhere():
+def test_contents_come_inside_from_anywhere():
     items = tray_with_rolls(1)
     items[1] = standing_at("roll0", (0.08, 0.05, 0.05), 0.4, (-0.3, -0.2), inside="tray")
     assert solve(items).containers["roll0"] is None
@@ -308,7 +308,7 @@ def test_a_stack_rises_by_every_level():
     assert [result.positions[name][2] for name in "abc"] == pytest.approx([HEIGHT, HEIGHT + 0.05, HEIGHT + 0.1])
 
 
-def test_what_sticks_out_of_a_stack_keeps_others_away():
+def test_the_overhang_of_a_stack_keeps_others_away():
     board = standing_at("board", (0.3, 0.2, 0.02), 0.0, (0.1, 0.1), inside="base")
     items = [block("base"), board, standing_at("mug", (0.08, 0.08, 0.1), 0.0, (0.2, 0.1))]
     result = solve(items)
@@ -348,7 +348,7 @@ def out_of_reach_together() -> list[TableItem]:
     return [tray, replace(roll, allowed=[[[0.3, -0.1], [0.4, 0.1]]])]
 
 
-def test_contents_that_their_container_keeps_out_of_reach_are_told(caplog):
+def test_contents_kept_out_of_reach_by_their_container_are_reported(caplog):
     with caplog.at_level(logging.WARNING):
         result = solve(out_of_reach_together())
     assert result.out_of_reach == ["roll0"]
@@ -369,7 +369,7 @@ def test_a_content_that_leaves_its_opening_is_found():
 
 
 @pytest.mark.parametrize(("second", "words"), [((0.105, 0.0), "touch"), ((0.5, 0.0), "sticks out")])
-def test_what_touches_or_sticks_out_is_found(second, words):
+def test_touching_and_protruding_objects_are_found(second, words):
     items = [standing_at(name, (0.1, 0.1, 0.1), 0.0, (0.0, 0.0)) for name in "ab"]
     with pytest.raises(InfeasibleScene, match=words):
         require_exact(Groups(items), {"a": (0.0, 0.0, HEIGHT), "b": (*second, HEIGHT)}, WORKSPACE, 0.01, [])
@@ -382,7 +382,7 @@ def test_a_position_that_is_not_finite_is_found(position):
         require_exact(Groups(items), {"a": position}, WORKSPACE, 0.01, [])
 
 
-def test_what_is_not_where_it_is_allowed_is_found():
+def test_an_object_outside_its_allowed_area_is_found():
     items = [standing_at("oven", (0.2, 0.2, 0.3), 0.0, (0.0, 0.0), centre=(0.0, -0.1), allowed=[[[0, 0], [0.1, 0.1]]])]
     require_exact(Groups(items), {"oven": (0.05, 0.15, HEIGHT)}, WORKSPACE, 0.01, [])
     with pytest.raises(InfeasibleScene, match="oven is not where it is allowed") as caught:

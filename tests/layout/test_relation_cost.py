@@ -84,7 +84,7 @@ def test_a_tightened_relation_must_hold_by_more():
     assert terms.tightened(0.002).cost(centres)[0] == pytest.approx(0.001**2)
 
 
-def test_what_moves_as_one_or_is_not_there_has_no_term():
+def test_a_rigid_group_or_a_missing_object_has_no_term():
     places = {"o0": RelatedBox(0, np.zeros(2), np.ones(2)), "o1": RelatedBox(0, np.ones(2), np.ones(2))}
     assert relation_terms([relation("near"), relation("near", "o0", "elsewhere")], places, 1) is None
 

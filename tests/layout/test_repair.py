@@ -28,7 +28,7 @@ def test_repair_moves_the_smaller_one_to_the_nearest_free_point():
     assert fixed == pytest.approx(np.array([[0.13, 0.0], [0.0, 0.0]]), abs=1e-6)
 
 
-def test_repair_leaves_an_exact_layout_as_it_is():
+def test_repair_leaves_an_exact_layout_unchanged():
     task = squares([(0, 0), (0.11, 0)])
     fixed, moved = repair(task, task.target)
     assert moved == ()
@@ -39,7 +39,7 @@ def test_repair_gives_up_where_nothing_is_free():
     assert repair(squares([(0, 0), (0, 0)], half=0.29), np.zeros((2, 2)), tries=10) is None
 
 
-def test_what_is_hard_to_place_is_placed_first_at_the_next_try():
+def test_hard_objects_are_placed_first_at_the_next_try():
     # The larger one stands in the only spot that the smaller one reaches.
     allowed = np.array([[[-0.05, -0.05], [0.05, 0.05]]])
     task = LayoutProblem(np.array([[0.18, 0.2], [0.1, 0.1]]), np.zeros((2, 2)), BOUNDS, 0.01, (None, allowed))
@@ -61,7 +61,7 @@ def test_the_exact_check_finds(centres):
 
 @settings(max_examples=30, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), count=st.integers(1, 12))
-def test_what_repair_returns_is_exact(seed, count):
+def test_repair_returns_exact_layouts(seed, count):
     rng = np.random.default_rng(seed)
     half = rng.uniform(0.02, 0.1, (count, 2))
     task = LayoutProblem(half, rng.uniform(*BOUNDS, (count, 2)), BOUNDS, 0.01, (None,) * count)

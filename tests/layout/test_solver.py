@@ -27,7 +27,7 @@ def test_a_feasible_target_is_left_alone():
     assert (solution.centres == task.target).all()
 
 
-def test_two_overlapping_squares_move_apart_by_just_what_is_needed():
+def test_two_overlapping_squares_move_apart_by_the_needed_distance():
     task = squares([(-0.03, 0.0), (0.03, 0.0)])
     centres = solve(task, ["a", "b"], CostWeights(), np.random.default_rng(0), 4).centres
     assert abs(centres[1, 0] - centres[0, 0]) == pytest.approx(0.11, abs=0.002)
@@ -54,7 +54,7 @@ def test_a_tight_layout_is_found_by_packing():
     assert is_feasible(task, solve(task, list("abcdef"), CostWeights(), np.random.default_rng(0), 1).centres)
 
 
-def test_what_cannot_be_solved_is_infeasible_with_names():
+def test_an_unsolvable_layout_is_infeasible_with_names():
     names = ["pan", "pot", "lid"]
     with pytest.raises(InfeasibleScene) as caught:
         solve(squares([(0, 0)] * 3, half=0.17), names, CostWeights(), np.random.default_rng(0), 2)
@@ -81,7 +81,7 @@ def test_a_layout_that_keeps_the_plan_already_is_left_alone():
     assert solve(task, ["a", "b"], CostWeights(), np.random.default_rng(0), 4).starts == 0
 
 
-def test_relations_in_a_circle_cost_one_of_them_and_no_collision():
+def test_circular_relations_cost_one_of_them_and_no_collision():
     task = related(squares([(0, 0.1), (0.1, 0), (-0.1, 0)]), (0, "left_of", 1), (1, "left_of", 2), (2, "left_of", 0))
     centres = solve(task, list("abc"), CostWeights(), np.random.default_rng(0), 4).centres
     assert is_feasible(task, centres)
@@ -106,6 +106,6 @@ def test_wider_gaps_are_given_up_before_the_layout_is():
     assert is_feasible(replace(task, extra=None), solution.centres)
 
 
-def test_an_object_that_is_allowed_nowhere_is_named():
+def test_an_object_allowed_nowhere_is_named():
     with pytest.raises(InfeasibleScene, match="cup"):
         solve(squares([(0, 0)], allowed=(np.empty((0, 2, 2)),)), ["cup"], CostWeights(), np.random.default_rng(0), 2)

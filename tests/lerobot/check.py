@@ -1,4 +1,4 @@
-"""Let the real lerobot load what a run exported, and compare everything with what the run recorded.
+"""Let the real lerobot load the export of a run, and compare everything with the recording.
 
     python -m tests.lerobot.check PATH [--self-check | --sabotage NAME]
 

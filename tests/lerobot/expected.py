@@ -39,7 +39,7 @@ class Pictures:
 
     @property
     def half_colour(self) -> bool:
-        """Whether colour is stored at less than the full size, which readers fill in as they like."""
+        """True if colour is stored at less than the full size, which readers interpolate freely."""
         with av.open(str(self._stream)) as container:
             planes = container.streams.video[0].codec_context.format.components
             return any(plane.width != planes[0].width or plane.height != planes[0].height for plane in planes)
@@ -87,7 +87,7 @@ class Episode:
         subtasks: text of the sub-task of every frame; empty where there is none.
         wordings: text of a sub-task → all the ways in which it may be said.
         videos: LeRobot's name of a camera → its pictures.
-        randomisation: what was drawn for it; None where nobody said.
+        randomisation: its recorded random draws; None if not recorded.
     """
 
     start: int

@@ -1,4 +1,4 @@
-"""What a run recorded, and the streams whose loss was judged, read without any code of the library.
+"""The recordings of a run, and the streams with a judged loss, read without any code of the library.
 
 The layout of an episode is described in ``vcage/datasets/hdf5.py``.
 """

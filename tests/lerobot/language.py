@@ -1,4 +1,4 @@
-"""The columns of language of a v3.1 folder, the wordings of sub-tasks and what was drawn, against what was recorded.
+"""The language columns of a v3.1 folder, the wordings of sub-tasks and the random draws, against the recording.
 
 Read with nothing but Parquet: the lerobot that the other checks use refuses frames that have these columns.
 """

@@ -39,7 +39,7 @@ class DataSet:
     """A LeRobot folder, and how lerobot shall read it.
 
     Args:
-        name: what it is called in the report.
+        name: its name in the report.
         root: the folder.
         backend: how video is decoded.
         names_subtasks: whether lerobot finds the texts of sub-tasks in it.
@@ -57,7 +57,7 @@ class DataSet:
 
 @dataclass
 class Extremes:
-    """How far pictures were from what they should be: worst of all that were compared."""
+    """Largest distance of pictures from their originals."""
 
     levels: int = 0
     psnr: float = np.inf

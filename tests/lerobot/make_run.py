@@ -2,8 +2,8 @@
 
     python -m tests.lerobot.make_run FOLDER KIND
 
-No two episodes have the same length, motion, pictures or sub-tasks, and there are two instructions, so that whatever
-a reader confuses is seen.
+No two episodes have the same length, motion, pictures or sub-tasks, and there are two instructions, so that any
+confusion by a reader is seen.
 """
 
 from __future__ import annotations

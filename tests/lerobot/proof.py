@@ -96,7 +96,7 @@ def check_broken(report: Report, run: Path, scratch: Path, name: str) -> dict[st
 
 
 def find_every_sabotage(report: Report, run: Path, scratch: Path) -> dict[str, Any]:
-    """Check that each way of breaking a data set is noticed by the check that is there for it."""
+    """Check that each way of breaking a data set is noticed by its check."""
     episodes = read_run(run, scratch)
     for name, how in sabotage.SABOTAGES.items():
         findings = Report(quiet=True)
@@ -116,7 +116,7 @@ def _check_broken(report: Report, run: Path, scratch: Path, name: str, episodes:
 
 
 def _dataset(name: str, root: Path, backend: str) -> DataSet:
-    """lerobot reads the texts of sub-tasks from one file, which v2.1 and what is converted from it do not have."""
+    """lerobot reads the texts of sub-tasks from one file, which v2.1 and its conversions lack."""
     return DataSet(name, root, backend, names_subtasks=(root / "meta/subtasks.parquet").exists())
 
 

@@ -1,4 +1,4 @@
-"""What was checked, told line by line."""
+"""The checks, reported line by line."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Tally:
         self._wrong: dict[str, list[str]] = defaultdict(list)
 
     def note(self, subject: str, equal: bool, difference: str) -> None:
-        """Count one comparison; ``difference`` says what was found instead of what."""
+        """Count one comparison; ``difference`` states the found and the expected value."""
         self._seen[subject] += 1
         if not equal:
             self._wrong[subject].append(difference)

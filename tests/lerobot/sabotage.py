@@ -23,7 +23,7 @@ class Sabotage:
 
     Args:
         apply: changes a folder in place.
-        noticed: part of what the check that must fail is about.
+        noticed: part of the subject of the check that must fail.
     """
 
     apply: Callable[[Path], None]

@@ -1,4 +1,4 @@
-"""The statistics with which a policy normalises, as lerobot hands them out, against those of what was recorded."""
+"""The statistics with which a policy normalises, as lerobot returns them, against the recording."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ def check_statistics(report: Report, dataset: DataSet, episodes: list[Episode], 
     Args:
         report: is told.
         dataset: the data set.
-        episodes: what was recorded.
-        quantiles: whether it has exact ones. Those that lerobot averages are near them at best, and v2.1 has none.
+        episodes: the recordings.
+        quantiles: True if it has exact ones. lerobot's averages are only near them, and v2.1 has none.
     """
     found = dataset.open().meta.stats
     for name in episodes[0].vectors:

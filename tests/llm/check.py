@@ -1,7 +1,7 @@
 """A real model server answers every prompt under its JSON schema; `make test-llm` starts it and runs this.
 
-Whether an answer is clever is not asked of 135 million parameters: it has the type that was asked for, a complaint goes
-back as another turn, and what stays wrong ends as a refusal that says what.
+The cleverness of answers is not tested with 135 million parameters: an answer has the requested type, a complaint goes
+back as another turn, and repeated errors end as a refusal that names them.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ MOST_TRIES = 8
 
 
 class Witness:
-    """Asks another one and keeps what was asked and answered; pictures are left out, which the model cannot see."""
+    """Asks another model and records questions and answers; pictures are left out, which the model cannot see."""
 
     def __init__(self, other: Answerer):
         self.provider, self._other = other.provider, other

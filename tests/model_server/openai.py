@@ -121,7 +121,7 @@ def asked_of(body: Mapping[str, Any], models: tuple[str, ...], other: str) -> No
 
 
 def chat(body: Mapping[str, Any], special: Special, check: Callable[[dict[str, Any]], None]) -> dict[str, Any]:
-    """A completion, but for who it is from and what it took.
+    """A completion, except for its source and its cost.
 
     Args:
         check: holds the schema against the service's limits.

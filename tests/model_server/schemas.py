@@ -1,4 +1,4 @@
-"""What the services take of JSON Schema; what they publish, and for Gemini what refusals in the wild have shown."""
+"""The subset of JSON Schema that the services accept, as published; for Gemini, as real refusals have shown."""
 
 from __future__ import annotations
 

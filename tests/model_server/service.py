@@ -1,4 +1,4 @@
-"""What the services have in common: a call, its refusal, and the checks of what came."""
+"""The common part of the services: a call, its refusal, and the checks of the request."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ TYPES = {b"\x89PNG": "image/png", b"\xff\xd8\xff": "image/jpeg", b"RIFF": "image
 
 
 def picture_of_base64(text: object, said: object) -> np.ndarray:
-    """A picture that came; it is what its type says."""
+    """A received picture; its content matches its type."""
     require(isinstance(text, str), "a picture is not base64")
     try:
         data = base64.b64decode(str(text), validate=True)

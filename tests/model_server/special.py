@@ -1,4 +1,4 @@
-"""What the server answers in place of the usual: faults, and answers that a test chose."""
+"""The server's special answers: faults, and answers chosen by a test."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ class Special:
         text: what the model says.
         finish: why it ended, in Gemini's words; the others' are found from it.
         blocked: the service's own way to say that the request is not allowed.
-        picture: base64 to send as the picture; ``""`` for none at all.
-        mime: what the picture is said to be.
-        refusal: of OpenAI's messages.
+        picture: base64 to send as the picture; ``""`` for none.
+        mime: the declared type of the picture.
+        refusal: text of OpenAI's refusal.
         manner: how the bytes of the answer come: at once, never, one by one, up to the middle, without their number.
     """
 

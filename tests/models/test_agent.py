@@ -80,7 +80,7 @@ def test_the_third_wrong_answer_is_a_refusal_until_the_folder_is_removed(agent: 
     assert needed(agent)["round"] == 1
 
 
-def test_what_nests_too_deep_is_complained_about(agent: Agent) -> None:
+def test_too_deep_nesting_is_reported(agent: Agent) -> None:
     Path(needed(agent)["answer"]).write_text("{" + '"a":[' * 100_000)
     assert "the answer is not JSON" in needed(agent)["complaint"]
 
@@ -96,14 +96,14 @@ def test_an_answer_that_says_a_field_twice_is_complained_about(agent: Agent) -> 
     assert "line 2: the key 'name' stands twice" in needed(agent)["complaint"]
 
 
-def test_what_is_no_file_is_named(agent: Agent) -> None:
+def test_a_missing_file_is_named(agent: Agent) -> None:
     os.mkfifo(needed(agent)["answer"])
     with pytest.raises(InputFileError, match=r"answer\.json is no file"):
         asked(agent)
 
 
 @pytest.mark.parametrize("written", [b"\xff\xfe\x00", b" " * 2_000_000], ids=["no text", "too long"])
-def test_what_is_no_answer_is_named(agent: Agent, written: bytes) -> None:
+def test_an_invalid_answer_is_named(agent: Agent, written: bytes) -> None:
     path = Path(needed(agent)["answer"])
     path.write_bytes(written)
     with pytest.raises(InputFileError, match=r"answer\.json"):

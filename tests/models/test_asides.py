@@ -30,16 +30,16 @@ def test_an_aside_ends_with_its_nouns(said: str, rest: str | None, excluded: lis
     assert [noun.words for noun in found.excluded] == excluded
 
 
-def test_what_must_not_be_put_somewhere_is_kept_from_there() -> None:
+def test_an_object_barred_from_a_place_is_kept_from_there() -> None:
     found = asked_part("Don't put the bagel in the bowl, put the apple there", CATALOGUE)
     assert [(noun.words, place and place.words) for noun, place in found.kept] == [("bagel", "bowl")]
     assert left("Don't put the bagel in the bowl, put the apple there") == "put the apple there"
 
 
-def test_of_what_one_is_to_be_chosen_none_must_be_answered() -> None:
+def test_for_one_of_several_objects_none_must_be_answered() -> None:
     found = asked_part("Put the apple or the bagel in the bowl", CATALOGUE)
     assert "apple" not in found.text and "apple" in found.open_text
 
 
-def test_what_stands_before_a_correction_need_not_be_answered() -> None:
+def test_words_before_a_correction_need_no_answer() -> None:
     assert left("Put the mug, sorry, the bowl on the plate") == "the bowl on the plate"

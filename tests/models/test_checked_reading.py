@@ -20,5 +20,5 @@ from vcage.models.checked_reading import in_english
         ("Положи яблоко на тарелку", False),
     ],
 )
-def test_another_language_is_told_from_english(said: str, english: bool) -> None:
+def test_another_language_is_distinguished_from_english(said: str, english: bool) -> None:
     assert in_english(said, CATALOGUE) == english

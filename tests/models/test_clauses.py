@@ -16,7 +16,7 @@ def test_where_one_place_too_many_is_named_nothing_is_paired() -> None:
     assert paired({2: ["a"], 4: ["b"]}, {0: "x", 6: "y", 8: "z"}) == {}
 
 
-def test_a_thing_that_is_named_with_two_places_is_with_none() -> None:
+def test_an_object_with_two_places_has_none() -> None:
     assert paired({0: ["a"], 4: ["a"]}, {2: "x", 6: "y"}) == {}
 
 
@@ -25,7 +25,7 @@ def first_and_then(text: str) -> list[tuple[str, str]]:
     return [(" ".join(words[slice(*a)]), " ".join(words[slice(*b)])) for a, b in ordered(words)]
 
 
-def test_words_of_time_order_what_is_before_and_after_them() -> None:
+def test_words_of_time_order_the_goals_around_them() -> None:
     assert first_and_then("one then two") == [("one", "then two")]
     assert first_and_then("please do the one before two") == [("please do the one", "before two")]
     assert first_and_then("please do the two after one") == [("after one", "please do the two")]

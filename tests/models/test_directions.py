@@ -24,7 +24,7 @@ TWO = ("drawer_bottom", "drawer_top")
         ("the one in the middle", THREE, "middle"),
     ],
 )
-def test_drawers_are_counted_from_the_end_that_is_said(text: str, parts: tuple[str, ...], found: str) -> None:
+def test_drawers_are_counted_from_the_named_end(text: str, parts: tuple[str, ...], found: str) -> None:
     assert list(heights(text, parts).values()) == [found]
 
 
@@ -32,7 +32,7 @@ def test_a_third_drawer_of_two_is_none() -> None:
     assert heights("the third drawer from the top", TWO) == {}
 
 
-def test_a_side_may_stand_after_what_it_is_of() -> None:
+def test_a_side_may_follow_its_object() -> None:
     assert plain_sides("on the plate's left") == "on the left of the plate"
     assert plain_sides("with the robot's left arm") == "with the robot's left arm"
 

@@ -34,14 +34,14 @@ def exchanges(tmp_path: Path) -> Exchanges:
     return Exchanges(tmp_path / "exchanges")
 
 
-def test_what_was_answered_is_not_asked_again(exchanges: Exchanges) -> None:
+def test_an_answered_question_is_not_asked_again(exchanges: Exchanges) -> None:
     other = Counting(Reply("yes", model="one-2026", tokens_in=7, tokens_out=2))
     first = Stored(other, exchanges).answer(ASKED)
     assert Stored(other, exchanges).answer(ASKED) == first == other.reply
     assert other.times == 1
 
 
-def test_it_is_asked_again_where_that_is_wanted(exchanges: Exchanges) -> None:
+def test_a_question_is_asked_again_on_request(exchanges: Exchanges) -> None:
     other = Counting(Reply("yes"))
     for _ in range(2):
         Stored(other, exchanges, anew=True).answer(ASKED)
@@ -71,7 +71,7 @@ def test_another_question_is_another_exchange(exchanges: Exchanges, changed: Que
     assert exchanges.find(changed, "counting:one") is None
 
 
-def test_a_replay_answers_what_was_asked_and_names_what_was_not(exchanges: Exchanges) -> None:
+def test_a_replay_answers_the_recorded_questions_and_names_the_missing_ones(exchanges: Exchanges) -> None:
     Stored(Counting(Reply("yes")), exchanges).answer(ASKED)
     assert who_answered(exchanges) == {"reasoner": "counting:one"}
     replayed = Replayed(exchanges, "counting:one")
@@ -80,7 +80,7 @@ def test_a_replay_answers_what_was_asked_and_names_what_was_not(exchanges: Excha
         replayed.answer(ASKED.again(Reply("no"), "why not?"))
 
 
-def test_all_that_was_said_is_in_the_record(exchanges: Exchanges) -> None:
+def test_the_record_holds_the_whole_exchange(exchanges: Exchanges) -> None:
     Stored(Counting(Reply("yes", model="one-2026", tokens_in=7)), exchanges).answer(ASKED.again(Reply("no"), "hm"))
     (kept,) = exchanges.all()
     assert [(turn.speaker, turn.text) for turn in kept.turns] == [("user", "which?"), ("model", "no"), ("user", "hm")]
@@ -101,7 +101,7 @@ def test_a_damaged_record_is_named(exchanges: Exchanges) -> None:
     assert "remove it" in caught.value.hint
 
 
-def test_exchanges_are_in_the_order_in_which_they_were_first_kept(exchanges: Exchanges) -> None:
+def test_exchanges_keep_the_order_of_their_first_storage(exchanges: Exchanges) -> None:
     later = ASKED.again(Reply("no"), "why not?")
     for question in (ASKED, later, ASKED):
         Stored(Counting(Reply("yes")), exchanges, anew=True).answer(question)

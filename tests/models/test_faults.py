@@ -217,14 +217,14 @@ IN_PICTURES = [
         "truncated base64",
         lambda _: [Special(picture=encode_base64(edited())[: 4 * 1000])],
         EndpointFailed,
-        "no whole picture",
+        "not a complete picture",
         asked=1,
     ),
     Fault(
         "truncated JPEG",
         lambda _: [drawn(cv2.imencode(".jpg", edited())[1].tobytes()[:-500])],
         EndpointFailed,
-        "no whole picture",
+        "not a complete picture",
         asked=1,
     ),
     Fault("no base64", always(Special(picture="I cannot draw.")), EndpointFailed, "not base64", asked=1),
@@ -255,7 +255,7 @@ IN_PICTURES = [
         "a comment that inflates",
         lambda _: [drawn(png(64, 64, zeros(1 << 20), (b"zTXt", b"Comment\0\0" + zeros(200 << 20))))],
         EndpointFailed,
-        "no whole picture",
+        "not a complete picture",
         asked=1,
     ),
     Fault("hidden instructions", lambda _: [Special(picture=encode_base64(edited()), text=HIDDEN)], asked=1),
@@ -277,7 +277,7 @@ def server() -> Iterator[ModelServer]:
 
 @pytest.fixture(autouse=True)
 def here(server: ModelServer, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, no_keys: None) -> None:
-    """All providers are this server, which has forgotten what was before."""
+    """All providers are this server, with its state reset."""
     caplog.set_level(logging.DEBUG)
     server.forget()
     for name, value in server.environment.items():
@@ -320,7 +320,7 @@ def test_a_fault(
 
 
 @pytest.mark.parametrize(("role", "who"), dict.fromkeys((role, who) for role, who, _ in CASES))
-def test_a_model_that_is_not_served_is_told_with_those_that_are(
+def test_an_unserved_model_is_reported_with_the_served_ones(
     role: str, who: str, server: ModelServer, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     kind = "IMAGE" if role == "editor" else "TEXT"

@@ -60,7 +60,7 @@ def test_many_pairs_are_asked_about_in_batches_and_answered_in_order() -> None:
     assert all(f"number {n} " in answer.reason for n, answer in enumerate(answers[:-1]))
 
 
-def test_the_instruction_is_shown_where_there_is_one() -> None:
+def test_an_existing_instruction_is_shown() -> None:
     who = Judges()
     LlmReasoner(who).judge_pairs([pair("a", "red block")], "Set the table for two")
     LlmReasoner(who).judge_pairs([pair("a", "red block")])

@@ -36,7 +36,7 @@ def test_a_key_file_that_windows_saved_is_read() -> None:
 
 
 @pytest.mark.parametrize("mode", [0o640, 0o604, 0o620, 0o666])
-def test_a_key_file_that_others_may_read_is_told_of_once_with_the_command(mode: int, caplog) -> None:
+def test_a_key_file_readable_by_others_is_reported_once_with_the_command(mode: int, caplog) -> None:
     key_file().write_text(json.dumps({"openai": "very-secret"}))
     key_file().chmod(mode)
     with caplog.at_level(logging.WARNING):
@@ -45,7 +45,7 @@ def test_a_key_file_that_others_may_read_is_told_of_once_with_the_command(mode: 
     assert shlex.join(["chmod", "600", str(key_file())]) in told and "very-secret" not in told
 
 
-def test_nothing_is_told_of_a_key_file_that_only_its_owner_reads(caplog) -> None:
+def test_a_private_key_file_is_not_reported(caplog) -> None:
     key_file().write_text(json.dumps({"openai": "from-file"}))
     key_file().chmod(0o600)
     with caplog.at_level(logging.WARNING):
@@ -85,7 +85,7 @@ def test_a_damaged_key_file_is_named(text: str) -> None:
 
 
 @pytest.mark.parametrize("key", ["SEKR\u00c9T-\u2192", "two\nlines", "two words"])
-def test_what_can_be_no_key_is_refused_by_the_name_of_its_place(key: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_invalid_key_is_refused_by_the_name_of_its_place(key: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("VCAGE_OPENAI_API_KEY", key)
     with pytest.raises(ConfigurationError, match="the key for openai in VCAGE_OPENAI_API_KEY") as caught:
         require_key(OPENAI)

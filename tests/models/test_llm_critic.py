@@ -1,4 +1,4 @@
-"""What a model with eyes is told of a sub-task."""
+"""The prompt of a sub-task for a model with vision."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def test_the_answer_may_name_every_failure_that_a_retry_heeds() -> None:
     ("accepted", "failure", "told"),
     [(False, "astray", "astray"), (False, "other", None), (False, "none", None), (True, "none", None)],
 )
-def test_only_a_no_tells_what_went_wrong(accepted: bool, failure: str, told: Failure | None) -> None:
+def test_only_a_no_has_a_failure_reason(accepted: bool, failure: str, told: Failure | None) -> None:
     verdict = _verdict([judgement("yes" if accepted else "no", failure)], "test", PHRASES)
     assert verdict == Verdict(accepted=accepted, reason="seen", confidence=0.9, provider="test", failure=told)
 
@@ -45,7 +45,7 @@ def judgement(done: str, failure: str = "none", also_moved: Sequence[str] = ()) 
 @pytest.mark.parametrize(
     ("done", "failure", "told"), [("yes", "none", "disturbed"), ("no", "lost", "lost"), ("no", "other", "disturbed")]
 )
-def test_what_else_was_moved_makes_it_a_no(done: str, failure: str, told: Failure) -> None:
+def test_another_moved_object_makes_it_a_no(done: str, failure: str, told: Failure) -> None:
     verdict = _verdict([judgement(done, failure, ["cabinet"])], "test", PHRASES)
     assert (verdict.accepted, verdict.failure) == (False, told)
     assert verdict.reason == "seen (also moved: the white cabinet)"
@@ -78,7 +78,7 @@ def asked_about(*goals: Goal) -> str:
     return who.asked[0].messages[0].text
 
 
-def test_what_the_step_moves_cannot_be_moved_besides() -> None:
+def test_an_object_of_the_step_cannot_be_moved_besides() -> None:
     goal, things = Goal(subject="black-marker", relation="inside", reference="box"), [BOX, MARKERS[0]]
     who = Says(judgement("yes", also_moved=["black-marker"]), judgement("yes", also_moved=["box"]))
     verdict = LlmCritic(who).judge(critic_question(things, things, goal))
@@ -96,7 +96,7 @@ DEFINED = {
 
 
 @pytest.mark.parametrize("word", sorted(KINDS))
-def test_the_words_that_are_asked_about_are_defined_and_no_others(word: str) -> None:
+def test_only_the_words_in_question_are_defined(word: str) -> None:
     of_part = {"part": "lid"} if KINDS[word].acts_on else {}
     of_two = {"reference": "left" if word == "handed" else "black-marker"} if KINDS[word].refers_to else {}
     prompt = asked_about(Goal(subject="box", relation=word, **of_part, **of_two))
@@ -109,7 +109,7 @@ def test_on_the_table_has_a_meaning_of_its_own() -> None:
     assert "touches no other object" in prompt and "Inside or on an object" not in prompt
 
 
-def test_the_limits_are_those_that_the_simulator_s_state_is_judged_by(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_limits_match_the_judge_of_the_simulator_state(monkeypatch: pytest.MonkeyPatch) -> None:
     scanned = Goal(subject="box", relation="scanned")
     assert "more than 5 cm or tipped by\n  more than 30°" in asked_about(scanned)
     limits = replace(THRESHOLDS, disturbed_m=0.123, scanned_s=0.75, code_slant_rad=np.radians(41))
@@ -171,11 +171,11 @@ def test_more_than_half_of_the_votes_must_be_a_yes_and_no_more_are_asked_than_de
         ),
     ],
 )
-def test_what_must_have_stayed_is_told_in_words(statement: Statement, words: str) -> None:
+def test_unchanged_facts_are_put_into_words(statement: Statement, words: str) -> None:
     assert _still(statement, PHRASES) == words
 
 
-def test_what_must_have_stayed_has_a_section_of_its_own() -> None:
+def test_unchanged_facts_have_a_section_of_their_own() -> None:
     goal = Goal(subject="black-marker", relation="inside", reference="box")
     question = critic_question([BOX, *MARKERS], [BOX, *MARKERS], goal)
     prompts = []

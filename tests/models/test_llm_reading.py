@@ -109,7 +109,7 @@ def test_an_answer_that_cannot_be_right_is_complained_about(wrong: dict, complai
     assert complaint in who.complaints()
 
 
-def test_a_part_that_is_not_there_is_named_with_those_that_are() -> None:
+def test_an_unknown_part_is_named_with_the_known_ones() -> None:
     task = "Put the apple into the cabinet"
     answer = read(goal("apple", "inside", "plate", words=task, part="drawer_top"))
     assert "plate has no moving part 'drawer_top'" in complaint_about(answer, task, things("apple", "plate", "cabinet"))
@@ -138,7 +138,7 @@ def test_a_review_sees_the_goals_in_plain_words() -> None:
     assert "- the red apple is to the left of the white plate." in who.asked[1].messages[0].text
 
 
-def test_another_reader_that_reads_it_otherwise_is_a_complaint() -> None:
+def test_a_contradicting_second_reading_is_a_complaint() -> None:
     def third(*_: object) -> Reading:
         asked = AskedGoal(goal=goal_of(["apple", "on", "plate"]), step=1, words=TASK)
         return Reading(goals=[asked])
@@ -239,7 +239,7 @@ LEFT, RIGHT = "apple_red left_of plate", "apple_red right_of plate"
         ),
     ],
 )  # fmt: skip
-def test_what_is_said_together_stays_together(task: str, right: tuple[str, ...], wrong: tuple[str, ...]) -> None:
+def test_joint_words_stay_together(task: str, right: tuple[str, ...], wrong: tuple[str, ...]) -> None:
     assert accepted(task, *right)
     assert not accepted(task, *wrong)
 
@@ -283,7 +283,7 @@ def test_a_drawer_is_filled_between_opening_and_closing() -> None:
         ("Apple in the bowl using your left, if you would be so kind", "@left", ""),
     ],
 )
-def test_an_arm_is_the_one_that_is_said(task: str, right: str, wrong: str) -> None:
+def test_an_arm_is_the_named_one(task: str, right: str, wrong: str) -> None:
     goals = "apple_red left_of plate" if "left of" in task else IN_BOWL
     assert accepted(task, f"{goals} {right}".strip())
     assert not accepted(task, f"{goals} {wrong}".strip())
@@ -300,7 +300,7 @@ def test_an_arm_is_the_one_that_is_said(task: str, right: str, wrong: str) -> No
         ("Apple into the third drawer down, if you would be so kind", "bottom"),
     ],
 )
-def test_a_drawer_is_the_one_that_is_said(task: str, part: str) -> None:
+def test_a_drawer_is_the_named_one(task: str, part: str) -> None:
     for other in ("top", "middle", "bottom"):
         assert accepted(task, f"apple_red inside cabinet/drawer_{other}") == (other == part)
 
@@ -347,12 +347,12 @@ def test_an_aside_hides_nothing_else(task: str, right: str, wrong: str) -> None:
         "Neither the bagel nor the croissant: the apple goes in the bowl",
     ],
 )
-def test_what_is_left_out_is_in_no_goal(task: str) -> None:
+def test_an_excluded_object_is_in_no_goal(task: str) -> None:
     assert accepted(task, IN_BOWL)
     assert not accepted(task, IN_BOWL, "bagel on plate")
 
 
-def test_of_two_mugs_the_words_must_tell_which() -> None:
+def test_the_words_must_tell_two_mugs_apart() -> None:
     for task in ("Put the mug on the plate", "Mug onto the plate, if you would be so kind"):
         assert not accepted(task, "mug_red on plate", among=TWO_MUGS)
         assert not accepted(task, "mug_red on plate", told=("mug_red left_of mug_white",), among=TWO_MUGS)
@@ -372,7 +372,7 @@ def test_of_two_mugs_the_words_must_tell_which() -> None:
         "Be so kind as to put the apple on the left-hand side of the plate",
     ],
 )
-def test_a_side_is_of_what_it_is_said_of(task: str) -> None:
+def test_a_side_belongs_to_its_object(task: str) -> None:
     assert accepted(task, "apple_red left_of plate")
     assert not accepted(task, "apple_red right_of plate")
     assert not accepted(task, "plate left_of apple_red")
@@ -403,7 +403,7 @@ def test_a_text_that_only_speaks_to_its_reader_asks_for_nothing(task: str) -> No
          ("1 apple_red inside bowl", "2 bagel inside bowl", "3 bowl on plate"), ()),
     ],
 )  # fmt: skip
-def test_an_everyday_sentence_that_is_read_right_is_believed(
+def test_a_correct_reading_of_an_everyday_sentence_is_accepted(
     task: str, goals: tuple[str, ...], told: tuple[str, ...]
 ) -> None:
     assert accepted(task, *goals, told=told)

@@ -29,7 +29,7 @@ def test_a_catalogue_below_the_limit_is_shown_whole() -> None:
     assert who.names() == ["select_assets"] and catalogue_text(CATALOGUE) in who.asked[0].messages[0].text
 
 
-def test_of_a_large_catalogue_the_model_is_shown_what_it_searches_for() -> None:
+def test_for_a_large_catalogue_the_model_sees_its_search_results() -> None:
     who = Scripted(search_catalogue=[{"phrases": ["apple", "dinner plate"]}], select_assets=[GOOD])
     assert [o.asset for o in select(who, LARGE).objects] == ["apple", "plate"]
     assert who.names() == ["search_catalogue", "select_assets"]
@@ -46,7 +46,7 @@ def test_phrases_that_cannot_be_searched_for_are_complained_about(phrases: list[
     assert complaint in who.complaints()
 
 
-def test_the_prompt_names_the_scene_and_asks_to_prefer_what_belongs_there() -> None:
+def test_the_prompt_names_the_scene_and_asks_to_prefer_its_objects() -> None:
     who = Scripted(select_assets=[GOOD])
     select(who, scene="cashier_desk")
     assert "The scene is: cashier desk. " in who.asked[0].messages[0].text
@@ -68,7 +68,7 @@ def test_the_instruction_is_quoted_in_one_line() -> None:
         ({**GOOD, "missing": ["helicopter"]}, "missing says that nothing fits"),
     ],
 )
-def test_a_wrong_choice_goes_back_with_what_is_wrong(wrong: dict, complaint: str) -> None:
+def test_a_wrong_choice_goes_back_with_the_reason(wrong: dict, complaint: str) -> None:
     who = Scripted(select_assets=[wrong, GOOD])
     assert [o.asset for o in select(who).objects] == ["apple", "plate"]
     assert complaint in who.complaints()
@@ -81,13 +81,13 @@ def test_a_cabinet_alone_is_enough_to_open_or_close_its_drawers() -> None:
     assert len(who.asked) == 1
 
 
-def test_what_the_check_objects_to_goes_back_within_the_rounds() -> None:
+def test_objections_of_the_check_go_back_within_the_rounds() -> None:
     who = Scripted(select_assets=[GOOD])
     with pytest.raises(ModelRefused, match=r"13\.0 x 1.8 cm does not fit"):
         select(who, check=lambda _: ["13.0 x 1.8 cm does not fit in 4.5 x 4.5 cm"])
     assert who.names() == ["select_assets"] * 3
 
 
-def test_what_the_model_finds_nothing_for_is_named() -> None:
+def test_an_object_without_a_find_is_named() -> None:
     with pytest.raises(NoAssetFits, match="'helicopter'"):
         select(Scripted(select_assets=[{"missing": ["helicopter"], "objects": []}]))

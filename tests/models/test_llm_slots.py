@@ -1,4 +1,4 @@
-"""How a model fills the slots of sub-tasks: what it is shown, and what comes back when it names what is not there."""
+"""Filling the slots of sub-tasks by a model: its input, and the complaint about an unknown name."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def test_no_opinion_leaves_everything_to_the_ranking():
     assert (coin.grasp, coin.point, coin.statements) == (None, None, [])
 
 
-def test_what_is_chosen_comes_back_as_records():
+def test_choices_come_back_as_records():
     says = {"grasp": "1 right", "place": "2", "statements": ["cabinet/drawer_top closed"]}
     coin, _ = LlmReasoner(Told([step(COIN, **says), step(OPEN)])).fill_slots("…", [COIN, OPEN])
     assert coin.grasp == Preference(contact=1, arm="right")
@@ -103,7 +103,7 @@ def test_what_is_chosen_comes_back_as_records():
         ({"grasp": "0 left", "place": "2"}, "0 left is no grasp at place 2 of coin-into-tray-0: it has 1 right"),
     ],
 )
-def test_what_is_not_there_is_complained_about_by_name(wrong: dict[str, Any], told: str):
+def test_unknown_objects_are_complained_about_by_name(wrong: dict[str, Any], told: str):
     who = Told([step(COIN, **wrong), step(OPEN)], [step(COIN), step(OPEN)])
     LlmReasoner(who).fill_slots("…", [COIN, OPEN])
     assert told in who.complaint
@@ -121,7 +121,7 @@ def test_every_step_must_be_answered_in_order():
     assert "one entry each for coin-into-tray-0, open-cabinet-drawer_low" in who.complaint
 
 
-def test_after_three_wrong_answers_it_is_a_refusal_that_says_which():
+def test_three_wrong_answers_are_a_refusal_that_names_them():
     who = Told(*[[step(COIN, grasp="4 right"), step(OPEN)]] * 3)
     with pytest.raises(ModelRefused, match="4 right is no grasp of coin-into-tray-0"):
         LlmReasoner(who).fill_slots("…", [COIN, OPEN])

@@ -16,7 +16,7 @@ def answer(*sentences: str) -> str:
     return json.dumps({"sentences": [{"sentence": text} for text in sentences]})
 
 
-def test_what_fails_the_review_is_dropped_and_counted():
+def test_sentences_failing_the_review_are_dropped_and_counted():
     chat = Script(answer(GOOD, WRONG, "Eat the apple."))
     assert LlmReasoner(chat).word_task(task(ON), []) == ([GOOD], 2)
     assert len(chat.sent) == 1
@@ -33,7 +33,7 @@ def test_where_all_fail_again_there_are_none():
     assert LlmReasoner(Script(answer(), answer())).word_task(task(ON), []) == ([], 0)
 
 
-def test_the_prompt_shows_goals_names_and_what_else_stands_there():
+def test_the_prompt_shows_goals_names_and_the_other_objects():
     chat = Script(answer("Set the apple on the plate and the pear to the left of the plate."))
     LlmReasoner(chat).word_task(task(ON, LEFT), ["Put the apple onto the plate."])
     text = chat.sent[0][0].text

@@ -164,7 +164,7 @@ def test_a_vendors_client_reads_an_edited_picture(sdk: type[Any], server: ModelS
 
 
 @pytest.mark.parametrize("sdk", SDKS)
-def test_a_vendors_client_lists_what_is_served(sdk: type[Any], server: ModelServer) -> None:
+def test_a_vendors_client_lists_the_served_models(sdk: type[Any], server: ModelServer) -> None:
     assert sdk.model in sdk(server).listed()
 
 
@@ -223,14 +223,14 @@ def _status(error: Any) -> int:
     return error.code if isinstance(error, errors.APIError) else error.status_code
 
 
-def test_what_openai_blocks_is_told_in_its_code(server: ModelServer) -> None:
+def test_a_block_by_openai_is_reported_with_its_code(server: ModelServer) -> None:
     server.queue(Special(blocked=True))
     with pytest.raises(openai.BadRequestError) as caught:
         OpenAi(server).picture()
     assert caught.value.code == "moderation_blocked"
 
 
-def test_what_gemini_blocks_is_told_beside_no_candidate(server: ModelServer) -> None:
+def test_a_block_by_gemini_is_reported_beside_no_candidate(server: ModelServer) -> None:
     server.queue(Special(blocked=True))
     config = types.GenerateContentConfig(response_mime_type="application/json", response_json_schema=SCHEMA)
     sdk = Google(server)
@@ -247,7 +247,7 @@ def test_gemini_takes_no_deprecated_parameter(deprecated: str, server: ModelServ
 # --- what is taken -------------------------------------------------------------------------------------
 
 
-def test_every_parameter_that_is_taken_is_one_of_the_vendors_own() -> None:
+def test_every_used_parameter_is_one_of_the_vendors_own() -> None:
     chat = {name for kind in get_args(completion_create_params.CompletionCreateParams) for name in get_type_hints(kind)}
     edit = {name for kind in get_args(image_edit_params.ImageEditParams) for name in get_type_hints(kind)}
     said = {name for kind in get_args(message_create_params.MessageCreateParams) for name in get_type_hints(kind)}
@@ -401,7 +401,7 @@ def test_the_same_seed_draws_the_same_faults_for_its_share() -> None:
     assert 150 < sum(fault is not None for fault in drawn[0]) < 250
 
 
-def test_by_hand_it_says_which_variables_to_set() -> None:
+def test_started_by_hand_it_prints_the_variables_to_set() -> None:
     line = [sys.executable, "-m", "tests.model_server", "--key", "another-key", "--faults", "0.2", "--seed", "1"]
     with subprocess.Popen(line, stdout=subprocess.PIPE, text=True) as running:
         exported = dict(running.stdout.readline().split()[1].split("=") for _ in range(9))

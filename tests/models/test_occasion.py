@@ -12,20 +12,20 @@ SMALL = entry("die", "die", "toy", tags=("playroom",))
 LARGE = entry("globe", "globe", "toy", size=(0.3, 0.3, 0.3))
 
 
-def test_what_is_larger_than_the_inside_does_not_go_in() -> None:
+def test_an_object_larger_than_the_inside_does_not_go_in() -> None:
     assert Occasion("table").goes_in(SMALL, BOX) and not Occasion("table").goes_in(LARGE, BOX)
     tight = entry("tight", "tight", "toy", size=(0.2, 0.14, 0.1))
     assert not Occasion("table").goes_in(tight, BOX)
 
 
-def test_those_that_fit_and_belong_to_the_scene_are_preferred_as_far_as_there_are_such() -> None:
+def test_fitting_objects_of_the_scene_are_preferred_while_there_are_any() -> None:
     other = entry("cube", "cube", "toy", tags=("office_desk",))
     assert Occasion("playroom").suiting([SMALL, other, LARGE], BOX, several=False, least=1) == [SMALL]
     assert Occasion("playroom").suiting([SMALL, other, LARGE], BOX, several=False, least=2) == [SMALL, other]
     assert Occasion("playroom").suiting([LARGE], BOX, several=False, least=1) == [LARGE]
 
 
-def test_small_objects_of_the_scene_stand_by_but_for_what_is_mistaken() -> None:
+def test_clutter_is_small_objects_of_the_scene_without_look_alikes() -> None:
     rng = np.random.default_rng(0)
     found = Occasion("kitchen").standing_by(CATALOGUE, lambda kind: kind.name == "apple", rng)
     tags = {kind.name: kind.words.scene_tags for kind in CATALOGUE}

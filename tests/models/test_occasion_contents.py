@@ -59,14 +59,14 @@ def test_a_receptacle_takes_things():
         (Contents(assets=["stapler"], role="receptacle"), NoAssetFits, "of stapler as receptacle, there are 0"),
     ],
 )
-def test_what_cannot_be_had_is_told(asked, error, text):
+def test_unavailable_objects_are_reported(asked, error, text):
     with pytest.raises(error) as caught:
         drawn(asked)
     assert text in f"{caught.value.message} {caught.value.hint}"
 
 
 @pytest.mark.parametrize("contents", [{}, {"tags": ["food"], "assets": ["apple"]}, {"tags": ["food"], "count": [3, 2]}])
-def test_a_record_says_what_and_how_many(contents):
+def test_a_record_must_state_kinds_and_counts(contents):
     with pytest.raises(ValueError, match="expected"):
         Contents(**contents)
 

@@ -1,4 +1,4 @@
-"""Ollama, as the services' stand-in plays it: who is taken, which model answers, and what a blind one is not asked."""
+"""Ollama, played by the stand-in server: provider choice, answering model, and questions not asked without vision."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def test_the_first_model_that_answers_questions_is_asked_and_named_without_a_key
     assert select(models).objects and models.critic.judge(question()).accepted
 
 
-def test_a_model_that_is_named_is_asked(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_named_model_is_asked(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("VCAGE_OLLAMA_TEXT_MODEL", "llama3.2:3b")
     assert build_models(Choice("ollama")).reasoner.provider == "ollama:llama3.2:3b"
 
@@ -62,7 +62,7 @@ def test_a_name_without_a_tag_is_served_as_the_latest(server: ModelServer, monke
     assert build_models(Choice("ollama", fallback="offline")).critic.provider == "ollama:gemma4"
 
 
-def test_a_model_that_was_not_fetched_is_told_with_those_that_were(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_unfetched_model_is_reported_with_the_fetched_ones(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("VCAGE_OLLAMA_TEXT_MODEL", "gone:1b")
     with pytest.raises(ModelNotServed, match=r"ollama does not serve gone:1b; it serves .*qwen3-vl:8b"):
         select(build_models(Choice("ollama")))
@@ -111,7 +111,7 @@ def test_where_it_has_no_model_the_error_says_how_to_fetch_one(server: ModelServ
 # --- models without eyes ----------------------------------------------------------------------------------
 
 
-def test_rules_are_the_critic_for_a_model_without_eyes_and_that_is_said(server: ModelServer) -> None:
+def test_rules_are_the_critic_for_a_model_without_vision_and_that_is_reported(server: ModelServer) -> None:
     without_eyes(server)
     assert build_models(Choice("ollama")).providers("reasoner", "critic") == {
         "reasoner": "ollama:llama3.2:3b", "critic": "offline"
@@ -122,7 +122,7 @@ def test_rules_are_the_critic_for_a_model_without_eyes_and_that_is_said(server: 
     assert "ollama for reasoner, rules (offline) for editor, critic" in Choice("auto").announcement(ROLES)
 
 
-def test_a_model_without_eyes_that_is_named_as_critic_is_refused_before_anything_is_sent(server: ModelServer) -> None:
+def test_a_model_without_vision_is_refused_as_critic_before_anything_is_sent(server: ModelServer) -> None:
     without_eyes(server)
     with pytest.raises(ConfigurationError, match=r"ollama:llama3\.2:3b sees no pictures") as caught:
         build_models(Choice("offline", critic="ollama"))
@@ -130,7 +130,7 @@ def test_a_model_without_eyes_that_is_named_as_critic_is_refused_before_anything
     assert Choice("offline", critic="ollama", fallback="offline").of("critic") == "offline"
 
 
-def test_a_list_that_says_what_models_take_is_believed(server: ModelServer, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_list_of_model_inputs_is_believed(server: ModelServer, monkeypatch: pytest.MonkeyPatch) -> None:
     listed = {"data": [{"id": "smollm2", "architecture": {"input_modalities": ["text"]}}]}
     monkeypatch.setattr(type(server.ollama), "answer", lambda *_: listed)
     assert "smollm2 sees no pictures" in OLLAMA.blind()
@@ -144,7 +144,7 @@ def test_it_does_not_draw() -> None:
 # --- in a run ---------------------------------------------------------------------------------------------
 
 
-def test_a_run_with_a_cap_of_money_asks_it_and_records_say_which_model(tmp_path: Path) -> None:
+def test_a_run_with_a_cost_cap_asks_the_model_and_records_name_it(tmp_path: Path) -> None:
     select(build_models(Choice("ollama", run=tmp_path, cap=Cap(calls=1, usd=0.01))))
     (kept,) = Exchanges(tmp_path / "exchanges").all()
     assert (kept.provider, kept.model) == ("ollama:qwen3-vl:8b", "qwen3-vl:8b")
@@ -183,20 +183,20 @@ def test_no_proxy_is_asked_for_the_loopback_interface(monkeypatch: pytest.Monkey
 # --- doctor -----------------------------------------------------------------------------------------------
 
 
-def test_doctor_lists_its_models_and_which_answers(server: ModelServer) -> None:
+def test_doctor_lists_its_models_and_the_one_that_answers(server: ModelServer) -> None:
     finding = doctor_ollama()
     assert finding.ok and not finding.required
     assert "nomic-embed-text:latest, qwen3-vl:8b, llama3.2:3b at http://" in finding.found
     assert finding.found.endswith("; qwen3-vl:8b answers")
 
 
-def test_doctor_says_how_to_fetch_a_model_that_is_set_and_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_doctor_says_how_to_fetch_a_missing_model(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("VCAGE_OLLAMA_TEXT_MODEL", "gone:1b")
     finding = doctor_ollama()
     assert not finding.ok and finding.mend == "ollama pull gone:1b"
 
 
-def test_doctor_finds_nothing_wrong_where_there_is_none_and_nobody_set_its_address(
+def test_doctor_finds_nothing_wrong_without_a_server_at_the_default_address(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setenv("VCAGE_OLLAMA_URL", "http://127.0.0.1:9")

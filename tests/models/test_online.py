@@ -87,7 +87,7 @@ def test_selection_names_assets_of_the_catalogue(models: Models) -> None:
     ]
 
 
-def test_what_the_model_misses_is_no_asset_fits(models: Models) -> None:
+def test_an_object_the_model_misses_is_no_asset_fits(models: Models) -> None:
     with pytest.raises(NoAssetFits, match="helicopter"):
         models.reasoner.select_assets("Fly the helicopter to the moon", CATALOGUE, RNG, unchecked)
 
@@ -130,7 +130,7 @@ def test_a_contradictory_layout_goes_back_with_the_complaint(
     assert len(server.requests) == 2 and complaint in str(server.requests[1])
 
 
-def test_what_does_not_fit_goes_back_with_both_sizes(models: Models, server: ModelServer) -> None:
+def test_an_object_too_large_goes_back_with_both_sizes(models: Models, server: ModelServer) -> None:
     scene = scene_of([PLATE, *BLOCKS])
     rooms = {"plate": capacity(PLATE.size, "on", (0.03, 0.03)), "red-block": capacity(BLOCKS[0].size)}
     server.queue(layout_answer(*RED_AROUND, ("red-block", "on", "plate")))
@@ -151,14 +151,14 @@ def test_a_layout_that_never_becomes_possible_is_a_refusal_with_the_complaints(
     assert len(server.requests) == 3 and caught.value.details["problems"]
 
 
-def test_a_selection_says_what_things_start_in(models: Models, server: ModelServer) -> None:
+def test_a_selection_states_the_starting_containers(models: Models, server: ModelServer) -> None:
     apple, bowl = chosen_as("apple/red", "content", "bowl"), chosen_as("bowl/white", "context")
     server.queue(text_answer(json.dumps({"missing": [], "objects": [apple, bowl]})))
     chosen = models.reasoner.select_assets("Take the apple out of the bowl", CATALOGUE, RNG, unchecked)
     assert [(o.asset, o.starts_in) for o in chosen.objects] == [("apple", "bowl"), ("bowl", None)]
 
 
-def test_a_start_in_what_was_not_chosen_goes_back(models: Models, server: ModelServer) -> None:
+def test_a_start_in_an_unchosen_container_goes_back(models: Models, server: ModelServer) -> None:
     apple = chosen_as("apple/red", "content", "bowl")
     server.queue(text_answer(json.dumps({"missing": [], "objects": [apple]})))
     models.reasoner.select_assets("Put the blocks on the plate", CATALOGUE, RNG, unchecked)
@@ -175,7 +175,7 @@ def test_starts_that_run_in_a_circle_go_back(models: Models, server: ModelServer
     assert "bowl starts in mug starts in bowl: that is a circle" in str(server.requests[1])
 
 
-def test_what_the_check_says_of_a_selection_goes_back(models: Models, server: ModelServer) -> None:
+def test_objections_to_a_selection_go_back(models: Models, server: ModelServer) -> None:
     wrong = chosen_answer(("apple/red", "content", "stapler"), ("stapler/black", "context", "none"))
     right = chosen_answer(("apple/red", "content", "bowl"), ("bowl/white", "context", "none"))
     server.queue(wrong, right)
@@ -211,7 +211,7 @@ def test_goals_name_objects_and_the_words_that_they_answer(models: Models) -> No
     assert asked.words == "Put the red block on the plate"
 
 
-def test_what_a_model_could_not_read_is_refused_by_its_words(models: Models) -> None:
+def test_words_the_model_could_not_read_are_refused(models: Models) -> None:
     with pytest.raises(UnreadInstruction, match="stir the soup"):
         models.reasoner.read_goals(Instructed("Put the block on the plate and stir the soup", THINGS))
 
@@ -225,7 +225,7 @@ def test_a_goal_in_words_that_the_instruction_has_not_goes_back_to_the_model(
     assert "words are not copied from the instruction" in str(server.requests[1])
 
 
-def test_a_task_is_said_in_sentences_that_hold_against_the_review(models: Models, server: ModelServer) -> None:
+def test_task_sentences_pass_the_review(models: Models, server: ModelServer) -> None:
     goal = AskedGoal(goal=Goal(subject="block", relation="on", reference="plate"), step=1, words="it")
     phrases = {"block": "red block", "plate": "white plate", "mug": "white mug"}
     task = TaskToWord("Put the block on the plate", [goal], [], [], THINGS, phrases, {}, [], CATALOGUE)
@@ -307,7 +307,7 @@ def test_both_base64_alphabets_are_read() -> None:
     assert np.array_equal(pictures.decode_base64(url_safe, "x"), picture)
 
 
-def test_what_is_no_text_is_no_picture() -> None:
+def test_a_reply_without_text_is_no_picture() -> None:
     with pytest.raises(EndpointFailed, match="sent dict for a picture"):
         pictures.decode_base64({"b64_json": ""}, "x")
 
@@ -339,7 +339,7 @@ def kept(editing: Models, tmp_path: Path) -> Models:
     return build_models(Choice(editing.editor.provider.partition(":")[0], run=tmp_path))
 
 
-def test_what_a_run_keeps_of_exchanges_holds_no_key(kept: Models, server: ModelServer, tmp_path: Path) -> None:
+def test_stored_exchanges_of_a_run_hold_no_key(kept: Models, server: ModelServer, tmp_path: Path) -> None:
     kept.reasoner.select_assets("Put the blocks on the plate", CATALOGUE, RNG, unchecked)
     kept.editor.rearrange(edit_request())
     kept.critic.judge(critic_question(moved=True))
@@ -355,7 +355,7 @@ def test_a_run_that_asks_the_same_again_sends_nothing(kept: Models, server: Mode
     assert len(server.requests) == sent
 
 
-def test_a_picture_that_is_no_edit_of_the_source_is_asked_for_again_with_the_reason(
+def test_a_picture_that_is_no_edit_of_the_source_is_requested_again_with_the_reason(
     kept: Models, server: ModelServer, tmp_path: Path
 ) -> None:
     other = np.random.default_rng(1).integers(0, 255, edit_request().picture.shape, np.uint8)

@@ -34,7 +34,7 @@ def test_a_quantifier_tells_its_noun_and_colour(text, noun, colour):
 
 
 @pytest.mark.parametrize("text", ["first of all open the box", "stack the bowls on top of each other", "put it away"])
-def test_words_that_are_no_quantifiers_are_passed_by(text):
+def test_words_other_than_quantifiers_are_skipped(text):
     assert quantified(text) == []
 
 
@@ -58,11 +58,11 @@ def test_only_objects_of_the_noun_fall_under_it():
         ("Please put all in the box", ["all"]),
     ],
 )
-def test_all_without_a_noun_means_what_was_named_before(said: str, over: list[str]) -> None:
+def test_all_without_a_noun_means_the_objects_named_before(said: str, over: list[str]) -> None:
     assert [one.words for one in quantified(said)] == over
 
 
-def test_what_is_excepted_may_be_left_over() -> None:
+def test_exceptions_may_be_left_over() -> None:
     mug = LIBRARY.entry("mug")
     looks = {f"mug_{v.id}": mug.model_copy(update={"variants": [v]}) for v in mug.variants}
     said = "All the mugs except the red one go into the box"

@@ -38,14 +38,14 @@ def test_weights_stand_after_the_first_colon(spelled: str, parts: tuple) -> None
     assert split_weights(spelled) == parts
 
 
-def test_a_name_that_does_not_exist_is_refused_with_those_that_do() -> None:
+def test_an_unknown_name_is_refused_with_the_known_ones() -> None:
     with pytest.raises(UnknownName, match="background, grounding-dino"):
         build_models(Choice("offline"), detector="yolo")
     with pytest.raises(UnknownName, match="classical, dinov2, efficientnet"):
         build_models(Choice("offline"), embedder="clip")
 
 
-def test_weights_for_what_has_none_are_refused() -> None:
+def test_weights_for_an_unweighted_choice_are_refused() -> None:
     with pytest.raises(UsageError, match="background has no weights"):
         build_detector("background", "somewhere")
     with pytest.raises(UsageError, match="classical has no weights"):
@@ -70,7 +70,7 @@ def test_without_its_packages_efficientnet_names_the_command_that_installs_them(
     assert caught.value.command.endswith("vcage setup efficientnet")
 
 
-def test_a_folder_that_is_not_there_is_no_hub_id(tmp_path: Path) -> None:
+def test_a_missing_folder_is_no_hub_id(tmp_path: Path) -> None:
     pytest.importorskip("transformers")
     with pytest.raises(InputFileError, match="neither a folder"):
         build_embedder("dinov2", str(tmp_path / "nowhere"))
@@ -94,7 +94,7 @@ def test_hub_weights_are_named_in_full_without_being_read() -> None:
 # --- who plays which role ----------------------------------------------------------------------------------
 
 
-def test_auto_tells_which_provider_it_took_and_why(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_auto_reports_the_chosen_provider_and_why(monkeypatch: pytest.MonkeyPatch) -> None:
     roles = ("reasoner", "editor", "critic")
     assert "rules (offline) for reasoner, editor, critic, since there is no key" in Choice("auto").announcement(roles)
     monkeypatch.setenv("OPENROUTER_API_KEY", "key-1")
@@ -110,7 +110,7 @@ def test_auto_tells_which_provider_it_took_and_why(monkeypatch: pytest.MonkeyPat
     )
 
 
-def test_who_does_not_draw_leaves_the_drawing_to_rules_unless_named(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_provider_without_images_leaves_drawing_to_rules_unless_named(monkeypatch: pytest.MonkeyPatch) -> None:
     assert Choice("anthropic").of("editor") == Choice("agent").of("editor") == "offline"
     for name in ("anthropic", "agent"):
         with pytest.raises(UsageError, match=f"{name} does not draw") as caught:
@@ -118,7 +118,7 @@ def test_who_does_not_draw_leaves_the_drawing_to_rules_unless_named(monkeypatch:
         assert caught.value.command.endswith("vcage inpaint-plan --help")
 
 
-def test_a_key_of_one_that_does_not_draw_leaves_the_drawing_to_rules(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_key_of_a_provider_without_images_leaves_drawing_to_rules(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("ANTHROPIC_API_KEY", "key-1")
     roles = ("reasoner", "editor", "critic")
     assert [Choice("auto").of(role) for role in roles] == ["anthropic", "offline", "anthropic"]
@@ -134,7 +134,7 @@ def lists(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     return ids
 
 
-def test_a_role_whose_model_is_not_served_falls_back_on_rules_only_where_that_is_said(
+def test_a_role_with_an_unserved_model_falls_back_on_rules_only_on_request(
     lists: list[str], caplog: pytest.LogCaptureFixture
 ) -> None:
     lists.append("gemini-pro-latest")

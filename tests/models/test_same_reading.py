@@ -39,14 +39,14 @@ def test_left_of_is_right_of_the_other_way_round() -> None:
     assert differences(one, other, THINGS) == ([], [])
 
 
-def test_an_order_that_is_lost_is_a_difference() -> None:
+def test_a_lost_order_is_a_difference() -> None:
     goals = (("block_red", "on", "plate"), ("block_blue", "on", "plate"))
     missing, _ = differences(reading(*goals), reading(*goals, steps=(1, 2)), THINGS)
     assert missing == ["block_red on plate before block_blue on plate"]
     assert differences(reading(*goals, steps=(1, 2)), reading(*goals), THINGS) == ([], [])
 
 
-def test_a_description_that_one_of_them_lacks_is_a_difference() -> None:
+def test_a_description_missing_on_one_side_is_a_difference() -> None:
     plain = reading(("block_red", "on", "plate"))
     described = reading(("block_red", "on", "plate"), told=("block_red", "left_of", "plate"))
     assert differences(plain, described, THINGS) == (["block_red left_of plate at the start"], [])

@@ -36,7 +36,7 @@ def names(found: Sequence) -> list[str]:
 THREE = [kind for kind in CATALOGUE if kind.name in ("mug", "bowl", "book")]
 
 
-def test_embeddings_find_what_no_word_names() -> None:
+def test_embeddings_find_objects_no_word_names() -> None:
     assert names(EmbeddingSearch(TinyEmbedder(), "tiny").search("drink", THREE, 2)) == ["mug", "bowl"]
 
 
@@ -62,7 +62,7 @@ def test_words_find_names_synonyms_kinds_and_slips_of_the_pen(query: str, best: 
     assert names(LexicalSearch().search(query, CATALOGUE, 1)) == [best]
 
 
-def test_what_has_no_latin_word_is_found_by_its_name() -> None:
+def test_a_name_without_latin_words_is_found() -> None:
     cup = entry("rt_cup", "杯子", "imported", synonyms=("杯",))
     assert names(LexicalSearch().search("cup", [*CATALOGUE, cup], 1)) == ["rt_cup"]
 

@@ -1,4 +1,4 @@
-"""The second look at a reading: what it sees, and what it must not object to."""
+"""The check of a reading: its input, and the readings it must accept."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ def test_a_right_reading_is_left_alone(task: str, goals: list[str]) -> None:
     assert look_at(task, *goals) == []
 
 
-def test_descriptions_arms_and_what_is_left_alone_answer_words() -> None:
+def test_descriptions_arms_and_objects_left_alone_answer_words() -> None:
     for task in ("Take the peach out of the bowl and put it on the plate", "Empty the bowl onto the plate"):
         assert look_at(task, "peach on plate", told="peach inside bowl") == []
     assert look_at("Put the peach on the plate with the left arm", "peach on plate", arm="left") == []
@@ -146,14 +146,14 @@ def test_using_an_arm_is_answered_by_the_arm() -> None:
     assert second_look(Instructed(task, THINGS), Reading(goals=[asked])) == []
 
 
-def test_a_goal_that_is_true_at_the_start_is_named() -> None:
+def test_a_goal_true_at_the_start_is_named() -> None:
     task = "Pick up the peach on the plate and put it on the plate"
     assert look_at(task, "peach on plate", told="peach on plate") == [
         "peach on plate is a goal, but true at the start already"
     ]
 
 
-def test_a_thing_that_is_handed_the_wrong_way_is_seen() -> None:
+def test_a_handover_in_the_wrong_direction_is_seen() -> None:
     task = "Give the peach from the left hand to the right one"
     assert look_at(task, "peach handed right") == []
     assert look_at(task, "peach handed left") == ["it is handed 'left', but the instruction says 'to the right'"]
@@ -164,7 +164,7 @@ def test_weighing_and_scanning_are_goals_of_their_own() -> None:
     assert look_at("Weigh the peach", "peach weighed") == []
 
 
-def test_a_sentence_that_is_not_english_is_not_held_against_its_words() -> None:
+def test_a_sentence_in_another_language_is_not_held_against_its_words() -> None:
     assert look_at("Lege den Pfirsich links neben den Teller", "peach left_of plate") == []
 
 

@@ -45,7 +45,7 @@ def test_an_unknown_asset_is_complained_about_with_the_nearest_name():
     ]
 
 
-def test_an_unknown_variant_is_complained_about_with_what_there_is():
+def test_an_unknown_variant_is_complained_about_with_the_known_ones():
     assert validate_selection(selection(("marker", "pink")), ENTRIES) == [
         "marker has no variant 'pink'; it has black, red"
     ]
@@ -83,12 +83,12 @@ def starting_in(container: str) -> Selection:
     )
 
 
-def test_what_starts_in_a_container_names_that_object_of_the_scene():
+def test_an_object_starting_in_a_container_names_that_object_of_the_scene():
     named = name_objects(starting_in("tray"), [*ENTRIES, holding("tray")])
     assert [o.starts_in for o in named] == ["tray", None]
 
 
-def test_what_starts_in_something_without_room_is_complained_about():
+def test_a_start_in_something_without_room_is_complained_about():
     entries = [*ENTRIES, entry("plank", "plank", plain="brown")]
     assert validate_selection(starting_in("plank"), entries) == [
         "stapler cannot start in or on plank, which has no room for things"
@@ -106,14 +106,14 @@ def test_starts_that_run_in_a_circle_are_no_selection():
         Selection(objects=[SelectedAsset(asset=a, variant="x", role="content", starts_in=b) for a, b in ring])
 
 
-def test_a_second_cup_may_start_in_what_the_first_one_holds():
+def test_a_second_cup_may_start_in_the_container_of_the_first():
     chosen = [("cup", None), ("bowl", "cup"), ("cup", "bowl")]
     objects = [SelectedAsset(asset=a, variant="x", role="content", starts_in=b) for a, b in chosen]
     named = name_objects(Selection(objects=objects), [entry("cup", "cup", x="red"), entry("bowl", "bowl", x="red")])
     assert [(o.id, o.starts_in) for o in named] == [("cup", None), ("bowl", "cup"), ("cup_2", "bowl")]
 
 
-def test_what_has_no_room_where_it_starts_is_complained_about():
+def test_a_start_without_room_is_complained_about():
     objects = [NamedObject(i, i, "x", i, "content", "box") for i in ("pen", "book", "brick", "other_brick")]
     objects.append(NamedObject("box", "box", "x", "box", "context"))
     rooms = {
@@ -139,14 +139,14 @@ def described(subject: str, relation: str, reference: str, part: str | None = No
     return Description(subject=subject, relation=relation, reference=reference, part=part, words="so")
 
 
-def test_what_is_described_to_lie_in_a_drawer_starts_there():
+def test_an_object_described_in_a_drawer_starts_there():
     objects = [NamedObject("pen", "pen", "x", "pen", "content"), NamedObject("desk", "desk", "x", "desk", "context")]
     (pen, desk), wrong = starting_as_described(objects, [described("pen", "inside", "desk", "drawer_top")])
     assert (pen.starts_in, pen.starts_in_part, desk, wrong) == ("desk", "drawer_top", objects[1], [])
 
 
 @pytest.mark.parametrize("said", [described("pen", "inside", "cup"), described("pen", "on", "table")])
-def test_what_starts_elsewhere_than_it_is_described_is_complained_about(said):
+def test_an_object_starting_against_its_description_is_complained_about(said):
     objects = [
         NamedObject(i, i, "x", i, "content", start) for i, start in (("pen", "box"), ("box", None), ("cup", None))
     ]

@@ -45,12 +45,12 @@ ANTHROPIC = {
         (ANTHROPIC, "claude-opus-4-5", "claude-opus-4"),
     ],
 )
-def test_what_an_endpoint_lists_is_served(listed: object, there: str, gone: str):
+def test_the_listed_models_of_an_endpoint_are_served(listed: object, there: str, gone: str):
     served = Served.at(Lists(models=listed), ["models"])
     assert served.has(there) and not served.has(gone)
 
 
-def test_a_model_that_ends_within_sixty_days_is_told_of():
+def test_a_model_that_ends_within_sixty_days_is_reported():
     served = Served.at(Lists(models=OPENAI, more=ANTHROPIC), ["models", "more"])
     assert served.ends("gpt-image-2", date(2026, 11, 24)) == date(2027, 1, 10)
     assert served.ends("gpt-image-2", date(2026, 11, 1)) is None
@@ -58,14 +58,14 @@ def test_a_model_that_ends_within_sixty_days_is_told_of():
     assert served.ends("gpt-6.1-terra", date(2026, 11, 24)) is None
 
 
-def test_a_model_that_is_not_served_is_told_with_those_that_are_the_nearest_first():
+def test_an_unserved_model_is_reported_with_the_nearest_served_ones_first():
     error = not_served("openai:gpt-image-1", "gpt-image-1", Lists(models=OPENAI), ["models"])
     assert error is not None
     assert "openai does not serve gpt-image-1; it serves gpt-image-2, gpt-6.1-terra" in error.message
     assert "VCAGE_OPENAI_TEXT_MODEL" in error.hint
 
 
-def test_nothing_is_said_of_a_model_where_the_endpoint_does_not_say_what_it_serves():
+def test_a_model_is_not_reported_where_the_endpoint_lists_none():
     assert not_served("openai:x", "x", Lists(), ["models"]) is None
     with pytest.raises(ConfigurationError, match="lists no models"):
         Served.at(Lists(models={"object": "list"}), ["models"])

@@ -1,4 +1,4 @@
-"""What a run has spent, and what it may."""
+"""The spending of a run, and its cap."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from vcage.models.spending import Cap, Price, Spending, cost, price_of
 
 
 class Paid:
-    """Answers, and says what that cost if it is told so."""
+    """Answers, and states the cost if it has one."""
 
     def __init__(self, usd: float | None = None, provider: str = "gemini:some"):
         self.provider, self.usd = provider, usd
@@ -49,7 +49,7 @@ def keeping(folder: Path, cap: Cap, who: Paid, *, reports: bool = False) -> Stor
     return Stored(who, Exchanges(folder), spending=Spending(folder, cap, who.provider, reports_cost=reports))
 
 
-def test_what_a_reply_costs_is_what_it_says_or_else_tokens_by_price():
+def test_the_cost_of_a_reply_is_its_own_figure_or_tokens_by_price():
     price = Price(input=2, output=12)
     assert cost(Reply(tokens_in=1_000_000, tokens_out=500_000), price) == 8.0
     assert cost(Reply(tokens_in=1_000_000, tokens_out=500_000, usd=0.5), price) == 0.5
@@ -57,12 +57,12 @@ def test_what_a_reply_costs_is_what_it_says_or_else_tokens_by_price():
     assert cost(Reply(tokens_in=1), None) is None
 
 
-def test_an_exchange_keeps_what_it_cost(folder: Path, prices: Path):
+def test_an_exchange_keeps_its_cost(folder: Path, prices: Path):
     keeping(folder, Cap(), Paid()).answer(question(1))
     assert Exchanges(folder).all()[0].usd == 8.0
 
 
-def test_a_run_holds_no_more_answers_than_it_may_whoever_asked_before(folder: Path):
+def test_a_run_respects_its_cap_of_answers_including_earlier_calls(folder: Path):
     for number in range(2):
         keeping(folder, Cap(calls=2), Paid()).answer(question(number))
     with pytest.raises(SpendingCap, match="holds 2 answers of models online"):
@@ -85,7 +85,7 @@ def test_a_run_asks_no_more_once_the_money_is_spent(folder: Path):
     assert caught.value.exit_code == 4 and "--most-usd" in caught.value.hint
 
 
-def test_money_is_not_capped_where_nobody_knows_the_price(folder: Path):
+def test_money_is_not_capped_without_a_known_price(folder: Path):
     with pytest.raises(ConfigurationError, match="the price of gemini:some is not known"):
         Spending(folder, Cap(usd=1.0), "gemini:some").check()
 

@@ -44,7 +44,7 @@ def test_json_is_found_in_fences_and_prose(text: str) -> None:
     assert ask(Script(text), "reasoner", PROMPT, Colour).name == "red"
 
 
-def test_what_breaks_the_schema_goes_back_with_the_exact_complaint() -> None:
+def test_an_answer_against_the_schema_goes_back_with_the_exact_complaint() -> None:
     chat = Script('{"name": "green"}', '{"name": "blue"}')
     assert ask(chat, "reasoner", PROMPT, Colour).name == "blue"
     first, answer, complaint = chat.sent[1]
@@ -52,7 +52,7 @@ def test_what_breaks_the_schema_goes_back_with_the_exact_complaint() -> None:
     assert "name: Input should be 'red' or 'blue'" in complaint.text
 
 
-def test_what_the_caller_objects_to_goes_back_too() -> None:
+def test_objections_of_the_caller_go_back_too() -> None:
     chat = Script('{"name": "red"}', '{"name": "blue"}')
     found = ask(chat, "reasoner", PROMPT, Colour, complaints=lambda a: ["not red, please"] if a.name == "red" else [])
     assert found.name == "blue" and "not red, please" in chat.sent[1][-1].text

@@ -66,7 +66,7 @@ def test_a_closed_port_is_an_endpoint_failure() -> None:
 
 
 @pytest.mark.parametrize("status", [400, 401, 402, 403, 404])
-def test_what_the_user_must_mend_is_a_configuration_error_and_not_retried(server: ModelServer, status: int) -> None:
+def test_an_error_the_user_must_fix_is_a_configuration_error_and_not_retried(server: ModelServer, status: int) -> None:
     server.queue(raw_answer(b'{"error": {"message": "no"}}', status))
     with pytest.raises(ConfigurationError) as caught:
         client(server).post(PATH, BODY)
@@ -119,7 +119,7 @@ def test_an_account_without_credit_is_not_asked_again(server: ModelServer) -> No
         client(server).post(PATH, BODY)
 
 
-def test_a_key_that_is_wrong_with_status_400_is_called_a_wrong_key(server: ModelServer) -> None:
+def test_a_wrong_key_with_status_400_is_called_a_wrong_key(server: ModelServer) -> None:
     wrong = Transport(server.url, {"x-goog-api-key": "another-key"})
     with pytest.raises(ConfigurationError, match="does not accept the key"):
         wrong.get_json("v1beta/models")

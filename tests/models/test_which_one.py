@@ -1,4 +1,4 @@
-"""Objects that a noun may mean, and words that tell which of them it does."""
+"""Objects that a noun may mean, and the words that identify one of them."""
 
 from __future__ import annotations
 

@@ -82,7 +82,7 @@ def test_a_sentence_that_asks_for_exactly_the_goals_is_taken(asked, sentence):
         (task(ON, instruction="All the fruit goes on the plate"), "Put the apple on the plate.", "speaks of all"),
     ],
 )
-def test_a_sentence_that_is_unclear_untrue_or_asks_for_something_else_is_complained_about(asked, sentence, about):
+def test_an_unclear_untrue_or_different_sentence_is_complained_about(asked, sentence, about):
     assert any(about in complaint for complaint in asked.complaints(sentence)), asked.complaints(sentence)
 
 
@@ -93,7 +93,7 @@ def test_the_arm_that_must_do_it_is_named():
     assert by_left.complaints("Put the apple on the plate with the right arm.")
 
 
-def test_a_side_that_a_description_tells_may_be_said():
+def test_a_side_given_by_a_description_may_be_mentioned():
     told = Description(subject="plate", relation="left_of", reference="table", words="the plate on the left")
     described = task(ON, descriptions=[told])
     assert described.complaints("Put the apple on the left plate.") == []

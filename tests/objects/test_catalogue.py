@@ -18,7 +18,7 @@ def test_each_kind_is_one_line_with_its_name() -> None:
     assert [line.split(" = ")[0] for line in lines] == [f"- {kind.name}" for kind in CATALOGUE]
 
 
-def test_the_line_says_what_the_object_can_do() -> None:
+def test_the_line_lists_the_abilities_of_the_object() -> None:
     assert "; graspable, holds in; brown" in catalogue_line(entry("box", "box", "container", ("brown",), holds="in"))
     fixed = entry("shelf", "shelf", "furniture").model_copy(update={"contact_points": []})
     assert "; not graspable; white" in catalogue_line(fixed)

@@ -55,7 +55,7 @@ def test_an_unknown_asset_is_refused_with_a_suggestion(library: Library) -> None
     assert "marker" in caught.value.hint
 
 
-def test_an_unknown_variant_is_refused_with_those_that_exist(library: Library) -> None:
+def test_an_unknown_variant_is_refused_with_the_known_ones(library: Library) -> None:
     with pytest.raises(UnknownName, match="black, blue, green, red"):
         library.asset("marker", "purple")
 
@@ -86,7 +86,7 @@ def test_an_invalid_field_is_named(root: Path) -> None:
         Library.load(root)
 
 
-def test_a_name_that_is_not_the_folders_is_refused(root: Path) -> None:
+def test_a_name_unlike_its_folder_is_refused(root: Path) -> None:
     _change(root, name="brick")
     with pytest.raises(SchemaMismatch, match="field name"):
         Library.load(root)
@@ -115,7 +115,7 @@ def test_a_build_that_was_killed_is_made_again(tmp_path: Path, monkeypatch: pyte
     assert not left.exists()
 
 
-def test_progress_names_every_variant_that_is_not_built_yet(
+def test_progress_names_every_variant_still_to_be_built(
     root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("VCAGE_CACHE", str(tmp_path / "cache"))

@@ -27,7 +27,7 @@ KINDS = [
         ("Put the apple juice on the plate", [("plate", None)]),
     ],
 )
-def test_what_is_named_is_found_with_its_number(said: str, found: list[tuple[str, int | None]]) -> None:
+def test_a_named_object_is_found_with_its_number(said: str, found: list[tuple[str, int | None]]) -> None:
     assert [(noun.words, noun.number) for noun in nouns(said, KINDS)] == found
 
 
@@ -41,7 +41,7 @@ def test_one_with_a_colour_is_any_object_of_that_colour() -> None:
     assert (said[-1].name, said[-1].colours) == ((), ("red",))
 
 
-def test_names_of_what_is_not_there_are_found() -> None:
+def test_names_of_missing_objects_are_found() -> None:
     names = full_names([entry("banana", "banana", "fruit"), entry("can", "tin can", "packed food", synonyms=("can",))])
     assert find_names(tokens("Can you put the banana and a tin can in the box?"), names, taken=[]) == [
         "banana",

@@ -1,4 +1,4 @@
-"""Files that a mesh names: regular files of its object are read, pipes and what lies elsewhere are not."""
+"""Files named by a mesh: regular files of its object are read; pipes and files elsewhere are not."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def obj(folder: Path, *, library: str = "look.mtl", texture: str = "wood.png") -
 
 
 def gltf(folder: Path, name: str) -> Path:
-    """A textured box whose buffers and pictures are files; the one that is called so becomes a pipe."""
+    """A textured box with buffers and pictures in files; the one of the given name becomes a pipe."""
     mesh = trimesh.creation.box()
     material = trimesh.visual.material.PBRMaterial(baseColorTexture=Image.new("RGB", (4, 4)))
     mesh.visual = trimesh.visual.TextureVisuals(uv=np.zeros((len(mesh.vertices), 2)), material=material)
@@ -106,7 +106,7 @@ def test_a_file_is_found_by_the_names_that_exporters_write(tmp_path, name) -> No
 
 
 @pytest.mark.parametrize("name", ["/etc/passwd", "../secret", "a\0b", "", "gone.png"])
-def test_what_lies_elsewhere_or_is_missing_is_not_found(tmp_path, name) -> None:
+def test_an_object_elsewhere_or_missing_is_not_found(tmp_path, name) -> None:
     (tmp_path / "secret").touch()
     (tmp_path / "object").mkdir()
     assert MeshFiles(tmp_path / "object" / "a.obj").find(name) is None

@@ -32,7 +32,7 @@ def change(folder: Path, **fields: object) -> None:
     (folder / DESCRIPTION).write_text(json.dumps({name: value for name, value in data.items() if value is not None}))
 
 
-def test_what_is_written_is_read(folder):
+def test_a_written_record_is_read(folder):
     model = read_model(folder)
     assert (model.mass, model.lower, model.upper) == (1.0, (-0.05, -0.05, 0.0), (0.05, 0.05, 0.1))
     assert [(link.name, link.mass, len(link.hulls)) for link in model.links] == [("drawer", 0.2, 1)]
@@ -57,7 +57,7 @@ def test_a_missing_field_is_named(folder, field):
         ({"links": [{"name": "drawer"}]}, r"field links.0.hulls: Field required"),
     ],
 )
-def test_a_field_that_is_wrong_is_named(folder, fields, message):
+def test_a_wrong_field_is_named(folder, fields, message):
     change(folder, **fields)
     with pytest.raises(SchemaMismatch, match=message):
         read_model(folder)
@@ -71,13 +71,13 @@ def test_a_part_that_occurs_twice_is_named(folder):
 
 
 @pytest.mark.parametrize("text", ["[]", "5"])
-def test_a_description_that_is_no_object_is_named(folder, text):
+def test_a_description_other_than_an_object_is_named(folder, text):
     (folder / DESCRIPTION).write_text(text)
     with pytest.raises(SchemaMismatch, match=r"model.json: field \(whole file\)"):
         read_model(folder)
 
 
-def test_a_description_that_is_not_json_or_not_there_is_named(folder):
+def test_a_missing_or_invalid_description_is_named(folder):
     (folder / DESCRIPTION).write_text("{")
     with pytest.raises(DamagedFile, match=DESCRIPTION):
         read_model(folder)

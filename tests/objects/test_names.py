@@ -32,7 +32,7 @@ def test_a_word_for_a_kind_of_kinds_names_its_members() -> None:
     assert name_match(["fruit"], APPLE, APPLE.variants[0]) == KIND
 
 
-def test_a_word_may_say_what_the_look_is_made_of() -> None:
+def test_a_word_may_state_the_material_of_a_look() -> None:
     assert name_match(["wooden", "tray"], TRAY, TRAY.variants[0]) == EXACT
 
 

@@ -21,7 +21,7 @@ GRIPPER_OPENING = 0.07
 
 
 def _failing(assets: Iterable[Asset], holds: Callable[[Asset], bool]) -> list[str]:
-    """Those of the assets for which a property does not hold."""
+    """The assets without a given property."""
     return [f"{asset.name}/{asset.variant.id}" for asset in assets if not holds(asset)]
 
 
@@ -175,7 +175,7 @@ def _drift(asset: Asset, seconds: float = 1.0) -> tuple[float, float]:
     return float(np.linalg.norm(pose.p)), float(np.degrees(2 * np.arccos(min(1.0, abs(pose.q[0])))))
 
 
-def test_objects_that_are_put_down_upright_stay_where_they_are(kinds: list[Asset]) -> None:
+def test_objects_put_down_upright_stay_in_place(kinds: list[Asset]) -> None:
     def stays(asset: Asset) -> bool:
         moved, turned = _drift(asset)
         return moved < 0.002 and turned < 2.0

@@ -46,7 +46,7 @@ def test_a_bare_top_is_free_to_its_edges() -> None:
     assert opening.rim == opening.floor
 
 
-def test_what_stands_on_a_surface_limits_it() -> None:
+def test_objects_on_a_surface_limit_it() -> None:
     slab, post = _box((-0.1, -0.1, 0), (0.1, 0.1, 0.01)), _box((0.05, -0.1, 0.01), (0.06, 0.1, 0.05))
     opening = surface_on_top([slab, post], (0, 0, 0.01))
     np.testing.assert_allclose(opening.size, (0.15, 0.2), atol=0.001)
@@ -130,7 +130,7 @@ def test_without_a_roof_there_is_no_room_under_it() -> None:
         room_under_roof(_oven()[:1], (0, 0, 0.02))
 
 
-def test_a_handle_over_a_tray_does_not_make_its_walls_lower_for_what_stands_there() -> None:
+def test_a_handle_over_a_tray_does_not_lower_its_walls_for_contents() -> None:
     tray = pieces.tray((0.2, 0.1), 0.01, 0.005, 0.04)
     handle = _box((-0.11, -0.005, 0.09), (0.11, 0.005, 0.1))
     opening = room_inside([*_convex(tray), handle], (0, 0.02, 0.005), standing=True)
@@ -138,7 +138,7 @@ def test_a_handle_over_a_tray_does_not_make_its_walls_lower_for_what_stands_ther
     assert opening.rim == pytest.approx(0.1)
 
 
-def test_what_stands_between_sloping_walls_has_less_room_than_what_is_let_go_there() -> None:
+def test_contents_between_sloping_walls_have_less_room_than_dropped_objects() -> None:
     floor = pieces.stack([(0.05, 0), (0.05, 0.005)])
     wall = pieces.ring([(0.02, 0.005), (0.05, 0.005), (0.05, 0.05), (0.045, 0.05)])
     bowl = _convex([floor, *wall])

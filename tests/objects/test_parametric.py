@@ -1,4 +1,4 @@
-"""Objects of an own folder: an annotation and a model.py, here those that docs/assets.md shows."""
+"""Objects of an own folder: an annotation and a model.py, here those shown in docs/assets.md."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def test_it_can_be_grasped_and_listed(objects: Path) -> None:
 
 
 @pytest.mark.parametrize("line", [["list"], ["list", "--json"], ["search", "candle"]], ids=" ".join)
-def test_listing_and_searching_execute_nothing_of_a_folder_that_is_named(objects, model, line, capsys, monkeypatch):
+def test_listing_and_searching_execute_nothing_in_a_named_folder(objects, model, line, capsys, monkeypatch):
     monkeypatch.setattr("vcage.objects.library.object_folders", lambda: [objects])  # ours take long to build
     executed = objects / "executed"
     model.write_text(f"open({str(executed)!r}, 'w')\n{model.read_text()}")
@@ -71,7 +71,7 @@ def test_listing_and_searching_execute_nothing_of_a_folder_that_is_named(objects
     assert executed.exists(), "building does"
 
 
-def test_what_is_not_built_is_listed_without_a_size(objects: Path) -> None:
+def test_an_unbuilt_asset_is_listed_without_a_size(objects: Path) -> None:
     (before,) = Library.load(objects).listing()
     assert UNBUILT in catalogue_line(before) and before.contact_points
     Library.load(objects).entry("candle")
@@ -94,14 +94,14 @@ def test_building_does_not_depend_on_the_working_folder(objects: Path, monkeypat
     assert sys.path == before
 
 
-def test_what_is_imported_under_the_name_of_assets_stays(objects: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_objects_imported_under_the_name_of_assets_stay(objects: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     theirs = type(sys)("assets")
     monkeypatch.setitem(sys.modules, "assets", theirs)
     parametric.build(resource("assets", "objects", "basket"), "natural")
     assert sys.modules["assets"] is theirs
 
 
-def test_a_folder_that_is_not_there_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_folder_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("VCAGE_ASSETS", os.pathsep.join([str(tmp_path / "mine"), str(tmp_path)]))
     with pytest.raises(InputFileError, match=r"VCAGE_ASSETS: .*mine is not a folder"):
         Library.load()
@@ -158,7 +158,7 @@ def test_a_builder_that_fails_is_refused_with_the_line(model: Path) -> None:
         Library.load().asset("candle")
 
 
-def test_a_model_is_built_again_when_it_or_what_it_imports_changes(objects: Path, tmp_path: Path) -> None:
+def test_a_model_is_rebuilt_when_it_or_its_imports_change(objects: Path, tmp_path: Path) -> None:
     def digest(name: str, text: str) -> str:
         folder = tmp_path / name
         folder.mkdir()

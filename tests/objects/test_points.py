@@ -44,7 +44,7 @@ def test_a_functional_point_under_the_table_is_named(block) -> None:
         check_points(_with(block, functional_points=[point]), Path("asset.json"))
 
 
-def test_a_point_on_a_part_that_is_not_there_is_named(block) -> None:
+def test_a_point_on_a_missing_part_is_named(block) -> None:
     with pytest.raises(SchemaMismatch, match=r"contact_points.0.link: 'lid'; expected none"):
         check_points(_with(block, contact_points=[{**GRASP, "link": "lid"}]), Path("asset.json"))
 
@@ -87,7 +87,7 @@ def test_a_piece_that_does_not_load_is_named(block, tmp_path: Path) -> None:
         check_meshes(broken)
 
 
-def test_the_library_checks_what_it_makes(library: Library, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_library_checks_its_results(library: Library, monkeypatch: pytest.MonkeyPatch) -> None:
     seen = []
     monkeypatch.setattr("vcage.objects.library.check_points", lambda asset, path: seen.append((asset.name, path.name)))
     monkeypatch.setattr("vcage.objects.library.check_meshes", lambda asset: seen.append(asset.name))

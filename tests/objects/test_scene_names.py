@@ -57,12 +57,12 @@ def test_a_name_means_all_objects_that_it_fits(sentence, ids):
 
 
 @pytest.mark.parametrize(("said", "plural", "count"), [("both pens", True, 2), ("the three pens", True, 3)])
-def test_plural_and_count_are_told(said, plural, count):
+def test_plural_and_count_are_distinguished(said, plural, count):
     (mention,) = SceneNames(THINGS, PHRASES).mentions(f"Take {said}")
     assert (mention.plural, mention.count) == (plural, count)
 
 
-def test_a_name_that_is_a_plural_itself_means_one_object():
+def test_a_plural_name_means_one_object():
     (mention,) = SceneNames(THINGS, PHRASES).mentions("Take the sticky notes")
     assert not mention.plural
 
@@ -74,7 +74,7 @@ def plates(*told: tuple[str, str, str], lying: dict[str, str] | None = None, cou
     return SceneNames(things, phrases, descriptions, lying)
 
 
-def test_two_of_a_kind_are_told_apart_by_their_description():
+def test_two_of_a_kind_are_distinguished_by_their_description():
     names = plates(("a", "left_of", "b"))
     assert meant("Use the left plate", names) == [{"a"}]
     assert meant("Use the plate on the right", names) == [{"b"}]
@@ -91,7 +91,7 @@ def test_of_three_in_a_row_one_is_in_the_middle():
     ]
 
 
-def test_what_lies_in_something_is_told_by_that():
+def test_contents_are_identified_by_their_container():
     names = plates(lying={"a": "box"})
     assert meant("Take the plate out of the box", names) == [{"a"}, {"box"}]
 

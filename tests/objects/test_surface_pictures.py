@@ -15,7 +15,7 @@ from vcage.schema.randomisation import Where
 
 @pytest.fixture
 def painted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """The names of what is painted, in a cache of its own."""
+    """The names of the painted textures, in a cache of their own."""
     names: list[str] = []
 
     def noted(name, paint):
@@ -41,11 +41,11 @@ def test_another_process_finds_it_painted(painted: list[str]) -> None:
     assert painted == ["white_laminate"]
 
 
-def test_who_changes_it_is_stopped() -> None:
+def test_a_table_texture_is_read_only() -> None:
     with pytest.raises(ValueError, match="read-only"):
         surface_picture("table", "oak")[:] = 0
 
 
-def test_an_unknown_table_top_is_refused_with_those_that_exist() -> None:
+def test_an_unknown_table_top_is_refused_with_the_known_ones() -> None:
     with pytest.raises(UnknownName, match="grey_stone, marble, oak"):
         surface_picture("table", "jade")

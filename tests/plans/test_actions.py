@@ -19,13 +19,13 @@ def test_a_part_is_open_or_closed() -> None:
     assert shut.obstacle(frozenset([CLOSED])) == "box/lid open must be true first"
 
 
-def test_what_holds_something_is_not_carried_away() -> None:
+def test_a_support_in_use_is_not_carried_away() -> None:
     move = Action("move", frozenset(), frozenset([Goal(subject="cup", relation="on", reference="tray")]), moves="cup")
     assert move.obstacle(frozenset([IN_CUP, CUP])) == "pen must be taken off cup first"
     assert move.obstacle(frozenset([PEN, CUP])) == ""
 
 
-def test_what_was_done_stays_done() -> None:
+def test_finished_goals_stay_finished() -> None:
     scanned = Goal(subject="pen", relation="scanned")
     assert scanned in PUT.after(frozenset([PEN, CUP, scanned]))
 
@@ -36,12 +36,12 @@ def test_two_drawers_do_not_exclude_each_other() -> None:
     assert overrides(top, top.model_copy(update={"relation": "closed"}))
 
 
-def test_of_two_places_one_after_another_the_last_is_what_lasts() -> None:
+def test_the_last_of_two_successive_places_is_final() -> None:
     on_tray = Goal(subject="pen", relation="on", reference="tray")
     assert lasting([[IN_CUP, OPEN], [on_tray], [CLOSED]]) == [on_tray, CLOSED]
 
 
-def test_what_lies_in_a_thing_moves_along_where_it_may() -> None:
+def test_contents_move_along_where_they_may() -> None:
     on_tray = Goal(subject="cup", relation="on", reference="tray")
     beside = Goal(subject="pen", relation="left_of", reference="plate")
     move = Action("move", frozenset(), frozenset([on_tray]), moves="cup", along=True)
@@ -49,7 +49,7 @@ def test_what_lies_in_a_thing_moves_along_where_it_may() -> None:
     assert move.after(frozenset([IN_CUP, CUP, beside])) == {IN_CUP, on_tray}
 
 
-def test_what_lies_on_what_lies_in_a_thing_moves_along_too_and_what_lies_on_the_thing_itself_does_not() -> None:
+def test_objects_on_contents_move_along_and_objects_on_the_container_do_not() -> None:
     on_tray = Goal(subject="cup", relation="on", reference="tray")
     cap, lid = (Goal(subject=name, relation="on", reference=on) for name, on in (("cap", "pen"), ("lid", "cup")))
     move = Action("move", frozenset(), frozenset([on_tray]), moves="cup", along=True)

@@ -61,7 +61,7 @@ def test_every_circle_is_named_at_once():
     assert len(contradictions(plan(*triples, ("a", "behind", "c"), ("c", "behind", "a")))) == 3
 
 
-def test_what_lies_in_the_same_thing_is_ordered_by_itself():
+def test_contents_of_one_container_are_ordered_by_themselves():
     triples = [("a", "inside", "t"), ("b", "inside", "t"), ("a", "left_of", "b"), ("t", "center", "table")]
     assert contradictions(plan(*triples)) == []
     assert "circle" in contradictions(plan(*triples, ("b", "left_of", "a")))[0]
@@ -75,7 +75,7 @@ def test_saying_a_thing_twice_is_no_contradiction():
     assert contradictions(plan(("a", "center", "table"), ("a", "center", "table"))) == []
 
 
-def test_a_plan_must_name_what_there_is_and_all_of_it():
+def test_a_plan_must_name_all_objects_and_no_others():
     scene = scene_of([PLATE, *BLOCKS])
     complaints = plan_complaints(LayoutPlan(text=" ", relations=plan(("plate", "left_of", "cup"))), scene)
     assert complaints == [
@@ -90,7 +90,7 @@ def test_a_hopeless_plan_is_not_complained_about_without_end():
     assert len(complaints) == 21 and complaints[-1] == "and 31 more complaints like these"
 
 
-def test_what_starts_in_something_must_be_planned_there():
+def test_an_object_starting_in_another_must_be_planned_there():
     scene = scene_of([PLATE, BLOCKS[0]])
     objects = [scene.objects[0], scene.objects[1].model_copy(update={"container": "plate"})]
     layout = LayoutPlan(text="x", relations=plan(("plate", "center", "table"), ("red-block", "left_of", "plate")))
@@ -98,7 +98,7 @@ def test_what_starts_in_something_must_be_planned_there():
     assert complaints == ["red-block lies in or on plate at the start: say that it stays there"]
 
 
-def test_what_is_described_must_be_in_the_plan():
+def test_described_objects_must_be_in_the_plan():
     said = Description(subject="red-block", relation="left_of", reference="plate", words="the left block")
     scene = scene_of([PLATE, BLOCKS[0]]).model_copy(update={"descriptions": [said]})
     triples = [("plate", "center", "table"), ("red-block", "near", "plate")]
@@ -108,7 +108,7 @@ def test_what_is_described_must_be_in_the_plan():
     assert plan_complaints(LayoutPlan(text="x", relations=plan(*triples)), scene) == []
 
 
-def test_what_lies_in_a_drawer_is_not_the_plan_s_to_place():
+def test_drawer_contents_are_not_the_plan_s_to_place():
     scene = scene_of([PLATE, BLOCKS[0]])
     stowed = scene.objects[1].model_copy(update={"container": "plate", "container_part": "drawer_top"})
     scene = scene.model_copy(update={"objects": [scene.objects[0], stowed]})
@@ -119,7 +119,7 @@ def test_what_lies_in_a_drawer_is_not_the_plan_s_to_place():
     assert "top drawer of plate" in complaint and "leave it out" in complaint
 
 
-def test_the_centre_of_an_object_is_for_what_lies_in_or_on_it():
+def test_the_centre_of_an_object_is_reserved_for_contents():
     assert "without lying in or on it" in contradictions(plan(("a", "center", "b")))[0]
     assert contradictions(plan(("a", "on", "b"), ("a", "center", "b"))) == []
 

@@ -38,7 +38,7 @@ def told(*texts: str) -> list[Description]:
         ([("a on b",)], ["a inside c drawer_top", "a inside c drawer_bottom"], "the start conditions contradict"),
     ],
 )
-def test_what_cannot_be_true_together_is_named(steps: list[tuple[str, ...]], starts: list[str], said: str) -> None:
+def test_contradictory_relations_are_named(steps: list[tuple[str, ...]], starts: list[str], said: str) -> None:
     assert said in inconsistencies(asked(*steps), told(*starts))[0]
 
 

@@ -32,13 +32,13 @@ def test_a_description_is_false_where_things_stand_the_other_way_round():
     assert false_descriptions([left], {"white": box(0.2, 0), "blue": box(0.1, 0)}, GROUND) == [left]
 
 
-def test_a_side_of_the_table_is_told_without_another_object():
+def test_a_side_of_the_table_needs_no_other_object():
     left = said("white", "left_of", "table")
     assert false_descriptions([left], {"white": box(-0.3, 0.1)}, GROUND) == []
     assert false_descriptions([left], {"white": box(-0.1, 0.1)}, GROUND) == [left]
 
 
-def test_what_lies_in_a_drawer_lies_in_the_drawer_s_box_not_in_the_cabinet_s():
+def test_drawer_contents_lie_in_the_drawer_s_box_not_the_cabinet_s():
     pen, boxes = said("pen", "inside", "cabinet", "drawer_top"), {"cabinet": box(0, 0, size=(0.3, 0.3, 0.3))}
     drawer = {"cabinet/drawer_top": box(0, 0, 0.9, (0.25, 0.25, 0.06))}
     in_it, below = {"pen": box(0, 0, 0.91, (0.1, 0.02, 0.02))}, {"pen": box(0, 0, 0.76, (0.1, 0.02, 0.02))}
@@ -46,12 +46,12 @@ def test_what_lies_in_a_drawer_lies_in_the_drawer_s_box_not_in_the_cabinet_s():
     assert false_descriptions([pen], {**boxes, **drawer, **below}, GROUND) == [pen]
 
 
-def test_a_description_of_what_there_is_not_is_an_error():
+def test_a_description_with_an_unknown_object_is_an_error():
     with pytest.raises(UnknownName, match="cup"):
         false_descriptions([said("cup", "left_of", "white")], {"white": box(0, 0)}, GROUND)
 
 
-def test_what_is_false_is_said_in_plain_words_with_those_of_the_instruction():
+def test_false_facts_are_put_in_plain_words_beside_the_instruction():
     (text,) = false_in_words([said("white", "left_of", "blue")], PHRASES)
     assert text == "it is not so that the white plate is to the left of the blue plate ('as I said')"
 

@@ -113,7 +113,7 @@ def test_kept_relations_are_counted_and_broken_ones_named():
     assert kept.broken == [relations[1]]
 
 
-def test_relations_of_a_scene_are_those_of_its_boxes():
+def test_relations_of_a_scene_match_its_boxes():
     scene = scene_of([PLATE, *BLOCKS])
     relations = [rel("red-block", "left_of", "plate"), rel("red-block", "right_of", "plate")]
     assert relations_kept_in(scene, relations).sentences == ["red-block right_of plate"]

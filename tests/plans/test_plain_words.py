@@ -8,7 +8,7 @@ from vcage.schema.goals import AskedGoal, Description, Reading, goal_of
 PHRASES = {"mug": "red mug", "plate": "white plate", "cabinet": "oak cabinet", "bowl": "green bowl"}
 
 
-def test_start_order_arm_and_what_is_left_alone_are_said() -> None:
+def test_start_order_arm_and_objects_left_alone_are_stated() -> None:
     first = AskedGoal(goal=goal_of(["mug", "on", "plate"]), step=1, words="words", arm="left")
     then = AskedGoal(goal=goal_of(["cabinet", "closed", None, "drawer_top"]), step=2, words="words")
     told = [

@@ -65,7 +65,7 @@ def test_a_drawer_that_shall_be_open_stays_open() -> None:
     assert chain_for([drawer("open", "top")], [at("pen", "top")]) == ["open-top", "pen-top"]
 
 
-def test_a_drawer_is_closed_where_that_is_asked_for() -> None:
+def test_a_drawer_is_closed_on_request() -> None:
     assert chain_for([at("pen", "top")], [drawer("closed", "top")]) == ["open-top", "pen-top", "closed-top"]
 
 
@@ -80,17 +80,17 @@ def test_the_order_of_the_steps_is_kept() -> None:
     assert chain_for([at("pen", "tray")], [at("cup", "tray")]) == ["pen-tray", "cup-tray"]
 
 
-def test_a_thing_is_moved_as_often_as_it_is_asked_for() -> None:
+def test_an_object_is_moved_as_often_as_requested() -> None:
     assert chain_for([at("pen", "cup")], [at("pen", "tray")]) == ["pen-cup", "pen-tray"]
 
 
-def test_what_lies_in_a_thing_is_taken_out_before_it_is_moved() -> None:
+def test_contents_are_taken_out_before_their_container_is_moved() -> None:
     laden = (START - {at("pen", "table")}) | {at("pen", "cup")}
     chain = find_chain(Task(laden, (frozenset([at("cup", "tray")]),)), actions())
     assert chain == ["pen-table", "cup-tray"]
 
 
-def test_what_is_true_already_is_still_to_be_brought_about() -> None:
+def test_a_goal_true_at_the_start_must_still_be_brought_about() -> None:
     assert chain_for([drawer("closed", "top")]) == ["open-top", "closed-top"]
 
 
@@ -113,7 +113,7 @@ def test_a_chain_is_checked_step_by_step(chain: list[str], complaint: str | None
     assert found == ([] if complaint is None else [complaint]) or complaint in found
 
 
-def test_a_goal_that_is_brought_about_too_early_is_not_in_order() -> None:
+def test_a_goal_achieved_too_early_is_not_in_order() -> None:
     task = Task(START, (frozenset([at("pen", "tray")]), frozenset([at("cup", "tray")])))
     found = complaints(task, [BY_NAME["cup-tray"], BY_NAME["pen-tray"]])
     assert found == ["cup-tray comes before what must be done first"]
@@ -124,7 +124,7 @@ GOALS = st.sampled_from([a for action in actions() for a in action.adds])
 
 @settings(max_examples=40, deadline=None)
 @given(st.lists(st.lists(GOALS, min_size=1, max_size=2, unique=True), min_size=1, max_size=3))
-def test_every_chain_that_is_found_is_proven_and_valid_for_another_planner(steps: list[list[Goal]]) -> None:
+def test_every_chain_found_is_proven_and_valid_for_another_planner(steps: list[list[Goal]]) -> None:
     assume(not any(overrides(a, b) for step in steps for a in step for b in step))
     task = Task(START, tuple(map(frozenset, steps)))
     chain = find_chain(task, actions())
@@ -135,7 +135,7 @@ def test_every_chain_that_is_found_is_proven_and_valid_for_another_planner(steps
 
 
 def _is_valid_elsewhere(task: Task, chain: Sequence[str]) -> bool:
-    """Whether unified-planning's validator agrees that the chain leads to what must be true at the end."""
+    """True if unified-planning's validator agrees that the chain leads to the goals."""
     facts = {g for action in actions() for g in (*action.adds, *action.requires)} | set(task.initial)
     fluents = {goal: Fluent(str(goal).replace(" ", "_").replace("/", "__"), BoolType()) for goal in facts}
     problem = Problem("chain")

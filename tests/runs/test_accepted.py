@@ -70,12 +70,12 @@ def done(run: RunFolder) -> tuple[Compression, Export]:
     )
 
 
-def test_before_anyone_looks_again_what_collect_accepted_counts(run):
+def test_before_a_second_verdict_the_acceptance_by_collect_counts(run):
     assert counted(run) == [FIRST, SECOND]
     assert acceptance_files(run) == [run.episodes]
 
 
-def test_a_refused_episode_does_not_count_and_its_reason_is_told(run):
+def test_a_rejected_episode_does_not_count_and_its_reason_is_reported(run):
     judged(run, SECOND)
     assert counted(run) == [FIRST]
     assert refusals(run) == {SECOND: WHY}
@@ -128,7 +128,7 @@ def test_an_episode_whose_raw_pictures_are_gone_counts_again_when_the_verdict_ch
     assert [dataset.episodes for dataset in exported.datasets] == [2, 2]
 
 
-def test_where_all_are_refused_the_reasons_are_told(run):
+def test_the_reasons_are_reported_if_all_are_rejected(run):
     judged(run, FIRST, SECOND)
     with pytest.raises(MissingStage, match=f"verify refused {FIRST}: {WHY}"):
         compress.execute(run, COMPRESS, StageContext("offline"))
@@ -149,7 +149,7 @@ def test_where_all_are_refused_none_is_left_as_if_it_counted(run):
 
 
 @pytest.mark.parametrize("stage", ["compress", "export"])
-def test_where_all_are_refused_the_ways_out_are_told(run, capsys, stage):
+def test_the_ways_out_are_reported_if_all_are_rejected(run, capsys, stage):
     done(run)
     judged(run, FIRST, SECOND)
     answer = command(capsys, stage, "--run", run, "--seed", "7")

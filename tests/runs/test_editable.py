@@ -41,6 +41,6 @@ def test_an_edit_of_fields_that_may_be_edited_is_used_and_named(plan, finished):
 @pytest.mark.parametrize(
     ("fields", "complaint"), [(["text"], "field relations: "), (["relations"], 'field text: "Otherwise."; expected')]
 )
-def test_an_edit_of_another_field_is_refused_with_what_was_there(plan, finished, fields, complaint):
+def test_an_edit_of_another_field_is_refused_with_the_old_value(plan, finished, fields, complaint):
     with pytest.raises(InputFileError, match=complaint):
         accepted(plan, finished, *fields)

@@ -61,7 +61,7 @@ def moved(number: int = 0, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Ca
 # --- noticed -------------------------------------------------------------------------------------------
 
 
-def test_nothing_is_edited_in_what_the_stages_wrote(finished):
+def test_outputs_of_the_stages_count_as_unedited(finished):
     assert {path.name: edits(path) for path in finished.run.documents} == {p.name: [] for p in finished.run.documents}
 
 
@@ -77,7 +77,7 @@ def test_an_edit_of_the_json_or_of_a_picture_is_noticed(run):
     assert edits(run.plan) == ["plan.json", "target.png"]
 
 
-def test_where_nothing_says_what_was_written_the_stage_is_named(run):
+def test_a_missing_record_of_the_output_names_the_stage(run):
     run.layout.with_name(SEAL).unlink()
     with pytest.raises(MissingStage, match=r"written\.json") as caught:
         edits(run.layout)
@@ -85,9 +85,7 @@ def test_where_nothing_says_what_was_written_the_stage_is_named(run):
 
 
 @pytest.mark.parametrize(("stage", "picture"), [(select_place, "source.png"), (optimize, "top.png")])
-def test_an_edit_that_is_undone_from_a_copy_edits_the_json_alone_and_draws_its_pictures_again(
-    run, finished, stage, picture
-):
+def test_an_edit_undone_from_a_copy_edits_only_the_json_and_redraws_its_pictures(run, finished, stage, picture):
     job = stage.job(run, OPTIONS, finished.context)
     shown, copy = job.output.with_name(picture), job.output.read_bytes()
     before = read_picture(shown).astype(float)
@@ -98,7 +96,7 @@ def test_an_edit_that_is_undone_from_a_copy_edits_the_json_alone_and_draws_its_p
     assert edits(job.output) == ["scene.json"]
     accept_edits(job, finished.context, force=False)
     differs = np.abs(read_picture(shown) - before) > 10
-    assert differs.mean() < 1e-4  # settled again, it lies as before but for what a few pixels of an edge show
+    assert differs.mean() < 1e-4  # settled again, it lies as before except for a few pixels of an edge
 
 
 # --- carried on ----------------------------------------------------------------------------------------
@@ -140,7 +138,7 @@ class Blackens:
         return np.zeros_like(request.picture)
 
 
-def test_an_edited_plan_is_drawn_again_and_who_drew_it_is_told(run, finished, monkeypatch):
+def test_an_edited_plan_is_redrawn_and_the_drawing_model_is_reported(run, finished, monkeypatch):
     monkeypatch.setattr(finished.context, "models", replace(finished.context.models, editor=Blackens()))
     edit(run.plan, lambda plan: plan.update(text="Otherwise."))
     again(match, run, finished, force=True)
@@ -197,7 +195,7 @@ def test_a_verdict_that_was_changed_by_hand_counts(run, finished):
     assert record.critic == before.critic, "which is what the critic said"
 
 
-def test_a_reason_that_is_given_by_hand_is_kept(run, finished):
+def test_a_reason_given_by_hand_is_kept(run, finished):
     said = {"accepted": False, "reason": "it is upside down"}
     edit(run.verdicts, lambda found: _first(found).update(said))
     assert list(again(verify, run, finished).record.refused.values()) == ["it is upside down"]
@@ -252,13 +250,13 @@ def test_verdicts_of_other_episodes_lead_to_verify_and_not_to_force(run, capsys)
     assert answer.record["next"].split()[-3:] == ["verify", "--run", str(run)] and "--force" not in answer.error["hint"]
 
 
-def test_an_edit_is_made_again_where_that_is_forced(run, finished):
+def test_force_discards_an_edit(run, finished):
     edit(run.layout, moved(z=0.5))
     record = again(optimize, run, finished, force=True).record
     assert record.edited == [] and record.objects == Scene.read(finished.run.layout).objects
 
 
-def test_the_result_says_what_was_edited_who_answered_and_where_pictures_are(run, capsys):
+def test_the_result_states_the_edits_the_models_and_the_pictures(run, capsys):
     edit(run.matches, lambda found: found["matches"][0].update(note="I looked"))
     answer = command(capsys, "match", "--run", run, "--models", "offline").record
     assert answer["edited"] == ["matches.json"]
@@ -365,7 +363,7 @@ def test_a_layout_that_cannot_be_is_refused_by_field_and_nothing_changes(run, fi
     assert digests(run.root) == files
 
 
-def test_an_object_that_lies_in_another_must_be_said_to(run, finished):
+def test_an_object_inside_another_must_be_declared_so(run, finished):
     scene = read_json(run.layout)
     plate = next(o for o in scene["objects"] if o["asset"] == "plate")
     block = next(o for o in scene["objects"] if o["asset"] == "block")
@@ -382,7 +380,7 @@ def _chain(*names: str) -> Callable[[Any], None]:
 
 SUBTASKS = {
     "no step": (_chain(), "chains.0.subtasks"),
-    "an unknown step": (_chain("fly"), "chains: .*expected sub-tasks that are kept .* got 'fly'"),
+    "an unknown step": (_chain("fly"), "chains: .*expected kept sub-tasks .* got 'fly'"),
     "too few steps": (
         lambda found: found["chains"][0]["subtasks"].pop(),
         r"chains\.0\.subtasks: .* is not brought about .*; expected a chain that does what is asked",
@@ -491,7 +489,7 @@ def test_figures_of_a_collection_are_not_to_be_edited(run, finished, change, com
         ),
     ],
 )
-def test_of_verdicts_a_hand_decides_what_is_accepted_and_nothing_else(run, finished, change, complaint):
+def test_an_edit_of_verdicts_changes_only_the_acceptance(run, finished, change, complaint):
     edit(run.verdicts, change)
     with pytest.raises(InputFileError, match=rf"verdicts\.json: field {complaint}"):
         again(verify, run, finished)

@@ -88,7 +88,7 @@ def test_a_compression_whose_raw_pictures_are_gone_is_finished(run):
     assert not again.fresh
 
 
-def test_what_was_exported_with_raw_pictures_stays_up_to_date_without_them(run):
+def test_an_export_with_raw_pictures_stays_up_to_date_without_them(run):
     compressed(run, keep_raw=True)
     first = export.execute(run, export.Options(seed=7, formats=("lerobot-v3.0", "robotwin")), StageContext("offline"))
     compressed(run)
@@ -118,7 +118,7 @@ def test_another_codec_without_raw_pictures_is_refused(run):
         export.execute(run, export.Options(seed=7, codec="h264", crf=30), StageContext("offline"))
 
 
-def test_a_video_that_is_damaged_leaves_the_episode_its_pictures(run):
+def test_a_damaged_video_leaves_the_episode_its_pictures(run):
     record = compressed(run, keep_raw=True)
     video = run.root / record.streams[0].file
     video.write_bytes(video.read_bytes()[:-200])
@@ -136,7 +136,7 @@ def whole(collection, tmp_path_factory) -> RunFolder:
 
 
 @pytest.mark.parametrize("calls", [0, len(CAMERAS), len(CAMERAS) + 1], ids=["a video", "an episode", "the next"])
-def test_a_stage_that_is_ended_while_files_are_replaced_goes_on_and_ends_the_same(run, whole, monkeypatch, calls):
+def test_a_stage_interrupted_while_replacing_files_resumes_and_ends_the_same(run, whole, monkeypatch, calls):
     made, replace = [], os.replace
 
     def ending(source: Path, target: Path) -> None:

@@ -27,7 +27,7 @@ def test_a_stage_that_fails_leaves_no_empty_run_folder(run):
     assert not run.root.exists()
 
 
-def test_two_processes_do_not_work_on_one_run_and_the_second_is_told_of_the_first(run):
+def test_two_processes_do_not_work_on_one_run_and_the_second_learns_of_the_first(run):
     with at_work(run):
         with (
             pytest.raises(FolderInUse, match=rf"in use by process {os.getpid()} on ") as refused,
@@ -75,7 +75,7 @@ def after_collecting_that_failed_by(error: BaseException, run: RunFolder) -> dic
 
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt(), EndpointFailed("gone for now")], ids=repr)
-def test_what_needs_an_interrupted_stage_names_it_how_far_it_came_and_the_command_that_goes_on(run, error):
+def test_a_stage_after_an_interrupted_one_names_it_with_its_progress_and_the_resuming_command(run, error):
     after_collecting_that_failed_by(error, run)
     needing = Fails(MissingStage("verify needs episodes.json", maker="collect"))
     needing.__name__ = "vcage.stages.verify"
@@ -96,7 +96,7 @@ FOREIGN_COMMANDS = {
 
 
 @pytest.mark.parametrize("command", FOREIGN_COMMANDS.values(), ids=FOREIGN_COMMANDS)
-def test_a_command_that_somebody_wrote_into_the_folder_is_not_told(run, command):
+def test_a_command_planted_in_the_folder_is_not_shown(run, command):
     ours = vcage_command("collect", "--run", run)
     command = command.format(ours=ours, run=run) if isinstance(command, str) else command
     write_json(run.scene, {})
@@ -107,7 +107,7 @@ def test_a_command_that_somebody_wrote_into_the_folder_is_not_told(run, command)
     assert (told.value.command, told.value.maker) == ("", "collect")
 
 
-def test_a_stage_that_said_itself_why_it_ended_is_not_called_interrupted(run):
+def test_a_stage_with_an_error_of_its_own_is_not_called_interrupted(run):
     after_collecting_that_failed_by(EndpointFailed("gone for now"), run)
     assert after_collecting_that_failed_by(MissingStage("no scene", maker="optimize"), run) == {}
     assert not run.unfinished.exists()
@@ -117,7 +117,7 @@ def test_a_stage_that_waits_for_an_answer_was_not_interrupted(run, tmp_path):
     assert after_collecting_that_failed_by(AnswerNeeded.of(tmp_path, "critic", 1, "", []), run) == {}
 
 
-def test_the_second_is_told_how_far_the_first_is(run):
+def test_the_second_process_learns_the_progress_of_the_first(run):
     with at_work(run):
         run.unfinished.write_text('{"collect": {"command": "", "done": 2, "total": 5}}')
         with pytest.raises(FolderInUse) as refused, at_work(run):

@@ -44,7 +44,7 @@ def inside(holder: str, *looks: str) -> dict[str, Any]:
     return read(*(goal(f"marker_{look}", "inside", holder, words=PEN) for look in looks))
 
 
-def test_what_does_not_fit_goes_back_to_whoever_chose_with_the_sizes(library: Library) -> None:
+def test_an_object_too_large_goes_back_to_the_chooser_with_the_sizes(library: Library) -> None:
     who = Scripted(
         select_assets=[pens("cup/teal", "red"), pens("document_tray/black", "red")],
         read_goals=[inside("cup_teal", "red"), inside("document_tray_black", "red")],
@@ -54,7 +54,7 @@ def test_what_does_not_fit_goes_back_to_whoever_chose_with_the_sizes(library: Li
     assert "red marker pen (13.0 × 1.8 cm) does not fit in teal cup (4.1 × 3.9 cm)" in who.complaints()
 
 
-def test_what_never_fits_ends_the_run_with_the_sizes(library: Library) -> None:
+def test_a_choice_that_never_fits_ends_the_run_with_the_sizes(library: Library) -> None:
     who = Scripted(select_assets=[pens("cup/teal", "red")], read_goals=[inside("cup_teal", "red")])
     with pytest.raises(NoFeasibleTask, match=r"13\.0 × 1\.8 cm\) does not fit in teal cup"):
         choosing(library, PEN, who)
@@ -85,7 +85,7 @@ def test_what_never_fits_ends_the_run_with_the_sizes(library: Library) -> None:
         ),
     ],
 )
-def test_what_no_sub_task_brings_about_is_said_at_once(
+def test_a_goal_no_sub_task_achieves_is_reported_at_once(
     library: Library, task: str, objects: Sequence[dict], asked: dict, said: str
 ) -> None:
     who = Scripted(select_assets=[selected(*objects)], read_goals=[read({**asked, "words": task})])
@@ -126,7 +126,7 @@ def test_a_reader_may_say_that_other_objects_are_needed(library: Library) -> Non
     assert "the tap is not to be moved" in who.complaints()
 
 
-def test_context_may_hold_the_plate_that_tells_which_one_is_meant(library: Library) -> None:
+def test_context_may_hold_the_plate_that_identifies_the_target(library: Library) -> None:
     task = "Put the red mug on the left plate"
     plates = chosen("plate/white", "receptacle"), chosen("plate/blue", "context")
     answer = read(
@@ -153,7 +153,7 @@ def test_an_open_question_passes_through(library: Library, tmp_path) -> None:
 
 
 @pytest.mark.parametrize("task", ["把苹果放到盘子上", "Leg den Apfel auf den Teller"])
-def test_the_rules_refuse_another_language_and_say_who_may_read_it(library: Library, task: str) -> None:
+def test_the_rules_refuse_another_language_and_name_the_models_that_read_it(library: Library, task: str) -> None:
     models = build_models(Choice("offline"))
     context: Any = SimpleNamespace(library=library, catalogue=library.entries(), models=models)
     with pytest.raises(UnreadInstruction, match="read English only") as caught:
@@ -161,7 +161,7 @@ def test_the_rules_refuse_another_language_and_say_who_may_read_it(library: Libr
     assert "let a model read it" in caught.value.hint
 
 
-def test_what_the_rules_read_is_looked_at_again(library: Library) -> None:
+def test_a_reading_by_the_rules_is_checked_again(library: Library) -> None:
     models = build_models(Choice("offline"))
 
     def misread(asked: Instructed) -> Any:

@@ -30,7 +30,7 @@ Fill = Callable[[SlotQuestion], SlotAnswer]
 
 
 class Filling(OfflineReasoner):
-    """Fills slots as it is told, and keeps what it was asked."""
+    """Fills slots as scripted, and keeps its questions."""
 
     def __init__(self, fill: Fill):
         self.fill, self.asked = fill, list[tuple[str | None, list[SlotQuestion]]]()
@@ -83,16 +83,14 @@ def test_the_preferred_grasp_is_first_and_the_others_are_kept(
         assert told == {(g.contact, g.arm) for g in ranked[subtask.id].grasps}
 
 
-def test_without_an_opinion_everything_is_as_it_is_ranked(finished: Finished, tmp_path: Path):
+def test_without_an_opinion_the_ranking_stays(finished: Finished, tmp_path: Path):
     run = copied(finished.run, tmp_path / "run", before="search_subtasks")
     record, _ = searched(run, finished.context, lambda question: SlotAnswer(subtask=question.subtask))
     before = Subtasks.read(finished.run.subtasks)
     assert (record.kept, record.chains) == (before.kept, before.chains)
 
 
-def test_the_script_shows_what_is_checked_and_takes_it_along(
-    chosen: tuple[RunFolder, Subtasks, Filling], tmp_path: Path
-):
+def test_the_script_shows_the_checks_and_carries_them(chosen: tuple[RunFolder, Subtasks, Filling], tmp_path: Path):
     run, record, _ = chosen
     subtask = of_chain(record)[0]
     (statement,) = subtask.statements
@@ -104,7 +102,7 @@ def test_the_script_shows_what_is_checked_and_takes_it_along(
     assert (again.statements, again.prefers) == (subtask.statements, subtask.prefers)
 
 
-def test_the_critic_is_told_what_must_have_stayed(finished: Finished, chosen: tuple[RunFolder, Subtasks, Filling]):
+def test_the_critic_is_asked_about_unchanged_facts(finished: Finished, chosen: tuple[RunFolder, Subtasks, Filling]):
     run, record, _ = chosen
     subtask, scene = of_chain(record)[0], Scene.read(run.layout)
     asking = Asking.of(subtask, {}, None)
@@ -119,7 +117,7 @@ def test_the_critic_is_told_what_must_have_stayed(finished: Finished, chosen: tu
         ({"prefers": {"contact": 0, "arm": "third"}}, "prefers"),
     ],
 )
-def test_an_edited_choice_of_what_is_not_there_is_refused(
+def test_an_edited_choice_of_an_unknown_object_is_refused(
     chosen: tuple[RunFolder, Subtasks, Filling], finished: Finished, tmp_path: Path, change: dict, field: str
 ):
     run, record, _ = chosen
@@ -134,7 +132,7 @@ def test_an_edited_choice_of_what_is_not_there_is_refused(
         run.subtasks.write_bytes(before)
 
 
-def test_what_the_sub_task_moves_cannot_be_said_to_stay(
+def test_an_object_of_the_sub_task_cannot_be_said_to_stay(
     chosen: tuple[RunFolder, Subtasks, Filling], finished: Finished, tmp_path: Path
 ):
     run, record, _ = chosen
@@ -171,12 +169,12 @@ def to_the_back(question: SlotQuestion) -> SlotAnswer:
     return SlotAnswer(subtask=question.subtask, point=1)
 
 
-def test_the_chain_goes_to_the_place_that_is_chosen():
+def test_the_chain_goes_to_the_chosen_place():
     (step,) = done_with(to_the_back)
     assert (step.id, step.functional_point) == ("rubber_eraser-into-toolbox_tray-1", 1)
 
 
-def test_where_things_do_not_fit_together_at_the_places_that_are_chosen_they_go_where_they_were_planned(
+def test_where_the_chosen_places_conflict_objects_go_to_the_planned_ones(
     caplog: pytest.LogCaptureFixture,
 ):
     cars = [thing("toy_car", (x, -0.12), 0.0, "content", id=name) for name, x in (("one", -0.2), ("two", 0.2))]
@@ -187,4 +185,4 @@ def test_where_things_do_not_fit_together_at_the_places_that_are_chosen_they_go_
     done = done_with(all_to_the_back, [*cars, TRAY[1]])
     assert [step.functional_point for step in done] == [0, 1]
     assert all(step.statements for step in done)
-    assert "not at the places that were chosen" in caplog.text
+    assert "not the chosen places" in caplog.text

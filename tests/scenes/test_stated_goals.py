@@ -1,4 +1,4 @@
-"""The grammar of told goals: what it takes, and which error names what it does not."""
+"""The grammar of goals given by the user: accepted forms, and errors that name the rest."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ def said(*goals: str, starts: tuple[str, ...] = (), objects: str | None = None) 
     return told
 
 
-def test_nothing_said_is_nothing_told():
+def test_no_given_goal_makes_no_stated_task():
     assert StatedTask.of((), (), None) is None
 
 
@@ -73,7 +73,7 @@ def test_objects_have_counts():
         ([], [], "apple", "--objects needs goals"),
     ],
 )
-def test_what_is_not_of_the_grammar_is_named(goals, starts, objects, complaint: str):
+def test_a_goal_outside_the_grammar_is_named(goals, starts, objects, complaint: str):
     with pytest.raises(UsageError, match=complaint):
         StatedTask.of(goals, starts, objects)
 
@@ -84,7 +84,7 @@ def test_an_unknown_word_is_answered_with_the_nearest():
     assert "inside" in caught.value.hint
 
 
-def test_provenance_keeps_what_was_said_and_no_more():
+def test_provenance_keeps_the_given_text_and_no_more():
     assert said("a  back").record() == {"goals": ["a back"]}
     whole = said("a back", "then b back", starts=("a on b",), objects="a,  2 b").record()
     assert whole == {"goals": ["a back", "then b back"], "starts": ["a on b"], "objects": ["1 a", "2 b"]}

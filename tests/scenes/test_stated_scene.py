@@ -43,7 +43,7 @@ def roles(chosen: Chosen) -> dict[str, str]:
     return {o.id: o.role for o in chosen.objects}
 
 
-# --- what stands there ---------------------------------------------------------------------------------
+# --- the objects of the scene --------------------------------------------------------------------------
 
 
 def test_without_objects_each_name_is_one_object_with_the_role_that_its_goals_give_it(choose):
@@ -55,7 +55,7 @@ def test_without_objects_each_name_is_one_object_with_the_role_that_its_goals_gi
     }
 
 
-def test_a_bare_kind_is_the_one_that_another_goal_gives_a_look(choose):
+def test_a_bare_kind_takes_its_look_from_another_goal(choose):
     _, chosen = choose("marker/red inside packaging_box", "then marker on table")
     assert [o.asset for o in chosen.objects] == ["marker", "packaging_box"]
 
@@ -65,7 +65,7 @@ def test_ids_with_numbers_are_further_objects_of_a_look(choose):
     assert list(roles(chosen)) == ["block_red", "block_red_2"]
 
 
-def test_looks_that_are_not_asked_for_are_drawn_from_the_seed_and_differ(choose):
+def test_unrequested_looks_are_drawn_from_the_seed_and_differ(choose):
     drawn = {tuple(o.variant for o in choose("block/red back", objects="4 block", seed=s)[1].objects) for s in range(6)}
     assert len(drawn) > 1
     assert all(len({*looks}) == 4 for looks in drawn)
@@ -122,7 +122,7 @@ def test_the_sentence_says_all_goals_in_order(choose):
     assert {one.words for one in chosen.reading.goals} == {text}
 
 
-def test_an_instruction_that_is_given_is_the_text(choose):
+def test_a_given_instruction_is_the_text(choose):
     text, chosen = choose("marker inside packaging_box", text="Tidy up")
     assert text == "Tidy up"
     assert [one.words for one in chosen.reading.goals] == ["Tidy up"]
@@ -133,7 +133,7 @@ def test_an_instruction_that_says_everything_is_refused_where_a_goal_is_missing(
         choose("marker inside packaging_box", objects="marker, packaging_box, apple", text="Put everything in the box")
 
 
-def test_an_instruction_that_names_what_is_not_there_is_refused(choose):
+def test_an_instruction_with_unknown_objects_is_refused(choose):
     with pytest.raises(UsageError, match=r"names 'apple', but nothing is chosen that is called so"):
         choose("marker inside packaging_box", text="Put the apple in the box")
 
@@ -151,12 +151,12 @@ def test_an_instruction_that_names_what_is_not_there_is_refused(choose):
         ("Stack the red block on the blue block", ("block/blue on block/red",)),
     ],
 )
-def test_goals_that_say_otherwise_than_the_instruction_are_refused(choose, text: str, goals: tuple[str, ...]):
-    with pytest.raises(UsageError, match="the goals do not do what the instruction says"):
+def test_goals_that_contradict_the_instruction_are_refused(choose, text: str, goals: tuple[str, ...]):
+    with pytest.raises(UsageError, match="the goals do not match the instruction"):
         choose(*goals, text=text)
 
 
-def test_a_source_that_is_not_told_is_refused_with_the_option_for_it(choose):
+def test_an_unnamed_source_is_refused_with_the_option_for_it(choose):
     text = "Take the lemon out of the basket and put it on the table"
     with pytest.raises(UsageError, match="basket") as caught:
         choose("lemon on table", text=text)
@@ -165,7 +165,7 @@ def test_a_source_that_is_not_told_is_refused_with_the_option_for_it(choose):
     assert len(chosen.reading.descriptions) == 1
 
 
-def test_what_is_left_alone_needs_no_goal(choose):
+def test_an_object_left_alone_needs_no_goal(choose):
     choose("apple inside bowl", objects="apple, bowl, lemon", text="Put all the fruit except the lemon in the bowl")
 
 
@@ -225,7 +225,7 @@ def test_what_is_left_alone_needs_no_goal(choose):
         (["banana on table"], {"starts": ("banana on pot",)}, NoFeasibleTask, "nothing can be on pot"),
     ],
 )
-def test_what_cannot_be_is_named(choose, goals: list[str], more: dict, error: type[Exception], complaint: str):
+def test_impossible_goals_are_named(choose, goals: list[str], more: dict, error: type[Exception], complaint: str):
     with pytest.raises(error, match=complaint):
         choose(*goals, **more)
 

@@ -86,12 +86,12 @@ def test_two_objects_may_not_share_an_id():
         scene(objects=scene().objects * 2)
 
 
-def test_an_unknown_object_is_named_with_those_there_are():
+def test_an_unknown_object_error_lists_the_known_ones():
     with pytest.raises(UnknownName, match="block_red"):
         scene().object("block_blue")
 
 
-def test_an_annotation_refuses_a_direction_that_is_not_a_unit_vector():
+def test_an_annotation_refuses_a_direction_other_than_a_unit_vector():
     point = {"id": 0, "name": "top", "position": [0, 0, 0], "approach": [0, 0, -2], "closing": [0, 1, 0]}
     words = {"name": "block", "plural": "blocks", "description": "a block", "category": "toy"}
     with pytest.raises(ValueError, match="unit vector"):

@@ -1,4 +1,4 @@
-"""Who decides what is accepted, and what of it counts."""
+"""Acceptance: the deciding judge, and the counts."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def judged(accept: str, *said: Verdict) -> Verdicts:
         ("state", True, False, False),
     ],
 )
-def test_a_sub_task_needs_the_yes_of_those_who_decide(accept, critic, state, accepted):
+def test_a_sub_task_needs_the_yes_of_the_deciding_judges(accept, critic, state, accepted):
     assert accepts(accept, verdict(critic), Truth(success=state, reason="it is so")) is accepted
 
 

@@ -106,7 +106,7 @@ def test_so_does_the_list_of_renders(value, finished: Finished, tmp_path: Path):
         Renders.parse(data, tmp_path / "renders.json")
 
 
-def test_a_compression_that_packed_what_it_did_not_read_is_refused(finished: Finished, tmp_path: Path):
+def test_a_compression_that_packed_unread_data_is_refused(finished: Finished, tmp_path: Path):
     data = read_json(finished.run.compression) | {"packed": {"episodes/other.hdf5": "0" * 64}}
     with pytest.raises(InputFileError, match="among the inputs"):
         Compression.parse(data, tmp_path)

@@ -20,7 +20,7 @@ from vcage.schema.randomisation import HEIGHT_STEP, Look, LookRanges, WorldDraw,
         ("friction", (2, 1)),
     ],
 )
-def test_what_a_world_cannot_have_is_refused(field, value):
+def test_impossible_values_of_a_world_are_refused(field, value):
     with pytest.raises(ValidationError, match=field):
         WorldRanges.model_validate({field: value})
 
@@ -45,7 +45,7 @@ def test_what_a_world_cannot_have_is_refused(field, value):
         {"colours": {"lightness": (1e300, 1e300)}},
     ],
 )
-def test_what_a_look_cannot_have_is_refused(ranges):
+def test_impossible_values_of_a_look_are_refused(ranges):
     (part, fields), *_ = ranges.items()
     with pytest.raises(ValidationError, match=rf"{part}\.{next(iter(fields))}"):
         LookRanges.model_validate(ranges)
@@ -57,7 +57,7 @@ def test_the_heights_of_a_range_are_within_it(ends):
     assert all(ends[0] - 1e-7 <= HEIGHT_STEP * k <= ends[1] + 1e-7 for k in range(lowest, highest + 1))
 
 
-def test_a_look_says_what_table_wall_and_floor_are():
+def test_a_look_describes_table_wall_and_floor():
     with pytest.raises(ValidationError, match="nothing is said of floor, wall"):
         Look.model_validate(
             {
@@ -68,7 +68,7 @@ def test_a_look_says_what_table_wall_and_floor_are():
         )
 
 
-def test_a_line_tells_what_differs_and_what_there_is_no_room_for():
+def test_a_line_names_the_differences_and_the_omitted_count():
     world = WorldDraw(clutter={"cup": "cup"}, clutter_drawn=3, table_height=-0.02)
     assert world.summary == "1 objects beside of 3, table -2 cm"
     assert WorldDraw().summary == ""

@@ -73,12 +73,12 @@ def test_a_package_that_the_mirror_lacks_is_named(mirror: Path, tmp_path: Path) 
 
 
 @needs_apt
-def test_a_machine_without_sources_is_told_so(tmp_path: Path) -> None:
+def test_missing_package_sources_are_reported(tmp_path: Path) -> None:
     with pytest.raises(ConfigurationError, match="names no package source"):
         apt.AptMirror(tmp_path, tmp_path / "nothing")
 
 
-def test_a_machine_without_apt_is_told_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_apt_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(shutil, "which", lambda name: None)
     with pytest.raises(MissingDependency, match="no apt-get"):
         apt.AptMirror(tmp_path)

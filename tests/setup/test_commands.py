@@ -10,7 +10,7 @@ from vcage.base.errors import FetchFailed
 from vcage.setup.commands import reason, run
 
 
-def test_a_command_answers_with_what_it_wrote() -> None:
+def test_a_command_returns_its_output() -> None:
     assert run([sys.executable, "-c", "print('yes')"]) == "yes\n"
 
 

@@ -33,7 +33,7 @@ def package(folder: Path, name: str, depends: str, *files: str) -> Path:
     return target
 
 
-def test_a_machine_without_apt_is_told_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_apt_the_packages_to_install_are_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(shutil, "which", lambda name: None)
     with pytest.raises(NoRenderer, match="no apt-get") as caught:
         mesa.install(tmp_path / "mesa")

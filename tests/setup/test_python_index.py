@@ -75,7 +75,7 @@ def test_a_version_that_the_index_lacks_is_named(index: Path, tmp_path: Path) ->
     assert "package index" in caught.value.hint
 
 
-def test_an_environment_without_pip_is_told_how_to_get_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_pip_the_way_to_get_it_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
     with pytest.raises(MissingDependency, match="no pip") as caught:
         python_index.download("x==1", "0" * 64, tmp_path)

@@ -52,7 +52,7 @@ def probing(monkeypatch: pytest.MonkeyPatch, *results: RenderProbe) -> list[Path
     return tried
 
 
-def test_a_driver_that_the_user_names_is_taken_as_it_is(machine: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_driver_named_by_the_user_is_used_unchanged(machine: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(vulkan.ICD_VARIABLE, "/somewhere/icd.json")
     assert vulkan.ensure_driver() == Driver("given", Path("/somewhere/icd.json"), "")
 

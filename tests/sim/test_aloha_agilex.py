@@ -1,4 +1,4 @@
-"""The robot aloha_agilex: its published numbers, what it reaches, what its cameras see, and its 14 numbers of state."""
+"""The robot aloha_agilex: its published numbers, its reach, the view of its cameras, and its 14 numbers of state."""
 
 from __future__ import annotations
 

@@ -103,7 +103,7 @@ def test_a_finger_that_pushes_an_open_drawer_closes_it(build):
     assert world.object_joints("cabinet")[1] < TRAVEL - 0.03
 
 
-def test_fresh_worlds_go_on_from_a_snapshot_bit_for_bit(build):
+def test_fresh_worlds_continue_from_a_snapshot_bit_for_bit(build):
     first = build(OPEN)
     first.step(30)
     pull(first, "cabinet", "drawer_upper", -1.0, 20)

@@ -85,13 +85,13 @@ def test_a_shifted_camera_sees_every_object_that_it_sees_where_its_file_puts_it(
             assert not lost.any()
 
 
-def test_cameras_that_arms_carry_and_those_that_lose_nothing_are_shifted_as_drawn():
+def test_lossless_cameras_and_those_on_arms_are_shifted_as_drawn():
     robot = load_robot("aloha_agilex")
     drawn = _cameras(CameraRanges(turn_deg=3.0), Scene.model_construct(objects=[]), robot, np.random.default_rng(0))
     assert len(drawn) == len(robot.cameras) and all(np.any(shift.turn_deg) for shift in drawn.values())
 
 
-def test_an_unknown_name_lists_those_there_are():
+def test_an_unknown_name_error_lists_the_known_ones():
     with pytest.raises(UnknownName, match="full, light, none"):
         load_randomisation("wild")
 

@@ -155,7 +155,7 @@ def test_the_gripper_passes_through_all_poses_in_one_motion(world):
     assert speeds[-1] < 0.01
 
 
-def test_following_into_the_table_says_at_which_pose(world):
+def test_following_a_path_into_the_table_names_the_pose(world):
     arm, planner = world.arms["right"], planner_of(world)
     start = grasp_of(world, "cube", 0.15)
     q = planner.move(arm.joints, start).end

@@ -1,4 +1,4 @@
-"""A world that is told the same again does the same again, whatever told it."""
+"""The same inputs give the same simulation, from any source."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def test_the_recording_is_the_same_bit_for_bit():
     assert same(resimulate(build, log.drives, 25, {}), log)
 
 
-def test_so_is_one_that_went_on_from_a_snapshot_in_a_fresh_world():
+def test_a_run_continued_from_a_snapshot_in_a_fresh_world_is_too():
     world, log = begun()
     wave(world, 0)
     snapshot = world.snapshot()
@@ -75,7 +75,7 @@ def test_commands_after_a_snapshot_are_dropped_when_it_is_restored():
     assert (len(log.drives), log.drives.restarts) == (0, [log.drives.settled])
 
 
-def test_drive_commands_have_steps_that_are_exact_in_binary():
+def test_drive_commands_have_steps_exact_in_binary():
     for part, step in GRID.items():
         told = on_grid(part, np.array([0.1234567, -0.0, 1e-9]))
         assert np.array_equal(told, np.float32(told))

@@ -14,7 +14,7 @@ def test_every_robot_and_scene_file_is_valid():
     assert [load_template(name).name for name in available("scenes")] == available("scenes")
 
 
-def test_an_unknown_robot_is_named_with_those_there_are():
+def test_an_unknown_robot_error_lists_the_known_ones():
     with pytest.raises(UnknownName, match=r"'panda'.*dual_panda"):
         load_robot("panda")
 

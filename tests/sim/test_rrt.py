@@ -30,7 +30,7 @@ def test_the_same_seed_gives_the_same_path():
     assert np.array_equal(paths[0], paths[1])
 
 
-def test_it_gives_up_where_there_is_no_way():
+def test_it_gives_up_without_a_path():
     closed = connect(
         np.array([-1.0, 0]), np.array([1.0, 0]), lambda a, b: b[0] < -0.5, LOWER, UPPER, np.random.default_rng(0)
     )

@@ -29,7 +29,7 @@ def test_every_joint_keeps_its_own_limits_of_speed_acceleration_and_jerk(path, s
 
 @settings(max_examples=30, deadline=None)
 @given(path=PATHS)
-def test_velocity_and_acceleration_are_those_of_the_positions(path):
+def test_velocity_and_acceleration_match_the_positions(path):
     trajectory = time_optimal(path, HZ, ARM)
     assert np.allclose(path[0] + trajectory.velocity.cumsum(axis=0) / HZ, trajectory.q, atol=0.03)
     assert np.allclose(trajectory.acceleration.cumsum(axis=0) / HZ, trajectory.velocity, atol=0.3)

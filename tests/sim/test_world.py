@@ -52,7 +52,7 @@ def test_an_object_that_was_moved_is_at_rest(world):
     assert world.object_pose("cube").yaw == pytest.approx(0.7, abs=1e-3)
 
 
-def test_an_unknown_object_is_named_with_those_there_are(world):
+def test_an_unknown_object_error_lists_the_known_ones(world):
     with pytest.raises(UnknownName, match=r"'cup'.*bar, cube, tray"):
         world.object_pose("cup")
 
@@ -75,7 +75,7 @@ def test_the_same_commands_give_the_same_states_bit_for_bit(template, bodies, ro
     assert snapshots[0] == snapshots[1]
 
 
-def test_fresh_worlds_go_on_from_a_snapshot_bit_for_bit(template, bodies, robot):
+def test_fresh_worlds_continue_from_a_snapshot_bit_for_bit(template, bodies, robot):
     first = World(template.table, bodies, robot)
     first.arms["right"].command_joints(first.arms["right"].joints + 0.3)
     first.step(40)

@@ -24,7 +24,7 @@ TEXT = "done"
 
 @dataclass(frozen=True)
 class Call:
-    """A tool, and with what it is called."""
+    """A tool, and its arguments."""
 
     tool: str
     arguments: dict[str, Any]
@@ -87,7 +87,7 @@ class ScriptedModel(ThreadingHTTPServer):
             self.transcript.append(self._called)
         except StopIteration:
             self._script = None
-        except Exception as error:  # it fails in the thread of a request: whoever reads `fault` is told
+        except Exception as error:  # it fails in the thread of a request: readers of `fault` learn it
             self._script, self.fault = None, error
         return None if self._script is None else self._called
 

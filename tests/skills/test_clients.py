@@ -71,7 +71,7 @@ def test_a_client_tells_its_model_of_every_skill_and_runs_a_script_of_one(way: s
 
 
 @pytest.mark.parametrize("way", WAYS_OF_THE_CHECKOUT)
-def test_a_client_that_is_given_the_checkout_finds_the_page_at_its_top_and_nothing_twice(way: str, desk: Desk) -> None:
+def test_a_client_given_the_checkout_finds_the_page_at_its_top_and_nothing_twice(way: str, desk: Desk) -> None:
     desk.server.play(run_once(TOOLS[client_of(way)], "echo hello"))
     WAYS_OF_THE_CHECKOUT[way](desk)
     found = found_by(desk)

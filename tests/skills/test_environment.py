@@ -37,7 +37,7 @@ def copy_of_skills(folder: Path) -> Path:
 
 
 def fake_python(folder: Path) -> Path:
-    """A program that says with which arguments it was called, and that search paths were taken away."""
+    """A program that prints its arguments, and that search paths were removed."""
     python = folder / ".venv" / "bin" / "python"
     python.parent.mkdir(parents=True)
     python.write_text('#!/bin/sh\necho "$@" "path:$PYTHONPATH" "$VCAGE_RESTARTED"\n')
@@ -80,7 +80,7 @@ def test_the_command_on_the_path_is_the_last_resort(tmp_path: Path) -> None:
     assert str(script) in run(script, PATH=f"{command.parent}:{os.defpath}").stdout
 
 
-def test_a_skill_that_is_linked_finds_its_checkout(tmp_path: Path) -> None:
+def test_a_linked_skill_finds_its_checkout(tmp_path: Path) -> None:
     script = copy_of_skills(tmp_path / "a checkout")
     fake_python(tmp_path / "a checkout")
     (tmp_path / "client").symlink_to(script.parents[1])
@@ -103,7 +103,7 @@ def test_without_an_environment_the_command_that_makes_it_is_named_and_next(tmp_
 
 
 @pytest.mark.parametrize("skill", SKILLS, ids=lambda path: path.name)
-def test_a_skill_that_is_installed_alone_says_how_to_get_the_project(skill: Path, tmp_path: Path) -> None:
+def test_a_skill_installed_alone_says_how_to_get_the_project(skill: Path, tmp_path: Path) -> None:
     alone = shutil.copytree(skill, tmp_path / skill.name, ignore=shutil.ignore_patterns("__pycache__"))
     for script in sorted(alone.glob("scripts/*.py")):
         if script.name == "vcage_environment.py":
@@ -115,7 +115,7 @@ def test_a_skill_that_is_installed_alone_says_how_to_get_the_project(skill: Path
 
 
 @pytest.mark.parametrize("skill", SKILLS, ids=lambda path: path.name)
-def test_a_skill_that_is_installed_alone_works_where_the_project_is_told(skill: Path, tmp_path: Path) -> None:
+def test_a_skill_installed_alone_works_with_a_given_project(skill: Path, tmp_path: Path) -> None:
     alone = shutil.copytree(skill, tmp_path / skill.name, ignore=shutil.ignore_patterns("__pycache__"))
     fake_python(tmp_path / "home")
     for script in sorted(alone.glob("scripts/*.py")):
@@ -140,7 +140,7 @@ def test_an_environment_that_was_never_finished_does_not_restart_for_ever(tmp_pa
     assert run(script).returncode == 4
 
 
-def test_an_interpreter_that_is_not_there_is_named() -> None:
+def test_a_missing_interpreter_is_named() -> None:
     done = run(SCRIPT, VCAGE_PYTHON="/not/there")
     assert done.returncode == 4
     assert "/not/there" in done.stderr

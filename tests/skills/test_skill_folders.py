@@ -1,4 +1,4 @@
-"""The skills are what agents' clients accept, and say nothing that is not there."""
+"""The skills are valid for agents' clients, and mention nothing that does not exist."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def test_a_skill_has_the_name_of_its_folder(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("folder", [files.resource("skills").parent, *SKILLS], ids=lambda path: path.name)
-def test_the_head_is_what_every_client_accepts(folder: Path) -> None:
+def test_the_head_is_accepted_by_every_client(folder: Path) -> None:
     text, head = front_matter(folder)
     assert set(head) == {"name", "description", "license", "metadata"}
     assert re.fullmatch(r"[a-z0-9]+(-[a-z0-9]+)*", head["name"]) and len(head["name"]) <= 64
@@ -114,6 +114,6 @@ def test_every_skill_has_an_up_to_date_copy_of_the_launcher() -> None:
     assert {path.read_bytes() for path in LAUNCHERS} == {LAUNCHER.read_bytes()}, "run: make skills"
 
 
-def test_what_any_python_runs_is_syntax_that_3_6_reads() -> None:
+def test_code_for_any_python_has_syntax_of_3_6() -> None:
     for path in (LAUNCHER, *SCRIPTS):
         ast.parse(path.read_text(encoding="utf-8"), feature_version=(3, 6))

@@ -26,12 +26,12 @@ class Tools:
     look: Callable[[str], Call]
     write: Callable[[str, str], Call]
     poll: Callable[[list[str]], Call | None] = lambda printed: None
-    """What a command has printed call by call → the call that waits for it, where it is still at work."""
+    """Output of a command call by call → the call that waits for it, while it is running."""
     plain: Callable[[str], str] = lambda text: text
     """What reading shows → the text of the file."""
 
     def carry_out(self, acts: Generator[Act, Any, T]) -> Generator[Call, Seen, T]:
-        """The calls that do what an agent does, which is told what they show."""
+        """The calls of an agent's acts; the agent sees their results."""
         seen: Any = None
         while True:
             try:

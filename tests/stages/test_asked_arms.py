@@ -1,4 +1,4 @@
-"""An instruction that names an arm: what is recorded under it was done with that arm."""
+"""An instruction that names an arm: its recordings were made with that arm."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def test_the_gripper_that_closed_is_that_of_the_arm_and_no_other(recorded: tuple
 
 
 @pytest.mark.slow
-def test_the_episode_says_which_arm_was_asked_for(recorded: tuple[str, RunFolder]):
+def test_the_episode_names_the_requested_arm(recorded: tuple[str, RunFolder]):
     arm, run = recorded
     (accepted,) = [episode for episode in Episodes.read(run.episodes).episodes if episode.accepted]
     with EpisodeReader(run.root / str(accepted.file)) as reader:
@@ -82,7 +82,7 @@ def test_the_sub_task_edited_to_another_arm_is_refused(recorded: tuple[str, RunF
 
 
 @pytest.mark.parametrize(("arm", "side"), [("left", -1), ("right", 1), (None, 0)])
-def test_things_may_stand_where_the_arm_that_is_asked_for_reaches_them(arm: str | None, side: int):
+def test_objects_may_stand_in_reach_of_the_requested_arm(arm: str | None, side: int):
     objects, context = block_and_plate(), StageContext("offline")
     goal = AskedGoal(goal=goal_of(["block", "on", "plate"]), step=1, words="put", arm=arm)
     scene = scene_of(objects).model_copy(update={"goals": [goal]})
@@ -93,7 +93,7 @@ def test_things_may_stand_where_the_arm_that_is_asked_for_reaches_them(arm: str 
         assert (far_left, far_right) == (side <= 0, side >= 0), item.id
 
 
-def test_what_two_arms_are_asked_to_reach_may_stand_where_both_do():
+def test_an_object_requested_of_two_arms_may_stand_in_reach_of_both():
     objects, context = block_and_plate(), StageContext("offline")
     goals = [
         AskedGoal(goal=goal_of(["block", relation, "plate"]), step=step, words="put", arm=arm)

@@ -1,4 +1,4 @@
-"""Collecting: what an episode file holds, and how a collection goes on, grows, fails and starts anew."""
+"""Collecting: the contents of an episode file, and how a collection resumes, grows, fails and restarts."""
 
 from __future__ import annotations
 
@@ -141,7 +141,7 @@ def more(finished: Finished, tmp_path_factory) -> RunFolder:
     return run
 
 
-def test_asking_for_more_adds_to_those_there_are(finished, more):
+def test_asking_for_more_adds_to_the_existing_ones(finished, more):
     record = Episodes.read(more.episodes)
     assert sum(e.accepted for e in record.episodes) == 2
     before, after = (digests(run.root / "episodes") for run in (finished.run, more))
@@ -155,9 +155,7 @@ def _with_pictures(files: dict[str, str]) -> dict[str, str]:
 
 
 @pytest.mark.slow
-def test_collections_whose_workers_are_killed_at_random_moments_leave_the_files_of_one_that_was_left_alone(
-    finished, more, tmp_path
-):
+def test_collections_with_workers_killed_at_random_equal_undisturbed_ones(finished, more, tmp_path):
     rng, killed = np.random.default_rng(0), 0
     while killed < KILLS:
         run = copied(finished.run, tmp_path / f"run-{killed}", before="collect")
@@ -169,7 +167,7 @@ def test_collections_whose_workers_are_killed_at_random_moments_leave_the_files_
 
 
 def _workers(process: int) -> list[int]:
-    """Processes that were forked for it by the one which has loaded what they need."""
+    """Processes forked by the one that has their modules loaded."""
     with suppress(psutil.NoSuchProcess):
         return [worker.pid for server in psutil.Process(process).children() for worker in server.children()]
     return []
@@ -268,7 +266,7 @@ def test_an_interrupted_collection_goes_on_after_its_last_whole_episode(finished
     assert not list(begun.root.glob("episodes.*"))
 
 
-def test_it_equals_one_that_was_not_interrupted(finished, begun, cheap, tmp_path):
+def test_it_equals_an_uninterrupted_run(finished, begun, cheap, tmp_path):
     cheap.stop_at = 1
     with pytest.raises(KeyboardInterrupt):
         collect.execute(begun, options(episodes=2), finished.context)
@@ -279,7 +277,7 @@ def test_it_equals_one_that_was_not_interrupted(finished, begun, cheap, tmp_path
     assert digests(begun.root) == digests(straight.root)
 
 
-def test_what_another_way_left_half_done_is_thrown_away(finished, begun, cheap):
+def test_half_done_work_of_another_mode_is_thrown_away(finished, begun, cheap):
     cheap.stop_at = 1
     with pytest.raises(KeyboardInterrupt):
         collect.execute(begun, options(episodes=2), finished.context)
@@ -397,7 +395,7 @@ def test_no_script_of_a_run_is_executed(finished, begun, script, sealed):
     assert not (begun.root / "executed").exists()
 
 
-def test_a_script_that_is_named_is_executed_and_said_to_be_in_the_provenance(finished, begun, script):
+def test_a_named_script_is_executed_and_recorded_in_the_provenance(finished, begun, script):
     named = options(script=(script,))
     collect._runner(begun.root, named, finished.context)
     assert (begun.root / "executed").exists()
@@ -405,19 +403,19 @@ def test_a_script_that_is_named_is_executed_and_said_to_be_in_the_provenance(fin
     assert told["scripts"] == {script.stem: sha256_file(script)}
 
 
-def test_an_edited_script_that_is_not_named_is_told_with_the_way_out(finished, begun, script, cheap):
+def test_an_edited_but_unnamed_script_is_reported_with_the_way_out(finished, begun, script, cheap):
     (note,) = collect.execute(begun, options(), finished.context).notes
     assert f"subtasks/{script.name}" in note and note.endswith(f"--script {script}")
     assert not collect.execute(begun, options(script=(script,), force=True), finished.context).notes
 
 
-def test_episodes_of_generated_scripts_are_not_those_of_a_named_one(finished):
+def test_episodes_of_generated_scripts_do_not_count_for_a_named_one(finished):
     named = options(script=(first_script(finished.run),))
     with pytest.raises(StaleStage, match="option scripts"):
         collect.execute(finished.run, named, finished.context)
 
 
-def test_a_named_script_that_is_damaged_is_told_before_anything_is_collected(finished, begun, script):
+def test_a_damaged_named_script_is_reported_before_anything_is_collected(finished, begun, script):
     script.write_text("def play(:")
     with pytest.raises(DamagedFile, match=script.name):
         collect.execute(begun, options(script=(script,)), finished.context)

@@ -137,7 +137,7 @@ def test_a_finished_compression_is_left_alone(run):
     assert not compress.execute(run, OPTIONS, StageContext("offline")).fresh
 
 
-def test_no_accepted_episode_is_said(tmp_path):
+def test_a_run_without_accepted_episodes_is_reported(tmp_path):
     run = collected(tmp_path, count=0)
     with pytest.raises(MissingStage, match="no accepted episode"):
         compressed(run)
@@ -236,7 +236,7 @@ def test_a_codec_that_cannot_stay_under_the_loss_is_refused_with_the_ways_out(fr
     assert not fresh.export.parent.exists()
 
 
-def test_what_was_compressed_without_loss_has_none_in_another_codec(fresh):
+def test_a_lossless_run_stays_lossless_in_another_codec(fresh):
     compressed(fresh, crf=LOSSLESS)
     exported(fresh, formats=("lerobot-v3.0",), codec="h264")
     assert video_info(fresh)["video.lossless"]

@@ -103,7 +103,7 @@ def test_the_drawn_placement_has_the_described_plate_on_the_left(tmp_path, seed)
     assert holds("left_of", white, blue) and scene.descriptions == [LEFT]
 
 
-def test_what_cannot_be_so_is_refused_by_name_before_anything_is_written(tmp_path):
+def test_contradictory_descriptions_are_refused_by_name_before_anything_is_written(tmp_path):
     back = LEFT.model_copy(update={"subject": "plate_blue", "reference": "plate_white", "words": "left"})
     with pytest.raises(InfeasibleScene, match="the white plate is to the left of the blue plate") as caught:
         placed(tmp_path / "run", TEXT, Scripted(PLATES, ONTO_WHITE, LEFT, back))
@@ -117,7 +117,7 @@ def test_the_plan_says_it_and_the_optimised_layout_keeps_it(made):
 
 
 @pytest.mark.parametrize(("side", "word"), [("left_of", "left"), ("right_of", "right"), ("in_front_of", "front")])
-def test_a_plate_that_is_described_by_a_side_of_the_table_is_optimised_into_that_third(tmp_path, side, word):
+def test_a_plate_described_by_a_side_of_the_table_is_optimised_into_that_third(tmp_path, side, word):
     said = Description(subject="plate_white", relation=side, reference="table", words=f"the {word} plate")
     text = f"Put the block on the {word} plate"
     run, context = placed(tmp_path / "run", text, Scripted(PLATES[:2], ONTO_WHITE, said))
@@ -135,7 +135,7 @@ def test_every_layout_of_an_episode_keeps_it_even_where_the_plan_does_not_say_so
         assert untrue(made.scene, there) == []
 
 
-def test_layouts_in_which_it_is_false_are_refused_and_counted(made, monkeypatch):
+def test_layouts_against_the_description_are_refused_and_counted(made, monkeypatch):
     source = Layouts(made.scene, made.relations, made.chain, made.context)
     swapped = {o.id: o.pose for o in made.context.objects(made.scene)}
     swapped |= {"plate_white": swapped["plate_blue"], "plate_blue": swapped["plate_white"]}
@@ -160,7 +160,7 @@ def _nothing_else() -> WorldRanges:
     return load_randomisation("none").world
 
 
-def test_a_start_that_settles_otherwise_is_no_start(made):
+def test_a_start_that_settles_against_the_description_is_no_start(made):
     objects = {o.id: o for o in made.context.objects(made.scene)}
     swapped = [
         objects["plate_white"].moved(objects["plate_blue"].pose),
@@ -174,7 +174,7 @@ def test_a_start_that_settles_otherwise_is_no_start(made):
         require_settled(scene, models, swapped, "the start of the episode", None)
 
 
-def test_a_scene_that_is_edited_so_that_it_is_false_is_refused_by_field(made, tmp_path):
+def test_a_scene_edited_against_the_description_is_refused_by_field(made, tmp_path):
     shutil.copytree(made.run.root, tmp_path / "run")
     run = RunFolder(tmp_path / "run")
     path = run.layout
@@ -185,7 +185,7 @@ def test_a_scene_that_is_edited_so_that_it_is_false_is_refused_by_field(made, tm
         optimize.EDITABLE.accepted(run, path, [path.name], tmp_path, made.context)
 
 
-def test_a_goal_that_is_edited_to_another_plate_than_the_one_that_is_said_is_refused(made, tmp_path):
+def test_a_goal_edited_to_another_plate_than_the_described_one_is_refused(made, tmp_path):
     shutil.copytree(made.run.root, tmp_path / "run")
     run = RunFolder(tmp_path / "run")
     path = run.layout
@@ -207,7 +207,7 @@ IN_DRAWER = [
 ]
 
 
-def test_what_is_described_to_lie_in_a_drawer_starts_there_and_no_picture_shows_it(tmp_path):
+def test_an_object_described_in_a_drawer_starts_there_and_no_picture_shows_it(tmp_path):
     run, _ = placed(tmp_path / "run", "x", Scripted(IN_DRAWER, ON_TABLE, DRAWER))
     scene = Scene.read(run.scene)
     pack = scene.object("battery_pack_copper")
@@ -228,14 +228,14 @@ def test_it_goes_where_the_cabinet_goes_and_is_taken_out_of_the_open_drawer(tmp_
     assert not np.allclose(layout.poses[CABINET].p, made.scene.object(CABINET).pose.position, atol=0.005)
 
 
-def test_what_does_not_fit_where_it_is_said_to_start_is_refused_with_the_sizes(tmp_path):
+def test_a_start_too_small_for_its_object_is_refused_with_the_sizes(tmp_path):
     pan = SelectedAsset(asset="frying_pan", variant="black", role="content")
     goal, said = (one.model_copy(update={"subject": "frying_pan_black"}) for one in (ON_TABLE, DRAWER))
     with pytest.raises(InfeasibleScene, match=r"frying_pan_black has no room where it starts, in the drawer of .* cm"):
         placed(tmp_path / "run", "x", Scripted([pan, IN_DRAWER[1]], goal, said))
 
 
-def test_a_description_of_what_is_not_there_is_refused_by_name(tmp_path):
+def test_a_description_with_an_unknown_object_is_refused_by_name(tmp_path):
     said = LEFT.model_copy(update={"reference": "plate_pink"})
     with pytest.raises(InfeasibleScene, match="there is no object 'plate_pink'"):
         placed(tmp_path / "run", TEXT, Scripted(PLATES, ONTO_WHITE, said))

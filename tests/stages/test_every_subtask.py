@@ -1,4 +1,4 @@
-"""A scene without an instruction: its template says what stands there, and every sub-task of it is a chain."""
+"""A scene without an instruction: its template names the objects, and every sub-task of it is a chain."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def finished_scene(nothing_imported: None, tmp_path_factory: pytest.TempPathFact
     return run
 
 
-def test_the_objects_are_those_of_the_template(finished_scene):
+def test_the_objects_come_from_the_template(finished_scene):
     for scene in (Scene.read(finished_scene.scene), Scene.read(finished_scene.layout)):
         assert (scene.instruction, scene.goals) == (None, [])
         assert {o.asset: o.role for o in scene.objects} == {
@@ -114,7 +114,7 @@ def test_episodes_are_shared_out_over_the_chains(wanted):
     assert wanted.next([ran(0, True), ran(1, False)], [2, 5]) == [3, 4, 7]
 
 
-def test_what_fails_is_tried_again_but_not_for_ever(wanted):
+def test_failures_are_retried_but_not_for_ever(wanted):
     failed = [ran(1, False)] * (2 * RUNS_PER_EPISODE)
     done = [ran(chain, True) for chain in (0, 0, 2, 2)]
     assert wanted.next([*done, *failed[:-1]], []) == [3 * (len(failed) - 1) + 1]

@@ -35,7 +35,7 @@ CONFIG = {
 """Two single arms as RoboTwin has them, without cameras, with our own URDF in place of a download."""
 
 
-def test_an_imported_robot_does_what_an_instruction_says(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_an_imported_robot_follows_an_instruction(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setenv("VCAGE_DATA", str(tmp_path / "data"))
     folder = tmp_path / "embodiments" / "twin-arm"
     folder.mkdir(parents=True)

@@ -42,7 +42,7 @@ def copy_of(finished: Finished, folder: Path, before: str) -> RunFolder:
 # --- select_place --------------------------------------------------------------------------------------
 
 
-def test_the_scene_holds_what_the_instruction_names_and_says_where_it_came_from(finished):
+def test_the_scene_holds_the_objects_of_the_instruction_and_names_its_source(finished):
     scene = Scene.read(finished.run.scene)
     roles = {o.id: (o.asset, o.role) for o in scene.objects}
     assert scene.instruction == INSTRUCTION
@@ -100,7 +100,7 @@ def test_an_instruction_without_words_is_refused_before_anything_is_written(fini
     assert not (tmp_path / "run").exists()
 
 
-def test_what_no_asset_fits_is_named(finished, tmp_path):
+def test_an_object_without_a_fitting_asset_is_named(finished, tmp_path):
     with pytest.raises(NoAssetFits, match="submarine"):
         select_place.execute(
             RunFolder(tmp_path), select_place.Options(instruction="Put the submarine on the plate"), finished.context
@@ -108,7 +108,7 @@ def test_what_no_asset_fits_is_named(finished, tmp_path):
     assert not digests(tmp_path)
 
 
-def test_an_unknown_scene_lists_those_there_are(finished, tmp_path):
+def test_an_unknown_scene_error_lists_the_known_ones(finished, tmp_path):
     with pytest.raises(UnknownName, match=r"available: .*table"):
         select_place.execute(
             RunFolder(tmp_path), select_place.Options(instruction=INSTRUCTION, template="nowhere"), finished.context
@@ -168,7 +168,7 @@ def chosen(finished: Finished, folder: Path, chooser: Chooser, monkeypatch: pyte
     ).record
 
 
-def test_the_reasoner_hears_what_is_wrong_with_its_selection(finished, tmp_path, monkeypatch):
+def test_the_reasoner_hears_the_faults_of_its_selection(finished, tmp_path, monkeypatch):
     chooser = Chooser(("block", "pink", None), ("apple", "red", "block"))
     with pytest.raises(ModelRefused):
         chosen(finished, tmp_path, chooser, monkeypatch)
@@ -176,7 +176,7 @@ def test_the_reasoner_hears_what_is_wrong_with_its_selection(finished, tmp_path,
     assert not digests(tmp_path)
 
 
-def test_the_reasoner_hears_what_is_too_large_for_where_it_starts(finished, tmp_path, monkeypatch):
+def test_the_reasoner_hears_of_objects_too_large_for_their_start(finished, tmp_path, monkeypatch):
     context = finished.context
     variants = {name: context.library.entry(name).variants[0].id for name in ("plate", "mug")}
     chooser = Chooser(("mug", variants["mug"], None), ("plate", variants["plate"], "mug"))
@@ -187,13 +187,13 @@ def test_the_reasoner_hears_what_is_too_large_for_where_it_starts(finished, tmp_
     assert not digests(tmp_path)
 
 
-def test_notes_of_the_choice_are_said_in_the_summary(finished, tmp_path, monkeypatch):
+def test_notes_of_the_choice_are_in_the_summary(finished, tmp_path, monkeypatch):
     block = finished.context.library.entry("block").variants[0].id
     chooser = Chooser(("block", block, None), notes=("a note",))
     assert select_place.summary(chosen(finished, tmp_path, chooser, monkeypatch))["notes"] == ["a note"]
 
 
-def test_what_starts_in_a_box_must_be_seen_above_the_box_s_floor(finished, tmp_path, monkeypatch):
+def test_an_object_starting_in_a_box_must_be_seen_above_the_box_s_floor(finished, tmp_path, monkeypatch):
     supports, seen = [], starting_poses.view_rectangles
 
     def noted(camera, support, *rest):
@@ -268,7 +268,7 @@ def test_the_plan_says_how_much_of_it_can_be_kept_at_once(finished):
     assert plan.notes == []
 
 
-def test_the_reasoner_hears_what_does_not_fit_before_its_plan_is_used(finished, tmp_path, monkeypatch):
+def test_the_reasoner_hears_of_misfits_before_its_plan_is_used(finished, tmp_path, monkeypatch):
     plate, block, others = around_the_plate(finished)
     right = [(plate, "center", "table"), (block, "behind", plate), *others]
     planner = Planner([(plate, "inside", block), *right[1:]], right)
@@ -330,7 +330,7 @@ def test_the_final_layout_is_free_of_collisions_and_keeps_to_the_workspace(finis
         assert np.all(box[1, :2] <= np.array(scene.workspace.upper) + 1e-3)
 
 
-def test_the_final_layout_says_what_was_measured(finished):
+def test_the_final_layout_states_its_measurements(finished):
     checks = Scene.read(finished.run.layout).checks
     assert checks["cost_after"] <= checks["cost_before"]
     assert 0 <= checks["relations_kept"] <= 1

@@ -34,7 +34,7 @@ def test_the_chain_moves_every_content_once(finished):
     }
 
 
-def test_what_does_not_fit_is_refused_with_its_size(finished):
+def test_a_misfit_is_refused_with_its_size(finished):
     record = Subtasks.read(finished.run.subtasks)
     assert any("does not fit" in refusal.reason and " cm" in refusal.reason for refusal in record.refused)
     assert record.candidates > len(record.kept)
@@ -58,7 +58,7 @@ def test_a_layout_of_another_version_is_refused_by_name(finished, tmp_path):
         search_subtasks.execute(run, OPTIONS, finished.context)
 
 
-def test_who_judges_pairs_is_shown_the_instruction(finished, tmp_path, monkeypatch):
+def test_the_judge_of_pairs_sees_the_instruction(finished, tmp_path, monkeypatch):
     run = copied(finished.run, tmp_path / "run", before="search_subtasks")
     reasoner, shown = finished.context.models.reasoner, []
     judge = reasoner.judge_pairs

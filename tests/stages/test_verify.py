@@ -140,13 +140,13 @@ def test_nothing_is_asked_about_an_episode_that_was_rejected(run, finished, monk
     assert (critic.asked, record.episodes, record.critic.judged) == (0, {}, 0)
 
 
-def test_who_wants_the_refused_attempts_as_well_is_told_that_it_is_finished_without(run, finished, monkeypatch):
+def test_a_later_request_for_rejected_attempts_is_refused(run, finished, monkeypatch):
     judged_by(Says(True), run, finished, monkeypatch, refused=False)
     with pytest.raises(StaleStage, match="refused"):
         judged_by(Says(True), run, finished, monkeypatch, refused=True)
 
 
-def test_a_second_critic_that_says_no_differs_where_the_first_said_yes(run, finished, monkeypatch):
+def test_a_second_critic_differs_by_saying_no_where_the_first_said_yes(run, finished, monkeypatch):
     record = judged_by(Says(False), run, finished, monkeypatch)
     (episode,) = Episodes.read(run.episodes).episodes
     assert [d.subtask for d in record.differences] == episode.subtasks
@@ -230,7 +230,7 @@ def test_another_log_is_judged_again(finished, tmp_path):
     assert done.fresh and done.record.critic.judged == Verdicts.read(finished.run.verdicts).critic.judged - 1
 
 
-def test_a_damaged_line_of_the_log_is_told_in_one_line(finished, tmp_path):
+def test_a_damaged_line_of_the_log_is_reported_in_one_line(finished, tmp_path):
     run = copied(finished.run, tmp_path / "run")
     log = log_path(run.episodes.parent)
     write_text(log, log.read_text() + '{"episode": -1}\n')
@@ -250,7 +250,7 @@ def test_without_the_picture_of_the_empty_table_the_stage_that_takes_it_is_named
 # --- one pair ------------------------------------------------------------------------------------------
 
 
-def test_a_pair_is_judged_by_what_it_shows(finished):
+def test_a_pair_is_judged_by_its_pictures(finished):
     subtask, before, after = pair(finished)
     done = judge_pair(finished.run, finished.context, subtask, before, after)
     idle = judge_pair(finished.run, finished.context, subtask, before, before)
@@ -258,7 +258,7 @@ def test_a_pair_is_judged_by_what_it_shows(finished):
     assert not idle.verdict.accepted and idle.verdict.reason
 
 
-def test_an_unknown_subtask_lists_those_there_are(finished):
+def test_an_unknown_subtask_error_lists_the_known_ones(finished):
     subtask, before, after = pair(finished)
     with pytest.raises(UnknownName, match=subtask):
         judge_pair(finished.run, finished.context, "fly-to-the-moon", before, after)
@@ -270,7 +270,7 @@ def test_a_missing_picture_is_named(finished, tmp_path):
         judge_pair(finished.run, finished.context, subtask, before, tmp_path / "nowhere.png")
 
 
-def test_what_is_no_picture_is_named(finished, tmp_path):
+def test_a_file_without_a_picture_is_named(finished, tmp_path):
     subtask, before, _ = pair(finished)
     (tmp_path / "text.png").write_text("not a picture")
     with pytest.raises(DamagedFile, match=r"text\.png"):

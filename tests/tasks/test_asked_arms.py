@@ -45,7 +45,7 @@ def test_without_an_arm_both_arms_may_put_the_block_on_the_plate():
 
 
 @pytest.mark.parametrize("arm", ["left", "right"])
-def test_only_the_arm_that_is_asked_for_has_grasps(arm: str):
+def test_only_the_requested_arm_has_grasps(arm: str):
     step = step_of(found_for(arm))
     assert step.arm == arm
     assert {grasp.arm for grasp in step.grasps} == {arm}
@@ -58,7 +58,7 @@ def test_the_words_of_the_sub_task_say_the_arm():
     assert all("left arm" in text for text in step.texts)
 
 
-def test_sub_tasks_that_are_not_asked_of_an_arm_may_use_any():
+def test_sub_tasks_without_a_requested_arm_may_use_any():
     others = [s for s in found_for("left").kept if ON_PLATE not in s.goals]
     assert others and all(s.arm is None and "arm" not in s.text for s in others)
 
@@ -72,7 +72,7 @@ def test_among_objects_that_stand_elsewhere_the_arm_and_its_words_stay():
     assert {grasp.arm for grasp in then.grasps} == {"right"}
 
 
-def test_what_the_arm_does_not_reach_is_refused_by_name_with_the_way_out():
+def test_an_object_out_of_the_arms_reach_is_refused_by_name_with_the_way_out():
     objects = [thing("block", (0.5, 0.2), 0.3, "content"), thing("plate", (0.2, 0.05), 0.0, "receptacle")]
     found = found_for("left", objects)
     scene = scene_of(objects).model_copy(update={"goals": [asked(ON_PLATE, "left")]})
@@ -83,7 +83,7 @@ def test_what_the_arm_does_not_reach_is_refused_by_name_with_the_way_out():
     assert "leave the arm out" in refused.value.hint
 
 
-def test_what_no_single_arm_brings_there_is_not_handed_over_where_an_arm_is_asked_for():
+def test_a_requested_arm_excludes_a_hand_over():
     goal = goal_of(["cookie_box", "inside", "packaging_box"])
     objects = [thing("cookie_box", (-0.6, 0.1), 0.3), thing("packaging_box", (0.6, 0.1))]
     assert step_of(found_for(None, objects, goal), goal).hand_to == "right"
@@ -96,7 +96,7 @@ def test_a_chain_for_one_arm_is_proven_with_that_arm():
     require_chain(scene, objects, np.random.default_rng(0))
 
 
-def test_of_a_hand_over_the_arm_is_the_one_that_gives():
+def test_a_hand_over_is_assigned_to_the_giving_arm():
     objects = [thing("hammer", (-0.05, 0.0), 0.0, "content")]
     step = step_of(found_for("left", objects, HANDED), HANDED)
     assert (step.arm, step.hand_to) == ("left", "right")
@@ -104,7 +104,7 @@ def test_of_a_hand_over_the_arm_is_the_one_that_gives():
     assert "from the left arm to the right arm" in step.text
 
 
-def test_the_arm_of_what_a_hand_over_puts_down_is_the_one_that_takes():
+def test_the_put_down_after_a_hand_over_is_assigned_to_the_taking_arm():
     on_table = goal_of(["hammer", "on", "table"])
     assert arm_for([HANDED, on_table], {on_table: "right"}, "right") == (None, None)
     assert arm_for([HANDED, on_table], {on_table: "left"}, "right")[1] is not None
@@ -126,13 +126,13 @@ def test_an_arm_that_cannot_be_meant_is_refused_at_once(goal: Goal, arm: str, wh
         require_way([asked(goal, arm)], objects, robot().arms)
 
 
-def test_those_of_a_hand_over_are_giver_and_taker():
+def test_a_hand_over_has_a_giver_and_a_taker():
     arms = dict.fromkeys(("left", "right", "middle"), 0)
     assert [*those_of(arms, "middle", "left")] == ["left", "middle"]
     assert those_of(arms, None, "left") is arms
 
 
-def test_sentences_that_do_not_go_on_with_an_arm_are_left_out():
+def test_sentences_that_cannot_take_an_arm_are_left_out():
     step = subtask(texts=["The block goes on the plate.", "Could you put the block on the plate?"])
     bound = bound_to(step.model_copy(update={"grasps": [Grasp(contact=0, arm="left", score=0.0)]}), "left")
     assert bound.texts == [
@@ -141,7 +141,7 @@ def test_sentences_that_do_not_go_on_with_an_arm_are_left_out():
     ]
 
 
-def test_a_drawer_is_opened_by_the_arm_that_is_asked_for():
+def test_a_drawer_is_opened_by_the_requested_arm():
     cabinet = thing("cabinet_two_drawers", (0.0, 0.15))
     goals = [goal_of([cabinet.id, "open", None, link.name]) for link in cabinet.asset.model.links]
     either = {grasp.arm for grasp in step_of(found_for(None, [cabinet], goals[0]), goals[0]).grasps}
@@ -161,16 +161,16 @@ def goal(subject: str, relation: str, reference: str | None = None) -> Goal:
     return Goal(subject=subject, relation=relation, reference=reference)  # pyrefly: ignore
 
 
-def test_what_is_weighed_and_scanned_is_in_one_group_with_scale_and_scanner():
+def test_an_object_weighed_and_scanned_shares_a_group_with_scale_and_scanner():
     goals = [goal(BAR.id, "weighed"), goal(BAR.id, "scanned"), goal(SIGN.id, "presented")]
     assert for_one_arm(OBJECTS, goals) == [{BAR.id, SCALE.id, SCANNER.id}]
 
 
-def test_what_is_put_on_a_plate_may_change_hands():
+def test_an_object_put_on_a_plate_may_change_hands():
     assert for_one_arm(OBJECTS, [goal(BLOCK.id, "on", PLATE.id)]) == []
 
 
-def test_what_is_stacked_may_not():
+def test_a_stacked_object_may_not_change_hands():
     other = thing("block", id="block_2")
     assert for_one_arm([*OBJECTS, other], [goal(other.id, "on", BLOCK.id)]) == [{other.id, BLOCK.id}]
 

@@ -36,7 +36,7 @@ def test_states_velocities_and_actions_have_a_row_per_frame(data: EpisodeData, r
     assert data.qpos.shape == data.qvel.shape == data.action.shape == shape
 
 
-def test_measured_and_commanded_states_are_those_of_the_recording(data: EpisodeData, run: EpisodeRun):
+def test_measured_and_commanded_states_match_the_recording(data: EpisodeData, run: EpisodeRun):
     half = len(data.state_names) // 2
     np.testing.assert_array_equal(data.qpos[:, :half], run.log.arm_array("left", "state"))
     np.testing.assert_array_equal(data.action[:, half:], run.log.arm_array("right", "command"))

@@ -34,7 +34,7 @@ def first(*failed: tuple[tuple[int, str], Slot, set[Choice]]) -> tuple[tuple[int
         ("plan", None, {"arm"}),
     ],
 )
-def test_what_went_wrong_says_what_is_to_blame(stage: AttemptStage, failure: Failure | None, choices: set[Choice]):
+def test_the_failure_reason_names_the_part_to_blame(stage: AttemptStage, failure: Failure | None, choices: set[Choice]):
     assert blamed(stage, failure) == choices
 
 
@@ -52,15 +52,15 @@ def test_a_first_attempt_takes_the_first_of_everything():
         ({"grasp", "slot"}, GRASPS[1], SLOTS[1]),
     ],
 )
-def test_what_is_to_blame_changes_and_the_rest_stays(choices: set[Choice], grasp: tuple[int, str], slot: Slot):
+def test_the_part_to_blame_changes_and_the_rest_stays(choices: set[Choice], grasp: tuple[int, str], slot: Slot):
     assert first((GRASPS[0], SLOTS[0], choices)) == (grasp, slot)
 
 
-def test_what_was_to_blame_stays_avoided_when_something_else_fails_later():
+def test_a_blamed_part_stays_avoided_when_something_else_fails_later():
     assert first((GRASPS[0], SLOTS[0], {"grasp"}), (GRASPS[1], SLOTS[0], {"slot"})) == (GRASPS[1], SLOTS[1])
 
 
-def test_what_failed_together_is_tried_again_only_after_everything_else():
+def test_a_failed_combination_is_retried_only_after_everything_else():
     past = Retry((Failed(*GRASPS[0], SLOTS[0], frozenset({"grasp"})),))
     tried = [(grasp, slot) for slot, some in past.choices(GRASPS[:1], SLOTS) for grasp in some]
     assert tried == [(GRASPS[0], SLOTS[1]), (GRASPS[0], SLOTS[2]), (GRASPS[0], SLOTS[0])]
@@ -71,7 +71,7 @@ def test_a_slot_in_a_world_that_was_built_anew_is_known_again():
     assert first((GRASPS[0], trifle, {"slot"})) == (GRASPS[0], SLOTS[1])
 
 
-def test_what_is_put_nowhere_is_held_otherwise():
+def test_an_object_put_nowhere_is_held_differently():
     past = Retry((Failed(*GRASPS[0], None, frozenset({"slot"})),))
     assert [some for _, some in past.choices(GRASPS, [None])] == [GRASPS[1:], GRASPS[:1]]
 

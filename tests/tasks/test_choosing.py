@@ -93,14 +93,14 @@ def told(question: SlotQuestion) -> set[str]:
     return {str(statement) for statement in question.statements}
 
 
-def test_what_a_sub_task_does_not_move_may_be_said_to_be_unmoved():
+def test_an_object_outside_a_sub_task_may_be_said_to_be_unmoved():
     objects = [*block_and_plate(), thing("mug", (0.3, -0.1))]
     kept = searched(objects)
     (question,) = asked([kept["block-onto-plate"]], kept, objects)
     assert told(question) == {"plate unmoved", "mug unmoved"}
 
 
-def test_what_an_earlier_step_did_may_be_said_to_last():
+def test_the_result_of_an_earlier_step_may_be_said_to_last():
     second = thing("block", (0.2, -0.1), 0.0, "content", id="block_2")
     objects = [*block_and_plate(), second]
     kept = searched(objects)
@@ -109,7 +109,7 @@ def test_what_an_earlier_step_did_may_be_said_to_last():
     assert "block on plate" in told(then)
 
 
-def test_of_a_sub_task_that_comes_twice_only_what_is_true_both_times_may_be_said():
+def test_for_a_repeated_sub_task_only_facts_true_both_times_may_be_said():
     second = thing("block", (0.2, -0.1), 0.0, "content", id="block_2")
     objects = [*block_and_plate(), second]
     kept = searched(objects)
@@ -143,7 +143,7 @@ def test_a_statement_reads_as_a_goal_does():
     assert str(STILL) == "plate unmoved" and STILL.goal is None
 
 
-def test_what_else_hangs_open_of_the_handled_thing_is_checked_too():
+def test_other_open_parts_of_the_handled_object_are_checked_too():
     both = tuple(link.joint.far_end for link in thing("cabinet_two_drawers").asset.model.links)
     cabinet = thing("cabinet_two_drawers", (0.0, 0.06))
     cabinet = cabinet.moved(cabinet.pose, both)

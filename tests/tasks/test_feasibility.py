@@ -100,7 +100,7 @@ def test_the_arms_come_in_the_order_of_their_scores():
     assert scores == sorted(scores, reverse=True)
 
 
-def test_what_no_arm_reaches_is_refused_as_out_of_reach():
+def test_an_object_no_arm_reaches_is_refused_as_out_of_reach():
     block = thing("block", (0.0, 0.9))
     found = finding(block, thing("plate", (0.05, 0.05)))
     assert not found.feasible
@@ -177,7 +177,7 @@ def test_an_open_drawer_does(cabinet):
     assert access(standing(cabinet, PLACE, (0.0, TRAVEL)), drawer_floor()).passed
 
 
-def test_a_lid_keeps_in_what_lies_under_it_until_it_is_open(chest):
+def test_a_lid_keeps_contents_in_until_it_is_open(chest):
     assert access(standing(chest, PLACE), INSIDE).message == "the lid of brown chest is closed"
     assert access(standing(chest, PLACE, (LID_RANGE,)), INSIDE).passed
 
@@ -186,13 +186,13 @@ def test_the_top_of_a_cabinet_is_open(cabinet):
     assert access(standing(cabinet, PLACE), TOP).passed
 
 
-def test_what_opens_to_the_front_is_reached_from_the_side(cabinet):
+def test_a_container_open_to_the_front_is_reached_from_the_side(cabinet):
     check = access(standing(cabinet, PLACE), SHELF)
     assert not check.passed
     assert check.message == "'shelf' of brown cabinet can only be reached from the side"
 
 
-def test_a_thing_goes_into_a_drawer_that_is_opened_first(cabinet):
+def test_an_object_goes_into_a_drawer_opened_first(cabinet):
     objects = [thing("block", (-0.2, -0.1)), standing(cabinet, PLACE)]
     found = find_subtasks(workplace(objects), sensible)
     into = next(s for s in found.kept if s.functional_point == 0)

@@ -30,7 +30,7 @@ def goal(word: str, reference: str | None = None) -> Goal:
 
 @settings(deadline=None, max_examples=30)
 @given(st.sampled_from(WORDS), st.integers(0, 2**32 - 1))
-def test_what_is_put_beside_another_stands_so_and_touches_nothing(word: str, seed: int) -> None:
+def test_an_object_put_beside_another_touches_nothing(word: str, seed: int) -> None:
     block, other = thing("block", (-0.3, -0.1)), thing("mug", (0.2, 0.0))
     poses = GROUND.poses(block, goal(word, PLATE.id), [PLATE, other], np.random.default_rng(seed))
     pose = next(poses)
@@ -39,14 +39,14 @@ def test_what_is_put_beside_another_stands_so_and_touches_nothing(word: str, see
     assert not any(boxes_overlap(there.aabb, o.aabb) for o in (PLATE, other))
 
 
-def test_what_stands_at_its_place_moves_it_elsewhere() -> None:
+def test_an_object_at_the_target_moves_it_elsewhere() -> None:
     block = thing("block", (-0.3, -0.1))
     full = [np.array([[-0.45, -0.25], [0.0, 0.3]])]
     poses = GROUND.poses(block, goal("on", TABLE), [], np.random.default_rng(0), full)
     assert all(pose.p[0] > 0 for pose in itertools.islice(poses, 5))
 
 
-def test_what_is_put_down_stands_where_an_arm_reaches_it() -> None:
+def test_an_object_is_put_down_in_reach_of_an_arm() -> None:
     left = kinematics_of(load_robot("aloha_agilex").arms["left"])
     block, reached = thing("block", (-0.3, -0.1)), replace(GROUND, arms=(left,))
     found = list(reached.poses(block, goal("on", TABLE), [], np.random.default_rng(0)))
@@ -68,7 +68,7 @@ def test_back_is_where_it_stood() -> None:
     assert list(GROUND.poses(block, goal("back"), [], np.random.default_rng(0))) == [block.pose]
 
 
-def test_what_is_shown_faces_the_customer_on_the_far_side() -> None:
+def test_a_shown_object_faces_the_customer_on_the_far_side() -> None:
     poses = GROUND.poses(thing("block"), goal("presented"), [], np.random.default_rng(0))
     for pose in itertools.islice(poses, 5):
         assert faces_customer(pose) and on_customers_half(pose)
@@ -80,7 +80,7 @@ def test_a_full_customer_s_strip_leaves_the_customer_s_half() -> None:
     assert 0 < pose.p[1] < 0.12
 
 
-def test_what_is_presented_may_stand_in_the_near_part_of_the_customers_half() -> None:
+def test_a_presented_object_may_stand_in_the_near_part_of_the_customers_half() -> None:
     poses = list(GROUND.poses(thing("block"), goal("presented"), [], np.random.default_rng(0)))
     assert all(on_customers_half(pose) for pose in poses)
     assert sum(pose.p[1] < GROUND.upper[1] / 2 for pose in poses) > 0.4 * len(poses)

@@ -79,7 +79,7 @@ def aborted() -> EpisodeRun:
 
 @pytest.fixture(scope="module")
 def silent() -> EpisodeRun:
-    """The critic accepts what is not there."""
+    """The critic accepts a missing result."""
     return play_once(Critic([True]), play=knock_away, accept="critic")
 
 
@@ -108,7 +108,7 @@ def test_an_accepted_episode_says_so(accepted: EpisodeRun):
     assert accepted.reason == "all 1 sub-tasks were verified"
 
 
-def test_the_log_of_a_clean_episode_has_one_attempt_that_is_done(accepted: EpisodeRun):
+def test_the_log_of_a_clean_episode_has_one_finished_attempt(accepted: EpisodeRun):
     assert [(a.stage, a.accepted, a.attempt) for a in accepted.attempts] == [("done", True, 0)]
 
 
@@ -139,7 +139,7 @@ def test_the_same_episode_gives_the_same_states_bit_for_bit(accepted: EpisodeRun
 # --- trying again --------------------------------------------------------------------------------------
 
 
-def test_what_the_critic_refuses_is_tried_again_and_accepted(resampled: EpisodeRun):
+def test_an_attempt_refused_by_the_critic_is_retried_and_accepted(resampled: EpisodeRun):
     assert resampled.accepted
     assert resampled.segments[0].attempts == 2
 
@@ -176,21 +176,21 @@ def test_the_second_attempt_tries_another_grasp():
 @pytest.mark.parametrize(
     ("failure", "changes"), [("lost", ["arm instead of"]), ("astray", ["from the slot"]), (False, ["arm", "slot"])]
 )
-def test_what_the_critic_says_went_wrong_decides_what_changes(failure: Failure | bool, changes: list[str]):
+def test_the_critics_reason_decides_the_next_change(failure: Failure | bool, changes: list[str]):
     grasps = [Grasp(contact=0, arm="left", score=-1.0), Grasp(contact=1, arm="right", score=-2.0)]
     run = play_once(Critic([failure, True]), subtask(grasps=grasps))
     assert run.accepted
     assert all(word in change for word, change in zip(changes, run.attempts[1].changes, strict=True))
 
 
-def test_a_third_attempt_avoids_what_both_others_failed_for():
+def test_a_third_attempt_avoids_the_failures_of_both_others():
     grasps = [Grasp(contact=0, arm="left", score=-1.0), Grasp(contact=1, arm="right", score=-2.0)]
     run = play_once(Critic(["lost", "astray", True]), subtask(grasps=grasps))
     assert [(a.contact, a.arm) for a in run.attempts] == [(0, "left"), (1, "right"), (1, "right")]
     assert [any("from the slot" in change for change in a.changes) for a in run.attempts] == [False, False, True]
 
 
-def test_what_slips_out_of_the_fingers_is_held_otherwise_and_goes_to_the_same_slot():
+def test_a_slipped_object_is_held_differently_and_goes_to_the_same_slot():
     grasps = [Grasp(contact=0, arm="left", score=-1.0), Grasp(contact=1, arm="right", score=-2.0)]
 
     def lose_once(task: Task) -> None:
@@ -209,7 +209,7 @@ def test_an_episode_with_a_retry_is_the_same_bit_for_bit_when_it_is_run_again(re
     assert same(resampled.log, play_once(Critic([False, True])).log)
 
 
-def test_a_failure_after_an_accepted_sub_task_keeps_what_was_accepted():
+def test_a_failure_after_an_accepted_sub_task_keeps_the_accepted_state():
     objects = [thing("marker", (-0.2, 0.0), np.pi / 2), thing("block", (0.22, 0.0)), thing("packaging_box", (0, 0.05))]
     steps = [
         subtask("marker", "packaging_box", "inside"),
@@ -284,7 +284,7 @@ def test_a_place_that_fails_is_tried_again():
     assert run.segments[0].truth.success
 
 
-def test_an_attempt_says_what_was_changed():
+def test_an_attempt_states_its_changes():
     grasps = [Grasp(contact=0, arm="left", score=-1.0), Grasp(contact=1, arm="right", score=-2.0)]
     run = play_once(Critic([False, True]), subtask(grasps=grasps))
     assert run.attempts[0].changes == []
@@ -296,7 +296,7 @@ def test_an_attempt_says_what_was_changed():
 # --- who must say yes ----------------------------------------------------------------------------------
 
 
-def test_what_the_critic_accepts_against_the_state_is_tried_again_and_then_rejected():
+def test_an_attempt_accepted_by_the_critic_against_the_state_is_retried_and_then_rejected():
     run = play_once(Critic([True]), play=knock_away, retries=1)
     assert not run.accepted
     assert [(a.stage, a.disputed) for a in run.attempts] == [("verify", True)] * 2
@@ -304,17 +304,17 @@ def test_what_the_critic_accepts_against_the_state_is_tried_again_and_then_rejec
     assert "the critic says yes: it is there" in run.reason
 
 
-def test_what_the_critic_refuses_is_accepted_where_the_state_decides():
+def test_an_attempt_refused_by_the_critic_is_accepted_where_the_state_decides():
     run = play_once(Critic([False]), accept="state")
     assert run.accepted
     assert [(a.stage, a.disputed) for a in run.attempts] == [("done", True)]
 
 
-def test_what_the_state_refuses_is_rejected_where_the_state_decides():
+def test_an_attempt_refused_by_the_state_is_rejected_where_the_state_decides():
     assert not play_once(Critic([True]), play=knock_away, accept="state", retries=0).accepted
 
 
-def test_an_attempt_on_which_both_agree_is_not_disputed(accepted: EpisodeRun):
+def test_an_attempt_both_agree_on_is_not_disputed(accepted: EpisodeRun):
     assert [a.disputed for a in accepted.attempts] == [False]
 
 
@@ -354,19 +354,19 @@ def test_an_attempt_that_never_reached_the_critic_is_not_held_against_it(unplann
 # --- an arm that is asked for --------------------------------------------------------------------------
 
 
-def test_what_the_arm_that_is_asked_for_did_is_accepted():
+def test_an_attempt_with_the_requested_arm_is_accepted():
     run = play_once(Critic(), subtask(arm="left"))
     assert run.accepted and run.segments[0].arm == "left"
 
 
-def test_what_another_arm_did_than_the_one_that_is_asked_for_is_refused_though_the_critic_says_yes():
+def test_an_attempt_with_another_arm_is_refused_though_the_critic_says_yes():
     run = play_once(Critic(), subtask(arm="right"), retries=0)
     assert not run.accepted
     told = "the simulator's state says no: the left arm took hold of block, which was asked of the right arm"
     assert told in run.reason
 
 
-def test_further_attempts_stay_with_the_arm_that_is_asked_for():
+def test_further_attempts_stay_with_the_requested_arm():
     grasps = [Grasp(contact=contact, arm="left", score=-1.0) for contact in (0, 1)]
     run = play_once(Critic(["disturbed", False, True]), subtask(arm="left", grasps=grasps))
     assert run.accepted

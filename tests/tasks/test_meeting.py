@@ -87,7 +87,7 @@ def test_each_arm_holds_its_own_side():
     assert meeting.giver.p[0] < (meeting.pose * meeting.taken.in_object).p[0]
 
 
-def test_what_cannot_be_brought_on_is_not_handed_over():
+def test_an_object_that_cannot_be_carried_on_is_not_handed_over():
     def never(_hold: Hold) -> None:
         raise MotionFailed("its place is out of reach")
 

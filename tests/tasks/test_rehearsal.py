@@ -44,7 +44,7 @@ def chain() -> list[Subtask]:
     return [by_place[PLATE.id], by_place[BOWL.id]]
 
 
-def test_the_grasp_with_which_a_step_was_planned_is_tried_first(chain):
+def test_the_planned_grasp_of_a_step_is_tried_first(chain):
     contact, far_left = chain[0].grasps[0].contact, thing("block", (-0.9, -0.1))
     grasps = [Grasp(contact=contact, arm="right", score=9.0), Grasp(contact=contact, arm="left", score=1.0)]
     step = chain[0].model_copy(update={"grasps": grasps})
@@ -58,7 +58,7 @@ def test_a_step_whose_motions_cannot_be_planned_is_refused_with_the_reason(chain
         rehearsed(chain[:1], {}, [far_away, PLATE, BOWL], scene_of(OBJECTS), rng())
 
 
-def test_what_lies_in_a_drawer_goes_with_it_and_nothing_else_moves(tmp_path):
+def test_drawer_contents_go_with_the_drawer_and_nothing_else_moves(tmp_path):
     cabinet = asset_of("cabinet", drawer_cabinet(tmp_path), [drawer_handle()])
     drawer = standing(cabinet, Pose.from_yaw([-0.15, 0.09, TABLE_TOP], -0.1))
     floor = cabinet.bounds_of("drawer_upper")[0]
@@ -74,7 +74,7 @@ def test_what_lies_in_a_drawer_goes_with_it_and_nothing_else_moves(tmp_path):
     assert world.steps == 0
 
 
-def test_what_was_moved_is_examined_where_it_was_put(chain):
+def test_a_moved_object_is_examined_at_its_new_place(chain):
     slots = {chain[0].id: Slot(PLATE.id, 0, Pose([0.0, 0.0, 0.0066]))}
     there = PLATE.pose * Pose([0.0, 0.0, 0.0066])
     (_, then) = rehearsed(chain, slots, OBJECTS, scene_of(OBJECTS), rng())
@@ -85,7 +85,7 @@ def test_what_was_moved_is_examined_where_it_was_put(chain):
     assert {(g.contact, g.arm) for g in then.grasps} == {(g.contact, g.arm) for g in alone.grasps}
 
 
-def test_what_was_moved_out_of_reach_is_not_feasible_any_more(chain):
+def test_an_object_moved_out_of_reach_is_not_feasible_any_more(chain):
     slots = {chain[0].id: Slot(TABLE, None, Pose([0.0, 3.0, 0.74]), turns=(0.0,))}
     with pytest.raises(NoFeasibleTask, match="cannot be planned"):
         rehearsed(chain, slots, OBJECTS, scene_of(OBJECTS), rng())
@@ -98,19 +98,19 @@ def asked(objects: list[SceneObject]):
     )
 
 
-def test_a_layout_in_which_the_instruction_can_be_carried_out_is_as_required():
+def test_a_layout_that_allows_the_instruction_is_as_required():
     objects = block_and_plate()
     require_chain(asked(objects), objects, rng())
 
 
-def test_a_layout_in_which_no_arm_reaches_what_is_asked_for_is_not():
+def test_a_layout_without_an_arm_in_reach_of_the_object_is_not_as_required():
     block, plate = block_and_plate()
     objects = [block, plate.moved(Pose([0.0, 3.0, 0.74]))]
     with pytest.raises(NoFeasibleTask, match="block"):
         require_chain(asked(objects), objects, rng())
 
 
-def test_what_lies_in_a_thing_goes_along_with_it():
+def test_contents_go_along_with_their_container():
     mug, tray = thing("mug", (-0.2, 0.0)), thing("tray", (0.15, 0.05))
     floor = mug.asset.opening(mug.asset.annotation.functional_points[0]).floor
     block = thing("block", (-0.2, 0.0), height=TABLE_TOP + floor, container="mug")

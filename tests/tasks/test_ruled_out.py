@@ -19,14 +19,14 @@ def wanting(goal: Goal, objects: Sequence[SceneObject]) -> None:
     require_way([AskedGoal(goal=goal, step=0, words="the words")], objects, ARMS)
 
 
-def test_what_sizes_rule_out_is_refused_wherever_things_stand_with_the_words_and_the_reason():
+def test_an_object_ruled_out_by_size_is_refused_at_any_layout_with_words_and_reason():
     objects = [thing("ruler", (-0.2, 0.0), role="content"), thing("mug", (0.2, 0.0), role="receptacle")]
     with pytest.raises(NoFeasibleTask, match=r"ruler inside mug \('the words'\): .*does not fit in") as caught:
         wanting(Goal(subject="ruler", relation="inside", reference="mug"), objects)
     assert "another --seed does not help" in caught.value.hint
 
 
-def test_what_no_arm_reaches_here_may_be_reached_elsewhere():
+def test_an_object_no_arm_reaches_here_may_be_reached_elsewhere():
     far = [thing("marker", (0.0, 3.0)), thing("packaging_box", (0.4, 3.0))]
     wanting(Goal(subject="marker", relation="inside", reference="packaging_box"), far)
 
@@ -37,7 +37,7 @@ def test_without_its_tool_an_event_is_ruled_out(event: str, tool: str):
         wanting(goal_of(["chocolate_bar", event]), [thing("chocolate_bar")])
 
 
-def test_what_many_things_of_one_kind_fail_for_is_told_once_with_their_number():
+def test_one_reason_for_many_objects_of_a_kind_is_reported_once_with_their_number():
     blocks = [thing("block", id=f"block_{number}") for number in range(12)]
     asked = [
         AskedGoal(goal=Goal(subject=o.id, relation="inside", reference="mug"), step=0, words="12 blocks")
@@ -61,7 +61,7 @@ def asked(*goals: tuple[str, str, str]) -> list[AskedGoal]:
     ]
 
 
-def test_a_filled_bowl_is_not_carried_and_the_error_says_why_and_what_can_be_asked_for():
+def test_a_filled_bowl_is_not_carried_and_the_error_offers_alternatives():
     goals = asked(("apple", "inside", "bowl"), ("bowl", "on", "tray"))
     with pytest.raises(NoFeasibleTask, match=r"bowl cannot be carried with the .* apple in it \('step 1'\)") as caught:
         require_level(goals, BOWL)
@@ -75,10 +75,10 @@ def test_a_filled_bowl_is_not_carried_and_the_error_says_why_and_what_can_be_ask
         [("apple", "inside", "bowl"), ("apple", "on", "tray"), ("bowl", "on", "table")],
     ],
 )
-def test_a_bowl_that_is_empty_when_it_is_moved_is_not_refused(goals: list[tuple[str, str, str]]):
+def test_a_bowl_emptied_before_its_move_is_not_refused(goals: list[tuple[str, str, str]]):
     require_level(asked(*goals), BOWL)
 
 
-def test_a_cup_which_is_held_by_its_middle_is_carried_with_its_contents():
+def test_a_cup_held_by_its_middle_is_carried_with_its_contents():
     objects = [thing("lipstick"), thing("cup", (-0.2, 0.0)), thing("plate", (0.2, 0.0))]
     require_level(asked(("lipstick", "inside", "cup"), ("cup", "on", "plate")), objects)

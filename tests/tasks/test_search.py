@@ -88,7 +88,7 @@ def test_every_template_keeps_its_reasons():
         Goal(subject="cookie_box", relation="scanned"),
     ],
 )
-def test_only_what_is_put_in_or_on_something_is_refused_a_receptacle(goal: Goal):
+def test_refusals_of_other_goals_name_no_receptacle(goal: Goal):
     out_of_reach = ["block", "plate", "cookie_box", "barcode_scanner"]
     objects = [thing(name, (0.4 * k, 3.0)) for k, name in enumerate(out_of_reach)]
     refused = find_subtasks(workplace(objects), sensible, [goal]).refused
@@ -119,7 +119,7 @@ def test_the_reasoner_is_not_asked_when_nothing_fits():
     assert found_in([thing("marker", (-0.2, 0.0)), thing("whiteboard_eraser", (0.2, 0.0))], judge).kept == []
 
 
-def test_a_pair_that_is_not_sensible_is_refused_with_the_reasoners_reason():
+def test_an_implausible_pair_is_refused_with_the_reasoners_reason():
     result = found_in(block_and_plate(), nonsense)
     assert result.kept == []
     assert "not sensible: nobody does that" in [r.reason for r in result.refused]
@@ -132,7 +132,7 @@ def test_an_object_out_of_reach_is_refused_at_each_contact_point():
     assert [r.contact for r in result.refused if r.object == "block"] == [0, 1]
 
 
-def test_a_receptacle_that_is_full_already_is_refused():
+def test_a_full_receptacle_is_refused():
     box = thing("packaging_box", (0.0, 0.05), 0.0, "receptacle")
     filling = thing("packaging_box", (0.0, 0.05), 0.0, id="filling", container=box.id)
     result = found_in([thing("marker", (-0.2, 0.0), np.pi / 2, "content"), box, filling])
@@ -148,7 +148,7 @@ def test_the_same_seed_finds_the_same_sub_tasks():
 
 
 def refused_for(check: str) -> NoFeasibleTask:
-    """The error where one check refuses what is asked for."""
+    """The error where one check refuses the request."""
     goal = Goal(subject="marker", relation="inside", reference="packaging_box")
     asked = AskedGoal(goal=goal, step=0, words="the words")
     scene = scene_of(stationery()).model_copy(update={"instruction": "the words", "goals": [asked]})
@@ -200,12 +200,12 @@ def test_a_content_without_a_feasible_sub_task_is_named_with_the_reason():
         chain_for([block, plate], ("block", "on", "plate"))
 
 
-def test_what_shall_be_left_alone_is_not_moved():
+def test_an_object_to_be_left_alone_is_not_moved():
     with pytest.raises(NoFeasibleTask, match=r"marker inside packaging_box.*: marker is to be left alone"):
         chain_for(stationery(), ("marker", "inside", "packaging_box"), untouched=["marker"])
 
 
-def test_goals_that_cannot_all_be_brought_about_in_any_order_are_told_as_that():
+def test_goals_impossible_in_any_order_are_reported_as_such():
     objects = block_and_plate()
     goals = [Goal(subject="block", relation="on", reference=name) for name in ("plate", "table")]
     found = find_subtasks(workplace(objects), sensible, goals)
@@ -216,7 +216,7 @@ def test_goals_that_cannot_all_be_brought_about_in_any_order_are_told_as_that():
 
 
 @pytest.mark.parametrize(("holder", "steps"), [("mug", 2), ("bowl", 4)])
-def test_a_filled_thing_is_moved_with_what_lies_in_it_where_it_can_be_held_level(holder: str, steps: int):
+def test_a_filled_container_is_moved_with_its_contents_where_it_can_be_held_level(holder: str, steps: int):
     objects = [thing("block", (-0.2, 0.0)), thing(holder, (0.0, 0.1)), thing("tray", (0.25, 0.0))]
     fill = subtask("block", holder, "inside")
     aside = subtask("block", "table", id="aside", template="set_down", functional_point=None)

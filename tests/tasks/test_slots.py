@@ -59,7 +59,7 @@ def test_slots_keep_a_gap_to_the_walls(seed: int, count: int):
 
 @settings(deadline=None, max_examples=20)
 @given(seeds, st.floats(-np.pi, np.pi))
-def test_a_slot_leaves_room_for_what_lies_there_already(seed: int, yaw: float):
+def test_a_slot_leaves_room_for_the_present_contents(seed: int, yaw: float):
     box, eraser = thing("packaging_box", (0.1, 0.05), yaw), thing("whiteboard_eraser")
     there = eraser.moved(box.pose * Pose([0.03, 0.02, 0.004]))
     marker = thing("marker")
@@ -74,7 +74,7 @@ def test_the_same_seed_gives_the_same_slots():
     assert all(np.array_equal(first[key].matrix(), second[key].matrix()) for key in first)
 
 
-def test_what_does_not_fit_together_is_refused_by_name():
+def test_objects_that_do_not_fit_together_are_refused_by_name():
     pens = [thing("marker", id=f"marker-{i}") for i in range(30)]
     with pytest.raises(InfeasibleScene) as caught:
         allocate(thing("packaging_box"), 0, pens, rng(0))
@@ -107,7 +107,7 @@ def test_a_marker_is_not_put_where_the_fingers_would_open_over_a_wall():
         assert half - across > 0.04
 
 
-def test_another_slot_keeps_away_from_those_of_the_other_objects():
+def test_another_slot_keeps_away_from_the_slots_of_other_objects():
     objects = [thing("marker", (-0.2, 0.0)), thing("whiteboard_eraser", (0.22, 0.0)), thing("packaging_box", (0, 0.05))]
     chain = [subtask(o.id, "packaging_box", "inside") for o in objects[:2]]
     slots = by_object(chain, slots_for_chain(chain, workplace(objects, rng(0))))
@@ -118,7 +118,7 @@ def test_another_slot_keeps_away_from_those_of_the_other_objects():
         assert not boxes_overlap(world_aabb(objects[0].asset.bounds, slot.pose), there)
 
 
-def test_the_other_slots_keep_clear_of_what_was_brought_to_another_slot_than_was_planned():
+def test_the_other_slots_keep_clear_of_an_object_delivered_off_plan():
     objects = [thing("marker", (-0.2, 0.0)), thing("block", (0.2, 0.0)), thing("packaging_box", (0, 0.05))]
     chain = [subtask(o.id, "packaging_box", "inside") for o in objects[:2]]
     slots = by_object(chain, slots_for_chain(chain, workplace(objects, rng(0))))

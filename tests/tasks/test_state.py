@@ -32,7 +32,7 @@ def on_scale(world: World, name: str, aside: float = 0.0) -> None:
     world.set_object_pose(name, Pose([top[0] + aside, top[1], TABLE_TOP + top[2] + 0.002]))
 
 
-def test_what_lies_still_on_a_scale_for_a_second_is_weighed() -> None:
+def test_an_object_still_on_a_scale_for_a_second_is_weighed() -> None:
     world, watch = watched([thing(BAR, (0.3, 0.0)), thing(SCALE)], WEIGHED)
     on_scale(world, BAR)
     world.step(int(1.5 * PHYSICS_HZ))
@@ -56,7 +56,7 @@ def test_with_something_else_on_the_scale_nothing_is_weighed() -> None:
     assert watch.lasted_s(WEIGHED) == 0
 
 
-def test_what_lies_on_the_table_is_not_weighed() -> None:
+def test_an_object_on_the_table_is_not_weighed() -> None:
     world, watch = watched([thing(BAR, (0.3, 0.0)), thing(SCALE)], WEIGHED)
     world.step(2 * PHYSICS_HZ)
     assert watch.lasted_s(WEIGHED) == 0
@@ -73,7 +73,7 @@ def test_a_code_before_a_scanner_for_a_moment_is_read(seconds: float, read: bool
     assert goals_hold([SCANNED], watch).success is read
 
 
-def test_what_happens_after_a_watch_has_stopped_is_not_seen() -> None:
+def test_events_after_the_end_of_a_watch_are_not_seen() -> None:
     world, watch = watched([thing(BAR, (0.3, 0.0)), thing(SCALE)], WEIGHED)
     watch.stop()
     on_scale(world, BAR)

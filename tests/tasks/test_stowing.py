@@ -34,7 +34,7 @@ def stowed(part: str = "drawer_top", seed: int = 0) -> SceneObject:
 
 
 @pytest.mark.parametrize("part", ["drawer_top", "drawer_bottom"])
-def test_what_is_stowed_lies_still_in_its_drawer(part):
+def test_a_stowed_object_lies_still_in_its_drawer(part):
     pack = stowed(part)
     world = world_of([CABINET, pack])
     report = world.settle()
@@ -44,25 +44,25 @@ def test_what_is_stowed_lies_still_in_its_drawer(part):
     assert untrue(scene, [CABINET, pack.moved(world.object_pose(pack.id))]) == []
 
 
-def test_what_lies_in_another_drawer_is_not_where_it_is_described():
+def test_an_object_in_another_drawer_is_not_at_its_described_place():
     scene = scene_of([CABINET, stowed()]).model_copy(update={"descriptions": [SAID]})
     (complaint,) = complaints(scene, [CABINET, stowed("drawer_bottom")])
     assert "inside the top drawer of the" in complaint and "'from it'" in complaint
 
 
-def test_what_is_larger_than_the_drawer_is_refused():
+def test_an_object_larger_than_the_drawer_is_refused():
     mug = thing("mug", role="content", container=CABINET.id)
     many = [SceneObject(mug.record.model_copy(update={"id": f"mug{k}"}), mug.asset, mug.pose) for k in range(6)]
     with pytest.raises(InfeasibleScene):
         stow(CABINET, "drawer_top", many, robot(), np.random.default_rng(0))
 
 
-def test_the_planner_knows_in_which_drawer_it_lies():
+def test_the_planner_knows_the_drawer_of_the_object():
     state = initial_state([CABINET, stowed()])
     assert IN_DRAWER in state and ON_TABLE not in state
 
 
-def test_a_drawer_takes_along_what_lies_in_it_and_nothing_else():
+def test_a_drawer_takes_along_its_contents_and_nothing_else():
     pack, below = stowed(), stowed("drawer_bottom")
     other = SceneObject(below.record.model_copy(update={"id": "other"}), below.asset, below.pose)
     _, moved, stays = with_part([CABINET, pack, other], CABINET.id, "drawer_top")
@@ -91,7 +91,7 @@ def test_it_is_put_onto_a_plate_from_the_open_drawer():
     assert found.requires == [OPEN]
 
 
-def test_what_is_taken_from_a_lower_drawer_needs_those_above_it_closed():
+def test_taking_from_a_lower_drawer_needs_the_upper_ones_closed():
     there = reached(stowed("drawer_bottom"), [CABINET])
     assert [str(goal) for goal in there.requires] == [
         "cabinet_two_drawers/drawer_bottom open",
@@ -107,7 +107,7 @@ def test_nothing_goes_from_a_drawer_into_one_over_or_under_it(start, goes):
     assert refusals[start] is None
 
 
-def test_what_lies_in_no_drawer_is_reached_where_it_is():
+def test_an_object_in_no_drawer_is_reached_in_place():
     pack = thing("battery_pack", (0.3, -0.1), role="content")
     there = reached(pack, [CABINET])
     assert (there.thing, there.others, there.requires) == (pack, [CABINET], [])
@@ -129,7 +129,7 @@ def test_drawers_are_as_the_sub_task_needs_them(requires, joints):
     assert ready.object("stapler").joints == ()
 
 
-def test_what_it_does_not_need_stays_as_it_is():
+def test_unneeded_objects_stay_unchanged():
     start = scene_of([CABINET, STAPLER])
     records = [o.model_copy(update={"joints": (0.1, 0.1)}) if o.id == CABINET.id else o for o in start.objects]
     start = start.model_copy(update={"objects": records})

@@ -58,7 +58,7 @@ def test_a_script_stays_under_sixty_lines(tmp_path: Path):
     assert len([line for line in lines if line.strip()]) < 60
 
 
-def test_a_mistake_in_a_script_is_told_with_its_line(tmp_path: Path):
+def test_a_mistake_in_a_script_is_reported_with_its_line(tmp_path: Path):
     script = written(tmp_path)
     text = script.path.read_text().replace("    task.home()", "    tsak.home()")
     line = text.splitlines().index("    tsak.home()") + 1
@@ -72,7 +72,7 @@ def test_a_mistake_in_a_script_is_told_with_its_line(tmp_path: Path):
         load_script(script.path).play(Anything())
 
 
-def test_a_script_that_names_what_is_not_there_is_told_with_its_line(tmp_path: Path):
+def test_a_script_with_an_unknown_name_is_reported_with_its_line(tmp_path: Path):
     script = written(tmp_path)
     line = next(n for n, text in enumerate(script.path.read_text().splitlines(), 1) if "task.pick" in text)
 
@@ -84,7 +84,7 @@ def test_a_script_that_names_what_is_not_there_is_told_with_its_line(tmp_path: P
         load_script(script.path).play(Nothing())
 
 
-def test_a_mistake_elsewhere_than_in_the_script_stays_what_it_is(tmp_path: Path):
+def test_a_mistake_outside_the_script_is_not_relabelled(tmp_path: Path):
     script = written(tmp_path)
     script.path.write_text(f"{script.path.read_text()}\nplay = len\n")
     with pytest.raises(TypeError, match="len"):
@@ -134,7 +134,7 @@ def test_the_docstring_of_a_script_hides_nothing(text: str):
     assert all(c.isprintable() or c == "\n" for c in source)
 
 
-def test_a_script_that_is_not_there_names_the_stage_that_makes_it(tmp_path: Path):
+def test_a_missing_script_error_names_the_stage_that_makes_it(tmp_path: Path):
     with pytest.raises(MissingStage, match=r"gone\.py") as caught:
         load_script(tmp_path / "gone.py")
     assert caught.value.maker == "search_subtasks"
@@ -162,7 +162,7 @@ def test_a_script_without_one_of_its_functions_is_damaged(tmp_path: Path, name: 
         load_script(script)
 
 
-def test_a_script_under_a_python_without_vcage_says_what_to_do(tmp_path: Path):
+def test_a_script_under_a_python_without_vcage_names_the_remedy(tmp_path: Path):
     done = run_without_vcage(written(tmp_path).path)
     assert done.returncode != 0
     assert "export VCAGE_PYTHON=" in done.stderr
@@ -179,7 +179,7 @@ def test_a_script_goes_on_under_the_python_that_the_environment_names(tmp_path: 
 
 
 def environment(folder: Path) -> Path:
-    """A python that says that it was found, in an environment of its own."""
+    """A python that reports its use, in an environment of its own."""
     python = folder / ".venv" / "bin" / "python"
     python.parent.mkdir(parents=True)
     python.write_text("#!/bin/sh\necho found\n")

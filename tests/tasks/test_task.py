@@ -47,7 +47,7 @@ def test_a_picked_object_is_between_the_fingers(task: Task):
     assert task.world.holds(task.arm, "block")
 
 
-def test_what_was_picked_is_lifted_before_anything_else(task: Task):
+def test_a_picked_object_is_lifted_before_anything_else(task: Task):
     heights = []
     task.world.before_step.append(lambda world: heights.append(world.object_pose("block").p[2]))
     task.pick("block", GRASPS)
@@ -66,7 +66,7 @@ def test_the_first_grasp_that_can_be_planned_is_taken(task: Task):
     ("blamed", "grasp", "same_slot"),
     [({"grasp"}, (0, "right"), True), ({"slot"}, (0, "left"), False), ({"arm"}, (0, "right"), True)],
 )
-def test_a_further_attempt_changes_what_was_to_blame_and_keeps_the_rest(
+def test_a_further_attempt_changes_the_part_to_blame_and_keeps_the_rest(
     blamed: set[str], grasp: tuple[int, str], same_slot: bool
 ):
     task = task_on(block_and_plate(), [Failed(*GRASPS[0], ON_PLATE, frozenset(blamed))])
@@ -79,7 +79,7 @@ def test_a_further_attempt_changes_what_was_to_blame_and_keeps_the_rest(
     )
 
 
-def test_where_there_is_no_other_grasp_the_slot_changes():
+def test_without_another_grasp_the_slot_changes():
     task = task_on(block_and_plate(), [Failed(*GRASPS[0], ON_PLATE, frozenset({"grasp"}))])
     task.pick("block", GRASPS[:1])
     assert (task.contact, task.arm) == GRASPS[0]
@@ -167,9 +167,7 @@ def test_a_receptacle_out_of_reach_fails_at_the_plan(task: Task):
     ("object_id", "grasp", "named"),
     [("brick", (0, "left"), "object 'brick'"), ("block", (0, "middle"), "arm 'middle'"), ("block", (9, "left"), "'9'")],
 )
-def test_a_name_that_does_not_exist_is_refused_with_those_that_do(
-    task: Task, object_id: str, grasp: tuple[int, str], named: str
-):
+def test_an_unknown_name_is_refused_with_the_known_ones(task: Task, object_id: str, grasp: tuple[int, str], named: str):
     with pytest.raises(UnknownName, match=named):
         task.pick(object_id, [grasp])
 
@@ -185,9 +183,7 @@ def test_an_object_without_a_slot_cannot_be_placed():
 @pytest.mark.parametrize(
     ("elsewhere", "named"), [(("block",), "block"), (("plate", 1), "functional point 1 of plate"), ((), "table")]
 )
-def test_a_place_other_than_that_of_the_slot_is_refused_with_both(
-    task: Task, elsewhere: tuple[str | int, ...], named: str
-):
+def test_a_place_against_the_slot_is_refused_with_both(task: Task, elsewhere: tuple[str | int, ...], named: str):
     task.pick("block", GRASPS)
     expected = f"block cannot be put at {named}: its slot was planned at functional point 0 of plate"
     with pytest.raises(TaskFailed, match=expected) as caught:
@@ -195,7 +191,7 @@ def test_a_place_other_than_that_of_the_slot_is_refused_with_both(
     assert (caught.value.stage, caught.value.exhausted) == ("plan", True)
 
 
-def test_what_receives_something_stays_an_obstacle_where_no_point_is_named(task: Task, monkeypatch):
+def test_a_receptacle_stays_an_obstacle_if_no_point_is_named(task: Task, monkeypatch):
     seen: list[tuple[str, int | None]] = []
     of = Surroundings.of
     monkeypatch.setattr(Surroundings, "of", lambda cell, name, *where: seen.append(where) or of(cell, name, *where))

@@ -34,11 +34,11 @@ def beside(metres: float) -> Pose:
         ("hand", "load", False),
     ],
 )
-def test_the_fingers_may_touch_what_the_hand_may_touch_and_not_the_other_way_round(by, may, allowed):
+def test_the_fingers_may_touch_everything_the_hand_may_touch_and_not_vice_versa(by, may, allowed):
     assert Allowance(by, frozenset(["box"])).allows(may, "box", HERE) is allowed
 
 
-def test_what_is_not_named_may_not_be_touched():
+def test_unnamed_objects_may_not_be_touched():
     assert not Allowance("load", frozenset(["box"])).allows("load", "bottle", HERE)
 
 
@@ -48,7 +48,7 @@ def test_an_allowance_around_a_point_holds_above_it_and_nowhere_else():
     assert not allowance.allows("load", "box", beside(1.1 * SETTINGS.near_m))
 
 
-def test_where_an_object_is_taken_the_fingers_may_touch_what_it_lies_on_and_the_palm_may_not():
+def test_the_fingers_may_touch_the_support_of_a_picked_object_and_the_palm_may_not():
     allowed = at_rest(HERE, "block", {"table"})
     assert any(one.allows("fingers", "table", HERE) for one in allowed)
     assert not any(one.allows("hand", "table", HERE) for one in allowed)
@@ -68,7 +68,7 @@ def test_an_arm_that_presses_on_a_bystander_ends_the_attempt_and_names_it():
     assert failed.value.stage == "grasp"
 
 
-def test_what_sticks_out_of_a_carried_thing_and_presses_on_a_bystander_ends_the_attempt_and_names_it():
+def test_a_carried_objects_overhang_pressing_on_a_bystander_ends_the_attempt_and_names_it():
     cup, lipstick = thing("pencil_cup", (0.0, 0.0)), thing("lipstick", (0.0, 0.0), height=TABLE_TOP + 0.01)
     objects = {o.id: o for o in (cup, lipstick, thing("thermos", (0.2, 0.0)))}
     cell = Workcell(world_of(list(objects.values())), objects)
@@ -102,7 +102,7 @@ def test_a_bowl_held_by_its_rim_is_put_on_a_tall_cabinet_without_moving_it():
     assert world.object_pose("bowl").p[2] == pytest.approx(TABLE_TOP + floor, abs=0.01)
 
 
-def test_what_must_stay_free_below_a_carried_object_is_looked_at():
+def test_objects_to_keep_clear_below_a_carried_object_are_checked():
     block, plate = block_and_plate()
     world = world_of([block, plate])
     planner = MotionPlanner(Workcell(world, {"block": block, "plate": plate}).planner("left").scene)

@@ -28,30 +28,30 @@ def marker_at(x: float, y: float, z: float, yaw: float = 0.0) -> SceneObject:
     return marker.moved(BOX.pose * Pose.from_yaw([x, y, z], yaw))
 
 
-def test_that_nothing_was_asked_for_that_lasts_is_said():
+def test_the_absence_of_a_lasting_goal_is_reported():
     assert goals_hold([], StillState({})).reason == "nothing was asked for that lasts"
 
 
-def test_what_lies_on_the_floor_of_the_box_is_inside():
+def test_contents_on_the_floor_of_the_box_are_inside():
     assert truth(marker_at(0.03, -0.02, 0.004)).success
 
 
-def test_what_lies_beside_the_box_is_not_inside():
+def test_an_object_beside_the_box_is_not_inside():
     found = truth(marker_at(0.25, 0.0, 0.0))
     assert not found.success
     assert found.reason == "marker is 14.0 cm outside packaging_box"
 
 
-def test_what_is_above_the_box_is_not_inside():
+def test_an_object_above_the_box_is_not_inside():
     assert not truth(marker_at(0.0, 0.0, 0.1)).success
 
 
-def test_what_lies_across_the_rim_is_not_inside():
+def test_an_object_across_the_rim_is_not_inside():
     rim = BOX.asset.opening(BOX.asset.annotation.functional_point(0)).rim
     assert not truth(marker_at(0.0, 0.08, rim, np.pi / 2)).success
 
 
-def test_what_lies_on_another_content_is_inside():
+def test_an_object_on_another_content_is_inside():
     assert truth(marker_at(0.0, 0.0, 0.004 + 0.02)).success
 
 
@@ -84,7 +84,7 @@ def test_all_goals_must_hold():
     assert found.reason.startswith("block is")
 
 
-def test_where_a_thing_stands_beside_another_is_told_by_their_boxes():
+def test_beside_is_judged_by_the_boxes_of_both_objects():
     left = thing("block", (-0.2, 0.05))
     assert truth(left, relation="left_of").success
     assert truth(left, relation="right_of").reason == "block is not right_of packaging_box"
@@ -122,7 +122,7 @@ def test_a_thing_in_a_drawer_is_where_the_drawer_is(cabinet):
     assert not goals_hold([goal], StillState({"block": inside, cabinet.id: cabinet})).success
 
 
-def test_what_was_pressed_and_came_back_was_pressed():
+def test_a_button_pressed_and_released_was_pressed():
     bell = thing("service_bell")
     world = world_of([bell])
     goal = Goal(subject=bell.id, relation="pressed", part="button")
@@ -144,7 +144,7 @@ def marker_subtask() -> Subtask:
 
 
 @pytest.mark.parametrize(("shift", "stays"), [(0.0, True), (0.03, True), (0.08, False)])
-def test_what_a_subtask_has_no_business_with_stays_where_it_was(shift: float, stays: bool) -> None:
+def test_an_object_outside_a_subtask_stays_in_place(shift: float, stays: bool) -> None:
     objects = [thing("marker"), BOX, thing("block", (-0.2, 0.1))]
     world = world_of(objects)
     watch = Watch(world, {o.id: o for o in objects})
@@ -155,7 +155,7 @@ def test_what_a_subtask_has_no_business_with_stays_where_it_was(shift: float, st
     assert stays or found.reason == "block was moved by 8 cm on the way"
 
 
-def test_what_lies_in_the_thing_that_is_moved_goes_along() -> None:
+def test_contents_of_the_moved_object_go_along() -> None:
     plate, block = thing("plate"), thing("block")
     world = world_of([plate, block.moved(Pose(plate.pose.p + [0, 0, 0.02]))])
     watch = Watch(world, {o.id: o for o in (plate, block)})
@@ -166,7 +166,7 @@ def test_what_lies_in_the_thing_that_is_moved_goes_along() -> None:
     assert others_stay(moved, watch).success
 
 
-def test_what_has_rolled_over_in_the_thing_that_is_moved_goes_along() -> None:
+def test_contents_that_rolled_over_in_the_moved_object_go_along() -> None:
     carrier, egg = thing("toolbox_tray"), thing("egg")
     turned = egg.moved(Pose(egg.pose.p, [np.cos(0.45), np.sin(0.45), 0.0, 0.0]))
     lying = turned.moved(Pose(turned.pose.p + [0, 0.04, TABLE_TOP + 0.003 - turned.lowest], turned.pose.q))
@@ -200,9 +200,7 @@ OPENS = Subtask(
         (0.0, 1.0, f"not cabinet_two_drawers/{PARTS[1]} closed any more: the "),
     ],
 )
-def test_what_a_sub_task_is_to_leave_as_it_was_is_judged_with_its_goals(
-    shift: float, other: float, told: str | None
-) -> None:
+def test_unchanged_facts_of_a_sub_task_are_judged_with_its_goals(shift: float, other: float, told: str | None) -> None:
     world = world_of([CABINET])
     watch = watch_of(OPENS, world, {CABINET.id: CABINET})
     far = [link.joint.far_end for link in CABINET.asset.model.links]
@@ -215,7 +213,7 @@ def test_what_a_sub_task_is_to_leave_as_it_was_is_judged_with_its_goals(
     assert subtask_done(OPENS.model_copy(update={"statements": []}), OPENS.goals, watch).success
 
 
-def test_what_lies_in_something_is_to_stay_there() -> None:
+def test_contents_are_to_stay_inside() -> None:
     inside = marker_at(0, 0, 0.006)
     world = world_of([BOX, inside])
     stays = Statement(subject="marker", word="inside", reference=BOX.id)

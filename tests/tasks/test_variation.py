@@ -50,7 +50,7 @@ def test_an_object_that_stands_alone_is_shifted():
     assert not np.allclose(pose.p, block.pose.p)
 
 
-def test_a_container_and_what_lies_in_it_stay_where_they_are():
+def test_a_container_and_its_contents_stay_in_place():
     box = thing("packaging_box")
     inside = thing("marker", container=box.id, height=TABLE_TOP + 0.004)
     poses = shifted_poses([box, inside], np.random.default_rng(0))

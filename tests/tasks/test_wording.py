@@ -37,17 +37,17 @@ PUT = ["Put the red cup into the drawer.", "Place the red cup in the drawer."]
 WEIGH = ["Weigh the apple."]
 
 
-def test_one_command_is_said_in_its_own_wordings():
+def test_one_command_has_its_own_wordings():
     assert in_one_sentence([[OPEN]]) == OPEN
 
 
-def test_steps_are_said_in_their_order_with_then():
+def test_steps_are_stated_in_their_order_with_then():
     found = in_one_sentence([[OPEN], [PUT]])
     assert found[0] == "Open the drawer, then put the red cup into the drawer."
     assert "Pull the drawer open, then place the red cup in the drawer." in found
 
 
-def test_what_may_come_in_any_order_is_joined_by_and():
+def test_goals_in_any_order_are_joined_by_and():
     assert in_one_sentence([[PUT, WEIGH]])[0] == "Put the red cup into the drawer and weigh the apple."
 
 
@@ -72,17 +72,17 @@ def pens(*colours: str, into: int | None = None, **more: object) -> TaskToWord:
     return task(*goals, things=things | box, phrases=phrases | {"box": "brown packaging box"}, **more)
 
 
-def test_a_task_is_said_in_full_and_for_short():
+def test_a_task_has_a_full_and_a_short_sentence():
     found = template_wordings(task(ON))
     assert found[:2] == ["Put the red apple onto the white plate.", "Put the apple onto the plate."]
     assert len(found) >= 20
 
 
-def test_only_what_the_instruction_asks_for_is_said():
+def test_only_the_requests_of_the_instruction_are_stated():
     assert not any("open" in text.lower() for text in template_wordings(task(TOP)))
 
 
-def test_several_that_go_to_one_place_are_said_at_once():
+def test_several_objects_for_one_place_share_a_clause():
     found = template_wordings(pens("red", "blue"))
     assert found[:2] == [
         "Put the red marker pen and the blue marker pen into the brown packaging box.",
@@ -101,13 +101,13 @@ def test_all_of_one_phrase_have_a_name_and_one_of_them_has_none():
     assert template_wordings(pens("red", "red", into=1)) == []
 
 
-def test_one_of_two_alike_is_called_by_its_description():
+def test_one_of_two_alike_is_named_by_its_description():
     left = Description(subject="pen_0", relation="left_of", reference="pen_1", words="the left pen")
     found = template_wordings(pens("red", "red", into=1, descriptions=[left]))
     assert "Put the left marker pen into the packaging box." in found
 
 
-def test_what_starts_in_a_drawer_or_a_mug_is_taken_from_there():
+def test_an_object_starting_in_a_drawer_or_a_mug_is_taken_from_there():
     drawer = starting("inside", "cabinet", "drawer_top")
     assert template_wordings(task(ON, descriptions=[drawer]))[:4] == [
         "Put the red apple from the top drawer of the white two-drawer cabinet onto the white plate.",
@@ -145,19 +145,19 @@ def test_each_goal_keeps_its_part():
     assert len(template_wordings(task(TOP, BOTTOM))) >= 10
 
 
-def test_a_push_is_said_as_one():
+def test_a_push_has_wording_of_its_own():
     found = template_wordings(task(LEFT), pushed=[goal_of(LEFT[1])])
     assert found[0] == "Push the green pear to the left of the white plate."
 
 
-def test_the_arm_that_must_do_it_is_said():
+def test_the_required_arm_is_stated():
     by_left = replace(task(ON), goals=[AskedGoal(goal=goal_of(ON[1]), step=1, words="it", arm="left")])
     found = template_wordings(by_left)
     assert "Put the apple onto the plate with the left arm." in found
     assert all("left arm" in text for text in found)
 
 
-def test_what_is_to_be_left_alone_leaves_the_instruction_alone():
+def test_objects_to_be_left_alone_rule_out_template_wordings():
     assert template_wordings(task(ON, untouched=["mug"])) == []
 
 

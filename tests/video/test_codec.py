@@ -110,7 +110,7 @@ def test_odd_sizes_are_kept_in_full_colour(size, crf):
     assert decode(encode(frames, FPS, SETTINGS, crf)).shape == frames.shape
 
 
-def test_an_odd_size_with_halved_colour_is_refused_with_what_fits():
+def test_an_odd_size_with_halved_colour_is_refused_with_a_fitting_one():
     with pytest.raises(UsageError, match="63x48") as caught:
         encode(np.zeros((2, 48, 63, 3), np.uint8), FPS, EncoderSettings(pixel_format="yuv420p"), 10)
     assert "yuv444p10le" in caught.value.hint
@@ -135,13 +135,13 @@ def test_h264_has_a_lossless_form_and_av1_says_that_it_has_none(frames):
         encode(frames, FPS, EncoderSettings("av1"), None)
 
 
-def test_the_conversion_alone_is_what_the_codec_adds_its_loss_to(frames):
+def test_the_conversion_alone_is_the_base_the_codec_adds_its_loss_to(frames):
     error = {name: np.abs(only_converted(frames[:2], name).astype(int) - frames[:2]).mean() for name in FORMATS}
     assert error["gbrp"] == error["yuv444p10le"] == 0
     assert 0 < error["yuv444p"] < error["yuv420p"]
 
 
-def test_the_conversion_alone_is_what_a_decoder_would_give(frames):
+def test_the_conversion_alone_matches_a_decoder(frames):
     almost = decode(encode(frames[:2], FPS, EncoderSettings(pixel_format="yuv420p"), 0))
     assert np.abs(almost.astype(int) - only_converted(frames[:2], "yuv420p")).mean() < 1
 
@@ -166,7 +166,7 @@ def test_a_codec_missing_from_the_build_is_reported_before_anything_is_written(f
         encode(frames, FPS, SETTINGS, 10)
 
 
-def test_the_version_of_an_encoder_is_that_which_it_writes_into_its_streams():
+def test_the_version_of_an_encoder_matches_its_streams():
     assert re.match(r"\d+\.\d+.*, libavcodec \d+", encoder_version("hevc"))
     assert encoder_version("h264").startswith("core ")
 

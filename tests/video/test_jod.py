@@ -44,7 +44,7 @@ def test_a_sharper_display_changes_the_score(metric):
     assert other.loss(noisy(clip(1), 8), clip(1)) != metric.loss(noisy(clip(1), 8), clip(1))
 
 
-def test_an_unknown_display_is_refused_with_those_there_are():
+def test_an_unknown_display_error_lists_the_known_ones():
     with pytest.raises(UnknownName, match="standard_fhd"):
         JodMetric("cinema")
 
@@ -69,7 +69,7 @@ def test_displays_of_a_folder_of_ones_own_are_known(monkeypatch, tmp_path):
         require_display("standard_fhd")
 
 
-def test_a_missing_cvvdp_says_what_to_install(monkeypatch):
+def test_a_missing_cvvdp_error_names_the_package(monkeypatch):
     monkeypatch.setitem(sys.modules, "pycvvdp", None)
     with pytest.raises(MissingDependency, match="ColorVideoVDP") as missing:
         JodMetric()
@@ -90,7 +90,7 @@ def test_no_false_torchvision_is_left_behind(metric):
     assert "torchvision" not in sys.modules or hasattr(sys.modules["torchvision"], "__file__")
 
 
-def test_losses_are_those_of_the_library_with_its_own_reading_and_convolutions(metric):
+def test_losses_match_the_library_with_its_own_reading_and_convolutions(metric):
     frames = clip(4)
     worse = frames // 16 * 16
     jod, _ = metric._metric.predict(worse, frames, dim_order="BHWC")

@@ -23,7 +23,7 @@ def test_groups_with_scored_frames_are_encoded_as_far_as_the_last_of_them():
     assert set(SCORED) <= set(part.frames)
 
 
-def test_gops_that_are_compared_encode_the_same_frames():
+def test_compared_gops_encode_the_same_frames():
     part = excerpt(100, [35, 61], CODECS["hevc"], [10, 15])
     assert part.frames == (*range(30, 36), *range(60, 62))
 
@@ -37,7 +37,7 @@ def test_an_encoder_that_looks_ahead_gets_the_whole_video(name):
 @pytest.mark.parametrize("gop", [1, 7, 10, 30])
 @pytest.mark.parametrize("effort", ["fast", "default", "best"])
 @pytest.mark.parametrize("name", CAUSAL)
-def test_frames_of_an_excerpt_are_those_of_the_whole_video_bit_for_bit(name, effort, gop):
+def test_frames_of_an_excerpt_match_the_whole_video_bit_for_bit(name, effort, gop):
     settings = EncoderSettings(name, effort=effort, gop=gop)
     part = excerpt(len(FRAMES), SCORED, settings.facts, [gop])
     whole = decode(encode(FRAMES, FPS, settings, 22), list(part.frames))
@@ -59,7 +59,7 @@ PICTURES = clip(6)
 
 
 class Counting:
-    """A metric whose losses are differences, and what it was asked."""
+    """A metric whose losses are differences, and its questions."""
 
     def __init__(self):
         self.asked: list[int] = []
@@ -69,12 +69,12 @@ class Counting:
         return np.abs(test.astype(float) - reference).mean(axis=(1, 2, 3))
 
 
-def test_losses_are_those_of_the_metric():
+def test_losses_match_the_metric():
     worse = PICTURES // 2
     assert KnownLosses(Counting()).loss(worse, PICTURES).tolist() == Counting().loss(worse, PICTURES).tolist()
 
 
-def test_what_was_judged_is_not_judged_again():
+def test_a_judged_video_is_not_judged_again():
     metric, worse = Counting(), PICTURES // 2
     known = KnownLosses(metric)
     known.loss(worse[:4], PICTURES[:4])

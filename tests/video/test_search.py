@@ -49,7 +49,7 @@ def test_the_search_agrees_with_trying_every_crf(metric):
         assert result.loss_max == pytest.approx(losses[first_failure - 1])
 
 
-def test_the_video_of_a_result_is_the_one_that_was_judged(metric):
+def test_the_video_of_a_result_is_the_judged_one(metric):
     frames = clip(10)
     result = search(frames, metric)
     assert result.video == encode(frames, FPS, result.settings, result.crf)
@@ -75,7 +75,7 @@ def test_h264_without_loss_is_rgb(metric):
     assert np.array_equal(decode(result.video), clip(4))
 
 
-def test_a_codec_without_a_lossless_form_says_what_its_colour_costs(metric):
+def test_a_codec_without_a_lossless_form_reports_the_cost_of_colour(metric):
     frames = np.random.default_rng(0).integers(0, 256, (2, 48, 64, 3), np.uint8)
     with pytest.raises(UsageError, match=r"av1 video stays under 0\.001 JOD.*half the size") as caught:
         search(frames, metric, keyframes=[0, 1], threshold=0.001, choices=Choices(codec="av1"))
@@ -88,7 +88,7 @@ def test_where_the_bound_of_another_clip_passes_nothing_is_searched(metric):
     assert [(trial.crf, trial.frames) for trial in result.trials] == [(7, 10)]
 
 
-def test_a_search_encodes_the_whole_clip_once_and_else_what_is_scored(metric):
+def test_a_search_encodes_the_whole_clip_once_and_otherwise_the_scored_frames(metric):
     frames = clip(40)
     result = search(frames, metric, keyframes=[0, 13, 39])
     *searched, whole = result.trials
@@ -218,7 +218,7 @@ def test_where_held_out_frames_fail_in_a_cheaper_format_the_best_one_gets_its_tu
     assert result.added and result.held_out is None
 
 
-def test_after_the_first_trial_only_what_lost_most_is_encoded(monkeypatch):
+def test_after_the_first_trial_only_the_worst_frames_are_encoded(monkeypatch):
     keyframes = list(range(0, 60, 6))
 
     def loss_of(_name: str, crf: int, frame: int) -> float:
@@ -243,7 +243,7 @@ def test_a_frame_that_only_turns_out_to_be_the_worst_at_another_crf_is_seen_in_t
 
 
 @pytest.mark.parametrize("factor", [1.1, 1.5, 3.0])
-def test_what_the_guard_finds_costs_one_more_whole_encoding(monkeypatch, factor):
+def test_a_finding_of_the_guard_costs_one_more_whole_encoding(monkeypatch, factor):
     def loss_of(_name: str, crf: int, frame: int) -> float:
         return growing(crf) * (1 if frame in (0, 59) else factor)
 
@@ -280,7 +280,7 @@ def test_a_clip_that_passes_at_nothing_below_its_bound_is_without_loss(metric):
     assert np.array_equal(decode(result.video), frames)
 
 
-def test_a_fixed_crf_is_encoded_once_whatever_it_loses(metric):
+def test_a_fixed_crf_is_encoded_once_at_any_loss(metric):
     result = search(clip(10), metric, threshold=float("inf"), choices=replace(CHOICES, upper=40))
     assert (result.crf, len(result.trials)) == (40, 1)
     assert result.settings == EncoderSettings(effort="fast")

@@ -16,7 +16,7 @@ from vcage.vision.protocols import Detection
 
 
 class Fixed:
-    """A detector that answers what it is given."""
+    """A detector with given answers."""
 
     provider = "test"
 
@@ -102,7 +102,7 @@ def test_a_thousand_detections_are_cut_to_the_surest_and_noted(table, target, mo
     assert any("1000 things" in note for note in result.notes)
 
 
-def test_detections_that_are_none_of_this_picture_are_left_out_and_noted(table, target, moved):
+def test_invalid_detections_are_left_out_and_noted(table, target, moved):
     box = (300.0, 200.0, 340.0, 240.0)
     odd = [
         Detection((np.nan, 0.0, 20.0, 20.0), None, 0.9),

@@ -22,7 +22,7 @@ def tall(things, paint, make_scene, camera):
     return thing, image, template, np.array([*thing.xy, 0.0, 0.0])
 
 
-def test_an_object_that_did_not_move_fits_perfectly_but_for_its_edges(tall):
+def test_an_unmoved_object_fits_perfectly_except_at_its_edges(tall):
     _, image, template, pose = tall
     assert fit(image, template, pose[None]).goodness[0] > 0.93
 

@@ -65,7 +65,7 @@ def error(found: Registered, warp: np.ndarray) -> float:
     return float(np.linalg.norm(there @ found.warp.T - POINTS[:, :2], axis=1).max())
 
 
-def test_a_picture_of_the_same_size_is_left_as_it_is(source, target, table) -> None:
+def test_a_picture_of_the_same_size_is_unchanged(source, target, table) -> None:
     found = register(target, source, table)
     assert np.array_equal(found.picture, target) and found.valid.all() and found.notes == []
     assert np.array_equal(found.warp, np.eye(3)[:2])

@@ -27,14 +27,14 @@ def test_edges_are_found_to_a_part_of_a_pixel(back, front) -> None:
 
 @settings(max_examples=30, deadline=None)
 @given(scale=st.floats(0.8, 1.2), middle=st.floats(-8, 8))
-def test_the_way_that_lays_lines_over_the_edges_is_the_one_that_moved_them(scale, middle) -> None:
+def test_the_fitted_scale_lays_the_lines_over_the_moved_edges(scale, middle) -> None:
     empty = Profile.of(lab(45, 195), 0)
     seen = Profile.of(lab(120 + middle - 75 * scale, 120 + middle + 75 * scale), 0)
     (axis,) = laid(empty, table_edges(empty), seen)
     assert axis.scale == pytest.approx(1 / scale, abs=0.01)
 
 
-def test_upright_edges_are_those_of_the_picture_on_its_side() -> None:
+def test_upright_edges_match_those_of_the_rotated_picture() -> None:
     picture = lab(40, 200)
     lying = np.ascontiguousarray(picture.transpose(1, 0, 2))
     level, upright = table_edges(Profile.of(picture, 0)), table_edges(Profile.of(lying, 1))

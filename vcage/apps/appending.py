@@ -36,7 +36,7 @@ It is written before the data set, so it may name episodes beyond its end, which
 def append_to(root: Path, run: RunFolder, progress: Progress = silent) -> dict[str, Path]:
     """Add the episodes of a run to the LeRobot data sets in a folder, one for each format that the run was exported to.
 
-    A data set that is not there yet is begun. Each is whole at any time, and an episode that is in it already is left
+    A missing data set is created. Each is whole at any time, and an episode already in it is left
     out: an interrupted call can be repeated, and a run that has grown adds what is new. The videos are those of the
     export.
 
@@ -52,7 +52,7 @@ def append_to(root: Path, run: RunFolder, progress: Progress = silent) -> dict[s
         Format → its data set.
 
     Raises:
-        UsageError: the run was not exported to a LeRobot format; or the episodes do not fit those that are there: names
+        UsageError: the run was not exported to a LeRobot format; or the episodes do not fit the present ones: names
             what differs.
         MissingStage, StaleStage: the run is not exported, or has other episodes since.
         DamagedFile: an episode, a video or the data set cannot be read.
@@ -76,7 +76,7 @@ def append_to(root: Path, run: RunFolder, progress: Progress = silent) -> dict[s
 
 
 def _append(root: Path, name: str, episodes: Mapping[str, EpisodeFile], footage: Footage, progress: Progress) -> bool:
-    """Add those of the episodes, by the SHA-256 of their files, that a data set lacks; True if there were any."""
+    """Add the episodes, by the SHA-256 of their files, that a data set lacks; True if there were any."""
     recover(root / name)
     count = appendable_info(root / name, {})["total_episodes"] if (root / name / INFO).is_file() else 0
     added = _read_added(root / ADDED)
@@ -99,7 +99,7 @@ def _read_added(path: Path) -> dict[str, dict[str, int]]:
         return TypeAdapter(dict[str, dict[str, int]]).validate_python(read_json(path))
     except ValidationError as error:
         raise DamagedFile(
-            f"{path} does not say which episodes the data sets hold", hint="begin new ones in another folder"
+            f"{path} does not list the episodes of the data sets", hint="begin new ones in another folder"
         ) from error
 
 
@@ -131,4 +131,4 @@ def _footage_of(exported: Path, files: Sequence[str]) -> Footage:
 
 def _not_exported(exported: Path, field: str, found: object, expected: str) -> DamagedFile:
     message = f"{exported / INFO}: field {field}: {str(found)[:80]!r}; expected {expected}, as export wrote it"
-    return DamagedFile(message, hint="mend it", maker="export", details={"path": str(exported / INFO), "field": field})
+    return DamagedFile(message, hint="fix it", maker="export", details={"path": str(exported / INFO), "field": field})

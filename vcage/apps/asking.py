@@ -68,19 +68,19 @@ def question_of(name: str, run: RunFolder, options: StageOptions) -> Question:
 
     Args:
         name: of the prompt, one of :data:`STAGE_OF_PROMPT`.
-        run: with what the stages before wrote; nothing in it is changed.
+        run: with the output of earlier stages; nothing in it is changed.
         options: of the stage.
 
     Raises:
         UsageError: the stage does not ask it here.
-        VcageError: what the stage raises before it asks, for one :class:`vcage.base.errors.MissingStage`.
+        VcageError: any error of the stage before its question, for one :class:`vcage.base.errors.MissingStage`.
     """
     stage = stage_of(STAGE_OF_PROMPT[name])
     if isinstance(options, inpaint_plan.Options):
         options = replace(options, target=None)  # a file anywhere, which no answer takes part in
     context = StageContext(Choice("offline"))
     context.__dict__["models"] = _models(name, run)
-    stage.job(run, options, context).provenance()  # what is missing is told by its own path
+    stage.job(run, options, context).provenance()  # a missing input is named by its own path
     with scratch_folder() as folder:
         copy = RunFolder(folder / run.root.name)
         for name in _READ:
@@ -92,7 +92,7 @@ def question_of(name: str, run: RunFolder, options: StageOptions) -> Question:
             stage.execute(copy, options, context, lambda *_: None)
         except _Asked as asked:
             return asked.question
-    raise UsageError(f"{STAGE_OF_PROMPT[name]} does not ask {name} in {run}", hint="see what it asked in the report")
+    raise UsageError(f"{STAGE_OF_PROMPT[name]} does not ask {name} in {run}", hint="see its questions in the report")
 
 
 def _models(name: str, run: RunFolder) -> Models:

@@ -52,7 +52,7 @@ class Replayed:
     Args:
         states: the first difference of states; None where all are equal, bit for bit.
         pictures: by camera: ``equal``, the first difference, or why they were not compared.
-        versions: of what differs, as it was recorded and as it is here.
+        versions: the different ones, as recorded and as installed.
     """
 
     states: Difference | None
@@ -111,14 +111,14 @@ def replay_episode(path: Path, context: StageContext) -> Replayed:
 
     Raises:
         MissingStage, DamagedFile, SchemaMismatch: see :class:`EpisodeReader`.
-        DrivesNotRecorded: it was recorded without what the drives were told.
+        DrivesNotRecorded: it was recorded without the drive commands.
         UnknownName: the library lacks an object of its scene, or there is no such robot.
     """
     with EpisodeReader(path) as reader:
         episode = reader.episode
         if episode.drives is None:
             raise DrivesNotRecorded(
-                f"{path} does not hold what the arms were told at every step, which an earlier version did not keep",
+                f"{path} lacks the commands to its arms at every step: an earlier version recorded it",
                 hint="record the episode again: collect with --force",
             )
         start = Recorded.of(episode, path, context)

@@ -20,17 +20,17 @@ class AttemptLimits:
 
     Args:
         placements: of a scene's objects, until one stays put in the simulator.
-        placements_for_hands: of a scene's objects, until a hand has room around what is to be taken out of something.
+        placements_for_hands: of a scene's objects, until a hand has room to take objects out of their containers.
         stowings: ways to lay things into a drawer, until a hand has room around each.
         layouts: near the matched targets, until the instruction can be carried out in one.
         episode_layouts: drawn for an episode with all its clutter and variants.
         eased_layouts: drawn for an episode at each share of the clutter.
-        compared_starts: random placements for each layout of an episode, of which the one that breaks the fewest
+        compared_starts: random placements for each layout of an episode; the one that breaks the fewest
             relations is optimised: the optimisation moves objects past each other only if it must.
         shifts: small shifts of the run's layout, until all descriptions are true.
         slot_sets: sets of slots for a chain, where another layout would do as well.
         final_slot_sets: sets of slots for a chain, where there is no other layout.
-        compared_slots: arrangements of a receptacle's contents of which the lowest drop is taken.
+        compared_slots: arrangements of a receptacle's contents; the one with the lowest drop is taken.
         table_slot_sets: sets of places on the table for a chain.
         spare_slots: further slots for an object that cannot be brought to its own.
         table_places: places on the table, until an arm can bring the object to one.
@@ -65,7 +65,7 @@ class Refused(Exception):
 
     Args:
         reason: in words; the same words for the same reason, as refusals are counted by them.
-        about: what the proposal was, for a search that falls back on it.
+        about: the proposal, for a search that falls back on it.
     """
 
     def __init__(self, reason: str, about: Any = None):
@@ -140,7 +140,7 @@ def least_costly(proposals: Iterable[T], cost: Callable[[T], Any], enough: Any =
     Args:
         proposals: at least one; drawn one after the other.
         cost: of a proposal.
-        enough: the first proposal that costs no more ends the search; None compares all.
+        enough: the first proposal at or below this cost ends the search; None compares all.
     """
     best: tuple[Any, T] | None = None
     for proposal in proposals:

@@ -33,7 +33,7 @@ def _program() -> list[str]:
 def is_safe_continuation(command: str, run: Path, subcommands: Collection[str]) -> bool:
     """Check that a command from a file of a run folder is one of ours on that run, and names nothing to execute.
 
-    The folder may come from someone else, and whoever reads an error may run what it says.
+    The folder may come from someone else, and the reader of an error may run its command.
     """
     try:
         words = shlex.split(command)
@@ -52,7 +52,7 @@ def is_safe_continuation(command: str, run: Path, subcommands: Collection[str]) 
 
 
 def joined(words: Iterable[object]) -> str:
-    """Quote words for a shell; a part of a file name that is no text becomes a question mark."""
+    """Quote words for a shell; a part of a file name that is not text becomes a question mark."""
     return shlex.join(map(str, words)).encode(errors="replace").decode()
 
 

@@ -78,7 +78,7 @@ class Canvas:
         self._things: list[tuple[float, float, float, float]] = []
 
     def picture(self) -> np.ndarray:
-        """(H, W, 3) uint8 copy of what was drawn."""
+        """(H, W, 3) uint8 copy of the drawing."""
         return np.array(self.image.convert("RGB"))
 
     def text(self, at: tuple[float, float], words: str, fill: Colour = INK, size: int | None = None) -> None:
@@ -86,7 +86,7 @@ class Canvas:
 
         Args:
             at: (u, v) of the corner, pixels.
-            words: what is written.
+            words: the text.
             fill: colour.
             size: height, pixels; that of the labels when not given.
         """
@@ -126,7 +126,7 @@ class Canvas:
 
         Args:
             box: that it names, pixels.
-            words: what is written.
+            words: the text.
             colour: of the label; the words are white.
         """
         left, top, right, bottom = self.draw.textbbox((0, 0), words, font=self.font)

@@ -1,4 +1,4 @@
-"""One error tree: every failure that a user can cause or mend has a code, a hint and an exit code.
+"""One error tree: every failure that a user can cause or fix has a code, a hint and an exit code.
 
 A script turns a :class:`VcageError` into one line on stderr and one JSON line on stdout
 (:meth:`VcageError.as_record`), and exits with :attr:`VcageError.exit_code`. Any other exception is a bug
@@ -6,7 +6,7 @@ of ours and exits with 1.
 
 Exit codes: 0 done, 1 a bug, 2 usage, 3 bad input file or schema, 4 key or configuration missing,
 5 the model refused (final), 6 the endpoint failed for now or the folder is in use, 7 partly done (run again),
-8 the agent that runs the command is to answer first, 9 a replay differs from what was recorded.
+8 the agent that runs the command must answer first, 9 a replay differs from the recording.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ class VcageError(Exception):
 
     Args:
         message: what went wrong, naming the thing (file, object, option).
-        hint: what the user can do about it, in words.
-        command: the one that mends it, as a shell takes it (:mod:`vcage.base.commands`); told after the hint.
-        maker: the stage that mends it when it is run (again); whoever knows the run makes a command of it.
+        hint: the user's remedy, in words.
+        command: the one that fixes it, as a shell takes it (:mod:`vcage.base.commands`); shown after the hint.
+        maker: the stage that fixes it when run (again); callers that know the run make a command of it.
         details: JSON-serialisable facts for a program that reads the error.
     """
 
@@ -57,7 +57,7 @@ class VcageError(Exception):
 
     @property
     def way_out(self) -> str:
-        """The hint, and the command that mends it if there is one."""
+        """The hint, and the command that fixes it if there is one."""
         hint = shown(self.hint)
         return f"{hint or 'run'}: {self.command}" if self.command else hint
 
@@ -76,7 +76,7 @@ class VcageError(Exception):
         }
 
     def as_line(self) -> str:
-        """The one line for stderr: what happened, then the way out; a command stands last, as it is to be typed."""
+        """The one line for stderr: the problem, then the way out; a command stands last, ready to be typed."""
         message, hint = (" ".join(map(str.strip, shown(text).splitlines())) for text in (self.message, self.hint))
         if self.command:
             return f"{message}; {hint or 'run'}: {self.command}"
@@ -100,7 +100,7 @@ class UsageError(VcageError):
 
 
 class UnknownName(UsageError):
-    """A name that is not in a closed set; the message lists what is available."""
+    """A name outside a closed set; the message lists the available ones."""
 
     code = "unknown_name"
 
@@ -122,7 +122,7 @@ class AssetLeftOut(UsageError):
 
 
 class UnreadInstruction(UsageError):
-    """Words of an instruction answer to nothing that the robot can do: names them, and what was understood."""
+    """Words of an instruction match no action of the robot: names them, and the words that were understood."""
 
     code = "unread_instruction"
 
@@ -132,8 +132,8 @@ class UnreadInstruction(UsageError):
 
         Args:
             instruction: the whole.
-            words: what was not understood.
-            why: what is wrong with it.
+            words: the words not understood.
+            why: the reason.
             understood: the clauses that were.
         """
         clauses = "; ".join(repr(clause) for clause in understood)
@@ -146,7 +146,7 @@ class UnreadInstruction(UsageError):
 
 
 class NoAssetFits(UsageError):
-    """No object of the catalogue matches what an instruction asks for."""
+    """No object of the catalogue matches the instruction."""
 
     code = "no_asset_fits"
 
@@ -173,14 +173,14 @@ class OutputFolderError(UsageError):
 
 
 class InputFileError(VcageError):
-    """A file that a step reads is not what it should be."""
+    """An input file of a step is invalid."""
 
     code = "bad_input_file"
     exit_code = 3
 
 
 class MissingStage(InputFileError):
-    """The file that an earlier stage writes is not there."""
+    """The output of an earlier stage is missing."""
 
     code = "missing_stage"
 
@@ -192,7 +192,7 @@ class DamagedFile(InputFileError):
 
 
 class OversizedFile(DamagedFile):
-    """A file holds, or declares, more than is read into memory; names what was found and the limit."""
+    """A file holds, or declares, more than may be read into memory; names the size and the limit."""
 
     code = "oversized_file"
 
@@ -209,7 +209,7 @@ def mismatch(path: Path, field: str, message: str, hint: str = "mend the field",
     Args:
         path: of the file.
         field: its name.
-        message: what it is, and what was expected.
+        message: the value, and the expected one.
         hint: the way out.
         details: more facts for a program.
     """
@@ -218,17 +218,17 @@ def mismatch(path: Path, field: str, message: str, hint: str = "mend the field",
 
 
 class StaleStage(InputFileError):
-    """A stage is finished, but from other inputs or options than those asked for now."""
+    """A stage is finished, but from other inputs or options than the present ones."""
 
     code = "stale_stage"
 
 
 class NotJudged(StaleStage):
-    """Verify has looked at other episodes than there are: run again it judges what is new, and keeps the rest."""
+    """Verify has judged other episodes than the present ones: a second run judges the new ones, and keeps the rest."""
 
 
 class DrivesNotRecorded(InputFileError):
-    """An episode does not hold what its arms were told: it was recorded by a version that did not keep that."""
+    """An episode lacks the commands to its arms: it was recorded by a version that did not store them."""
 
     code = "no_drives"
 
@@ -250,7 +250,7 @@ class MissingKey(ConfigurationError):
 
 
 class ModelNotServed(ConfigurationError):
-    """An endpoint has no such model; names those that it has."""
+    """An endpoint lacks a model; names the available ones."""
 
     code = "model_not_served"
 
@@ -309,7 +309,7 @@ class FileInUse(PassingFault):
 
 
 class FetchFailed(PassingFault):
-    """A package mirror or index does not answer, or does not hold what is asked for."""
+    """A package mirror or index does not answer, or lacks the requested package."""
 
     code = "fetch_failed"
 
@@ -326,13 +326,13 @@ class PartlyDone(VcageError):
 
 
 class TooFewVerified(PartlyDone):
-    """Fewer episodes than asked for were verified of all that may be tried: the same again would change nothing."""
+    """Fewer episodes than requested were verified within the limit of attempts: a repetition would change nothing."""
 
     retryable = False
 
 
 class StageInterrupted(PartlyDone):
-    """A stage that another one needs was interrupted; the command that goes on is told."""
+    """A stage that another one needs was interrupted; names the command that resumes it."""
 
     code = "stage_interrupted"
 
@@ -343,7 +343,7 @@ class DiskFull(PartlyDone):
     code = "disk_full"
 
 
-# --- 8: whoever runs the command is the model ----------------------------------------------------------
+# --- 8: the agent that runs the command is the model ---------------------------------------------------
 
 
 class AnswerNeeded(VcageError):
@@ -393,7 +393,7 @@ class AnswerNeeded(VcageError):
         )
 
 
-# --- 9: what was recorded does not come about again ----------------------------------------------------
+# --- 9: a recording cannot be reproduced ---------------------------------------------------------------
 
 
 class NotReproduced(VcageError):

@@ -57,7 +57,7 @@ def cache_dir(*parts: str) -> Path:
 
 
 def data_path(*parts: str) -> Path:
-    """A path among what the user brought, made or not: ``$VCAGE_DATA`` or ``$XDG_DATA_HOME/vcage``.
+    """A path in the user's data folder, existing or not: ``$VCAGE_DATA`` or ``$XDG_DATA_HOME/vcage``.
 
     Unlike the cache it cannot be made again by itself.
     """
@@ -203,7 +203,7 @@ PRODUCERS = {
 
 
 def stage_of_file(path: Path) -> str:
-    """The stage that writes a file, by the folder that it lies in or the one above; empty where no stage does."""
+    """The stage that writes a file, by its folder or the parent folder; empty without one."""
     folder = Path(path).parent
     return PRODUCERS.get(folder.name) or PRODUCERS.get(folder.parent.name, "")
 
@@ -234,7 +234,7 @@ class RunFolder:
 
     @cached_property
     def _own(self) -> Path:
-        """The root, once it is sure that nothing of ours in it leads elsewhere."""
+        """The root, after checking that none of our files in it leads elsewhere."""
         self.require_no_links()
         return self.root
 
@@ -285,7 +285,7 @@ class RunFolder:
         if complaint is None and Path(inside).parts[0].partition(".")[0] not in OWN:
             complaint = f"expected a path in a folder of a stage, got {name[:80]!r}"
         if complaint:
-            raise InputFileError(f"{self}: {complaint}", hint="mend the record that says so")
+            raise InputFileError(f"{self}: {complaint}", hint="correct the record that names it")
         return self._own / inside
 
     def relative(self, path: Path) -> str:

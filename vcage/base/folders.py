@@ -58,7 +58,7 @@ def is_empty_folder(folder: Path) -> bool:
 def files_below(folder: Path, *, repeated: bool = False, max_folders: int = 100_000) -> list[Path]:
     """All files below a folder in natural order, links to folders followed, without hidden names.
 
-    A link whose target is missing counts as a file, so that whoever opens it can name it.
+    A link with a missing target counts as a file, so that the reader can name it.
 
     Args:
         folder: where to look.

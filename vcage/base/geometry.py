@@ -145,7 +145,7 @@ def wrap_angle(angle: ArrayLike) -> np.ndarray:
 
 
 def frame_from_axes(origin: ArrayLike, z: ArrayLike, y: ArrayLike) -> Pose:
-    """The pose whose z axis is ``z`` and whose y axis is ``y`` made perpendicular to it.
+    """The pose with z axis ``z`` and with y axis ``y`` made perpendicular to it.
 
     A gripper frame has z along the approach and y along the closing direction of the fingers.
 
@@ -168,8 +168,8 @@ def look_at(eye: ArrayLike, target: ArrayLike, up: ArrayLike = (0.0, 0.0, 1.0)) 
 
     Args:
         eye: (3,) where it stands.
-        target: (3,) what is in the middle of the picture.
-        up: (3,) what is up in the picture.
+        target: (3,) point in the middle of the picture.
+        up: (3,) direction that is up in the picture.
     """
     eye, target, up = (np.asarray(v, dtype=np.float64) for v in (eye, target, up))
     forward = target - eye

@@ -35,7 +35,7 @@ def longest_path(lengths: Mapping[Edge, float], ends: Mapping[str, float]) -> tu
 
     Args:
         lengths: of the edges.
-        ends: what a node adds where a path begins or ends with it.
+        ends: cost of a node at the start or end of a path.
     """
     before: dict[str, list[str]] = {}
     for start, end in lengths:

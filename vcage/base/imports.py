@@ -10,8 +10,8 @@ from types import ModuleType
 
 @contextmanager
 def left_out(package: str, part: str) -> Iterator[None]:
-    """Imports inside find an empty module where they import ``package.part``, which they keep; whatever else of the
-    package they ask for raises ImportError. A package that is loaded already is left alone.
+    """Imports inside find an empty module where they import ``package.part``, which they keep; other imports from the
+    package raise ImportError. A loaded package is left alone.
 
     Args:
         package: that is slow to import.

@@ -53,11 +53,11 @@ def name_complaint(name: str) -> str | None:
 
 
 def require_no_links(root: Path, names: Collection[str], max_depth: int = 64) -> None:
-    """Require that all that a folder holds under these names is folders and regular files.
+    """Require that a folder holds only folders and regular files under these names.
 
     Args:
         root: the folder.
-        names: of its entries that are looked at, up to the first dot: ``episodes`` is ``episodes.collecting`` too.
+        names: of its entries to check, up to the first dot: ``episodes`` is ``episodes.collecting`` too.
         max_depth: folders in one another.
 
     Raises:
@@ -93,6 +93,6 @@ def _leads_out(entry: os.DirEntry[str]) -> InputFileError:
         return InputFileError(f"{entry.path} is neither a file nor a folder", hint="remove it", details=named)
     return InputFileError(
         f"{entry.path} is a symbolic link: nothing is read or written through links in a run folder",
-        hint="put what it names there in its place, or remove it",
+        hint="replace it by the folder or file it names, or remove it",
         details=named,
     )

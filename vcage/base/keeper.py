@@ -35,7 +35,7 @@ class Keeper(Generic[K]):
     """The record of a piece of work, and the inputs that the work would have today.
 
     Args:
-        path: of the record, which is written last: where it is, the work is whole.
+        path: of the record, which is written last: its existence means complete work.
         record: its type.
         made_from: compared with that of the record.
     """

@@ -1,6 +1,6 @@
 """Partial work and temporary folders: their names, and their removal once the process that made them was killed.
 
-A temporary folder is locked by its process, however that ends, so one that can be locked belongs to nobody any more.
+A temporary folder is locked by its process, in every case, so one that can be locked belongs to nobody any more.
 """
 
 from __future__ import annotations
@@ -65,11 +65,11 @@ def sweep_scratch() -> None:
 
 
 def sweep_folder(folder: Path, names: Collection[str]) -> None:
-    """Remove what killed processes were writing in a folder that this process holds, and put back what they replaced.
+    """Remove partial work of killed processes in a folder held by this process, and put back the files they replaced.
 
     Args:
         folder: held by this process.
-        names: of files, without their suffix, and of folders in ``folder`` that are ours, with all that is in them.
+        names: of our files, without their suffix, and of our folders in ``folder``, with all their contents.
     """
     with os.scandir(folder) as entries:
         there = sorted(Path(entry.path) for entry in entries)
@@ -97,7 +97,7 @@ def sweep_cache(cache: Path, age_s: float = 24 * 3600.0) -> None:
 
 
 def _mend(path: Path) -> None:
-    """Remove partial work of a process that is gone; put back, or remove, what was to be replaced."""
+    """Remove partial work of a process that has ended; put back, or remove, the file to be replaced."""
     if replaced := REPLACED_NAME.fullmatch(path.name):
         recover(path.with_name(replaced["of"]))
     elif PARTIAL_NAME.fullmatch(path.name):
@@ -116,7 +116,7 @@ def _new_scratch() -> tuple[Path, int]:
 
 
 def _lock(folder: Path) -> int:
-    """Lock a folder until the file that is returned is closed; where the file system knows no locks, nobody can.
+    """Lock a folder until the returned file is closed; on a file system without locks, nobody can.
 
     Raises:
         BlockingIOError: another process has locked it.
@@ -143,7 +143,7 @@ def _remove_unless_locked(folder: Path) -> None:
 
 
 def is_written(part: Path) -> bool:
-    """Check whether the process whose number is in the name still runs on this machine, and is not this one."""
+    """Check that the process with the number in the name still runs on this machine, and is not this one."""
     number = part.name.partition(PARTIAL)[2].partition(".")[0]
     if not number.isdecimal() or int(number) == os.getpid():
         return False
@@ -157,10 +157,10 @@ def is_written(part: Path) -> bool:
 
 
 def recover(path: Path) -> None:
-    """Mend what a killed ``atomic_folder`` or ``atomic_path`` left beside ``path``.
+    """Repair leftovers of a killed ``atomic_folder`` or ``atomic_path`` beside ``path``.
 
-    A folder that was moved away for a replacement that never came is moved back; partial work is deleted, but for that
-    of a process that is still there.
+    A folder moved away for a replacement that never came is moved back; partial work is deleted, except that
+    of a living process.
     """
     path = Path(path)
     if not path.parent.is_dir():

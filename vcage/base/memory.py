@@ -22,7 +22,7 @@ where that is counted apart."""
 
 
 def free_memory() -> int:
-    """Bytes that the system can give without swapping, or fewer where the process's control groups allow no more."""
+    """Bytes that the system can give without swapping, or fewer where the process's control groups limit them."""
     found = re.search(r"^MemAvailable:\s+(\d+) kB$", MEMINFO.read_text(), re.MULTILINE)
     free = [int(found[1]) * 1024] if found else []
     for folder in _groups():
@@ -32,7 +32,7 @@ def free_memory() -> int:
 
 
 def _groups() -> list[Path]:
-    """Folders of the control groups that may limit this process's memory, those around them too.
+    """Folders of the control groups that may limit this process's memory, including enclosing groups.
 
     A container may see its own group as the root of all, whatever its name.
     """

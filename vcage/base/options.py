@@ -1,11 +1,11 @@
 """Types of option values: annotations for fields of dataclasses that tyro turns into a command line.
 
-A field says once what it is, for Python and the command line alike::
+A field describes an option once, for Python and the command line::
 
     episodes: Annotated[int, POSITIVE] = 3
     \"\"\"accepted episodes to collect\"\"\"
 
-What is not allowed raises ``ValueError``, which tyro reports with the option's name.
+An invalid value raises ``ValueError``, which tyro reports with the option's name.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def value(
     """One word.
 
     Args:
-        parse: what it means; raises ``ValueError`` with what is wrong with it.
+        parse: parses a word; raises ``ValueError`` with the reason.
         metavar: its name in the help.
         show: a default as a user would write it.
         choices: which there are; any when not given.
@@ -60,13 +60,13 @@ def choice(names: Sequence[str]) -> PrimitiveConstructorSpec:
 def several(
     metavar: str, *, least: int = 1, choices: Sequence[str] | None = None, one: Callable[[str], Any] = str
 ) -> PrimitiveConstructorSpec:
-    """As many words as there are, as a tuple; of choices, a repeated one counts once.
+    """Any number of words, as a tuple; of choices, a repeated one counts once.
 
     Args:
         metavar: their name in the help.
         least: fewer are refused.
-        choices: which there are; any when not given.
-        one: what a word means; raises ``ValueError`` with what is wrong with it.
+        choices: the allowed words; any when not given.
+        one: parses one word; raises ``ValueError`` with the reason.
     """
 
     def parse(words: list[str]) -> tuple[Any, ...]:
@@ -109,7 +109,7 @@ def natural(text: str) -> int:
 
 
 def name_or_file(text: str) -> str:
-    """A name as it is, and the path of a YAML file from the root: what was said in one folder is read in any."""
+    """A name unchanged, and the path of a YAML file from the root: a value given in one folder is read in any."""
     if not text.strip():
         raise ValueError("expected a name, or the path of a YAML file")
     return str(Path(text).expanduser().resolve()) if text.endswith((".yml", ".yaml")) else text
@@ -143,7 +143,7 @@ def folder(text: str) -> Path:
 
 
 def file(text: str) -> Path:
-    """A file's path from the root: what was said in one folder is read in any."""
+    """A file's path from the root: a value given in one folder is read in any."""
     if not text.strip():
         raise ValueError("the file has no name")
     return Path(text).expanduser().absolute()

@@ -1,4 +1,4 @@
-"""Picture files: written as PNG, read from any common format once their header says that they fit in memory.
+"""Picture files: written as PNG, read from any common format once their header declares a size that fits in memory.
 
 Every picture that a user or a model hands over is opened here, so none is decoded before its size is known.
 """
@@ -102,7 +102,7 @@ def picture_header(source: Path | bytes, name: str = "", limits: PictureLimits =
     Args:
         source: a file, or its content.
         name: names it in errors; by default the path.
-        limits: what is refused as too large.
+        limits: larger files are refused.
 
     Raises:
         MissingStage: the file is not there.
@@ -178,7 +178,7 @@ def _opened(source: Path | bytes, name: str, limits: PictureLimits) -> Iterator[
 
 @contextlib.contextmanager
 def _decoding(name: str, maker: str, limits: PictureLimits) -> Iterator[None]:
-    """Turn what Pillow's readers raise into errors that name the picture."""
+    """Turn errors of Pillow's readers into errors that name the picture."""
     try:
         yield
     except VcageError:
@@ -224,7 +224,7 @@ def _oversized(name: str, found: str, maker: str, **details: int) -> OversizedFi
 
 
 def rgb_of_decoded(picture: np.ndarray) -> np.ndarray:
-    """(H, W, 3) uint8 RGB of what OpenCV decoded; 16 bits become 8, grey becomes RGB, alpha is laid over white."""
+    """(H, W, 3) uint8 RGB from OpenCV's decoder; 16 bits become 8, grey becomes RGB, alpha is laid over white."""
     if picture.dtype == np.uint16:
         picture = (picture // 257).astype(np.uint8)
     return cv2.cvtColor(three_channels(picture), cv2.COLOR_BGR2RGB)

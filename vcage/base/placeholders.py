@@ -53,4 +53,4 @@ def _dangling(path: Path) -> DamagedFile:
         fetched = ": `git annex get` fetches it"
     elif "/blobs/" in target:
         fetched = ": `hf download` fetches it"
-    return DamagedFile(f"{path} is a link to {target}, which is not there{fetched}", hint="mend the link, or remove it")
+    return DamagedFile(f"{path} is a link to {target}, which is not there{fetched}", hint="fix the link, or remove it")

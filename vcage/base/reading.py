@@ -1,7 +1,7 @@
 """JSON and YAML as other programs write them, and errors that name file and line where they cannot be read.
 
-A byte order mark and Windows' line ends are taken. What Python would read without a word is refused: a key that stands
-twice, of which the last would win; ``NaN``; text in another encoding; a pipe or device, which need never end.
+A byte order mark and Windows' line ends are accepted. Inputs that Python reads silently are refused: a repeated
+key, of which the last would win; ``NaN``; text in another encoding; a pipe or device, which need never end.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ _TOO_DEEP = f"more than {LIMITS.max_depth} lists or objects inside each other"
 
 
 class Unreadable(ValueError):
-    """Text is not what it should be; the message names the line."""
+    """Text is invalid; the message names the line."""
 
     def __init__(self, line: int, why: str):
         super().__init__(f"line {line}: {why}")
@@ -57,7 +57,7 @@ KINDS = {
 
 
 def kind_of_file(mode: int) -> str:
-    """Name what stands in place of a regular file, by the mode in its ``stat``."""
+    """Name the kind of an irregular file, by the mode in its ``stat``."""
     return KINDS.get(stat.S_IFMT(mode), "something else")
 
 
@@ -104,7 +104,7 @@ def read_json(path: Path, maker: str = "", *, nan: bool = False) -> Any:
     Args:
         path: of the file.
         maker: the stage that writes it.
-        nan: ``NaN`` and ``Infinity``, which are no JSON, are taken.
+        nan: ``NaN`` and ``Infinity``, which are not JSON, are accepted.
 
     Raises:
         InputFileError: as :func:`open_regular`.
@@ -126,7 +126,7 @@ def _read(path: Path, what: str, parse: Callable[[bytes], Any], maker: str) -> A
     except Unreadable as error:
         raise DamagedFile(
             f"{path} is not valid {what}: {error}",
-            hint="mend it",
+            hint="fix it",
             maker=maker,
             details={"path": str(path), "line": error.line},
         ) from error
@@ -160,7 +160,7 @@ def parse_json(data: bytes | str, *, nan: bool = False) -> Any:
     text = text_of(data) if isinstance(data, bytes) else data.removeprefix("\ufeff")
     try:
         value = load_json(text, object_pairs_hook=_object, parse_constant=None if nan else _no_constant)
-        if _is_deep(value, LIMITS.max_depth):  # whoever writes it again would end in Python's own limit
+        if _is_deep(value, LIMITS.max_depth):  # writing it again would reach Python's own limit
             raise RecursionError
         return value
     except _Twice:
@@ -234,7 +234,7 @@ def _line_of_token(text: str, token: str) -> int:
 
 
 def _line_of_depth(text: str, depth: int) -> int:
-    """Line on which so many lists and objects are open at once."""
+    """Line with that many lists and objects open."""
     level = 0
     for match in re.finditer(rf"{_STRING}|[\[{{}}\]]", text):
         level += {"[": 1, "{": 1, "]": -1, "}": -1}.get(match[0], 0)
@@ -244,7 +244,7 @@ def _line_of_depth(text: str, depth: int) -> int:
 
 
 def _second_key(text: str) -> tuple[int, str]:
-    """The first key that stands again in its object, and its line, of a text that is JSON up to there."""
+    """The first repeated key of an object, and its line, of a text that is JSON up to there."""
     objects: list[set[str]] = []
     for match in re.finditer(rf"({_STRING})\s*:|{_STRING}|[{{}}]", text):
         if match[0] == "{":
@@ -282,7 +282,7 @@ def _yaml_loader() -> type[Any]:
     import yaml
 
     class Loader(yaml.SafeLoader):
-        """Refuses a key that stands twice in a mapping, and brackets whose nesting takes its time squared."""
+        """Refuses a repeated key of a mapping, and brackets whose nesting takes quadratic time."""
 
         def fetch_flow_collection_start(self, token: type[yaml.Token]) -> None:  # pyrefly: ignore
             if self.flow_level >= LIMITS.max_depth:

@@ -18,7 +18,7 @@ _HALVES = re.compile("[\ud800-\udfff]")
 
 
 def one_line(text: str) -> str:
-    """The text in one line: control characters and line ends become a space, what is unseen is left out."""
+    """The text in one line: control characters and line ends become a space, invisible characters are left out."""
     return _HALVES.sub("\ufffd", _UNSEEN.sub("", _BREAKS.sub(" ", text)))
 
 

@@ -23,7 +23,7 @@ class _Held:
 def time_limit(seconds: float, repeat_s: float = 1.0) -> Iterator[None]:
     """Raise :class:`TimeLimitReached` in a block that takes longer; only in the main thread of a process.
 
-    Code outside Python is not interrupted, nor is what is :func:`undisturbed`: the block ends when that returns.
+    Code outside Python is not interrupted, nor is a block in :func:`undisturbed`: the outer block ends after it.
     A binding that was just converting its arguments takes the interruption for a wrong type: it may raise another
     error, which counts as the time being up, or go on, so the alarm is repeated.
 

@@ -42,7 +42,7 @@ def open_video(video: bytes | Path) -> Iterator[Any]:
     """PyAV's container of a file with a video stream, in a format that holds its own pictures.
 
     Raises:
-        DamagedFile: it is no such file, or what is done with it shows that it is damaged.
+        DamagedFile: the file is not a video, or an operation shows that it is damaged.
         OversizedFile: its frames are too large, or too many.
     """
     source: Any = io.BytesIO(video) if isinstance(video, bytes) else str(video.absolute())

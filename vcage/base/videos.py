@@ -31,7 +31,7 @@ def decode(
 
     Args:
         video: a file, or its content.
-        indices: frames from 0, in order of time; one that is named twice comes once.
+        indices: frames from 0, in order of time; a repeated one comes once.
         frames_for_threads: frames to decode from which several are decoded at a time; for fewer, that only delays
             the first.
 
@@ -60,7 +60,7 @@ def pictures(video: bytes | Path) -> Iterator[NDArray[np.uint8]]:
     """All pictures in the order of time, (H, W, 3) uint8 RGB, one in memory at a time.
 
     Raises:
-        DamagedFile: it is no video, is cut off, or holds fewer frames than it claims; after the pictures before that.
+        DamagedFile: it is no video, is truncated, or holds fewer frames than it claims; after the pictures before that.
     """
     with _opened(video) as source:
         yield from map(source.picture, source.all())
@@ -166,7 +166,7 @@ class _Table:
         starts = [entry.time for entry in self.entries]
         for index in wanted:
             time = self.times[index]
-            # what is shown at an entry or later depends on nothing before the entry
+            # frames at an entry or later do not depend on anything before the entry
             entry = self.entries[max(0, bisect_right(starts, time) - 1)]
             if runs and self._index(entry.time) - self._index(runs[-1][1][-1]) <= frames_per_seek:
                 runs[-1][1].append(time)
@@ -181,7 +181,7 @@ class _Table:
 
 
 def _table(video: bytes | Path) -> _Table:
-    """The table of a video; that of a file is kept, for reading it takes a look at every packet."""
+    """The table of a video; that of a file is cached, as reading it needs every packet."""
     if isinstance(video, bytes):
         return _read_table(video)
     try:
@@ -270,7 +270,7 @@ class _Source:
                     left -= 1
             if not left:
                 return
-        raise DamagedFile(f"{self.name}: {left} of the frames asked for cannot be decoded", hint=MEND)
+        raise DamagedFile(f"{self.name}: {left} of the requested frames cannot be decoded", hint=MEND)
 
     def _packets(self) -> Iterator[Any]:
         """All packets, in the order of decoding."""

@@ -167,7 +167,7 @@ def kinds_of(head: str, category: str | None = None) -> set[str]:
     """The kinds that a name with this head belongs to: ``bagel`` → {``bread``}.
 
     Args:
-        category: the catalogue's; a roll that is no food is no bread.
+        category: the catalogue's; a roll other than food is no bread.
     """
     kinds = {kind for kind, members in KINDS.items() if head in members}
     return kinds if category is None or category in (*_EATEN, "drink", "pastry") else kinds - _EDIBLE

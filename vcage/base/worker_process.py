@@ -32,7 +32,7 @@ def serve(connection: Connection, level: int, environment: Mapping[str, str]) ->
 
     Args:
         connection: to the process that gives work and tasks.
-        level: of what is logged.
+        level: of the log records.
         environment: of the process that gives the tasks.
     """
     _follow(environment)
@@ -59,10 +59,10 @@ def serve(connection: Connection, level: int, environment: Mapping[str, str]) ->
 
 
 def _loaded(pickled: bytes) -> Any:
-    """Return what was sent to this process.
+    """Return the object sent to this process.
 
     Raises:
-        UsageError: the script of the process that sent it defines it, which is not run here.
+        UsageError: the sender's script defines it, which is not run here.
     """
     try:
         return pickle.loads(pickled)
@@ -70,18 +70,18 @@ def _loaded(pickled: bytes) -> Any:
         if "__main__" not in str(error):
             raise
         raise UsageError(
-            f"worker processes do not know what the script itself defines: {error}",
-            hint="define it in a module of its own and import that, or take one worker",
+            f"worker processes cannot use definitions of the script: {error}",
+            hint="define it in a module and import that, or use one worker",
         ) from error
 
 
 def _follow(environment: Mapping[str, str]) -> None:
-    """Take over another process's environment, except that what was imported here has set stays.
+    """Take over another process's environment, except for variables set by imports here.
 
     A library may tell itself through the environment where its parts lie (SAPIEN does), whether or not the other
     process has imported it too.
     """
-    block = Path("/proc/self/environ").read_bytes()  # as it was for this process, or the one that it is forked from
+    block = Path("/proc/self/environ").read_bytes()  # as it was for this process, or for its parent of forks
     entries = [os.fsdecode(entry).partition("=") for entry in block.split(b"\0") if entry]
     began = {name: value for name, _, value in entries}
     for name in began.keys() - environment.keys():
@@ -90,7 +90,7 @@ def _follow(environment: Mapping[str, str]) -> None:
 
 
 class _ToParent(logging.Handler):
-    """Sends what is logged to the process that logs it for all."""
+    """Sends log records to the process that logs for all."""
 
     def __init__(self, connection: Connection):
         super().__init__()
@@ -121,7 +121,7 @@ preloaded: list[str] = []
 
 @cache
 def process_context() -> SpawnContext | ForkServerContext:
-    """Return the way to begin processes: forked from one that never works.
+    """Return the start method of processes: forked from one that never works.
 
     A child of this process would lack the threads of its renderer. Where there can be no socket, as when the path in
     ``TMPDIR`` is too long, each process is spawned.
@@ -133,7 +133,7 @@ def process_context() -> SpawnContext | ForkServerContext:
     sys.warnoptions.remove(UNTOLD)
     through = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # Ctrl-C is this process's business
     safe = os.environ.get(SAFE_PATH)
-    os.environ[SAFE_PATH] = safe or "1"  # else it would import what lies in the current folder
+    os.environ[SAFE_PATH] = safe or "1"  # else it would import modules from the current folder
     try:
         mark_scratch(Path(get_temp_dir()))  # in which its socket lies
         forkserver.ensure_running()

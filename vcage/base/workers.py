@@ -40,7 +40,7 @@ def preload_module(module: str) -> None:
     happens.
 
     Args:
-        module: its name. An ImportError is left to whoever needs it; with another error no process can be begun.
+        module: its name. An ImportError is left to its users; after another error no process can start.
     """
     if cores() > 1:
         preloaded.append(module)
@@ -105,7 +105,7 @@ class _Process:
     since: float
 
     def dismiss(self, within_s: float = 5.0) -> None:
-        """Let an idle process end by itself, so that it cleans up."""
+        """Let an idle process end, so that it cleans up."""
         self.connection.close()
         self.process.join(within_s)
         self.process.kill()
@@ -119,13 +119,13 @@ class _Process:
 class Processes(Generic[T, R]):
     """Processes that work on tasks, each on one at a time; a context manager that ends them all.
 
-    Each has a pipe of its own, so one that is ended from outside, or that is silent for too long and is ended here,
-    takes nothing with it but its task, and that is given to another.
+    Each has a pipe of its own, so one killed from outside, or ended here after too long a silence,
+    loses only its task, which goes to another.
 
     Args:
         work: a function of a module; task, result and errors are pickled.
         workers: processes at most.
-        limit_s: seconds after which a process that has not answered is ended; None for any time.
+        limit_s: seconds after which a silent process is ended; None for no limit.
         max_tries: processes that may be lost over one task before it is given up.
     """
 
@@ -150,11 +150,11 @@ class Processes(Generic[T, R]):
         self._begin()
 
     def results(self) -> Iterator[R]:
-        """Yield the results as they are finished, until none is left; more may be submitted meanwhile.
+        """Yield the results as they arrive, until none remains; more may be submitted meanwhile.
 
         Raises:
             PartlyDone: a task lost ``max_tries`` processes, as when the system takes their memory.
-            Exception: what a task raised.
+            Exception: raised by a task.
         """
         while self._busy:
             for process in self._that_answered():
@@ -218,7 +218,7 @@ class Processes(Generic[T, R]):
                 f"a worker process {how}, {tries} times with the same work, perhaps for want of memory",
                 hint="run the same command again with fewer --workers; what is finished is kept",
             )
-        log.warning("a worker process %s; its work is begun again", how)
+        log.warning("a worker process %s; its task restarts", how)
         self._waiting.appendleft((task, tries + 1))
         self._begin()
 

@@ -10,13 +10,13 @@ import sys
 
 
 def _own_packages_first() -> None:
-    """Find Python's own modules and the packages of this environment before those in folders that others name.
+    """Find Python's own modules and the packages of this environment before those in other search folders.
 
-    Those are the folders in ``PYTHONPATH``, for processes that this one starts too, and the current one, in which
+    Those are the folders in ``PYTHONPATH``, for child processes too, and the current one, in which
     ``python -m`` looks first.
 
     Robots' systems (ROS) and clusters name folders for other interpreters, whose packages may not load in this one.
-    What only they have is still found; the folder that this vcage was found in stays first.
+    Packages only there are still found; the folder of this vcage stays first.
     """
     try:
         current = os.getcwd()  # noqa: PTH109, as pathlib may be one of theirs

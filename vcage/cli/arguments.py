@@ -43,17 +43,17 @@ class Command(CommonOptions, ABC):
 
 
 def parse(options: type[T], arguments: Sequence[str], *, prog: str, text: str, about: str) -> T | None:
-    """Parse the options of a command line; None if help was asked for, which is printed.
+    """Parse the options of a command line; None if it asked for help, which is printed.
 
     Args:
         options: a dataclass, whose fields' docstrings are the help.
         arguments: the words after the command's name.
         prog: the command's name in the help.
-        text: what the help says between usage and options, as it is written.
+        text: the help between usage and options, verbatim.
         about: the command that shows the help.
 
     Raises:
-        UsageError: the command line is not one of these options; says what is wrong with it.
+        UsageError: the command line does not match these options; names the mistake.
     """
     printed, complaint = io.StringIO(), io.StringIO()
     try:
@@ -93,7 +93,7 @@ class _Option:
         return named[0] if named else self.key.rpartition(".")[2].replace("_", "-")
 
     def is_said_by(self, words: Sequence[str]) -> bool:
-        """Check that words, which may come from a file of others, give this option and no other."""
+        """Check that words, possibly from a foreign file, give this option and no other."""
         if UseAppendAction in self.marks:
             names, values = words[::2], words[1::2]
             return set(names) == {f"--{self.name}"} and len(names) == len(values) and not any(map(_is_option, values))
@@ -136,11 +136,11 @@ def options_of(record: Any, within: str = "") -> Iterator[_Option]:
 
 
 def words(record: Any) -> list[str]:
-    """Return the command line of which :func:`parse` makes these options, with absolute paths."""
+    """Return the command line that :func:`parse` turns into these options, with absolute paths."""
     return [word for option in options_of(record) if option.is_said for word in option.words()]
 
 
-# tyro frames what it says; where stdout is no terminal (here it is a buffer), with rules of hyphens alone.
+# tyro frames its messages; where stdout is no terminal (here it is a buffer), with rules of hyphens alone.
 
 
 def _without_frames(help_text: str) -> str:
@@ -152,7 +152,7 @@ def _without_frames(help_text: str) -> str:
 def _in_one_line(complaint: str) -> tuple[str, str]:
     """Return a complaint in one line, and the question "did you mean …?" if tyro knows a similar option.
 
-    tyro says what is wrong between its title's rule and the next, then what is like it, then where the help is.
+    tyro names the mistake between its title's rule and the next, then similar options, then the help command.
     """
     parts = re.split(r"\n *-{3,} *\n", complaint)
     said, after = parts[min(1, len(parts) - 1)], parts[min(2, len(parts) - 1)]

@@ -27,7 +27,7 @@ NAMES = several("NAME ...", least=0)
 
 @dataclass(frozen=True, kw_only=True)
 class ListAssets(Command):
-    """List the objects of the library: words, sizes, and what they can do.
+    """List the objects of the library: words, sizes, and abilities.
 
     Of folders that VCAGE_ASSETS names only the annotations are read: an object has a size once something has built it.
 
@@ -57,7 +57,7 @@ class ListAssets(Command):
         left_out = len(library.left_out)
         if left_out:
             logger.warning(
-                "%d kinds are left out, their packages are not here: %s", left_out, vcage_command("setup", "assets")
+                "%d kinds are left out, their packages are missing: %s", left_out, vcage_command("setup", "assets")
             )
         facts = {**count_kinds(annotations), "left_out": left_out}
         if self.json:
@@ -68,7 +68,7 @@ class ListAssets(Command):
 
 @dataclass(frozen=True, kw_only=True)
 class SearchAssets(Command):
-    """Find objects of the library by what they are called, what they are for, or what they mean.
+    """Find objects of the library by name, purpose, or meaning.
 
     With the extra `search` installed (pip install 'vcage[search]') sentences are compared by their meaning, else by
     their words.
@@ -160,11 +160,11 @@ class ValidateAssets(Command):
     seed: Annotated[int, NATURAL] = 0
     """of all places"""
     robot: Annotated[str | None, arg(metavar="ROBOT"), UNSAID] = None
-    """the robot that tries them (default: that of the scene template table)"""
+    """the robot for the proof (default: that of the scene template table)"""
     out: Annotated[Path, FOLDER] = Path("runs/proof")
     """folder"""
     force: Flag = False
-    """prove again what is proven"""
+    """repeat finished proofs"""
     no_page: Flag = False
     """only proof.json: no pictures are drawn"""
 
@@ -219,7 +219,7 @@ class ImportAssets(Command):
     robot: Annotated[str | None, arg(metavar="ROBOT"), UNSAID] = None
     """the robot whose gripper the grasps of YCB's shapes are for (default: that of the scene template table)"""
     force: Flag = False
-    """replace what was imported before"""
+    """replace an earlier import"""
 
     def execute(self) -> Result:
         """Import.
@@ -283,6 +283,6 @@ def _nothing(entries: list[Imported], refused: list[dict[str, Any]]) -> VcageErr
         return first
     return InputFileError(
         f"none of {len(entries)} objects could be imported; the first: {refused[0]['message']}",
-        hint="each is named on stdout with what is wrong",
+        hint="stdout names each with its fault",
         details={"refused": refused},
     )

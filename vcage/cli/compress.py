@@ -34,11 +34,11 @@ class Recordings:
     out: Annotated[Path | None, FOLDER, UNSAID] = None
     """the folder to write"""
     to: Annotated[str | None, choice(TARGETS), UNSAID] = None
-    """what to write (default: what the recordings are)"""
+    """output layout (default: that of the recordings)"""
     fps: Annotated[float | None, between(0.1, 1000), UNSAID] = None
     """frames per second, where recordings do not say"""
     task: Annotated[str | None, arg(metavar="TEXT"), UNSAID] = None
-    """for LeRobot: what the robot was told, where nothing says"""
+    """for LeRobot: the task of the robot, where the recording has none"""
     robot: Annotated[str | None, arg(metavar="NAME"), UNSAID] = None
     """for LeRobot: the robot's type, where nothing says"""
     cameras: Annotated[tuple[str, ...], several("NAME ..."), UNSAID] = ()
@@ -48,12 +48,12 @@ class Recordings:
     skip_damaged: Flag = False
     """leave out damaged recordings instead of refusing"""
     inspect: Flag = False
-    """say what is there, and write nothing"""
+    """describe the recordings without writing anything"""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Compress(Command):
-    """Compress the videos of a run's episodes, or anybody's recordings, as far as nobody sees it.
+    """Compress the videos of a run's episodes, or of any recordings, without visible loss.
 
     Searches the highest CRF whose loss stays under a threshold in JOD (ColorVideoVDP), through the real loop of
     encoding and decoding, on keyframes; then looks at one in ten of the other frames.
@@ -65,18 +65,18 @@ class Compress(Command):
     videos beside it and everything else as it was (`vcage decompress` puts the pictures back), a LeRobot data set, or
     videos; and compression.json. An interrupted call goes on when started again.
 
-    RoboTwin swaps red and blue in its JPEGs, the other layouts do not; where pictures do not show which holds, that is
+    RoboTwin swaps red and blue in its JPEGs, the other layouts do not; where pictures do not show the order, that is
     said, frames.png (--inspect and --dry-run name one too) shows both, and --colours decides. Depth, labels and
-    pictures of more than 8 bits are never encoded: they stay as they are in HDF5, and are left out of all else;
+    pictures of more than 8 bits are never encoded: they stay unchanged in HDF5, and are left out of all else;
     `other_streams` of the summary names them.
 
     A file of demonstrations stays one file, and each of them is a recording: FILE.demo_0, FILE.demo_1, … and so an
-    episode of a LeRobot data set, unless it says that it failed. One that is left out with --skip-damaged stays in the
-    file as it was. The frame rate is the control_freq of the environment, where that is said; the last of every 7
-    numbers of a robomimic command is taken for a gripper's. The summary names what a LeRobot data set does not hold
+    episode of a LeRobot data set, unless it is marked as failed. One left out with --skip-damaged stays in the
+    file unchanged. The frame rate is the control_freq of the environment, if recorded; the last of every 7
+    numbers of a robomimic command is taken for a gripper's. The summary names the parts that a LeRobot data set lacks
     (left_out) and demonstrations that failed (failed).
 
-    Times that leave a doubt which picture belongs to which row are refused.
+    Times that leave the row of a picture in doubt are refused.
 
     examples:
       vcage compress --run runs/stationery
@@ -165,12 +165,12 @@ class Compress(Command):
 
 @dataclass(frozen=True, kw_only=True)
 class Decompress(Command):
-    """Put the pictures of compressed recordings back: HDF5 as it was laid out before, as many frames, in order.
+    """Put the pictures of compressed recordings back: HDF5 in its old layout, as many frames, in order.
 
-    INPUT is what `vcage compress` wrote: an HDF5 file whose videos lie beside it, or a folder of them. Arrays of pixels
+    INPUT is an output of `vcage compress`: an HDF5 file with videos beside it, or a folder of them. Arrays of pixels
     come back as arrays, encoded pictures as PNG in the same kind of data set, so that they lose nothing more and every
-    reader of the layout sees what it saw before; where the file keeps their lengths, it keeps those of the PNGs then.
-    The pictures are those of the videos: what compression lost stays lost.
+    reader of the layout sees the same as before; where the file keeps their lengths, it keeps those of the PNGs then.
+    The pictures come from the videos: losses of compression remain.
 
     examples:
       vcage decompress small --out restored
@@ -184,7 +184,7 @@ class Decompress(Command):
     storage: Literal["same", "raw"] = "same"
     """pictures as they were stored before, or all as arrays of RGB"""
     force: Flag = False
-    """replace what an earlier call wrote"""
+    """replace the output of an earlier call"""
 
     def execute(self) -> Result:
         """Put the pictures back."""

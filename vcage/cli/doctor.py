@@ -1,4 +1,4 @@
-"""``vcage doctor``: each check looks at one thing and knows the one command that mends it."""
+"""``vcage doctor``: each check covers one thing and knows the one command that fixes it."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Finding:
         ok: True if it is there and fit.
         found: its state, in words.
         required: True if nothing works without it.
-        mend: the one command that mends it; empty if nothing needs mending.
+        mend: the one command that fixes it; empty if nothing needs fixing.
     """
 
     name: str
@@ -55,10 +55,10 @@ class Finding:
 
 @dataclass(frozen=True, kw_only=True)
 class Doctor(Command):
-    """Say what this machine has for vcage, and for each thing missing the one command that mends it.
+    """Check this machine for vcage, and name for each missing thing the one command that fixes it.
 
-    Draws a real picture with the Vulkan driver, which takes some seconds. Keys are shown by name only; where there is
-    one, its endpoint is asked whether it serves the models that are set, and for how long.
+    Draws a real picture with the Vulkan driver, which takes some seconds. Keys are shown by name only; with
+    a key, its endpoint is asked if it serves the chosen models, and for how long.
 
     examples:
       vcage doctor
@@ -85,7 +85,7 @@ class Doctor(Command):
 
 
 def table(found: list[Finding]) -> str:
-    """Return the findings, one a line, each followed by the command that mends it."""
+    """Return the findings, one a line, each followed by the command that fixes it."""
     width = max(len(finding.name) for finding in found)
     lines = []
     for finding in found:
@@ -211,7 +211,7 @@ def models() -> Finding:
 
 
 def ollama() -> Finding:
-    """Check which models the user's own server has, and which of them answers."""
+    """Check the models of the user's own server, and which of them answers."""
     from vcage.models.ollama import OLLAMA
 
     try:
@@ -228,7 +228,7 @@ def ollama() -> Finding:
 
 
 def _served(provider: Provider, key: str) -> tuple[str, list[str]]:
-    """Return the state of a provider's models, in words, and the ways to mend it."""
+    """Return the state of a provider's models, in words, and the ways to fix it."""
     try:
         served = provider.served(key)
     except VcageError as error:

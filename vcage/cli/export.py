@@ -61,5 +61,5 @@ def _require_sense(options: export.Options, run: RunFolder, growing: Path | None
         )
     if growing is not None and growing.resolve().is_relative_to(run.root):
         raise UsageError(
-            f"{growing} lies in the run folder, which one run makes and replaces", hint="give a folder outside of it"
+            f"{growing} is in the run folder, which one run makes and replaces", hint="give a folder outside of it"
         )

@@ -1,4 +1,4 @@
-"""The command that comes next: after a stage, and after an error that a stage mends."""
+"""The next command: after a stage, and after an error that a stage fixes."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def following(name: str, run: RunFolder) -> str:
 
 
 def stage_command(name: str, run: RunFolder, instead: Mapping[str, list[str]] | None = None) -> str:
-    """Return the command of a stage, with those of its options that were last given on this run."""
+    """Return the command of a stage, with the options last given on this run that it takes."""
     return vcage_command(name.replace("_", "-"), *words_of(name, run, instead))
 
 
@@ -45,9 +45,9 @@ def words_of(name: str, run: RunFolder, instead: Mapping[str, list[str]] | None 
 
 @contextlib.contextmanager
 def remembered(run: RunFolder, options: StageOptions) -> Iterator[None]:
-    """Store the options of a call that is made inside, for :func:`stage_command`, unless it fails by itself.
+    """Store the options of a call made inside, for :func:`stage_command`, unless it fails.
 
-    Between a stage that asks models and the next that does there is one that takes no ``--models``.
+    Between a stage that asks models and the next one there is a stage without ``--models``.
     """
     try:
         yield
@@ -82,7 +82,7 @@ def not_dry() -> str:
 
 @contextlib.contextmanager
 def naming_stages(run: Path | None) -> Iterator[None]:
-    """Give an error inside that a stage of the run mends the command of that stage."""
+    """Give an error inside that a stage of the run fixes the command of that stage."""
     try:
         yield
     except VcageError as error:
@@ -95,7 +95,7 @@ def naming_stages(run: Path | None) -> Iterator[None]:
 
 
 def _name_stage(error: VcageError, run: RunFolder) -> None:
-    """Give an error the command of the stage that mends it; a command that loses files stands in the hint alone."""
+    """Give an error the command of the stage that fixes it; a command that loses files is in the hint only."""
     if "more" in error.details:
         error.command = stage_command(error.maker, run, error.details["more"])
         return

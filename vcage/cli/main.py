@@ -1,4 +1,4 @@
-"""The ``vcage`` command: a table of sub-commands, each imported only when it is the one that runs."""
+"""The ``vcage`` command: a table of sub-commands, each imported only when it runs."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "assets import": ("vcage.cli.assets.ImportAssets", "bring in objects of RoboTwin or YCB"),
     "robots list": ("vcage.cli.robots.ListRobots", "list the robots"),
     "robots import": ("vcage.cli.robots.ImportRobot", "bring in a robot of RoboTwin"),
-    "doctor": ("vcage.cli.doctor.Doctor", "say what this machine has, and how to mend what it lacks"),
+    "doctor": ("vcage.cli.doctor.Doctor", "say what this machine has, and how to fix what it lacks"),
     "setup": ("vcage.cli.setup.Setup", "fetch or build what a run needs: vulkan, assets, cvvdp, opencv, all"),
 }
 """Name of one or two words → (the class of the command, or the module of the stage; one line of help)."""
@@ -95,7 +95,7 @@ def script_main(command: str) -> int:
 
 
 def _run(arguments: Sequence[str], prog: str = "") -> Result | None:
-    """Run the command that the arguments begin with; None if only help was asked for."""
+    """Run the command at the start of the arguments; None if only help was requested."""
     about = _about(arguments)
     if about:
         print_text(about.rstrip("\n"))
@@ -122,7 +122,7 @@ def _is_group(word: str) -> bool:
 
 
 def _about(arguments: Sequence[str]) -> str:
-    """Return the help of all commands or a group of them if that is asked for, else nothing."""
+    """Return the help of all commands or a group of them on request, else nothing."""
     if arguments[:1] in (["-h"], ["--help"]):
         return help_text()
     if arguments[:1] == ["--version"]:

@@ -33,7 +33,7 @@ P = ParamSpec("P")
 
 
 class Bug(VcageError):
-    """An error of ours, or one that nobody foresaw."""
+    """An error of ours, or an unexpected one."""
 
     code = "bug"
 

@@ -82,7 +82,7 @@ def removed_folder() -> UsageError:
 
 def _open_closed_streams() -> None:
     """Let stdin, stdout and stderr lead nowhere where the caller closed them, or the next file that is opened would
-    take their place and get what libraries print. What stdout cannot show of a name is written with escapes."""
+    take their place and receive the prints of libraries. Characters of a name that stdout cannot show are escaped."""
     for number, name in enumerate(STREAMS):
         try:
             os.fstat(number)
@@ -117,7 +117,7 @@ _stopped: list[BaseException] = []
 
 @contextlib.contextmanager
 def noting_interrupts() -> Iterator[None]:
-    """Note Ctrl-C, and what ``kill`` and schedulers send, besides raising :class:`KeyboardInterrupt`."""
+    """Note Ctrl-C, and signals of ``kill`` and schedulers, besides raising :class:`KeyboardInterrupt`."""
     _signalled.clear()
 
     def note(number: int, frame: FrameType | None) -> None:
@@ -138,7 +138,7 @@ def noting_interrupts() -> Iterator[None]:
 
 
 def stop_if_interrupted() -> None:
-    """Raise :class:`KeyboardInterrupt` if there was a Ctrl-C that a library has swallowed."""
+    """Raise :class:`KeyboardInterrupt` after a Ctrl-C swallowed by a library."""
     if _signalled.is_set():
         raise KeyboardInterrupt
 
@@ -166,5 +166,5 @@ def end_process(code: int) -> int:
         remove_server_files()
         logging.shutdown()
         os._exit(code)
-    gc.freeze()  # what is loaded need not be looked through once more: a fifth of a second
+    gc.freeze()  # skipping loaded objects saves the collector a fifth of a second
     return code

@@ -51,7 +51,7 @@ def set_up(verbose: bool, lines_of: Literal["text", "json"]) -> None:
 
 @contextlib.contextmanager
 def progress(title: str) -> Iterator[Progress]:
-    """Show the steps of one job: a bar on a terminal, else a line each, of JSON if that is asked for."""
+    """Show the steps of one job: a bar on a terminal, else a line each, in JSON on request."""
     if _lines_of.get() == "json":
         yield _records(title)
     elif sys.stderr.isatty():

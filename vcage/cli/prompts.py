@@ -22,10 +22,10 @@ from vcage.models.exchange import Question
 
 @dataclass(frozen=True, kw_only=True)
 class ShowPrompt(Command):
-    """Print what a model would be asked in a run: the prompt filled in, the pictures, the schema of the answer.
+    """Print the question of a run to a model: the prompt filled in, the pictures, the schema of the answer.
 
-    Nothing is sent, and the run is not changed. The stage that asks it is taken with the options that it was last
-    given; what it asks before is answered as the run's models did, or by rules.
+    Nothing is sent, and the run is not changed. The asking stage takes the options of its last
+    call; its earlier questions are answered as the run's models did, or by rules.
 
     examples:
       vcage prompts show plan_layout --run runs/stationery
@@ -45,7 +45,7 @@ class ShowPrompt(Command):
         try:
             command = parse(options_of(stage), words_of(stage, run), prog=stage, text="", about="")
         except UsageError as error:
-            hint = "mend it, or remove it: it holds no results"
+            hint = "fix it, or remove it: it holds no results"
             raise InputFileError(f"{run.options}, of {stage}: {error.message}", hint=hint) from error
         assert command is not None  # no help is asked for
         question = question_of(self.name, run, command.stage)

@@ -39,9 +39,9 @@ class RenderEpisodes(Command):
     """Draw the accepted episodes of a run again under other looks: light, surfaces, colours, cameras.
 
     Nothing is simulated: states, actions and verdicts stay as they are. Reads episodes/. Writes renders/*.hdf5, each
-    an episode of its own, renders/renders.json and a page for people, renders/looks.png. What is drawn already is
-    kept, so that an interrupted call goes on when started again, and more looks can be added; what was drawn of an
-    episode that counts no more, or was recorded anew, is removed.
+    an episode of its own, renders/renders.json and a page for people, renders/looks.png. Finished renders are
+    kept, so that an interrupted call resumes when started again, and more looks can be added; renders of an
+    episode that was rejected or recorded again are removed.
 
     examples:
       vcage render runs/stationery --looks 4
@@ -90,7 +90,7 @@ class RenderEpisodes(Command):
 class Replay(Command):
     """Simulate a recorded episode again from its file alone, and compare: states and pictures, bit for bit.
 
-    EPISODE is an HDF5 file of a run, a rejected one too, or a run folder, of which all accepted episodes are replayed.
+    EPISODE is an HDF5 file of a run, a rejected one too, or a run folder, with all its accepted episodes.
     Says the first frame that differs, what and by how much, and which versions differ; then the exit code is 9.
 
     examples:
@@ -110,7 +110,7 @@ class Replay(Command):
         """Replay.
 
         Raises:
-            InputFileError: there is no episode, it is damaged, or it was recorded without what a replay needs.
+            InputFileError: there is no episode, it is damaged, or it lacks the data for a replay.
         """
         from vcage.apps.replay import episodes_at, replay_episode
         from vcage.runs.context import StageContext
@@ -137,7 +137,7 @@ PICTURES = (
 
 @dataclass(frozen=True, kw_only=True)
 class ViewEpisode(Command):
-    """Look at an episode in the viewer Rerun: pictures, 3D scene, joints, and what was verified, on one timeline.
+    """Look at an episode in the viewer Rerun: pictures, 3D scene, joints, and verdicts, on one timeline.
 
     EPISODE is an HDF5 file of a run, a run folder, or a recording of others: RoboTwin, ACT, robomimic, LeRobot, a
     folder of pictures.
@@ -152,7 +152,7 @@ class ViewEpisode(Command):
     path: Annotated[Path, FOLDER, Positional, arg(metavar="EPISODE")]
     """a file, or a folder that holds episodes"""
     episode: Annotated[int | None, NATURAL, UNSAID] = None
-    """which one, where there are several (default: the first)"""
+    """which one of several (default: the first)"""
     save: Annotated[Path | None, arg(metavar="FILE.rrd"), UNSAID] = None
     """write a file for the viewer, and do not open it"""
     pictures: Annotated[Literal["stored", "compressed", "none"], arg(help=PICTURES)] = "stored"

@@ -17,7 +17,7 @@ from vcage.cli.output import Result
 
 @dataclass(frozen=True, kw_only=True)
 class ListRobots(Command):
-    """List the robots: ours, and those that were imported.
+    """List the robots: ours, and the imported ones.
 
     examples:
       vcage robots list
@@ -42,7 +42,7 @@ def _metres(text: str) -> float:
     except ValueError:
         metres = math.nan
     if not 0 < metres < 10:
-        raise ValueError(f"{text!r} is no distance; expected metres above 0")
+        raise ValueError(f"{text!r} is not a distance; expected metres above 0")
     return metres
 
 
@@ -72,7 +72,7 @@ class ImportRobot(Command):
 
         Raises:
             UsageError: the name is taken, or a distance is given for a robot with both arms on one body.
-            InputFileError: a file is missing or damaged, or a field is not what it should be.
+            InputFileError: a file is missing or damaged, or a field is invalid.
         """
         from vcage.sim.robotwin.importing import import_robot
 

@@ -37,7 +37,7 @@ NO_PACKAGES = "VCAGE_NO_PACKAGES"
 
 @dataclass(frozen=True, kw_only=True)
 class Setup(Command):
-    """Fetch or build what a run needs. What is there already is left alone.
+    """Fetch or build the needs of a run. Existing files are left alone.
 
       vulkan  a Vulkan driver that SAPIEN draws with: the GPU's, the system's, or Mesa's software driver, fetched
               from this machine's package mirror into the user's cache (no root needed)
@@ -58,7 +58,7 @@ class Setup(Command):
     part: Annotated[Literal["vulkan", "assets", "cvvdp", "efficientnet", "opencv", "all"], Positional]
     """what to set up"""
     force: Flag = False
-    """fetch again what is there (not the assets)"""
+    """fetch existing packages again (not the assets)"""
     no_packages: Flag = False
     """fetch no models of others, as with VCAGE_NO_PACKAGES=1"""
 
@@ -105,7 +105,7 @@ def _assets(*, packages: bool) -> dict[str, Any]:
         logger.warning("%s", failure.as_line())
     logger.info("assets: %d objects", len(library.names))
     if library.left_out:
-        logger.warning("%d objects are left out, because their packages are not here", len(library.left_out))
+        logger.warning("%d objects are left out, because their packages are missing", len(library.left_out))
     failed = [failure.message for failure in failures]
     return {
         "objects": len(library.names),

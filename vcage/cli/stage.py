@@ -62,7 +62,7 @@ def context_of(options: StageOptions, run: RunFolder, *stages: str) -> StageCont
 
 
 def execute_stage(name: str, command: StageCommand) -> Result:
-    """Run one stage on a run folder, or with ``--dry-run`` say what it would do."""
+    """Run one stage on a run folder, or with ``--dry-run`` describe its work."""
     stage, run, options = stage_of(name), RunFolder(command.run), command.stage
     context = context_of(options, run, name)
     if command.dry_run:

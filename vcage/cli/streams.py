@@ -32,7 +32,7 @@ def print_record(record: dict[str, Any]) -> None:
 
 
 def print_text(text: str) -> None:
-    """Print to stdout, also inside :func:`stray_output_on_stderr`; a reader that went away (``| head``) is no error.
+    """Print to stdout, also inside :func:`stray_output_on_stderr`; a reader that has closed (``| head``) is no error.
 
     Raises:
         OSError: stdout takes nothing; it leads nowhere from now on.
@@ -63,7 +63,7 @@ def _stdout() -> TextIO:
 
 @contextlib.contextmanager
 def stray_output_on_stderr() -> Iterator[None]:
-    """Send to stderr what libraries print to stdout, so that the last line of stdout is ours.
+    """Send prints of libraries to stderr, so that the last line of stdout is ours.
 
     Works on the file descriptor, since SAPIEN and others print from C++; those buffers are flushed at the end.
     """

@@ -1,4 +1,4 @@
-"""The entry of a generated sub-task script that is run by itself: its own scene, its own run folder."""
+"""The entry of a generated sub-task script run directly: its own scene, its own run folder."""
 
 from __future__ import annotations
 

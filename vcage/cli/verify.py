@@ -22,7 +22,7 @@ PICTURE = arg(metavar="PNG")
 
 @dataclass(frozen=True, kw_only=True)
 class Verify(StageCommand[verify.Options], Command):
-    """Judge by looking whether sub-tasks were done: all that was collected again, or one pair of pictures.
+    """Judge from pictures whether sub-tasks were done: all collected ones again, or one pair of pictures.
 
     Reads episodes/. Writes verify/verdicts.json: verdicts of the accepted episodes, precision and recall of this critic
     and of the one that collected (n and interval at 95 %), and where the two differ, each with a picture in

@@ -1,1 +1,1 @@
-"""Episodes on disk: the HDF5 that collection writes, and the LeRobot datasets that training reads."""
+"""Episodes on disk: the HDF5 written by collection, and LeRobot datasets for training."""

@@ -71,7 +71,7 @@ class CameraTrack:
 
 @dataclass(frozen=True)
 class Segment:
-    """The frames ``start … end - 1`` in which one sub-task was carried out and verified."""
+    """The frames ``start … end - 1`` of one executed and verified sub-task."""
 
     subtask: str
     text: str
@@ -134,7 +134,7 @@ class EpisodeData:
         for name, poses in self.object_poses.items():
             _check(f"object_poses[{name}]", poses, (frames, 7), LIMITS.max_state)
             if (np.abs(np.linalg.norm(poses[:, 3:], axis=1) - 1) > LIMITS.quaternion).any():
-                raise ValueError(f"object_poses[{name}] holds a quaternion whose length is not 1")
+                raise ValueError(f"object_poses[{name}] holds a quaternion of a length other than 1")
         for kind in ("object_joints", "robot_joints"):
             for name, joints in getattr(self, kind).items():
                 _check(f"{kind}[{name}]", joints, (frames, None), LIMITS.max_state)

@@ -166,9 +166,9 @@ def walk(part: h5py.Group, limits: Hdf5Limits = LIMITS) -> Iterator[tuple[str, h
 
 
 def datasets_in(part: h5py.Group, pattern: str = ".*") -> dict[str, h5py.Dataset]:
-    """Return the datasets below a group whose paths from there match, in natural order of the paths, each once.
+    """Return the datasets below a group with matching paths from there, in natural order of the paths, each once.
 
-    A dataset that has several such names is listed under one, of which no part is a soft link if there is one.
+    A dataset with several such names is listed under one, without a soft link in it if possible.
 
     Args:
         part: a group.

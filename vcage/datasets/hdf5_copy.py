@@ -1,6 +1,6 @@
 """Copy an HDF5 file object by object, with something else in place of some of its datasets.
 
-HDF5 does not free the space of deleted objects, so a smaller file must be built anew. Everything else is copied as it
+HDF5 does not free the space of deleted objects, so a smaller file must be rebuilt. Everything else is copied as it
 is: data in its chunks and with its filters, attributes in their types, links of every kind, objects with several names.
 HDF5 does not carry references from file to file; they are made again.
 """
@@ -39,7 +39,7 @@ def copy_file(source: h5py.File, target: h5py.File, replacements: Mapping[str, R
 
 
 def copy_attributes(source: h5py.HLObject, target: h5py.HLObject, *, leave: str = "") -> None:
-    """Copy attributes in their types, but for those whose names begin with ``leave``, if that is anything.
+    """Copy attributes in their types, except those with names that begin with ``leave``, if given.
 
     Args:
         source: with the attributes.

@@ -4,7 +4,7 @@ A file that is read must hold its own data alone. HDF5 can take data from elsewh
 a dataset, virtual datasets, external links, and links of kinds that programs define. A file that uses one is refused,
 so that none brings the content of other files into what is exported. Soft links are followed: they stay in the file.
 
-HDF5 itself does not survive a write that the system refuses: data that cannot be flushed when a dataset or the file is
+HDF5 itself does not survive a failed write: data that cannot be flushed when a dataset or the file is
 closed ends the process (a segmentation fault, seen with HDF5 2.0), or is lost without an error. So it writes through
 an object of Python that accepts everything, and remembers the first refusal until HDF5 is done.
 """
@@ -39,14 +39,14 @@ videos."""
 def open_hdf5_file(path: Path, **options: Any) -> h5py.File:
     """Open an HDF5 file for reading, once it is sure that nothing in it leads to another file.
 
-    Every file that may be somebody else's is opened here. Links to videos may lead to other files, each to its own.
+    Every possibly foreign file is opened here. Links to videos may lead to other files, each to its own.
 
     Args:
         path: the file.
         options: see :class:`h5py.File`.
 
     Raises:
-        DamagedFile: it is no HDF5, was not fetched, or leads to another file; names what does. Also where a link to a
+        DamagedFile: it is not HDF5, was not fetched, or leads to another file; names it. Also where a link to a
             video is damaged, or names the video of other pictures.
         OversizedFile: it holds too many groups.
         FileInUse: another process writes it.
@@ -216,7 +216,7 @@ SWMR_WRITTEN = 0x4
 
 
 def _busy(path: Path, error: Exception) -> VcageError | None:
-    """Return the error of a file that is being written, or that its writer never closed; None for any other."""
+    """Return the error of a file being written, or never closed by its writer; None for any other."""
     if isinstance(error, BlockingIOError):
         return FileInUse(
             f"{path} is open for writing in another process", hint="wait until its writer has closed it, then repeat"
@@ -266,7 +266,7 @@ def new_hdf5(path: Path, *, track_order: bool = False) -> Iterator[h5py.File]:
     """Open a new HDF5 file; it takes its name when it is whole, and does not appear if anything fails.
 
     Args:
-        path: the file; one that is there is replaced.
+        path: the file; an existing one is replaced.
         track_order: true if groups remember the order in which they were filled.
 
     Raises:

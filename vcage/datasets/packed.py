@@ -35,7 +35,7 @@ def write_packed(source: Path, target: Path, streams: Sequence[Stream]) -> Path:
     The videos are to lie beside ``target``; they may be written later. The source is only read.
 
     Args:
-        source: any HDF5 file. One that is packed itself gets other videos, and is unpacked as before.
+        source: any HDF5 file. A packed one gets other videos, and is unpacked as before.
         target: the file to write; it appears when it is whole.
         streams: the videos; their keys are datasets of the source with as many pictures. A packed source, not the
             stream, states how these were stored.
@@ -43,7 +43,7 @@ def write_packed(source: Path, target: Path, streams: Sequence[Stream]) -> Path:
     Raises:
         UsageError: ``target`` is ``source``.
         InputFileError: there is no source.
-        DamagedFile: the source is damaged, or a key is no dataset of that many pictures.
+        DamagedFile: the source is damaged, or a key is no dataset with that number of pictures.
         OutputFolderError, DiskFull: the file cannot be written.
     """
     with _rebuilt(source, target) as (old, new):
@@ -79,7 +79,7 @@ def unpack(packed: Path, target: Path, storage: Literal["same", "raw"] = "same")
     with _rebuilt(packed, target) as (old, new):
         links = find_links(old)
         if not links:
-            raise UsageError(f"{packed} refers to no video", hint="give a file that was packed; this one is whole")
+            raise UsageError(f"{packed} refers to no video", hint="give a packed file; this one has its pictures")
         videos = {key: link.whole_video(Path(packed)) for key, link in links.items()}
 
         def restore(key: str) -> Replacement:
@@ -103,7 +103,7 @@ def _rebuilt(source: Path, target: Path) -> Iterator[tuple[h5py.File, h5py.File]
     if not source.exists() and not source.is_symlink():
         raise InputFileError(f"{source} does not exist", hint="check the path")
     if target.exists() and target.samefile(source):
-        raise UsageError(f"{target} is the file that is read", hint="give another file to write")
+        raise UsageError(f"{target} is the input file", hint="give another file to write")
     with damage(source, writing=True), open_hdf5_file(source) as old:
         order = old.id.get_create_plist().get_link_creation_order()
         with new_hdf5(target, track_order=bool(order)) as new:
@@ -220,7 +220,7 @@ def _files(link: Link, video: Path) -> Iterator[bytes]:
 
 
 def _pictures(link: Link, video: Path) -> Iterator[NDArray[np.uint8]]:
-    """Yield the pictures of the video, as many and as large as they were."""
+    """Yield the pictures of the video, in their original number and size."""
     stream = link.stream
     for index, picture in enumerate(pictures(video)):
         if picture.shape[:2] != (stream.height, stream.width):

@@ -51,7 +51,7 @@ def _encoded_beside(file: h5py.File, keys: Collection[str]) -> bool:
 def digests_beside(file: h5py.File, keys: Iterable[str]) -> list[str]:
     """Return names of checksums of pictures: attributes of the pictures and of the groups around them, and datasets.
 
-    They hold for the pictures as they are, and for none that was encoded again.
+    They hold for the unchanged pictures, and for none encoded again.
 
     Args:
         file: open.

@@ -64,7 +64,7 @@ class LengthsPlace:
         key: of a dataset of numbers; of any object where ``attribute`` is given.
         axis: of the pictures.
         index: on the other axis; None where there is none.
-        attribute: its name; None where the numbers are those of a dataset.
+        attribute: its name; None for the numbers of a dataset.
         form: one of :data:`FORMS`.
 
     Raises:
@@ -115,7 +115,7 @@ def find_lengths(file: h5py.File, keys: Collection[str]) -> dict[str, list[Lengt
     pictures = {key: file[key] for key in sorted(keys) if picture_kind(file[key]) != ARRAY}
     candidates = _candidates(file, {len(dataset) for dataset in pictures.values()}) if pictures else []
     found: dict[str, list[LengthsPlace]] = {}
-    taken: set[LengthsPlace] = set()  # pictures that are alike have rows that are alike
+    taken: set[LengthsPlace] = set()  # identical pictures have identical rows
     for key, dataset in pictures.items():
         first = picture_lengths(dataset, 1)[0]
         noted = _attributes(file, key, len(dataset))
@@ -131,7 +131,7 @@ def find_lengths(file: h5py.File, keys: Collection[str]) -> dict[str, list[Lengt
 
 
 def unknown_sizes(file: h5py.File, keys: Collection[str]) -> list[str]:
-    """Return names of values like sizes of encoded pictures, in no known form, so that they stay as they are.
+    """Return names of values like sizes of encoded pictures, in no known form, so that they stay unchanged.
 
     Args:
         file: open.

@@ -59,7 +59,7 @@ class Stream:
         frames: number of pictures.
         width, height: pixels.
         storage: of the pictures in the dataset: ``raw``, or a kind of picture file such as ``jpeg``.
-        swapped: true if red and blue change places in pictures that are put back, as they had there for readers of the
+        swapped: true if red and blue change places in restored pictures, as they had there for readers of the
             layout; in the video they are right.
 
     Raises:
@@ -162,7 +162,7 @@ class Link:
         """Return the video of a link in the HDF5 file ``path``.
 
         Raises:
-            DamagedFile: it is not there, was not fetched, or is no regular file.
+            DamagedFile: it is missing, was not fetched, or is no regular file.
         """
         video = path.parent / self.stream.file
         require_fetched(video)
@@ -171,7 +171,7 @@ class Link:
         return video
 
     def whole_video(self, path: Path) -> Path:
-        """Return the video, which holds as many frames as there were pictures, of the same size.
+        """Return the video, with the number and size of the old pictures.
 
         Raises:
             DamagedFile: it is not there or damaged, or holds another number of frames, or of another size.

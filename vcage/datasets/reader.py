@@ -34,7 +34,7 @@ def _damage(path: Path) -> Iterator[None]:
     try:
         yield
     except (OSError, KeyError, ValueError, RuntimeError, TypeError) as error:
-        raise DamagedFile(f"{path} is damaged or not an episode: {error}", hint="mend it", maker="collect") from error
+        raise DamagedFile(f"{path} is damaged or not an episode: {error}", hint="fix it", maker="collect") from error
 
 
 class Pictures:
@@ -157,7 +157,7 @@ class EpisodeReader:
 
         Raises:
             UnknownName: the episode has no such camera.
-            DamagedFile: they lie in a video beside the file, which is missing or damaged.
+            DamagedFile: they are in a video beside the file, which is missing or damaged.
         """
         if camera not in self.cameras:
             raise UnknownName("camera", camera, self.cameras)

@@ -60,10 +60,10 @@ def write_drives(group: h5py.Group, drives: DriveLog) -> None:
 
 
 def read_drives(group: h5py.Group, limits: DriveLimits = LIMITS) -> DriveLog:
-    """Read and check the output of :func:`write_drives`, so that it can be simulated.
+    """Read and check the output of :func:`write_drives` for simulation.
 
     Args:
-        group: of a file that may be somebody else's.
+        group: of a possibly foreign file.
         limits: on the steps and numbers.
 
     Raises:

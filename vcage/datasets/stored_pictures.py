@@ -47,13 +47,13 @@ def storage_of(data: bytes, what: str) -> str:
     """Return one of :data:`ENCODED`.
 
     Raises:
-        DamagedFile: it is no such file; ``what`` names it.
+        DamagedFile: it is not such a file; ``what`` names it.
     """
     for magic, place, storage in MAGIC:
         if bytes(data[place : place + len(magic)]) == magic:
             return storage
     raise DamagedFile(
-        f"{what} is no picture file that is known", hint=f"pictures are read from {', '.join(ENCODED)}; convert it"
+        f"{what} is not a known kind of picture file", hint=f"pictures are read from {', '.join(ENCODED)}; convert it"
     )
 
 
@@ -66,7 +66,7 @@ def sixteen_bits(data: bytes) -> bool:
 
 
 def picture_bits(file: BinaryIO) -> int:
-    """Return bits a channel of a PNG or TIFF file, which is not decoded; 0 of another file.
+    """Return bits a channel of a PNG or TIFF file, without decoding it; 0 of another file.
 
     Raises:
         UNREADABLE: its head is damaged.
@@ -93,8 +93,8 @@ def decode_picture(data: bytes | NDArray[np.uint8], what: str) -> NDArray[np.uin
     picture = _decode(raw, what)
     if picture.dtype != np.uint8:
         raise DamagedFile(
-            f"{what} is {picture.dtype}, which 8-bit pictures do not keep",
-            hint="put depth into a folder or a dataset of its own; it is left as it is",
+            f"{what} is {picture.dtype}, which 8-bit pictures cannot hold",
+            hint="put depth into a folder or a dataset of its own; it stays unchanged",
         )
     return np.asarray(rgb_of_decoded(picture), np.uint8)
 
@@ -196,7 +196,7 @@ def picture_channels(dataset: h5py.Dataset, what: str) -> int:
     """Return channels of the first picture.
 
     Raises:
-        DamagedFile: that is encoded and damaged; ``what`` names the dataset.
+        DamagedFile: the encoded file is damaged; ``what`` names the dataset.
     """
     if picture_kind(dataset) == ARRAY:
         return dataset.shape[3] if dataset.ndim == 4 else 1
@@ -259,6 +259,6 @@ class Spool:
 
 @contextmanager
 def spooled(pieces: Iterable[bytes], folder: Path) -> Iterator[Spool]:
-    """Write ``pieces`` into a file without a name in ``folder``, which is gone afterwards."""
+    """Write ``pieces`` into an unnamed file in ``folder``, which disappears afterwards."""
     with tempfile.TemporaryFile(dir=folder) as file:
         yield Spool(file, pieces)

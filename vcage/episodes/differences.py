@@ -1,4 +1,4 @@
-"""A picture of a question on which two critics differ: what they looked at, their verdicts, and the truth."""
+"""A picture of a question on which two critics differ: their views, their verdicts, and the truth."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from vcage.tasks.setting import Seen
 
 
 def draw_difference(found: Difference, seen: Seen, line_px: int = 28, letters: int = 120) -> np.ndarray:
-    """Draw the views before and after side by side, those of other moments below, and the verdicts under them.
+    """Draw the views before and after side by side, other moments below, and the verdicts under them.
 
     Args:
         found: the difference; a verdict that contradicts the simulator's state is red.
-        seen: the pictures that both critics looked at, (H, W, 3) uint8 RGB.
+        seen: the pictures shown to both critics, (H, W, 3) uint8 RGB.
         line_px: height of a line of text.
-        letters: per line, as wide as those of a verdict are on average.
+        letters: per line, as wide as an average verdict's.
 
     Returns:
         (H', W', 3) uint8, two views wide.

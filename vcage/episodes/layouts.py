@@ -85,8 +85,8 @@ class Layouts:
     """Draws layouts of a scene in which a chain can be carried out.
 
     Args:
-        scene: as it is before the chain begins, where its layout was optimised.
-        relations: of the plan; those that this layout keeps are kept, and so are the scene's descriptions.
+        scene: at the start of the chain, with an optimised layout.
+        relations: of the plan; the satisfied ones are preserved, and so are the scene's descriptions.
         chain: the sub-tasks, in order.
         context: the library, the robots' reach and kinematics.
     """
@@ -120,7 +120,7 @@ class Layouts:
 
         Args:
             rng: of all that is drawn.
-            clutter: objects that the scene has not; as many of them as have room are put where it is left.
+            clutter: objects outside the scene; as many as have room are placed in the remaining space.
             draws: layouts that are drawn before it is given up.
 
         Raises:
@@ -166,7 +166,7 @@ class Layouts:
         return Layout(poses, {subtask.id: subtask.grasps for subtask in chain}, slots)
 
     def _require_as_asked(self, poses: Mapping[str, Pose], boxes: Mapping[str, np.ndarray]) -> None:
-        """Refuse poses and boxes (2, 3) that break a description or relation, or with which a goal is true already."""
+        """Refuse poses and boxes (2, 3) that break a description or relation, or that make a goal true at the start."""
         if false := complaints(self._scene, [o.moved(poses[o.id]) for o in self._objects.values()]):
             raise Refused(false[0])
         if broken := self._broken(boxes):
@@ -192,7 +192,7 @@ class Layouts:
         return found
 
     def _solved(self, rng: np.random.Generator) -> dict[str, Pose]:
-        """The layout that keeps the plan and is nearest to one that is drawn at random."""
+        """The layout that keeps the plan and is nearest to a random one."""
         upright = least_costly(
             (self._drawn(rng) for _ in range(LIMITS.compared_starts)),
             cost=lambda poses: len(self._broken(self._boxes(self._with_contents(poses)))),
@@ -223,7 +223,7 @@ class Layouts:
         return first_accepted(fewer, InfeasibleScene).value
 
     def _kept_free(self, o: SceneObject, rectangle: np.ndarray) -> np.ndarray:
-        """(2, 2) rectangle of the table around an object; wider for one that is moved, as a hand comes down on it."""
+        """(2, 2) rectangle of the table around an object; wider for a moved one, as a hand comes down on it."""
         gap = hand_clearance(self._robot).gap if o.record.role == "content" else 0.0
         return rectangle + [[-gap], [gap]]
 
@@ -240,7 +240,7 @@ class Layouts:
         return self._root(self._inside[name]) if name in self._inside else name
 
     def _headings(self, o: SceneObject) -> tuple[float, ...]:
-        """Headings that may be drawn: any, but for an object that has a front or receives things."""
+        """Headings to draw from: any, except for an object with a front or with contents."""
         if o.asset.articulated:
             return FRONT_YAWS
         turned = tuple(o.pose.yaw + turn for turn in SETTINGS.turns_rad)

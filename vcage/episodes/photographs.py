@@ -44,10 +44,10 @@ class Photographer:
         models: of its objects, by id.
         robot: that stands at the table.
         look: light, table top and surroundings.
-        objects: of the scene, whose bar codes and windows are looked at closely while one is scanned.
+        objects: of the scene; bar codes and windows are photographed closely during a scan.
 
     Attributes:
-        world: in which the states are drawn; nothing moves there by itself.
+        world: in which the states are drawn; nothing moves there.
     """
 
     def __init__(
@@ -62,7 +62,7 @@ class Photographer:
         self._scene, self._robot, self._objects = scene, robot, objects
 
     def shots(self, state: WorldState, goals: Sequence[Goal] = (), arm: str | None = None) -> dict[str, np.ndarray]:
-        """(H, W, 3) uint8 RGB pictures by camera: those that tell some goals, wrist cameras, and of a scan close ones.
+        """(H, W, 3) uint8 RGB pictures by camera: the views for some goals, wrist cameras, and for a scan close ones.
 
         Args:
             state: that is shown.
@@ -105,10 +105,10 @@ class CloseUpSettings:
         fovy_rad: its vertical field of view.
         away_m: from the face.
         beside_rad: angles between the face's axis and the camera, seen from above, in the order to try them: steep
-            enough to look past what is held before the face, and flat enough to see it.
+            enough to look past an object held before the face, and flat enough to see it.
         above_rad: angles of the camera over the face's axis, in the order to try them.
-        sampled_m: half the side of the square on the face of which points must be seen.
-        depth_m: what is farther than this before or behind a point hides it.
+        sampled_m: half the side of the square on the face with the points to be seen.
+        depth_m: a surface farther than this before or behind a point hides it.
         enough_share: share of the points that are seen from where no other place is tried.
     """
 
@@ -133,9 +133,9 @@ def scan_cameras(world: World, objects: Sequence[SceneObject], thing: str) -> di
     way on all sides, the place is taken from which most is seen.
 
     Args:
-        world: that is rendered, as it is at the moment.
+        world: to render, in its present state.
         objects: by their faces; poses are the world's.
-        thing: id of what has the bar code.
+        thing: id of the object with the bar code.
     """
     now = [o.moved(world.object_pose(o.id)) for o in objects]
     codes = [_Seen.of(o, face) for o in now if o.id == thing for face in o.asset.annotation.faces_of("code")]
@@ -166,7 +166,7 @@ class _Seen:
         return self.at + steps @ np.stack([across, np.cross(self.axis, across)])
 
     def cameras(self) -> Iterator[Camera]:
-        """Those that look at it, in the order to try them."""
+        """The cameras that face it, in the order to try them."""
         heading = np.arctan2(self.axis[1], self.axis[0])
         for above, beside in product(SETTINGS.above_rad, SETTINGS.beside_rad):
             angle = heading + beside
@@ -176,7 +176,7 @@ class _Seen:
 
 
 def _clearest(world: World, face: _Seen) -> Camera:
-    """The first camera that sees enough of a face, else that which sees most of it."""
+    """The first camera that sees enough of a face, else the one that sees most of it."""
     best: tuple[float, Camera] | None = None
     for camera in face.cameras():
         share = _share_seen(world, camera, face.points())

@@ -1,6 +1,6 @@
 """Modules for the processes that collect and compress, imported while the first stages work.
 
-The process that imports them is the one that those are forked from (:func:`vcage.base.workers.preload_module`).
+The process that imports them is the parent of all forks (:func:`vcage.base.workers.preload_module`).
 """
 
 # ruff: noqa: F401, I001
@@ -8,7 +8,7 @@ The process that imports them is the one that those are forked from (:func:`vcag
 import gc
 from contextlib import suppress
 
-with suppress(Exception):  # whoever needs it says what is wrong with it
+with suppress(Exception):  # its users report the error
     import vcage.sim  # without which SAPIEN may not load
     import sapien
 
@@ -18,4 +18,4 @@ with suppress(Exception):
     import vcage.datasets.packing.clips
     import vcage.video.colorvideovdp
 
-gc.freeze()  # stays out of the collections of those that are forked, whose memory is so shared
+gc.freeze()  # stays out of the garbage collections of forks, whose memory is so shared

@@ -1,4 +1,4 @@
-"""The question to the critic after a sub-task: its cameras, and what it is told of the scene."""
+"""The question to the critic after a sub-task: its cameras, and its facts about the scene."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def cameras(scene: Scene, goals: Collection[Goal]) -> dict[str, Camera]:
 
 
 def _hides_its_support(scene: Scene, goal: Goal) -> bool:
-    """True when an object covers much of what it is put on, seen from above, and the side of that can be seen."""
+    """True when an object covers much of its support, seen from above, and the side of the support can be seen."""
     boxes = {o.id: np.ptp(np.array(o.aabb), axis=0) for o in scene.objects}
     if goal.relation != "on" or goal.reference not in boxes:
         return False
@@ -78,15 +78,15 @@ def _hides_its_support(scene: Scene, goal: Goal) -> bool:
 
 @dataclass(frozen=True)
 class Asking:
-    """The question about a sub-task, but for what follows from the scene.
+    """The question about a sub-task, except the parts that follow from the scene.
 
     Args:
         text, goals: the sub-task in words and in the closed vocabulary.
-        seen: pictures (H, W, 3) uint8 RGB by what they show and by camera (see :data:`vcage.tasks.setting.Seen`).
+        seen: pictures (H, W, 3) uint8 RGB by content and by camera (see :data:`vcage.tasks.setting.Seen`).
         background: the top view of the empty table.
-        requires: what was true before, by the plan: which drawers are open.
-        grasped: id of what the robot was to take hold of, where that is not the goals' object.
-        statements: what must have stayed as it was.
+        requires: facts true before, by the plan: which drawers are open.
+        grasped: id of the object the robot was to grasp, if it is not the goals' object.
+        statements: facts to preserve.
     """
 
     text: str
@@ -121,7 +121,7 @@ def verdict(context: StageContext, scene: Scene, asking: Asking) -> Verdict:
     Args:
         context: with the critic, and how the objects look.
         scene: where it was done.
-        asking: what it is asked.
+        asking: the question.
 
     Raises:
         VcageError: the critic cannot be asked, or gives no answer of use.
@@ -189,7 +189,7 @@ def _view(picture: np.ndarray, camera: Camera, name: str) -> View:
 def _part_looks(
     goals: Sequence[Goal], scene: Scene, context: StageContext, opened: Mapping[str, Sequence[str]]
 ) -> dict[str, Reference]:
-    """Reference views of each object with a part that a goal names, as it looks before, by id."""
+    """Reference views of each object with a part named by a goal, in its earlier state, by id."""
     found = {}
     for goal in goals:
         if goal.kind.acts_on is not None and goal.part is not None:
@@ -207,7 +207,7 @@ def _rooms(
 
 
 def _room(goal: Goal, objects: Mapping[str, SceneObject], opened: Mapping[str, Sequence[str]]) -> np.ndarray:
-    """(n, 8, 3) corners of where an object is that is in or on another, in the frame of that: from each floor up to its
+    """(n, 8, 3) corners of the target of an object in or on another, in the frame of that: from each floor up to its
     rim, or as high as the object stands on it."""
     thing, place = objects[goal.subject], objects[str(goal.reference)].asset
     far = {link.name: link.joint.far_end for link in place.model.links}
@@ -232,7 +232,7 @@ def _tops(objects: Iterable[SceneObject], table_height: float) -> list[float]:
 
 
 def _opened(goals: Sequence[Goal], requires: Sequence[Goal], statements: Sequence[Statement]) -> dict[str, list[str]]:
-    """The parts that are open before and after, by the plan: by the object that they belong to."""
+    """The parts open before and after, by the plan: by their object."""
     stays = [statement.goal for statement in statements if statement.goal is not None]
     found: dict[str, list[str]] = {}
     for goal in (*requires, *stays, *(g for g in goals if g.relation == "inside" and g.part)):

@@ -28,7 +28,7 @@ class Wanted:
 
     @classmethod
     def of(cls, episodes: int | None, subtasks: Subtasks) -> Wanted:
-        """Count what is asked for; without a number, three of an instruction and one of each sub-task."""
+        """Count the requested episodes; without a number, three of an instruction and one of each sub-task."""
         return cls(len(subtasks.chains), episodes or (1 if subtasks.instruction is None else 3))
 
     @property
@@ -36,12 +36,12 @@ class Wanted:
         return self.chains * self.each
 
     def missing(self, episodes: Sequence[Episode]) -> int:
-        """Verified episodes that there are not yet."""
+        """Missing verified episodes."""
         verified = Counter(episode.chain for episode in episodes if episode.accepted)
         return sum(max(self.each - verified[chain], 0) for chain in range(self.chains))
 
     def next(self, episodes: Sequence[Episode], running: Collection[int]) -> list[int]:
-        """Numbers of the episodes to begin, of which none would not be needed if all that run were accepted."""
+        """Numbers of the episodes to begin, all of them needed even if every running one is accepted."""
         ran, verified = Counter(e.chain for e in episodes), Counter(e.chain for e in episodes if e.accepted)
         busy, numbers = Counter(number % self.chains for number in running), []
         for chain in range(self.chains):

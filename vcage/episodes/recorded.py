@@ -65,7 +65,7 @@ class Recorded:
             context: the library.
 
         Raises:
-            DamagedFile: it does not hold the joints of the arms, or what was drawn for the episode.
+            DamagedFile: it lacks the joints of the arms, or the random draws of the episode.
             UnknownName: the library lacks an object of its scene, or there is no such robot.
         """
         scene = Scene.parse(episode.meta.get("scene"), path)

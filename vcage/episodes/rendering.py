@@ -2,7 +2,7 @@
 
 Every render is an episode file of its own, like those of collect. Its look depends on the seed, the episode's number
 and the look's number alone, so that more can be drawn later; the record inside identifies a finished one. Renders of an
-episode that does not count any more, or that was recorded anew, are removed.
+episode that was rejected, or recorded again, are removed.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ class Order:
         looks: of each episode, 1 to :attr:`MOST_LOOKS`.
         ranges: of the random looks.
         seed: of all looks.
-        episodes: numbers of those to draw; empty for all that count.
+        episodes: numbers of those to render; empty for all accepted ones.
         workers: processes.
     """
 
@@ -81,7 +81,7 @@ def render_run(run: RunFolder, order: Order, progress: Progress = silent) -> Ren
 
     Raises:
         UsageError: fewer than one look, or more than :attr:`Order.MOST_LOOKS`.
-        UnknownName: an episode is not among those that count, or an object is not in the library any more.
+        UnknownName: an episode is not accepted, or an object is not in the library any more.
         MissingStage: no episode counts.
     """
     if not 1 <= order.looks <= order.MOST_LOOKS:

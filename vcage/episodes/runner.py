@@ -118,7 +118,7 @@ class EpisodeRunner:
         relations: Sequence[Relation] | None,
         named: Mapping[str, Script],
     ) -> _Work:
-        """Return the scripts of a chain, and its starts: those of an instruction are where its plan was proven.
+        """Return the scripts of a chain, and its starts: an instruction starts where its plan was proven.
 
         ``relations`` of the plan hold in drawn layouts; None if no layouts are drawn. ``named`` scripts are executed
         in place of generated ones.
@@ -134,7 +134,7 @@ class EpisodeRunner:
     def one(self, index: int, folder: Path) -> tuple[Episode, list[Attempt]]:
         """Run an episode and write its files.
 
-        One that takes too long, or has no room to begin, is rejected without files.
+        One that takes too long, or has no room at its start, is rejected without files.
         """
         try:
             with time_limit(self._limit_s):
@@ -145,7 +145,7 @@ class EpisodeRunner:
             return self._given_up(index, error.message), []
         finally:
             forget()
-            gc.collect()  # worlds refer to themselves, and Python does not count what a driver holds for them
+            gc.collect()  # worlds contain reference cycles, and Python does not count the memory of a driver
 
     def _given_up(self, index: int, reason: str) -> Episode:
         logger.warning("episode %d: %s", index, reason)
@@ -186,7 +186,7 @@ class EpisodeRunner:
         return self._record(done, index, name, start, drawn), done.attempts
 
     def _steps(self, work: _Work, start: Start) -> list[tuple[Subtask, Script]]:
-        """Return the sub-tasks in the words of an episode, and their scripts with grasps that are feasible there."""
+        """Return the sub-tasks in the words of an episode, and their scripts with grasps feasible there."""
         for subtask, script in work.steps:
             if subtask.id not in work.own_grasps:
                 script.try_grasps(start.grasps[subtask.id])
@@ -244,7 +244,7 @@ _version = cache(metadata.version)
 
 
 def versions() -> dict[str, str]:
-    """Return the versions of the programs that made the data, and the device that drew its pictures."""
+    """Return the versions of the programs that made the data, and the device that rendered its pictures."""
     packages = ("sapien", "mani_skill", "mplib", "numpy")
     return {
         "vcage": __version__,

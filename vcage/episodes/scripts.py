@@ -24,7 +24,7 @@ from vcage.sim.robots import load_template
 from vcage.tasks.synthesis import Script, load_script
 
 NEEDED = ("TEMPLATE", "ROBOT", "TEXT", "TEXTS", "SUBTASK", "SCENE", "GRASPS", "GOALS", "REQUIRES", "STATEMENTS")
-HINT = "mend it, or search the sub-tasks of its run again"
+HINT = "fix it, or search the sub-tasks of its run again"
 
 
 def prepare_run(run: RunFolder, path: Path, *, seed: int, force: bool) -> None:

@@ -48,7 +48,7 @@ class JudgedStep:
 
 
 class SecondJudge:
-    """Judges again what a run collected.
+    """Judges the attempts of a run again.
 
     Args:
         run: the run folder.
@@ -158,7 +158,7 @@ def _by_moment(pictures: Sequence[Path], scene: Scene) -> Seen:
         if named is None:
             raise InputFileError(
                 f"{path} is not named as collect names the pictures of a verdict: field pictures",
-                hint="put back what was written",
+                hint="restore the written file",
                 maker="collect",
             )
         when, camera = named.groups()

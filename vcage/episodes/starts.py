@@ -68,8 +68,8 @@ class Starts:
     """Draws where the episodes of a chain begin.
 
     Args:
-        scene: as it is before the chain begins, where its layout was optimised.
-        relations: of the plan, which layouts keep that are drawn; None where none are.
+        scene: at the start of the chain, with an optimised layout.
+        relations: of the plan, kept by drawn layouts; None without drawn layouts.
         chain: the sub-tasks, in order.
         ranges: of the differences between worlds.
         context: the library, the robots' reach and kinematics.
@@ -118,7 +118,7 @@ class Starts:
         try:
             found = first_accepted((partial(self._layout_of, *world, rng) for world in worlds), NoLayout)
         except GaveUp as error:
-            logger.warning("no layout that was drawn was taken: objects stand as optimised, with small shifts")
+            logger.warning("no random layout was accepted: objects stand as optimised, with small shifts")
             return worlds[-1][0], None, _refused(error.refusals)
         world, layout = found.value
         return world, layout, dict(Counter(_refused(found.refusals)) + Counter(layout.refused))
@@ -158,7 +158,7 @@ class Starts:
     def _proven(
         self, scene: Scene, objects: Mapping[str, SceneObject], rng: np.random.Generator
     ) -> tuple[dict[str, list[Grasp]], dict[str, Slot]]:
-        """Grasps and slots where the run's layout is a little shifted; as planned there where that breaks a step."""
+        """Grasps and slots in a slightly shifted layout of the run; the planned ones where the shift breaks a step."""
         chain, things = self._chain, list(objects.values())
         try:
             chain, slots = proven(chain, things, scene, rng)

@@ -1,4 +1,4 @@
-"""The folder of a collection at work, with which a killed one goes on; and the counts of a collection."""
+"""The folder of a running collection, which continues a killed one; and the counts of a collection."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class EpisodeStore:
     """The folder in which episodes gather; whole after every episode.
 
     Args:
-        stage: the collection; its output is what the folder becomes.
+        stage: the collection; the folder becomes its output.
         folder: beside the output.
     """
 
@@ -47,7 +47,7 @@ class EpisodeStore:
         """Continue a killed collection of the same provenance, or a finished one, or start anew."""
         recover(self.folder)
         if self._go_on():
-            logger.info("collect: going on with the episodes of a run that was interrupted")
+            logger.info("collect: continuing an interrupted collection")
             return
         self.run.make()
         shutil.rmtree(self.folder, ignore_errors=True)
@@ -58,18 +58,18 @@ class EpisodeStore:
             self._load()
 
     def _go_on(self) -> bool:
-        """Load what a killed collection left; False if it is damaged or of another provenance."""
+        """Load the leftovers of a killed collection; False if they are damaged or of another provenance."""
         keeper = Keeper(self._index, Episodes, self._stage.provenance())
         try:
             if not keeper.knows(keeper.found()):
                 return False
-            for part in sorted(self.folder.rglob(f"*{PARTIAL}*")):  # what was being written when it was killed
+            for part in sorted(self.folder.rglob(f"*{PARTIAL}*")):  # being written when it was killed
                 part.unlink()
             self._load()
         except MissingStage:
             return False
         except InputFileError as error:
-            logger.warning("collect: starting anew, as an interrupted run left what cannot be read: %s", error)
+            logger.warning("collect: starting again, as the files of the interrupted run cannot be read: %s", error)
             return False
         return True
 
@@ -144,7 +144,7 @@ def _attempt(line: str, where: str) -> Attempt:
     except ValidationError as error:
         first = error.errors()[0]
         field = ".".join(map(str, first["loc"])) or "(whole line)"
-        raise DamagedFile(f"{where}: field {field}: {first['msg']}", hint="mend it", maker="collect") from error
+        raise DamagedFile(f"{where}: field {field}: {first['msg']}", hint="fix it", maker="collect") from error
 
 
 def acceptance(attempts: Sequence[Attempt]) -> dict[str, dict[str, int]]:

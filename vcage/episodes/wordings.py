@@ -18,10 +18,10 @@ MOST_WORDINGS = 24
 def worded_chain(
     chain: Chain, steps: Sequence[Subtask], scene: Scene, context: StageContext, reasoner: Reasoner
 ) -> Chain:
-    """Return the chain of an instruction with more wordings of its task: the reasoner's, then those of templates.
+    """Return the chain of an instruction with more wordings of its task: the reasoner's, then from templates.
 
     Args:
-        chain: that brings about the goals of the scene.
+        chain: for the goals of the scene.
         steps: its sub-tasks.
         scene: where they are done.
         context: the library.
@@ -54,7 +54,7 @@ def wordings_for(
 
 
 def task_to_word(steps: Sequence[Subtask], scene: Scene, context: StageContext) -> TaskToWord:
-    """Return the task that a sentence must ask for, with the things that it may name.
+    """Return the task a sentence must ask for, with the names it may use.
 
     Args:
         steps: the sub-tasks that do it.

@@ -39,7 +39,7 @@ class Worlds:
     """Draws worlds for the episodes of a chain.
 
     Args:
-        scene: as it is before the chain begins.
+        scene: at the start of the chain.
         chain: the sub-tasks, in order.
         context: the library.
     """
@@ -96,7 +96,7 @@ class Worlds:
 
     @cached_property
     def _instruction(self) -> str:
-        """Words whose meaning nothing that is drawn may change; empty where there are none."""
+        """Words whose meaning no random draw may change; empty without any."""
         return self.scene.instruction or ""
 
     def _variants(self, rng: np.random.Generator) -> dict[str, str]:
@@ -134,7 +134,7 @@ class Worlds:
 
     @cached_property
     def _may_stand_by(self) -> list[CatalogueEntry]:
-        """Small things without moving parts that nothing said could mean; those that belong to the place first."""
+        """Small rigid objects outside the meaning of all wordings; those of the place first."""
         texts = [self._instruction, *(text for subtask in self.chain for text in (subtask.text, *subtask.texts))]
         texts += [o.phrase for o in self.scene.objects]
         ranging = quantified(self._instruction)
@@ -147,7 +147,7 @@ class Worlds:
         return bystanders(texts, [o.kind() for o in self._objects], there)
 
     def _clutter(self, number: int, rng: np.random.Generator) -> dict[str, str]:
-        """So many kinds of things, one of each, that belong to the place as far as there are enough: id → asset."""
+        """That many kinds of objects, one of each, of the place as far as possible: id → asset."""
         tags = {self.scene.template}.union(*(o.asset.annotation.words.scene_tags for o in self._objects))
         order = [self._may_stand_by[i] for i in rng.permutation(len(self._may_stand_by))]
         order.sort(key=lambda entry: not tags & {*entry.words.scene_tags})
@@ -159,7 +159,7 @@ class Worlds:
         return o.model_copy(update={"variant": variant, "phrase": phrase_of(asset.entry(), asset.variant)})
 
     def _start(self, largest: float, rng: np.random.Generator) -> dict[str, list[float]]:
-        """An offset of each joint, radians, as far as its range allows; nothing where none is asked for."""
+        """An offset of each joint, radians, as far as its range allows; nothing if not requested."""
         if largest == 0:
             return {}
         found = {}
@@ -205,7 +205,7 @@ def steady(scene: Scene, models: Mapping[str, PhysicalModel], draw: WorldDraw) -
 
 
 def free_start(scene: Scene, models: Mapping[str, PhysicalModel], draw: WorldDraw) -> WorldDraw:
-    """The draw with arms that touch nothing at the start: those that would are brought nearer to home."""
+    """The draw with arms free of contact at the start: touching ones are brought nearer to home."""
     robot = load_robot(scene.robot)
     bodies = {o.id: Body(models[o.id], o.pose.pose(), o.joints) for o in scene.objects}
     start = {name: np.array(offset) for name, offset in draw.start.items()}

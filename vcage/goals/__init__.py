@@ -41,7 +41,7 @@ PROMPT_WIDTH = 120
 
 
 def words() -> list[str]:
-    """The words of all kinds: first those of a state, then those of events."""
+    """The words of all kinds: first the states, then the events."""
     return sorted(KINDS, key=lambda word: KINDS[word].event)
 
 

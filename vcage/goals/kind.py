@@ -1,4 +1,4 @@
-"""A kind of goal: everything that the library knows of one word, and what a goal may ask of the simulator."""
+"""A kind of goal: the library's whole knowledge of one word, and the simulator data a goal may use."""
 
 from __future__ import annotations
 
@@ -103,11 +103,11 @@ class State(Protocol):
 
 @dataclass(frozen=True)
 class Shown:
-    """Pictures that the critic needs besides those from above, before and after.
+    """Pictures the critic needs besides those from above, before and after.
 
     Args:
-        customer: from the customer's side too: fronts, bar codes and what is in the air are not seen from above.
-        moment: those cameras also at the moment that tells most.
+        customer: from the customer's side too: fronts, bar codes and objects in the air are not seen from above.
+        moment: those cameras also at the decisive moment.
         start: also at the start of the episode.
         in_the_air: the camera on the customer's side looks higher.
         close_up: close pictures of bar code and window, at the moment.
@@ -132,19 +132,19 @@ class GoalKind:
             indentation is not.
         commands: sentences that ask for it, the plainest first: {0} is the object, {1} the same at the beginning of
             a sentence, {2} the reference; ten and more.
-        prepositions: instead of commands, for goals that say where an object is put: those that follow its verb.
+        prepositions: instead of commands, for goals about an object's place: words after its verb.
         plain: a goal as a statement; {thing} with its part, {where} the relation to the reference, {reference}.
-        says: words of which one must stand in a sentence that asks for it.
-        claims: words that may stand only in a sentence that asks for it.
+        says: words, one of which a sentence that asks for it must contain.
+        claims: words allowed only in a sentence that asks for it.
         listed: fields of such a goal, for the prompt of the reader: the same for all kinds of one form.
-        gloss: what that prompt adds behind the word.
-        refers_to: what its reference is; None where it has none.
+        gloss: addition of that prompt behind the word.
+        refers_to: the kind of its reference; None without one.
         part_of: whose moving part it may name.
-        acts_on: parts that its subject has: those that ``open``, are ``press``-ed or ``turn``-ed; such a goal needs
+        acts_on: parts of its subject: those that ``open``, are ``press``-ed or ``turn``-ed; such a goal needs
             its part and leaves the subject in its place.
-        event: it says what was done, whatever it looks like afterwards.
+        event: it is about an action, regardless of the state afterwards.
         opposite: word of the goal that is true where this one is false.
-        happens: True where its event goes on now; ``notes`` remembers what earlier looks saw.
+        happens: True while its event goes on; ``notes`` stores earlier observations.
         tool: property of an object without which it cannot be done (:class:`vcage.schema.asset.CatalogueEntry`).
         shown: pictures that the critic needs.
     """

@@ -15,7 +15,7 @@ def part_words(part: str) -> str:
 
 
 def of_share(goal: Stated, state: State, how: str, *, least: float = -1.0, most: float = 2.0) -> str | None:
-    """Why a part is not within two shares of its range; ``how`` is what it is by as much: open, turned."""
+    """Why a part is not within two shares of its range; ``how`` names the measured share: open, turned."""
     share = state.share(goal.subject, str(goal.part))
     within = least <= share <= most
     return None if within else f"the {part_words(str(goal.part))} of {goal.subject} is {how} by {100 * share:.0f} %"

@@ -16,8 +16,8 @@ class Thresholds:
         height_m: an object's bottom may be this far off the floor that carries it: it may lie on another content's
             edge.
         upright_rad: a receptacle that leans more is tipped.
-        borne_share: share of its weight that the table may bear of what lies in or on something.
-        back_m: an object that is nearer than this to where it stood is back there.
+        borne_share: share of an object's weight that the table may bear although it is in or on another one.
+        back_m: an object nearer than this to its old place is back there.
         disturbed_m, tipped_rad: an object that was moved farther, or turned over by more than this, was disturbed.
         opened_share: share of the range beyond which a joint counts as opened, pressed or turned.
         closed_share: share of the range below which it counts as closed.
@@ -30,8 +30,8 @@ class Thresholds:
             upright.
         cone_rad: largest angle between the direction of a side (left: −x) and the line between the centres.
         beside_m, near_m: largest gap in the plane between two boxes that are beside, or near, each other.
-        inside_m: a box may stick out of the box of what it is inside of by this, in the plane.
-        rest_m: the bottom of a box may be above the top of what it stands on by this.
+        inside_m: a box may protrude from its container's box by this, in the plane.
+        rest_m: the bottom of a box may be above the top of its support by this.
         centre_share, centre_least_m: largest offset of a box in the middle of another along each axis, as a share of
             that one's size; an offset that always counts as central.
     """

@@ -1,4 +1,4 @@
-"""Capacities: what fits into what, beside what, and in a row, by the sizes and openings of objects.
+"""Capacities: which objects fit into, beside and behind each other, by sizes and openings.
 
 Complaints are certain: sizes are compared as if every object could be turned at will, contents by the boxes around
 them that layouts keep apart. So a plan without complaints may still be hard to lay out.
@@ -39,7 +39,7 @@ def capacity_of(name: str, asset: Asset) -> TableItem:
 def opening_for(asset: Asset, contents: Sequence[Asset] = ()) -> Opening | None:
     """The opening that a layout may use of an asset, in the object's frame; None without one.
 
-    What stands in it as a box does not touch a sloping wall. Where one of the contents is too large for that, the
+    A box standing in it does not touch a sloping wall. Where one of the contents is too large for that, the
     wider opening in which things may lie at an angle: the simulator then decides if they stay.
 
     Returns:
@@ -71,7 +71,7 @@ def size_complaints(
     longer than the workspace.
 
     Args:
-        relations: of a plan; those of objects that are not among the items are passed over.
+        relations: of a plan; those of objects outside ``items`` are skipped.
         items: geometry by object id, of :func:`capacity_of`.
         workspace: without it the lengths of rows are not checked.
         overhang: True if an object on a bare top may stick out.
@@ -90,7 +90,7 @@ def crowding_complaints(held: Mapping[tuple[str, str | None], Sequence[str]], as
     """Complaints about objects that do not fit into one place together; places with several parts are passed over.
 
     Args:
-        held: object id and moving part (None for the body) of a place → ids of what lies there at the same time.
+        held: object id and moving part (None for the body) of a place → ids of its simultaneous contents.
         assets: by object id.
     """
     found = []

@@ -7,9 +7,9 @@ J(x) = λc·J_coll + λd·J_disp + λb·J_bnd (+ λr·J_reach + λp·J_plan), ov
 - J_disp: Σ w_i·|x_i − t_i|², the weight w_i proportional to the footprint's area, 1 on average.
 - J_bnd: the squared distance by which boxes stick out of the workspace.
 - J_reach: the squared distance of each centre to the rectangles that it is allowed in, where it has any.
-- J_plan: what the plan's relations miss, :mod:`vcage.layout.relation_cost`.
+- J_plan: violations of the plan's relations, :mod:`vcage.layout.relation_cost`.
 
-The last two are not in the paper. What is the same at every x is computed once for each problem.
+The last two are not in the paper. Terms constant in x are computed once for each problem.
 """
 
 from __future__ import annotations
@@ -29,17 +29,17 @@ class CostWeights:
     """The λ of the equation; only their ratios matter.
 
     Args:
-        collision: a pair that two objects would rather be d metres into stays d / 1000 in, so that a displacement of
-            10 cm leaves 0.1 mm, less than what the margin is tightened by while solving. More only makes it stiff.
+        collision: a pair pulled together by targets d metres apart overlaps by d / 1000, so that a displacement of
+            10 cm leaves 0.1 mm, less than the tightening of the margin while solving. More only makes it stiff.
         displacement: the unit.
         boundary: as the collision: sticking out and overlapping are equally impossible. It decides nothing here, as
             L-BFGS-B keeps all centres within their bounds and the term at 0; only a layout from elsewhere, such as
             the targets, has any of it.
-        reach: as the collision: what the arm cannot reach is no task.
+        reach: as the collision: an object out of the arm's reach has no task.
         relation: for each relation of the plan; 500 leaves a displacement of 20 cm less than half a millimetre, below
-            what relations are tightened by while solving. Its pull is bounded by the knee to that of a collision of
-            2.5 mm: more than any displacement has, less than two objects that touch. 0 turns the relations off, but
-            for what the plan wants inside or on something.
+            the tightening of relations while solving. Its pull is bounded by the knee to that of a collision of
+            2.5 mm: more than any displacement has, less than two touching objects. 0 turns the relations off, except
+            for planned contents.
 
     Raises:
         UsageError: one is negative or not finite.
@@ -65,12 +65,12 @@ class LayoutProblem:
         half: (n, 2) half sizes of the axis-aligned footprints, metres.
         target: (n, 2) where the centres should be.
         bounds: (2, 2) lower and upper corner that every footprint must stay within.
-        margin: δ, smallest gap between two footprints, metres: what settles by some millimetres must still not touch,
-            and what is to be grasped needs room for a finger beside it.
+        margin: δ, smallest gap between two footprints, metres: objects that settle by some millimetres must not touch,
+            and objects to grasp need room for a finger beside them.
         allowed: for each footprint (m, 2, 2) rectangles for its centre, or None.
-        extra: (n, n) symmetric, what a pair's gap is wider than the margin, metres; none when left out.
-        relations: what the plan says of them, or None.
-        fixed: (n,) bool, footprints that stay at their targets, whatever they touch of each other; none when left out.
+        extra: (n, n) symmetric, extra gap of a pair beyond the margin, metres; none when left out.
+        relations: the plan's relations between them, or None.
+        fixed: (n,) bool, footprints that stay at their targets, even if they touch each other; none when left out.
     """
 
     half: np.ndarray
@@ -88,7 +88,7 @@ class LayoutProblem:
         return np.ones(len(self.half), dtype=bool) if self.fixed is None else ~self.fixed
 
     def gaps(self, i: int, j: np.ndarray | list[int]) -> np.ndarray:
-        """(len(j),) the smallest gaps of footprint i and those of j."""
+        """(len(j),) the smallest gaps between footprint i and footprints j."""
         return self.margin + (np.zeros(len(j)) if self.extra is None else self.extra[i, j])
 
     @cached_property

@@ -18,7 +18,7 @@ STAGES = (0.01, 1.0)
 """Shares of the collision weight, one after the other: while it is low, objects pass through each other to the nearer
 side, which a single stiff stage does not let them."""
 ITERATIONS = 120
-"""L-BFGS-B iterations for each stage; the exact repair mends what they leave."""
+"""L-BFGS-B iterations for each stage; the exact repair fixes what they leave."""
 PRECISION = 1e-5
 """Relative change of the cost at which a stage ends: what is left below it is less than what one local minimum differs
 from the next, and the repair is exact from anywhere near."""

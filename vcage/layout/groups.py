@@ -1,7 +1,7 @@
 """Groups of objects: every container with its contents is one rigid body (paper, section III-A4).
 
 An object is assigned to a container only where the plan permits it, its rectangle meets the container's or the plan
-demands it, and the opening has room for it beside what is in there already. Overlap without permission is a collision.
+demands it, and the opening has room for it beside the present contents. Overlap without permission is a collision.
 """
 
 from __future__ import annotations
@@ -45,9 +45,9 @@ def assign_containers(items: Sequence[TableItem], demanded: Collection[str] = ()
 
 
 def _takes(item: TableItem, container: TableItem, room: np.ndarray, bare: bool) -> np.ndarray | None:
-    """(2,) floor area and volume that it takes of what is left, m² and m³; None where there is no room for it.
+    """(2,) floor area and volume that it takes of the free room, m² and m³; None where there is no room for it.
 
-    On a surface that is still bare, whatever comes first has room.
+    On a bare surface the first object always has room.
     """
     takes = np.array([4 * item.half_size(container.yaw).prod(), np.prod(item.size)])
     if bare:
@@ -105,7 +105,7 @@ class Groups:
         return self._carried[container.id]
 
     def innermost_first(self) -> list[TableItem]:
-        """The containers that hold something; every one after those that lie in it."""
+        """The containers with contents; every one after its own contents."""
         holding = [item for item in self.items.values() if self.contents(item)]
         return sorted(holding, key=lambda item: -self._depth(item))
 
@@ -139,7 +139,7 @@ class Groups:
         """The problem of the items on the table.
 
         Args:
-            workspace: (2, 2) what every box stays within, and whose thirds relations to the table mean, metres.
+            workspace: (2, 2) bounds of every box; relations to the table mean its thirds, metres.
             margin: between boxes, metres.
             allowed: where each group may stand, see :meth:`allowed`.
         """
@@ -210,7 +210,7 @@ class Groups:
         return [region for region, _ in found], [name for _, names in found for name in names]
 
     def _allowed(self, root: TableItem) -> tuple[np.ndarray | None, list[str]]:
-        """(m, 2, 2) rectangles for the middle of a group, from which all that it carries is where it is allowed.
+        """(m, 2, 2) rectangles for the middle of a group from which all its members are in their allowed areas.
 
         Items that cannot be where they are allowed together with their carrier give way; their ids are returned.
         """
@@ -248,7 +248,7 @@ class Groups:
 
 
 def hand_gaps(items: Sequence[TableItem], margin: float) -> np.ndarray | None:
-    """(n, n) gaps beyond the margin between grasped items and those that the palm would touch; None for none."""
+    """(n, n) gaps beyond the margin between grasped items and those in the way of the palm; None for none."""
     heights = np.array([item.size[2] for item in items])
     low = np.array([np.inf if item.hand is None else item.hand.height for item in items])
     wanted = np.array([0.0 if item.hand is None else max(item.hand.gap - margin, 0.0) for item in items])

@@ -1,7 +1,7 @@
-"""The intended layout of a plan: a target picture shows it, and what the picture does not show is put by it.
+"""The intended layout of a plan: shown by a target picture, with the plan for everything out of view.
 
-Starting places (:mod:`vcage.layout.starts`) are the targets of the layout's optimisation, which mends what is still
-broken there. Where the plan cannot be kept so, room for hands, wide gaps and headings are given up in turn.
+Starting places (:mod:`vcage.layout.starts`) are the targets of the layout's optimisation, which repairs remaining
+violations. Where the plan cannot be kept so, room for hands, wide gaps and headings are given up in turn.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class IntendedSettings:
     Args:
         elongated: ratio of length to width of long objects: they are laid pointing away from the robot.
         restarts: of the optimisation besides the targets: these are good already, and there are other efforts.
-        touch_m: that rectangles may share and count as touching.
+        touch_m: overlap of two rectangles that still counts as touching.
     """
 
     elongated: float = 1.5
@@ -57,7 +57,7 @@ class Effort:
     Args:
         gap: between any two objects, metres.
         turned: True if receptacles face the robot and long objects point away from it.
-        hands: True if hands have room between what is grasped and what is high.
+        hands: True if hands have room between grasped objects and high ones.
     """
 
     gap: float
@@ -99,16 +99,16 @@ def intended_layout(
 ) -> IntendedLayout:
     """A pose for every object of a scene: the plan's relations first, no overlap, in the workspace and in view.
 
-    Where relations and free space cannot both be had, relations give way, so no object is ever lost. Where there is no
-    free space left, objects overlap, and a warning names them. What lies in or on another object at the start and by
-    the plan moves with it, and so does what lies in a moving part; what is only planned there is laid out in its
+    Where relations and free space conflict, relations give way, so no object is ever lost. Where there is no
+    free space left, objects overlap, and a warning names them. Contents move with their container if they lie there at
+    the start and by the plan, and so do contents of a moving part; objects only planned there are laid out in its
     opening. The same input gives the same layout.
 
     Args:
         scene: where the objects stand now.
-        relations: of the plan; those that name unknown objects are passed over.
-        items: geometry of every object, by id; the surface of those without an opening holds what the plan puts there.
-        fixed: objects whose place is known already.
+        relations: of the plan; those that name unknown objects are skipped.
+        items: geometry of every object, by id; an object without an opening holds its planned contents on its surface.
+        fixed: objects with a known place.
     """
     items = {name: item for name, item in items.items() if name in with_places(scene)}
     known = [r for r in relations if r.subject in items and r.reference in (*items, TABLE)]
@@ -117,7 +117,7 @@ def intended_layout(
         map(search.attempt, EFFORTS), cost=lambda found: (len(found.overlapping), len(found.kept.broken)), enough=(0, 0)
     )
     if best.overlapping:
-        logger.warning("there is no room to keep these apart: %s", ", ".join(best.overlapping))
+        logger.warning("no room to keep these apart: %s", ", ".join(best.overlapping))
     return best
 
 
@@ -140,7 +140,7 @@ class _Search:
             if self._supports.get(r.subject) == r.reference:
                 self._items[r.reference] = _with_surface(items[r.reference], hollow=r.relation == "inside")
         self._workspace = np.array([scene.workspace.lower, scene.workspace.upper])
-        # What lies in or on something is where that is.
+        # Contents are at the place of their container.
         carriers = [(self._root(r.subject), r.relation, self._root(r.reference)) for r in relations]
         self._between = [
             Relation(subject=a, relation=word, reference=b)
@@ -152,7 +152,7 @@ class _Search:
         return self._root(self._supports[name]) if name in self._supports else name
 
     def attempt(self, effort: Effort) -> IntendedLayout:
-        """The layout that is found with this effort; the targets themselves, with overlaps, where there is none."""
+        """The layout found with this effort; where there is none, the targets themselves, with overlaps."""
         items = self._with_targets(effort)
         try:
             positions = optimize_layout(
@@ -212,7 +212,7 @@ class _Search:
         )
 
     def _carried(self, item: TableItem, holder: TableItem) -> TableItem:
-        """The item of an object in or on another: as it lies there already, or in the middle of the opening."""
+        """The item of an object in or on another: at its present place there, or in the middle of the opening."""
         record, below = self._scene.object(item.id), self._scene.object(holder.id)
         pose, carrier = record.pose.pose(), below.pose.pose()
         turn = holder.yaw - carrier.yaw
@@ -253,7 +253,7 @@ def supports_of(relations: Iterable[Relation]) -> dict[str, str]:
 
 
 def _widened(holder: TableItem, content: TableItem) -> TableItem:
-    """The holder with an opening that the content fits into where it is; the true fit is checked elsewhere."""
+    """The holder with an opening that accepts the content where it is; the true fit is checked elsewhere."""
     turn = rotation_2d(-holder.yaw)
     rectangle = content.rectangle(holder.yaw) + turn @ np.subtract(content.target, holder.target)
     centre, half = np.array(holder.room.centre), np.array(holder.room.size) / 2
@@ -262,7 +262,7 @@ def _widened(holder: TableItem, content: TableItem) -> TableItem:
 
 
 def _with_surface(item: TableItem, hollow: bool) -> TableItem:
-    """The item with an opening as large as itself, if it has none; no rim is too low for what lies there."""
+    """The item with an opening as large as itself, if it has none; no rim is too low for its contents."""
     if item.opening is not None:
         return replace(item, opening=replace(item.opening, rim=np.inf))
     width, depth = (float(side) for side in item.body_size[:2])

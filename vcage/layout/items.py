@@ -24,7 +24,7 @@ class HandClearance:
 
     Args:
         height: things lower than this pass under its palm, metres.
-        gap: that it needs between what it grasps and what is higher, metres.
+        gap: between the grasped object and higher ones, metres.
     """
 
     height: float
@@ -37,7 +37,7 @@ def hand_clearance(robot: Robot, lowest_grasp_m: float = 0.013, narrowest_m: flo
     Args:
         robot: whose hands they are.
         lowest_grasp_m: height above the table of a gripper's origin when it closes at its lowest.
-        narrowest_m: extent along the palm of the narrowest objects: the palm covers no table beside that much.
+        narrowest_m: extent along the palm of the narrowest objects: the palm does not reach the table beside them.
     """
     grippers = [arm.gripper for arm in robot.arms.values()]
     below = min(gripper.finger_length for gripper in grippers)
@@ -76,23 +76,23 @@ ITEMS = ItemSettings()
 
 @dataclass(frozen=True)
 class TableItem:
-    """An object that stands on a table, or in or on another one. Its rectangle is the room that it needs of the table.
+    """An object that stands on a table, or in or on another one. Its rectangle is its room on the table.
 
     Args:
         id: its name in the result and in errors.
-        size: (x, y, z) of the box that it needs at yaw 0, with the room that moving parts sweep, metres.
-        yaws: headings that are allowed, radians; of a content that is placed, relative to its container. Optimising
-            turns nothing: the first is the heading that it has.
+        size: (x, y, z) of its box at yaw 0, with the sweep of moving parts, metres.
+        yaws: allowed headings, radians; of a placed content, relative to its container. Optimising
+            turns nothing: the first is the present heading.
         target: (x, y) where its origin should stand in the world, when it is optimised.
         opening: what makes it a container, in its own frame, or None; its rim is infinitely high where things stand on
             it, not in it.
-        inside: id of the container that it lies in or on; when it is optimised, that it may lie in or on by the plan.
-        allowed: (m, 2, 2) rectangles that the middle of its own rectangle must lie in one of (where an arm reaches it),
-            None for anywhere; in a container they hold the container back.
-        within: (m, 2, 2) rectangles that its whole rectangle must lie in one of when it is placed (what a camera sees,
+        inside: id of the container it lies in or on; when optimised, of the container the plan allows.
+        allowed: (m, 2, 2) rectangles, one of which must contain the middle of its own (where an arm reaches it),
+            None for anywhere; contents hold their container back by theirs.
+        within: (m, 2, 2) rectangles, one of which must contain its whole rectangle when it is placed (a camera's view,
             see :func:`~vcage.layout.placement.view.view_rectangles`), None for anywhere. Where they make up a larger
-            region they should be its maximal rectangles, so that what lies across two of them is found to be inside.
-        hand: clearance of a hand that will grasp it, None for an object that no hand grasps.
+            region they should be its maximal rectangles, so that an object across two of them counts as inside.
+        hand: clearance of a hand that will grasp it, None for an object not to be grasped.
         fixed: True if it stays at its target, even if it touches other fixed items.
         centre: (x, y) of the rectangle's middle in the object's frame, metres.
         body: (2, 2) lower and upper corner of the object itself in its frame, by which relations are judged; the whole
@@ -161,7 +161,7 @@ class TableItem:
         return _rectangle(upper - lower, (lower + upper) / 2, self.yaw)
 
     def pose(self, place: Placement, height: float) -> Pose:
-        """Pose of the object whose rectangle lies at ``place`` on a support of that height, metres."""
+        """Pose of the object with its rectangle at ``place`` on a support of that height, metres."""
         turned = Pose.from_yaw([place.x, place.y, height], place.yaw)
         return turned * Pose([-self.centre[0], -self.centre[1], 0.0])
 
@@ -192,7 +192,7 @@ def _rectangle(size: Sequence[float], middle: Sequence[float], yaw: float) -> np
 
 
 def table_item(name: str, asset: Asset) -> TableItem:
-    """The room that an asset needs: its footprint, or with moving parts the footprint of all that they sweep."""
+    """The room of an asset: its footprint, with the sweep of its moving parts if it has any."""
     body, height = asset.bounds[:, :2], float(asset.size[2])
     if not asset.articulated:
         width, depth = (body[1] - body[0]).tolist()

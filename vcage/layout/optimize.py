@@ -1,7 +1,7 @@
 """Collision-free placement optimisation with containers as groups (paper, section III-A4).
 
 Contents are optimised together in the frame of their container, innermost containers first; then every container
-is moved as a rigid body with what it holds. Support heights follow: table top, container floor.
+is moved as a rigid body with its contents. Support heights follow: table top, container floor.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class LayoutOptions:
     """Demands on a layout, and the effort of the search.
 
     Args:
-        weights: the λ of the equation; ``relation=0`` leaves the plan out, but for what lies in or on something.
+        weights: the λ of the equation; ``relation=0`` leaves the plan out, except for contents.
         margin: δ, smallest gap between objects that are not container and content, metres.
         restarts: most random starts besides the targets themselves; more search longer where it is hard.
 
@@ -58,7 +58,7 @@ class LayoutResult:
         positions: (x, y, z) of every object's origin in the world, metres, by id in the order given.
         containers: id of the container that an object lies in or on, None on the table.
         displaced: distance from the target in the plane, metres, by id.
-        cost_before, cost_after: the terms of the equation and J for what stands on the table.
+        cost_before, cost_after: the terms of the equation and J for the objects on the table.
         starts: L-BFGS-B descents of the table's problem; 0 when the targets were feasible already.
         repaired: ids that the exact repair had to move.
         released: ids that a container had no room for after all; they stand on the table.
@@ -103,13 +103,13 @@ def optimize_layout(
 ) -> LayoutResult:
     """Move the objects as little as possible until none collides and the plan is kept.
 
-    Of the layouts without collisions that are found, the one that keeps most of the relations is returned, and among
+    Of the collision-free layouts found, the one with the most satisfied relations is returned, and among
     those the one that moves least. Relations that contradict each other cost each other, never a collision.
 
     Args:
         items: the objects with their targets.
-        workspace: (2, 2) lower and upper corner that every box stays within, metres.
-        table: what they stand on.
+        workspace: (2, 2) lower and upper corner, the bounds of every box, metres.
+        table: the table below them.
         rng: the only source of randomness.
         relations: of the plan, by object id.
         options: the default ones when left out.

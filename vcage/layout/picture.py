@@ -79,14 +79,14 @@ def draw_layout(
 
 
 def collisions(items: Sequence[TableItem]) -> list[np.ndarray]:
-    """(2, 2) rectangles in which boxes overlap that are not container and content; in a container, along its axes."""
+    """(2, 2) rectangles in which boxes of unrelated objects overlap; in a container, along its axes."""
     found = []
     yaws = {f.id: f.yaw for f in items}
     for k, a in enumerate(items):
         for b in items[k + 1 :]:
             if b.id == a.inside or a.id == b.inside:
                 continue
-            # What lies in one container is laid out along its walls, not along the world's axes.
+            # Contents of one container are laid out along its walls, not along the world's axes.
             if a.inside is not None and a.inside == b.inside and _apart(a, b, yaws[a.inside]):
                 continue
             box_a, box_b = a.rectangle() + a.target, b.rectangle() + b.target

@@ -10,7 +10,7 @@ A relation is a set of inequalities g(u) ≤ 0 on u (2,), the way from the refer
 - to the table: its box is its middle third; direction words have no cone, and the largest offset is half that box.
 
 They are those of :func:`vcage.plans.relations.holds` and :func:`vcage.plans.relations.holds_on_table`. Each costs
-nothing while it holds, its squared violation up to the knee, and grows straight on from there: what cannot be had pulls
+nothing while it holds, its squared violation up to the knee, and grows linearly from there: an unsatisfiable one pulls
 with a bounded force, which a collision outweighs.
 ``inside`` and ``on`` are no terms: assigning an object to its container keeps them.
 """
@@ -50,7 +50,7 @@ class RelatedBox:
         index: of the footprint, or None for what does not move in the problem.
         offset: (2,) from the footprint's centre (from the frame's origin, for None) to the box's, world axes, metres.
         half: (2,) half size of the axis-aligned world box, metres.
-        thirds: True if it is the middle third of the table, to which relations have a meaning of their own.
+        thirds: True for the middle third of the table, to which relations have a meaning of their own.
     """
 
     index: int | None
@@ -60,7 +60,7 @@ class RelatedBox:
 
     @classmethod
     def table(cls, workspace: np.ndarray) -> RelatedBox:
-        """The table, of which ``workspace`` (2, 2) may be covered."""
+        """The table, with ``workspace`` (2, 2) free for objects."""
         lower, upper = middle_third(workspace)
         return cls(None, (lower + upper) / 2, (upper - lower) / 2, thirds=True)
 
@@ -123,7 +123,7 @@ class RelationTerms:
         return float(bent @ (2 * violation - bent)), outside * slope[:, None]
 
     def _too_close(self, flat: np.ndarray) -> tuple[float, np.ndarray]:
-        """Cost of overlaps among what is to have a gap, along the way out, and its gradient (w, 2) with u."""
+        """Cost of overlaps among objects that need a gap, along the way out, and its gradient (w, 2) with u."""
         u = self._ways(flat)
         depth = self._offsets - np.abs(u)
         rows, axis = np.arange(len(u)), depth.argmin(axis=1)
@@ -173,10 +173,10 @@ class RelationTerms:
 def relation_terms(
     relations: Sequence[Relation], spots: Mapping[str, RelatedBox], count: int, turn: np.ndarray | None = None
 ) -> RelationTerms | None:
-    """The terms of those relations that the places of ``count`` footprints decide; None when there is none.
+    """The terms of the relations decided by the places of ``count`` footprints; None when there is none.
 
     Args:
-        relations: of the plan; those of boxes that are not among the spots, or move as one, are left out.
+        relations: of the plan; those of boxes outside ``spots`` or within one rigid group are left out.
         spots: where the boxes are, by object id (and ``table``).
         count: n of the problem.
         turn: (2, 2) from the problem's frame to the world; the identity when left out.

@@ -21,12 +21,12 @@ def is_feasible(problem: LayoutProblem, centres: np.ndarray) -> bool:
 def repair(problem: LayoutProblem, centres: np.ndarray, tries: int = 1) -> tuple[np.ndarray, tuple[int, ...]] | None:
     """Move as few and as small footprints as needed to their nearest free points, exactly.
 
-    What is fixed stays, then the largest first; each one that is in the way of those before it moves. Where one finds
-    no free point, it goes before all that can move and the repair starts again, ``tries`` times in all: what is hard to
-    place is placed early.
+    Fixed items stay, then the largest first; each one in the way of those before it moves. Where one finds
+    no free point, it goes before all movable ones and the repair starts again, ``tries`` times in all: hard
+    items are placed early.
 
     Returns:
-        The repaired centres (n, 2) and the indices of those that moved; None when none of the tries found places.
+        The repaired centres (n, 2) and the indices of the moved ones; None when no try found places for all.
     """
     order = [int(k) for k in np.argsort(-problem.half.prod(axis=1), kind="stable")]
     order.sort(key=lambda k: problem.movable[k])
@@ -44,7 +44,7 @@ def repair(problem: LayoutProblem, centres: np.ndarray, tries: int = 1) -> tuple
 
 
 def _repair_in(order: Sequence[int], problem: LayoutProblem, centres: np.ndarray) -> tuple[np.ndarray, int | None]:
-    """The centres with each footprint in ``order`` moved out of the way of those before; the first that cannot."""
+    """The centres with each footprint in ``order`` moved out of the way of those before; the first without a place."""
     fixed, kept = centres.copy(), []
     home = _at_home(problem, centres)
     x, y = problem.distances

@@ -1,10 +1,10 @@
 """One plane of footprints brought to a collision-free layout near its targets.
 
-L-BFGS-B from the targets and from random restarts; what it leaves below its precision is repaired exactly. Of the
-feasible layouts the one that keeps most of the plan's relations wins, and among those the one that moves least.
+L-BFGS-B from the targets and from random restarts; violations below its precision are repaired exactly. Of the
+feasible layouts the one with the most satisfied relations wins, and among those the one that moves least.
 Starting ends when the plan is kept and another start brings nothing. Where no start becomes feasible, wider gaps are
 given up, then harder repairs are tried, then a layout packed by :func:`vcage.layout.placement.place.place` is pulled
-back towards the targets; if there is none, that says why.
+back towards the targets; if there is none, its error says why.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ class SolverSettings:
         spread_m: standard deviation of the first random restart; each one is twice as wide as the one before.
         widest_m: standard deviation that no restart exceeds.
         jitter_m: moves objects with the same target apart: coinciding centres have no gradient.
-        patience: starts in a row that bring nothing before a layout is taken that keeps the plan, but that the repair
-            had to change. One that it left as it was is taken at once: it is a local minimum near the targets already.
-        gain_share: of the best displacement cost that a start must fall below to have brought something.
-        repair_orders: that are tried when no start became feasible.
-        eased_shares: of the wider gaps that are tried when there is no layout with all of them.
+        patience: starts in a row without improvement before a layout is taken that keeps the plan, but that the repair
+            had to change. An unrepaired one is taken immediately: it is a local minimum near the targets already.
+        gain_share: of the best displacement cost that a start must fall below to count as an improvement.
+        repair_orders: number of orders tried when no start became feasible.
+        eased_shares: of the wider gaps, tried when there is no layout with all of them.
     """
 
     spread_m: float = 0.01
@@ -108,7 +108,7 @@ class _Search:
     """The starts of one problem, and the best feasible layout that they led to.
 
     Attributes:
-        starts: how many descents were run, with those of the searches before.
+        starts: number of descents, with those of the earlier searches.
     """
 
     def __init__(

@@ -1,7 +1,7 @@
-"""Starting places for a plan: each object at the free point nearest to what its relations look like at their best.
+"""Starting places for a plan: each object at the free point nearest to the optimum of its relations.
 
-References are placed before their subjects. What is free is exact: rectangles in the workspace and in view, clear of
-the others by a gap, or by the room of a hand, and clear of what they hide in the picture.
+References are placed before their subjects. The free area is exact: rectangles in the workspace and in view, clear of
+the others by a gap, or by the room of a hand, and clear of everything they hide in the picture.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ SETTINGS = StartSettings()
 def starting_places(
     scene: Scene, items: Sequence[TableItem], relations: Sequence[Relation], gap: float
 ) -> list[TableItem]:
-    """The items at targets at which they are clear of each other where there is room, and keep to the relations.
+    """The items at targets clear of each other where there is room, satisfying the relations.
 
     Args:
         scene: whose table, workspace and camera it is.
@@ -64,7 +64,7 @@ def starting_places(
 
 
 def _ordered(waiting: list[str], relations: Sequence[Relation]) -> list[str]:
-    """References before subjects, among those that are free the plan's order, and unplanned objects last."""
+    """References before subjects, otherwise in the plan's order, and unplanned objects last."""
     first = list(dict.fromkeys(r.subject for r in relations))
     waiting = sorted(waiting, key=lambda name: first.index(name) if name in first else len(first))
     order: list[str] = []
@@ -85,8 +85,8 @@ class _Starts:
         self._workspace = np.array([scene.workspace.lower, scene.workspace.upper])
 
     def put(self, item: TableItem, others: Sequence[TableItem]) -> TableItem:
-        """The item at the best of the free points nearest to where its relations look their best, and of the corners
-        of what is free; where nothing is free, in the workspace."""
+        """The item at the best of the free points nearest to the optimum of its relations, and of the corners
+        of the free area; without a free area, in the workspace."""
         rectangle = item.rectangle()
         middle, half = rectangle.mean(axis=0), (rectangle[1] - rectangle[0]) / 2
         wishes = self._wishes(item, others)
@@ -120,7 +120,7 @@ class _Starts:
         return found
 
     def _middle(self, body: np.ndarray) -> np.ndarray:
-        """(2,) where a body stands best that belongs in the middle of the table: room is left before it."""
+        """(2,) best place for a body in the middle of the table: with room before it."""
         x, y = self._table.mean(axis=0)
         behind = self._workspace[1, 1] - y - (body[1, 1] - body[0, 1]) / 2
         return np.array([x, y + np.clip(0.3 * behind, 0.0, SETTINGS.behind_m)])
@@ -128,7 +128,7 @@ class _Starts:
     def _region(self, item: TableItem, others: Sequence[TableItem]) -> FreeRegion:
         """Region of the middle of an item's rectangle among others.
 
-        With room for a hand, a free view and all of the item in view; what cannot be had is given up in that order.
+        With room for a hand, a free view and all of the item in view; unsatisfiable demands are given up in that order.
         """
         half = item.half_size()
         taken = np.array([other.rectangle() + other.target for other in others]).reshape(-1, 2, 2)
@@ -148,17 +148,17 @@ class _Starts:
     def _hiding(self, item: TableItem, others: Sequence[TableItem], taken: np.ndarray) -> np.ndarray:
         """(n, 2, 2) rectangles in which the item would hide others, at (n, 2, 2), in the picture, or they it.
 
-        Seen from the camera, what is high covers of the table what lies behind it too: its rectangle, stretched away
+        Seen from the camera, a high object also covers the table behind it: its rectangle, stretched away
         from the point below the camera.
         """
         eye, above = self._camera.pose.p[:2], self._camera.pose.p[2] - self._height
         heights = np.array([other.size[2] for other in others]).reshape(-1, 1, 1)
         shown = _around(taken, eye + (taken - eye) * above / np.maximum(above - heights, 1e-6))
-        # The item's own rectangle is stretched so too: it meets what is shown where the unstretched one meets this.
+        # The item's own rectangle is stretched likewise: it meets visible objects where the unstretched one meets this.
         return _around(shown, eye + (shown - eye) * max(above - item.size[2], 1e-6) / above)
 
     def _seen(self, item: TableItem, half: np.ndarray) -> tuple[np.ndarray, ...]:
-        """Unions of rectangles, in one of each of which the middle is where the picture shows all of the item."""
+        """Unions of rectangles, each of which must contain the middle for the picture to show all of the item."""
         (x0, y0), (x1, y1) = self._workspace
         top = self._height + item.size[2]
         corners = self._camera.project([(x, y, z) for x in (x0, x1) for y in (y0, y1) for z in (self._height, top)])
@@ -172,12 +172,12 @@ class _Starts:
 
 @dataclass(frozen=True)
 class _Wish:
-    """The wish of a relation for an object beside one that has its place.
+    """The wish of a relation for an object beside a placed one.
 
     Args:
         word: the relation.
         body: (2, 2) rectangle of the object around its origin.
-        other: (2, 2) rectangle of the one that has its place, in the world.
+        other: (2, 2) rectangle of the placed object, in the world.
         sign: 1 where the object is the relation's subject, −1 where it is its reference.
     """
 

@@ -9,16 +9,16 @@ from vcage.schema.scene import ObjectRecord, Scene
 
 
 def with_places(scene: Scene) -> dict[str, ObjectRecord]:
-    """The objects that have a place of their own in a layout, by id."""
+    """The objects with a place of their own in a layout, by id."""
     return {o.id: o for o in scene.objects if o.container_part is None}
 
 
 def with_stowed(scene: Scene, poses: Mapping[str, Pose]) -> dict[str, Pose]:
-    """Poses of all objects of a scene when those that have a place of their own are at these.
+    """Poses of all objects of a scene with the independently placed ones at these.
 
     Args:
-        scene: where things lie in their moving parts as they will.
-        poses: by id, of the objects that have places of their own.
+        scene: with contents at their places in the moving parts.
+        poses: by id, of the independently placed objects.
     """
     found = dict(poses)
     for o in scene.objects:

@@ -65,7 +65,7 @@ def check_items(items: Sequence[TableItem]) -> None:
     """
     twice = [name for name, count in Counter(item.id for item in items).items() if count > 1]
     if twice:
-        raise UsageError(f"two objects are called {twice[0]!r}", hint="give every object an id of its own")
+        raise UsageError(f"two objects are called {twice[0]!r}", hint="give every object a unique id")
     by_id = {item.id: item for item in items}
     for item in items:
         _check_item(item)

@@ -1,7 +1,7 @@
-"""The part of an instruction that asks for something, apart from exceptions, alternatives and what is taken back.
+"""The request of an instruction, apart from exceptions, alternatives and retractions.
 
-Nouns are what ends an aside, so that the rest of the sentence is still looked at: of "put the apple, not the pear, in
-the bowl" it is "put the apple in the bowl".
+An aside ends at its noun, so that the rest of the sentence is still checked: "put the apple, not the pear, in
+the bowl" becomes "put the apple in the bowl".
 """
 
 from __future__ import annotations
@@ -65,10 +65,10 @@ class AskedPart:
 
     Args:
         whole: all words and marks.
-        text: what must be answered.
-        open_text: the same with the things of which one is to be chosen: "the apple or the pear".
-        excluded: nouns for what is not to be used.
-        kept: nouns for what is not to be moved, and where to if that is said.
+        text: the words that need an answer.
+        open_text: the same with the alternatives to choose from: "the apple or the pear".
+        excluded: nouns of objects not to use.
+        kept: nouns of objects not to move, with the forbidden place if named.
     """
 
     whole: str
@@ -79,7 +79,7 @@ class AskedPart:
 
 
 def asked_part(instruction: str, entries: Collection[CatalogueEntry]) -> AskedPart:
-    """Leave out the asides of an instruction; where it takes something back, all that stands before that.
+    """Leave out the asides of an instruction; at a retraction, also everything before it.
 
     Args:
         instruction: in English.
@@ -122,7 +122,7 @@ def _asides(whole: str, words: list[str], said: list[Noun]) -> Iterator[tuple[re
 
 
 def _is_used(found: re.Match[str], after: str) -> bool:
-    """Check if what an aside names is used after all: only its state is said, or when and where it is used."""
+    """Check if the object of an aside is used after all: only its state is given, or when and where it is used."""
     left = found[0].startswith("leav") and not _LEFT_ALONE.match(after)
     return bool(left or found["state"] or _LATER.match(after))
 
@@ -138,14 +138,14 @@ def _adds(found: re.Match[str], before: str, after: str) -> bool:
 
 
 def _next_mark(words: list[str], at: int) -> int:
-    """Place of the mark that ends a short phrase which names nothing; the place itself where none is near."""
+    """Place of the mark that ends a short phrase without a noun; the place itself where none is near."""
     return next(
         (place for place in range(at, min(at + _MAX_GAP_WORDS + 2, len(words))) if not words[place].isalnum()), at
     )
 
 
 def _named(words: list[str], at: int, said: list[Noun], found: re.Match[str]) -> Iterator[Noun]:
-    """The noun after the beginning of an aside and those that are joined to it; "one" is named after the noun before.
+    """The noun after the beginning of an aside and the nouns joined to it; "one" takes the name of the noun before.
 
     Args:
         words: of the sentence.
@@ -167,7 +167,7 @@ def _named(words: list[str], at: int, said: list[Noun], found: re.Match[str]) ->
 
 
 def _alternatives(words: list[str], said: list[Noun]) -> set[int]:
-    """Places of the words of which one is to be chosen."""
+    """Places of the words that name alternatives."""
     found = set[int]()
     for before, after in itertools.pairwise([Noun("", ()), *said]):
         between = words[before.end : after.at]

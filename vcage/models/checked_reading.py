@@ -17,7 +17,7 @@ from vcage.schema.goals import Goal, Reading, named_by
 
 @dataclass(frozen=True)
 class Instructed:
-    """An instruction and what it is about.
+    """An instruction and its objects.
 
     Args:
         instruction: in plain language.
@@ -70,7 +70,7 @@ class CheckedReading(Instructed):
 
     @cached_property
     def said_or_offered(self) -> list[Noun]:
-        """The same with things of which one is to be chosen."""
+        """The same with the alternatives."""
         return nouns(self.task.open_text, self.things.values())
 
     @cached_property

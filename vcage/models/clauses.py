@@ -88,7 +88,7 @@ class _Clauses:
         self._vague = any(len(self._meant.get(noun.at, ())) > 1 and not noun.is_several for noun in said)
 
     def _names(self, noun: Noun, said: Sequence[Noun], reading: Reading) -> frozenset[str]:
-        """The objects of goals that a noun may mean, by its colours and the side that it says."""
+        """The objects of goals that a noun may mean, by its colours and its side."""
         found = {*coloured(noun, self._things)}
         if not noun.name:  # "the blue one"
             before = (other for other in reversed(said) if other.at < noun.at and other.name)
@@ -138,7 +138,7 @@ class _Clauses:
         return itertools.pairwise([0, *ends, len(self._words)])
 
     def _disordered(self) -> list[str]:
-        """Complaints about goals whose steps are not in the order that the words say, or that their drawer needs."""
+        """Complaints about goals with steps against the order of the words, or against the needs of their drawer."""
         count = Counter(asked.goal for asked in self._goals)
         places = {asked.goal: self._place(asked) for asked in self._goals if count[asked.goal] == 1}
         at = {goal: place for goal, place in places.items() if place is not None}
@@ -183,7 +183,7 @@ def _precedes(goal: Goal, other: Goal, at: Mapping[Goal, int], spans: Sequence[t
 
 
 def paired(subjects: Mapping[int, Iterable[str]], others: Mapping[int, str]) -> dict[str, str]:
-    """Pair each subject with the other that follows its run, or that leads it; nothing unless each run has one.
+    """Pair each subject with the other that follows its run, or that precedes it; nothing unless each run has one.
 
     Args:
         subjects: place → ids.
@@ -201,9 +201,9 @@ def paired(subjects: Mapping[int, Iterable[str]], others: Mapping[int, str]) -> 
 
 
 def ordered(words: Sequence[str]) -> Iterator[tuple[Span, Span]]:
-    """Spans of places in a text of words and marks: what stands in the first must come before what stands in the other.
+    """Spans of places in a text of words and marks: the content of the first must come before that of the other.
 
-    A clause that begins with "before", "after" or "once" ends with a comma where it stands in front.
+    A leading clause with "before", "after" or "once" ends with a comma.
     """
     text = " ".join(words)
     for pattern, turned in ((_THEN, False), (_FIRST, True), (_BEFORE, True), (_AFTER, False)):
@@ -222,7 +222,7 @@ def ordered(words: Sequence[str]) -> Iterator[tuple[Span, Span]]:
 
 
 def _subordinate(words: Sequence[str], at: int) -> tuple[Span, Span] | None:
-    """The spans of a clause that begins at a place, and of the clause that it belongs to; None where that is open."""
+    """The spans of a clause that begins at a place, and of its main clause; None where that is unclear."""
     ends = [-1, *(place for place, word in enumerate(words) if word in ".;:!"), len(words)]
     begin, end = next((one + 1, two) for one, two in itertools.pairwise(ends) if two > at)
     comma = next((place for place in range(at, end) if words[place] == ","), end)

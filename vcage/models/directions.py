@@ -69,7 +69,7 @@ def heights(text: str, parts: Collection[str]) -> dict[int, str]:
     """Ends of the names of drawers that a text of words and marks asks for, by the place of their words.
 
     Args:
-        parts: names of the parts that there are.
+        parts: names of the parts.
     """
     ends = {part.rpartition("_")[2] for part in parts}
     order = [height for height in ("top", "middle", "bottom") if height in ends]
@@ -121,7 +121,7 @@ def wrong_sides(read: CheckedReading) -> list[str]:
 
 
 def _unsaid_sides(text: str, relations: Collection[str], goals: Collection[str]) -> list[str]:
-    """Words for a side that no relation says, and goals for the opposite of the only side that is said."""
+    """Words for a side without a relation, and goals for the opposite of the only side in the text."""
     found, asked = list[str](), sides(text).values()
     for pattern, word, opposite in SIDES:
         match = pattern.search(text)
@@ -163,7 +163,7 @@ def _side_of(at: int, text: str, said: Sequence[Noun]) -> Noun | None:
 def _is_said(
     one: Goal | Description, word: str, opposite: str, noun: Noun, things: Mapping[str, CatalogueEntry]
 ) -> bool:
-    """Check if a relation says a side of what a noun means, in either direction."""
+    """Check if a relation puts a noun's object on a side, in either direction."""
     name = {word: one.reference, opposite: one.subject}.get(one.relation)
     return name in things and noun.may_mean(things[name])
 

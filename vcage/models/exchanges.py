@@ -113,7 +113,7 @@ class Stored:
 
     Args:
         other: the answerer to ask.
-        exchanges: stored answers, which are not asked for again.
+        exchanges: stored answers, reused without asking.
         anew: ask again nevertheless.
         spending: limits on the other one, if it is paid.
     """
@@ -146,7 +146,7 @@ class Replayed:
 
     Args:
         exchanges: the folder of stored answers.
-        provider: the one that gave them.
+        provider: the source of the answers.
     """
 
     def __init__(self, exchanges: Exchanges, provider: str):
@@ -164,7 +164,7 @@ class Replayed:
             asked = f"{question.name}, round {question.round}"
             raise MissingStage(
                 f"{self._exchanges.folder} holds no answer of {self.provider} to this question ({asked})",
-                hint="a replay asks what the run asked: same instruction, seed, options and version; else ask a model",
+                hint="a replay needs the same instruction, seed, options and version as the run; else ask a model",
                 details={"role": question.role, "hash": question.hash},
             )
         return stored

@@ -19,7 +19,7 @@ logger = logging.getLogger(__name__)
 
 
 def variables(provider: Provider) -> tuple[str, ...]:
-    """The environment variables that may hold the provider's key, in the order in which they are read.
+    """The environment variables for the provider's key, in the order of reading.
 
     The project's own name comes first: agents strip the well-known names from the commands that they run.
     """
@@ -57,7 +57,7 @@ def require_key(provider: Provider) -> str:
     found = find_key(provider)
     if found is not None and not (found[0].isascii() and found[0].isprintable() and " " not in found[0]):
         raise ConfigurationError(
-            f"the key for {provider.name} in {found[1]} holds characters that no key has",
+            f"the key for {provider.name} in {found[1]} holds characters not allowed in a key",
             hint="copy it again: letters, digits and signs, in one line",
         )
     if found is None:

@@ -22,7 +22,7 @@ from vcage.vision.protocols import Reference
 
 
 class Judgement(Answer):
-    """The model's answer: what it sees first, then the verdict on the step, and what else was moved.
+    """The model's answer: what it sees first, then the verdict on the step, and other moved objects.
 
     The step may be done and another object moved: then the verdict is a no all the same.
     """
@@ -39,8 +39,8 @@ class LlmCritic:
     """Implements :class:`vcage.models.protocols.Critic`: the paper's φ(I, T), with pictures before and after.
 
     Args:
-        who: is asked.
-        votes: how often; more than half of the answers must be a yes, and what is unsure is none.
+        who: the model to ask.
+        votes: number of questions; more than half of the answers must be a yes, and an unsure answer is none.
     """
 
     def __init__(self, who: Answerer, votes: int = 1):
@@ -75,7 +75,7 @@ class LlmCritic:
 
 
 def _pictures(question: CriticQuestion) -> list[tuple[str, np.ndarray]]:
-    """All pictures in the order in which the prompt names them, and last what the goals' objects look like alone."""
+    """All pictures in the order of the prompt, and last the references of the goals' objects."""
     found: list[tuple[str, np.ndarray]] = []
     for when in ("start", "before", "moment", "after"):
         calibrated = {name: view.picture for name, view in getattr(question, when).items()}
@@ -92,7 +92,7 @@ def _is_yes(judgement: Judgement) -> bool:
 
 
 def _decided(said: Sequence[Judgement], votes: int) -> bool:
-    """True where the votes that are left could change nothing."""
+    """True if the remaining votes cannot change the result."""
     yes = sum(map(_is_yes, said))
     return 2 * yes > votes or 2 * (yes + votes - len(said)) <= votes
 
@@ -116,7 +116,7 @@ def _verdict(said: Sequence[Judgement], provider: str, phrases: Mapping[str, str
 
 
 def _failure(judgement: Judgement) -> Failure | None:
-    """The failure as told by a vote that is no yes; None where it does not say."""
+    """The failure given by a vote that is not a yes; None without one."""
     if judgement.done != "yes" and judgement.failure not in ("none", "other"):
         return judgement.failure
     return "disturbed" if judgement.also_moved else None
@@ -138,7 +138,7 @@ def _complaints(handled: Collection[str | None], answer: Judgement) -> list[str]
     """Complaints about an answer.
 
     Args:
-        handled: ids of what the step moves, which cannot be moved besides.
+        handled: ids of objects of the step, which cannot be moved besides.
     """
     found = [] if 0 <= answer.confidence <= 1 else [f"confidence: {answer.confidence} is not between 0 and 1"]
     if answer.done == "yes" and answer.failure != "none":

@@ -1,4 +1,4 @@
-"""Asking a model what an instruction asks for.
+"""Asking a model for the goals of an instruction.
 
 The type of the answer holds names of the scene only. Three checks follow: by code, by a reader without a model where it
 reads the sentence, and by a question more.
@@ -33,7 +33,7 @@ def read_goals(ask: Asking, read: Instructed, reviewer: Asking | None, third: Th
 
     Args:
         ask: puts a prompt to the model.
-        read: what is read.
+        read: the instruction and its objects.
         reviewer: puts the review to a model; None for no review.
         third: a reader without a model; None for none.
 
@@ -76,7 +76,7 @@ def _complaints(answer: GoalsAnswer, read: Instructed, reviewer: Asking | None, 
 
 
 def _review(reading: Reading, read: Instructed, reviewer: Asking | None) -> list[str]:
-    """Things that the goals lack or add, as a model says that looks at them in plain words."""
+    """Requests that the goals lack or add, according to a model that reads them in plain words."""
     if reviewer is None:
         return []
     phrases = read.phrases
@@ -96,7 +96,7 @@ ARMS = ("left", "right")
 
 
 class ReadGoal(Answer):
-    """A goal as it is answered; a name that is left out is empty."""
+    """A goal as answered; a missing name is empty."""
 
     relation: str
     subject: str

@@ -1,4 +1,4 @@
-"""The reasoner behind whatever answers questions: prompts, answer types of what the scene holds, and their checks."""
+"""The reasoner behind any answerer: prompts, answer types from the scene's contents, and their checks."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class _WordingsAnswer(Answer):
 
 
 class LlmReasoner:
-    """Implements :class:`vcage.models.protocols.Reasoner`, which says what the arguments are.
+    """Implements :class:`vcage.models.protocols.Reasoner`, which documents the arguments.
 
     ``rng`` is not used, since the model chooses.
 
@@ -77,8 +77,8 @@ class LlmReasoner:
         Args:
             who: is asked.
             search: makes the search that narrows a large catalogue.
-            reviewer: is asked whether a reading says what the instruction does; None for no such review.
-            third: reads without a model; where it can, its reading must be the model's.
+            reviewer: compares a reading with the instruction; None for no such review.
+            third: reads without a model; where it can, its reading must match the model's.
         """
         self._search = search
         self._reviewer = None if reviewer is None else asking(reviewer, "reasoner")
@@ -183,7 +183,7 @@ def _plan(answer: _LayoutAnswer) -> LayoutPlan:
 
 
 def _looks(question: PairQuestion) -> tuple[object, ...]:
-    """All that a model is told of a pair: two pairs that are alike in it get one answer."""
+    """Everything a model is told of a pair: two pairs alike in it get one answer."""
     return tuple(value for name, value in question if name not in ("object", "receptacle"))
 
 

@@ -1,6 +1,6 @@
 """Asking a model which objects an instruction needs.
 
-It sees the catalogue whole, or of a large one what it searches for.
+It sees the whole catalogue, or search results from a large one.
 """
 
 from __future__ import annotations

@@ -21,11 +21,11 @@ class Occasion:
 
     Args:
         scene: name of the scene template.
-        tags: scene tags of what was chosen already.
-        wall_m: thickness of the walls of what things are put into.
-        share_of_place: largest share of a place's outer rectangle that one of several things takes.
-        context: how many objects stand by.
-        context_footprint_m2: the largest footprint of one that does.
+        tags: scene tags of the objects chosen already.
+        wall_m: thickness of the walls of receptacles.
+        share_of_place: largest share of a place's outer rectangle for one of several contents.
+        context: number of clutter objects.
+        context_footprint_m2: the largest footprint of a clutter object.
     """
 
     scene: str
@@ -38,12 +38,12 @@ class Occasion:
     def suiting(
         self, kinds: Sequence[CatalogueEntry], place: CatalogueEntry | None, several: bool, least: int
     ) -> list[CatalogueEntry]:
-        """Those of some kinds that fit in a place and belong to the scene, as far as there are such.
+        """Kinds that fit a place and belong to the scene, as far as there are any.
 
         Args:
-            place: where they go.
-            several: whether several go there.
-            least: how many kinds must be left for a preference to count.
+            place: the target.
+            several: True if several objects go there.
+            least: number of kinds that must remain for a preference to count.
         """
         if place is not None:
             kinds = [kind for kind in kinds if kind is not place and self.goes_in(kind, place)] or kinds
@@ -69,7 +69,7 @@ class Occasion:
 
         Args:
             kinds: to draw from.
-            mistaken: tells of a kind that it could be taken for what the task is about.
+            mistaken: True for a kind that could be taken for an object of the task.
             rng: of the draw.
         """
         known = any(self.scene in kind.words.scene_tags for kind in kinds)
@@ -100,8 +100,8 @@ def draw_contents(template: SceneTemplate, catalogue: Sequence[CatalogueEntry], 
         rng: of all choices: how many, which kinds, which looks.
 
     Raises:
-        UnknownName: no kind has a tag, or there is no kind of a name; says which there are.
-        NoAssetFits: fewer kinds than asked for are good for their role.
+        UnknownName: no kind has a tag, or a name is unknown; lists the known ones.
+        NoAssetFits: fewer kinds than requested suit their role.
     """
     catalogue = sorted(catalogue, key=lambda entry: entry.name)
     chosen: list[SelectedAsset] = []
@@ -124,7 +124,7 @@ def draw_contents(template: SceneTemplate, catalogue: Sequence[CatalogueEntry], 
 
 
 def _kinds(asked: Contents, catalogue: Sequence[CatalogueEntry], taken: Collection[str]) -> list[CatalogueEntry]:
-    """The kinds that a record asks for, but for those that are taken and those that are no good for its role."""
+    """The kinds that a record asks for, except those already used or unsuitable for its role."""
     tags = {tag for entry in catalogue for tag in _tags(entry)}
     for tag in asked.tags:
         if tag not in tags:

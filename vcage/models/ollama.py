@@ -105,9 +105,9 @@ class Found:
     """Models of a server.
 
     Args:
-        served: the models that it lists.
-        model: the one that answers.
-        sees: True if that takes pictures, or if the server does not say.
+        served: the models in its list.
+        model: the answering one.
+        sees: True if that model takes pictures, or if the server does not say.
     """
 
     served: Served
@@ -131,8 +131,8 @@ def _look(provider: Local, url: str, named: str) -> Found | VcageError:
         if named or "completion" in abilities:  # others make vectors
             return Found(served, model, "vision" in abilities)
     return ConfigurationError(
-        f"{provider.name} at {url} has no model that answers questions",
-        hint="fetch one that sees pictures, too: ollama pull qwen3-vl:8b",
+        f"{provider.name} at {url} has no model for answers in text",
+        hint="fetch one with vision, too: ollama pull qwen3-vl:8b",
         details={"models": sorted(served.models)},
     )
 

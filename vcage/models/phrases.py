@@ -2,7 +2,7 @@
 
 Blanks separate the words of a phrase. ``(a|b c)`` is one of several, ``[a|b]`` the same or nothing, ``<a|b>`` one of
 several that the match captures, ``<name=a|b>`` by name. ``mov*`` is a word that begins so, ``_`` any word, ``!(a|b*)``
-any word but these, and ``#`` a mark that ends something. Patterns are for texts of words and marks with blanks between
+any word but these, and ``#`` a mark that ends a clause. Patterns are for texts of words and marks with blanks between
 them, as :func:`vcage.base.words.marked_tokens` makes them.
 """
 
@@ -18,10 +18,10 @@ def phrase(text: str, *, before: str = "", or_end: bool = False, not_before: str
 
     Args:
         text: of the phrase.
-        before: phrases, with ``/`` between them, of which one must follow.
+        before: phrases, with ``/`` between them, one of which must follow.
         or_end: accept the end of the text in its place.
-        not_before: phrases of which none may follow.
-        not_after: phrases of plain words, with ``/`` between them, of which none may stand before it.
+        not_before: phrases, none of which may follow.
+        not_after: phrases of plain words, with ``/`` between them, none of which may precede it.
     """
     ahead = f"(?= {_any(before)}{'|$' if or_end else ''})" if before else "$" if or_end else ""
     ahead += f"(?! {_any(not_before)})" if not_before else ""

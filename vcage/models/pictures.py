@@ -59,11 +59,12 @@ def decode_base64(text: object, source: str) -> np.ndarray:
         raise EndpointFailed(f"{source}: {error.message}", hint="run it again, or take another model") from error
     except DamagedFile as error:
         raise EndpointFailed(
-            f"{source} sent {len(data)} bytes that are no whole picture: {error.message}", hint="run it again"
+            f"{source} sent {len(data)} bytes that are not a complete picture: {error.message}", hint="run it again"
         ) from error
     height, width = picture.shape[:2]
     if min(height, width) < MIN_EDGE_PX:
         raise EndpointFailed(
-            f"{source} sent a picture of {width} x {height} pixels, which is no whole picture", hint="run it again"
+            f"{source} sent a picture of {width} x {height} pixels, which is not a complete picture",
+            hint="run it again",
         )
     return picture

@@ -14,7 +14,7 @@ from vcage.base.text import one_line
 
 
 def names() -> list[str]:
-    """The prompts that there are."""
+    """The names of all prompts."""
     return sorted(path.stem for path in resource("prompts").glob("*.md"))
 
 
@@ -47,9 +47,9 @@ def fill(name: str, **values: object) -> Prompt:
         text = text_of(path.read_bytes())
         wanted = jinja2.meta.find_undeclared_variables(environment.parse(text))
     except Unreadable as error:
-        raise ConfigurationError(f"{path}, {error}", hint="mend the prompt") from error
+        raise ConfigurationError(f"{path}, {error}", hint="fix the prompt") from error
     except jinja2.TemplateSyntaxError as error:
-        raise ConfigurationError(f"{path}, line {error.lineno}: {error.message}", hint="mend the prompt") from error
+        raise ConfigurationError(f"{path}, line {error.lineno}: {error.message}", hint="fix the prompt") from error
     if wanted != set(values):
         raise ConfigurationError(
             f"{path} uses the placeholders {sorted(wanted)}, but gets {sorted(values)}",

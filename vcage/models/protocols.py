@@ -1,7 +1,7 @@
 """Interfaces of the models' roles; offline stand-ins and online clients implement the same.
 
 Pictures are (H, W, 3) uint8 RGB. Every implementation has a ``provider`` name, which is written into each
-file that its answers touched.
+file affected by its answers.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class EditRequest:
 
     def laid_out(self, relations: Sequence[Relation]) -> IntendedLayout:
         """Poses of the objects by those relations alone."""
-        # Imported late: `vcage doctor` says which keys there are on a machine that lacks what the solver needs.
+        # Imported late: `vcage doctor` lists the keys even on a machine without the solver's packages.
         from vcage.layout.intended import intended_layout
         from vcage.layout.items import item_of
 
@@ -90,29 +90,29 @@ class CriticQuestion:
     Args:
         text: the sub-task in words.
         goals: the same in the closed vocabulary.
-        before, after: view by camera name; ``top`` is always there, with the robot at its home in both.
-        references: object id → what it looks like, for every object of the scene.
-        looks: for goals about a moving part: object id → what it looks like before, by the plan.
+        before, after: view by camera name; always with ``top``, with the robot at its home in both.
+        references: object id → its reference picture, for every object of the scene.
+        looks: for goals about a moving part: object id → its planned appearance before.
         draw: draws the scene's objects.
         readings: poses of one object, by id, at which it reads or is read by another: their ids, each with the pose
             that says how it stands.
         readers: ids of the objects that read bar codes.
-        grasped: id of what the robot was to take hold of, where that is not the object of the goals.
+        grasped: id of the object to grasp, if it is not the object of the goals.
         moment: view by camera name while a part was touched, a code was before a scanner, two hands held a thing, or a
             thing came to lie on a scale.
         start: view by camera name at the start of the episode; only where something is put back.
-        uncalibrated: pictures by camera name, by when, of cameras that follow what they show: of the hands, before and
+        uncalibrated: pictures by camera name, by time, of moving cameras: of the hands, before and
             after of both, at the moment, or when what was held was let go, of the one that did it; and, at the moment
             of a scan, of bar code and window.
-        planned: where the layout put each object, which does not say what was done since.
-        opened: parts that are open before and after, by the plan: by the object that they belong to.
+        planned: the layout's place of each object, without later changes.
+        opened: parts planned to be open before and after, by their object.
         parts: names of the moving parts, by the object that has them.
-        rooms: for goals that something is in or on another: (n, 8, 3) corners of where it then is, in that's frame.
+        rooms: for goals with one object in or on another: (n, 8, 3) corners of its target, in the other's frame.
         table_height: z of the table top, metres (part of the calibration).
-        tops: z of what things may stand on besides the table, by the objects that the scene has, metres.
+        tops: z of supports besides the table, by the objects of the scene, metres.
         towards_customer: (3,) unit vector from the middle of the table to the customer.
         background: the ``top`` view of the empty table in the same light, where there is one.
-        statements: what must have stayed as it was besides.
+        statements: other facts to preserve.
     """
 
     text: str
@@ -152,11 +152,11 @@ class Reasoner(Protocol):
         check: SelectionCheck,
         scene: str = PLAIN,
     ) -> Selection:
-        """The objects that the instruction needs, and some that fit the occasion.
+        """The objects for the instruction, and some that suit the occasion.
 
         Args:
             scene: name of the scene template; kinds that list it among their scenes are preferred.
-            check: its complaints are mended, within the rounds that the reasoner has.
+            check: its complaints are answered, within the reasoner's rounds.
 
         Raises:
             NoAssetFits: the catalogue has nothing that the instruction names.
@@ -170,7 +170,7 @@ class Reasoner(Protocol):
         """A layout of the scene's objects for the instruction.
 
         Args:
-            check: its complaints are mended, within the rounds that the reasoner has.
+            check: its complaints are answered, within the reasoner's rounds.
 
         Raises:
             ModelRefused: the last round's plan is still complained about; lists the complaints.
@@ -182,17 +182,17 @@ class Reasoner(Protocol):
 
         Args:
             questions: in any number.
-            instruction: what the robot is asked for in the scene, where it is asked for something.
+            instruction: the request to the robot in the scene, if there is one.
         """
         ...
 
     def fill_slots(self, instruction: str | None, questions: Sequence[SlotQuestion]) -> list[SlotAnswer]:
-        """Choices for the sub-tasks of a chain among what is feasible, and states to preserve; one answer each.
+        """Choices for the sub-tasks of a chain among feasible options, and states to preserve; one answer each.
 
-        What an answer leaves open is done as it is ranked.
+        Choices left open follow the ranking.
 
         Args:
-            instruction: that the chain fulfils; None where each sub-task is a task of its own.
+            instruction: the instruction of the chain; None where each sub-task is a task of its own.
             questions: in the order of the chain.
 
         Raises:
@@ -204,7 +204,7 @@ class Reasoner(Protocol):
         """Goals of the instruction in a scene, each with the words that it answers.
 
         Raises:
-            UnreadInstruction: words of it answer to no goal, or leave open what is meant; names them. Where other
+            UnreadInstruction: some words match no goal, or are ambiguous; names them. Where other
                 objects are needed, ``details["wrong_objects"]`` says why.
             ModelRefused: the last round's answer is still complained about; lists the complaints.
         """
@@ -214,8 +214,8 @@ class Reasoner(Protocol):
         """Further sentences that say a task; each holds against :meth:`TaskToWord.complaints`.
 
         Args:
-            task: what they must ask for, and may name.
-            plain: sentences that templates make of it; none where a name is missing that is clear.
+            task: the goals they must ask for, and the names they may use.
+            plain: sentences from templates; none where a clear name is missing.
         """
         ...
 

@@ -46,7 +46,7 @@ class Usage:
     Args:
         version: field with the version.
         counts: field with the object that counts tokens, and perhaps the cost in US dollars as ``cost``.
-        tokens_in, tokens_out: its fields; the first that is there counts.
+        tokens_in, tokens_out: its fields; the first present one counts.
         thoughts: its field for tokens of thoughts, where ``tokens_out`` leaves them out.
     """
 
@@ -119,8 +119,8 @@ class Client:
         """The answer; a picture comes in the size that the model chooses.
 
         Raises:
-            ModelRefused: a refusal, an answer that was cut off, or no picture.
-            ModelNotServed: the endpoint has no such model; names those that it serves.
+            ModelRefused: a refusal, a truncated answer, or no picture.
+            ModelNotServed: the endpoint has no such model; names the served ones.
             EndpointFailed: the answer has an unknown shape, or its picture cannot be decoded; see the transport.
         """
         content = Content()
@@ -160,7 +160,7 @@ class Client:
             ) from error
 
     def not_served(self) -> ModelNotServed | None:
-        """The error about a model that the endpoint's list lacks; None if it has it, or there is no list."""
+        """The error for a model missing in the endpoint's list; None if it is listed, or there is no list."""
         return not_served(self.provider, self.model, self.transport, self._lists)
 
 
@@ -177,9 +177,9 @@ class Provider:
         text: how it is asked in words and pictures for JSON.
         picture: how it is asked for a picture; None if it draws none.
         version: path of the API, appended to a base URL that has none.
-        lists: paths at which it lists its models.
-        reports_cost: True if its replies say what they cost.
-        needs_key: False for a server of the user's own, which costs nothing.
+        lists: paths of its lists of models.
+        reports_cost: True if its replies state their cost.
+        needs_key: False for a free server of the user's own.
         client: what talks to it.
     """
 
@@ -209,7 +209,7 @@ class Provider:
 
     @property
     def models(self) -> list[str]:
-        """The ids of the model that answers in text, and of the one that draws if there is one."""
+        """The ids of the model for text, and of the one for pictures if there is one."""
         text = self._setting("TEXT_MODEL", self.text_model)
         return [text] if self.picture is None else [text, self._setting("IMAGE_MODEL", self.image_model)]
 
@@ -244,7 +244,7 @@ class Provider:
         """The base URL, with the API's version.
 
         Raises:
-            ConfigurationError: the one that was set holds what errors must not show.
+            ConfigurationError: the configured one contains text that errors must not show.
         """
         url = (os.environ.get(self.url_variable) or self.base_url).rstrip("/")
         secret = "a user or password" if "@" in url.partition("://")[2].partition("/")[0] else ""
@@ -252,7 +252,7 @@ class Provider:
         if secret:
             raise ConfigurationError(
                 f"{self.url_variable} holds {secret}, which errors would show",
-                hint="give scheme, host and path alone; a key has a place of its own",
+                hint="give only scheme, host and path; set the key separately",
             )
         needs_version = self.version and not url.endswith(("/v1", "/v1beta"))
         return f"{url}/{self.version}" if needs_version else url

@@ -1,4 +1,4 @@
-"""All providers, those that have a key, and the choice of ``auto`` among them."""
+"""All providers, those with a key, and the choice of ``auto`` among them."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def explain_automatic(chosen: Mapping[str, str]) -> str:
     """The sentence about the choice of ``auto``.
 
     Args:
-        chosen: by role, what it comes to.
+        chosen: by role, the resolved provider.
     """
     taken = automatic_choice()
     online = [role for role, who in chosen.items() if who != OFFLINE]

@@ -1,6 +1,6 @@
 """Universal quantifiers of an instruction: which objects fall under "everything" or "all the pens".
 
-The check knows no grammar, so that it holds for every reader: a person, a language model, the rules.
+The check knows no grammar, so it holds for every reader: a person, a language model, the rules.
 """
 
 from __future__ import annotations
@@ -43,12 +43,12 @@ _EXCEPT = compiled(
 
 @dataclass(frozen=True)
 class Quantified:
-    """A universal quantifier and what it ranges over.
+    """A universal quantifier and its range.
 
     Args:
         words: as in the instruction: "all the red pens".
-        noun: lemmas of the noun, the head last; empty for everything that stands there.
-        colour: that is asked for, if one is.
+        noun: lemmas of the noun, the head last; empty for everything in the scene.
+        colour: the requested one, if any.
     """
 
     words: str

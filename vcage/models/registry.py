@@ -50,7 +50,7 @@ class Choice:
         reasoner, editor, critic: another choice for that role.
         run: folder of the run; it holds exchanges in ``exchanges/``, questions to an agent in ``ask/``.
         replayed: folder of the run whose exchanges ``replay`` reads; ``run`` by default.
-        anew: ask again what was answered before.
+        anew: ask answered questions again.
         fallback: :data:`OFFLINE` to let rules play a role whose endpoint does not serve its model; else an error.
         review: let a model review the reading of the instruction by a model.
         votes: how often the critic asks a model; see :class:`vcage.models.llm_critic.LlmCritic`.
@@ -95,7 +95,7 @@ class Choice:
         return chosen
 
     def announcement(self, roles: Sequence[Asked]) -> str:
-        """The line that says what ``auto`` takes for these roles, and that rules stand in for a critic without eyes.
+        """The line about the choice of ``auto`` for these roles, and about rules in place of a critic without vision.
 
         Empty if neither is so.
 
@@ -153,13 +153,13 @@ class Choice:
         if not answered:
             raise InputFileError(
                 f"{exchanges.folder} holds no exchange to replay",
-                hint="name the run that asked models: --replay RUN; where rules answered, take --models offline",
+                hint="name a run that asked models: --replay RUN; for a run with rules, use --models offline",
             )
         return Replayed(exchanges, answered[role]) if role in answered else None
 
     def _run(self) -> RunFolder:
         if self.run is None:
-            raise UsageError("there is no run folder to keep exchanges in", hint="give one with --run")
+            raise UsageError("there is no run folder for the exchanges", hint="give one with --run")
         return RunFolder(self.run)
 
 

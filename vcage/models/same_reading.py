@@ -1,4 +1,4 @@
-"""Compare what two readers take from an instruction, up to objects that look alike."""
+"""Compare two readings of an instruction, up to objects that look alike."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def contradictions(asked: Instructed, reading: Reading, third: ThirdReader | Non
         return found
     try:
         other = third(asked)
-    except UnreadInstruction:  # which is no complaint about the reading
+    except UnreadInstruction:  # not a complaint about the reading
         return []
     if second_look(Instructed(asked.instruction, asked.things), other):
         return []
@@ -43,8 +43,8 @@ def contradictions(asked: Instructed, reading: Reading, third: ThirdReader | Non
 def differences(reading: Reading, other: Reading, things: Mapping[str, CatalogueEntry]) -> tuple[list[str], list[str]]:
     """Things that one of two readings asks for and the other does not.
 
-    Objects of one kind and look may stand for each other. An order that only this reading has is no difference: what is
-    done in it is done.
+    Objects of one kind and look may replace each other. An order only in this reading is no difference: following
+    it does no harm.
 
     Args:
         reading, other: of the same instruction.
@@ -90,7 +90,7 @@ def _one_way(subject: str, word: str, reference: str) -> tuple[str, str, str]:
 
 
 def _out_of_order(reading: Reading, other: Reading, looks: Mapping[str, str]) -> list[str]:
-    """Pairs of goals that the other reading orders and this one does not; a goal that comes again is passed over."""
+    """Pairs of goals ordered in the other reading and not in this one; a repeated goal is skipped."""
     steps = {_goal(asked, looks): asked.step for asked in reading.goals}
     count = Counter(_goal(asked, looks) for asked in other.goals)
     once = [asked for asked in other.goals if count[_goal(asked, looks)] == 1]

@@ -43,8 +43,8 @@ class SearchSettings:
 
     Args:
         name, kind, description: in a name, in a kind or scene tag, in the description.
-        spelling: of a name that is only spelled alike, at most.
-        suggestions: number of names in a complaint about words that nothing answers.
+        spelling: largest score of a name with similar spelling only.
+        suggestions: number of names in a complaint about unmatched words.
     """
 
     name: float = 1.0
@@ -70,14 +70,14 @@ class Search(Protocol):
         """The best entries and their scores, best first; ties keep the order of the names.
 
         Args:
-            query: what is looked for, in plain words.
-            top: at most so many.
+            query: in plain words.
+            top: largest number of results.
         """
         ...
 
 
 class LexicalSearch:
-    """Shared words, rare ones counting more; a name that is spelled alike counts a little."""
+    """Shared words, rare ones counting more; a name with similar spelling counts a little."""
 
     provider = OFFLINE
 
@@ -150,11 +150,11 @@ def shortlist(
 def no_asset(
     text: str, alike: Sequence[CatalogueEntry], catalogue: Sequence[CatalogueEntry], search: Search
 ) -> NoAssetFits:
-    """The error about words that no kind answers: the colours that there are, or the nearest names.
+    """The error for unmatched words: the existing colours, or the nearest names.
 
     Args:
         text: the words.
-        alike: kinds that they name but for the colour.
+        alike: kinds that match except for the colour.
         catalogue: all kinds.
         search: ranks the kinds by meaning.
     """
@@ -184,7 +184,7 @@ def _texts_of(entry: CatalogueEntry) -> list[str]:
 
 
 def _words_of(entry: CatalogueEntry) -> dict[str, float]:
-    """Every lemma that says something about an entry, with what it is worth."""
+    """Every lemma that describes an entry, with its weight."""
     words = entry.words
     names = names_of(entry)
     category = words.category.lower()

@@ -1,6 +1,6 @@
-"""The second look at a reading, by code: does it answer every word of the instruction, with objects that it names?
+"""Check by code that a reading covers every word of the instruction, with the objects it names.
 
-It needs neither grammar nor model, and treats every reader alike. Each complaint is a sentence that names the words.
+It needs neither grammar nor model, and treats all readers equally. Each complaint is a sentence that names the words.
 In another language than English, words are not checked.
 """
 
@@ -155,7 +155,7 @@ def _undone(read: CheckedReading) -> Iterator[str]:
             yield f"{found[0]!r} is said, but no goal says {goal!r}"
 
 
-# --- in English: are the objects those that are named? -----------------------------------------------
+# --- in English: do the objects match the words? -----------------------------------------------------
 
 
 def _misnamed(read: CheckedReading) -> Iterator[str]:
@@ -186,7 +186,7 @@ def _unnamed(read: CheckedReading) -> Iterator[str]:
 
 
 def _names_part(words: Iterable[str], goal: Goal) -> bool:
-    """Check if words name the part of a goal, by which its owner is meant."""
+    """Check if words name the part of a goal, meaning its owner."""
     return (goal.part or "").split("_")[0] in map(lemma, words)
 
 
@@ -210,7 +210,7 @@ def _excluded(read: CheckedReading) -> Iterator[str]:
 
 
 def _moved_to(place: Noun | None, read: CheckedReading) -> set[str | None]:
-    """Subjects of goals; of those about a place if one is said."""
+    """Subjects of goals; of goals at a given place, if any."""
     places = None if place is None else coloured(place, read.things)
     return {goal.subject for goal in read.goals if places is None or goal.reference in places}
 

@@ -1,4 +1,4 @@
-"""From a reasoner's selection to named objects: what is wrong with it, what each is called, and where it starts."""
+"""From a reasoner's selection to named objects: its faults, the names, and the starting places."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ class NamedObject:
     Args:
         id: unique in the scene: ``marker_black``, ``marker_black_2``.
         asset, variant: names in the catalogue.
-        phrase: what to call it: "black marker pen" where the asset comes in several colours, else "stapler".
-        role: what the instruction does with it.
-        starts_in: id of the object that it lies in or on at the start, None on the table.
-        starts_in_part: moving part of that object that it lies in, such as a drawer.
+        phrase: its name in words: "black marker pen" where the asset comes in several colours, else "stapler".
+        role: its use in the instruction.
+        starts_in: id of its container or support at the start, None on the table.
+        starts_in_part: moving part of that object, such as a drawer.
     """
 
     id: str
@@ -73,7 +73,7 @@ def name_objects(selection: Selection, entries: Sequence[CatalogueEntry]) -> lis
     """Names for a valid selection, in its order (see :class:`NamedObject`).
 
     Raises:
-        KeyError: the selection names what the catalogue does not have (:func:`validate_selection` tells).
+        KeyError: the selection names something outside the catalogue (see :func:`validate_selection`).
     """
     by_name = {entry.name: entry for entry in entries}
     named: list[NamedObject] = []
@@ -112,7 +112,7 @@ def phrase_of(entry: CatalogueEntry, variant: Variant) -> str:
 
 
 def room_complaints(objects: Sequence[NamedObject], items: Mapping[str, TableItem]) -> list[str]:
-    """Objects without room where they start, one sentence each with the sizes. Moving parts are looked at elsewhere.
+    """Objects without room where they start, one sentence each with the sizes. Moving parts are checked elsewhere.
 
     Args:
         objects: of a scene, before they have places.
@@ -135,7 +135,7 @@ def room_complaints(objects: Sequence[NamedObject], items: Mapping[str, TableIte
 def starting_as_described(
     objects: Sequence[NamedObject], descriptions: Sequence[Description]
 ) -> tuple[list[NamedObject], list[str]]:
-    """The objects, starting in or on what they are described to lie in or on; and what contradicts that, a sentence
+    """The objects with their described starting places, and contradictions, a sentence
     each."""
     named = dict.fromkeys(name for d in descriptions for name in (d.subject, d.reference))
     known = {TABLE, *(o.id for o in objects)}
@@ -153,7 +153,7 @@ def _starting(o: NamedObject, where: Description | None) -> NamedObject:
 
 
 def _contradictions(o: NamedObject, by_thing: Description | None, by_table: Description | None) -> Iterator[str]:
-    """Complaints that an object starts elsewhere than a thing, or the table, is described to bear it."""
+    """Complaints about an object that does not start at its described place."""
     if by_thing is not None and o.starts_in not in (None, by_thing.reference):
         said = f"{by_thing.relation} {by_thing.reference} ({by_thing.words!r})"
         yield f"{o.id} starts in or on {o.starts_in}, not {said}"

@@ -1,4 +1,4 @@
-"""The models that an endpoint lists: ids age, and the error about a wrong one names those that there are."""
+"""The models listed by an endpoint: ids change over time, so the error for a wrong one names the listed ones."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class Served:
         return day if day is not None and day - today <= SOON else None
 
     def nearest(self, model: str) -> list[str]:
-        """Ids that are served, those with similar spelling first."""
+        """Served ids, those with similar spelling first."""
         alike = difflib.get_close_matches(model, self.models, n=MAX_NAMES, cutoff=0.3)
         return [*alike, *sorted(self.models.keys() - set(alike))][:MAX_NAMES]
 

@@ -62,8 +62,8 @@ class Spending:
     Args:
         folder: of its exchanges.
         cap: its limits.
-        provider: the one that is paid now, ``gemini:gemini-pro-latest``.
-        reports_cost: True if its replies say what they cost.
+        provider: the paid one, ``gemini:gemini-pro-latest``.
+        reports_cost: True if its replies state their cost.
 
     Raises:
         ConfigurationError: the file of prices cannot be used.
@@ -80,7 +80,7 @@ class Spending:
 
         Raises:
             ConfigurationError: money is limited, and the provider's price is not known.
-            SpendingCap: a limit is reached; says what was spent.
+            SpendingCap: a limit is reached; states the amount spent.
             DamagedFile, SchemaMismatch: an exchange cannot be read.
         """
         if self._cap.usd is not None and self.price is None and not self._reports_cost:
@@ -106,6 +106,6 @@ class Spending:
     def _reached(self, spent: str, option: str, calls: int, usd: float) -> SpendingCap:
         return SpendingCap(
             f"the run holds {spent}, which is its limit",
-            hint=f"run it again with a larger {option}: what was answered is not asked again",
+            hint=f"repeat the command with a larger {option}: stored answers are reused",
             details={"calls": calls, "usd": usd, "cap": {"calls": self._cap.calls, "usd": self._cap.usd}},
         )

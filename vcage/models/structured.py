@@ -43,13 +43,13 @@ NONE = "none"
 
 
 def one_or_none(names: Sequence[str]) -> Any:
-    """The type of a field that takes one of the names or :data:`NONE`, which becomes an empty text."""
+    """The type of a field with one of the names or :data:`NONE`, which becomes an empty text."""
     kind = one_of([NONE, *names])
     return Annotated[kind, AfterValidator(lambda name: "" if name == NONE else name)]
 
 
 def narrowed(answer: type[AnswerType], **fields: Any) -> type[AnswerType]:
-    """An answer type with fields that take less: names of what there is."""
+    """An answer type with narrower fields: only existing names."""
     definitions: dict[str, Any] = {name: (kind, ...) for name, kind in fields.items()}
     return create_model(answer.__name__, __base__=answer, **definitions)
 
@@ -94,7 +94,7 @@ def ask(
         question = question.again(reply, _complaint(problems))
     raise ModelRefused(
         f"{who.provider} gave no valid answer in {ROUNDS} rounds: {'; '.join(problems)}",
-        hint=f"try another model, or --models offline; an agent answers anew once ask/{question.label} is removed",
+        hint=f"try another model, or --models offline; an agent answers again once ask/{question.label} is removed",
         details={"role": role, "question": question.label, "problems": list(problems), "answer": text[:2000]},
     )
 
@@ -130,7 +130,7 @@ def _read(text: str, answer: type[AnswerType]) -> tuple[AnswerType | None, Seque
 
 
 def _wrong(error: ErrorDetails) -> str:
-    """Complaint about a field; of many allowed names it lists those that are spelled alike."""
+    """Complaint about a field; of many allowed names it lists the ones with similar spelling."""
     names = re.findall(r"'([^']*)'", error.get("ctx", {}).get("expected", ""))
     if error["type"] != "literal_error":
         return error["msg"]
@@ -164,7 +164,7 @@ MAX_ENUM_NAMES = 60
 
 
 def flat_schema(answer: type[BaseModel]) -> dict[str, Any]:
-    """The type's JSON Schema in the subset that all providers accept; what comes back is held against all of it."""
+    """The type's JSON Schema in the subset accepted by all providers; answers are validated against the full type."""
     schema = answer.model_json_schema()
     return _flatten(schema, schema.get("$defs", {}))
 

@@ -31,7 +31,7 @@ class TransportLimits:
 
     Args:
         connect_s, read_s: to connect, and to wait for bytes of the answer.
-        total_s: for one answer with all attempts: the wait for bytes begins anew with each of them.
+        total_s: for one answer with all attempts: the wait for bytes restarts with each of them.
         answer_bytes: of an answer; the largest pictures that models draw have 4096 x 4096 pixels.
         attempts: how often a passing fault is tried in all.
         wait_s: longest pause between attempts; a longer ``Retry-After`` ends the request.
@@ -65,7 +65,7 @@ class _Transient(Exception):
 
     Args:
         problem: in words.
-        wait_s: seconds until another attempt makes sense; None where that is not known.
+        wait_s: seconds until another attempt is useful; None if unknown.
     """
 
     def __init__(self, problem: str, wait_s: float | None = None):
@@ -74,11 +74,11 @@ class _Transient(Exception):
 
 
 class Transport:
-    """Requests with time-outs, bounded retries, and errors that say what to do; keys never show.
+    """Requests with time-outs, bounded retries, and errors that state the remedy; keys never show.
 
     It sends no credentials but those in ``headers``: no ``.netrc``, no cookies, and it follows no redirect. It uses the
     environment's proxies (``HTTPS_PROXY``, ``NO_PROXY``) and certificates (``REQUESTS_CA_BUNDLE``); no proxy for the
-    loopback interface, which that could not reach.
+    loopback interface, which a proxy could not reach.
 
     Args:
         base_url: scheme, host and path prefix, e.g. ``https://generativelanguage.googleapis.com``.
@@ -154,9 +154,9 @@ class Transport:
             raise _Transient(f"{url} gave no whole answer within {self._limits.total_s:.0f} s", math.inf) from None
         except _TRANSIENT as error:
             raise _Transient(f"{url} does not answer: {type(error).__name__}") from None
-        except OSError as error:  # all others of requests, and a bundle of certificates that is not there
+        except OSError as error:  # all others of requests, and a missing bundle of certificates
             raise ConfigurationError(
-                self._redact(f"{url}: {error}"), hint="check the base URL, and the proxy if there is one"
+                self._redact(f"{url}: {error}"), hint="check the base URL, and any proxy"
             ) from None
         if answer.status < 300 and answer.body:
             return self._json(url, answer)
@@ -178,7 +178,7 @@ class Transport:
                 if len(body) > most:
                     raise EndpointFailed(
                         f"{url} answered with more than {most:,} bytes",
-                        hint="check that the base URL is that of the API, or take another model",
+                        hint="check that the base URL is the API's, or choose another model",
                     )
             return EndpointAnswer(response.status_code, response.headers, bytes(body))
 
@@ -210,8 +210,8 @@ def _within(seconds: float, work: Callable[[], EndpointAnswer]) -> EndpointAnswe
     """The result of some work.
 
     Raises:
-        TimeoutError: it takes longer. It goes on in a thread that the end of the process does not wait for: nothing
-            else ends what comes byte by byte, and neither head nor body of an answer need ever end.
+        TimeoutError: it takes longer. It continues in a thread that the end of the process does not wait for: nothing
+            else ends a byte-by-byte answer, and neither head nor body of an answer need ever end.
     """
     done: Future[EndpointAnswer] = Future()
 

@@ -1,4 +1,4 @@
-"""The objects that a noun may mean, and whether the instruction says which."""
+"""The objects that a noun may mean, and the check that the instruction identifies them."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ _MODIFIERS = frozenset(
 
 
 def meant(noun: Noun, things: Mapping[str, CatalogueEntry], names: Iterable[str | None]) -> list[str]:
-    """Those of some names that are of objects which a noun may mean, its colours aside."""
+    """The names of objects that a noun may mean, its colours aside."""
     return [name for name in names if name in things and noun.may_mean(things[name])]
 
 
@@ -61,7 +61,7 @@ def unclear(read: CheckedReading) -> Iterator[str]:
 
 
 def _alike(noun: Noun, things: Mapping[str, CatalogueEntry], used: Collection[str | None]) -> list[str]:
-    """The objects that go by the name of a noun, of kinds of which one is used."""
+    """The objects with the name of a noun, of kinds in use."""
     named = [name for name in meant(noun, things, things) if [*noun.name] in names_of(things[name]).all]
     kinds = {things[name].name for name in named if name in used}
     return [name for name in named if things[name].name in kinds]

@@ -1,4 +1,4 @@
-"""The review of a sentence that may say a task: is it true of the scene, clear in it, and exactly what is asked for?"""
+"""Review of a sentence for a task: true of the scene, unambiguous in it, and an exact request?"""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from vcage.schema.plan import TABLE
 
 
 def says(goal: Goal) -> frozenset[str]:
-    """The words that say a goal: one of them must stand in a sentence that asks for it."""
+    """The words for a goal: a sentence that asks for it must contain one of them."""
     return frozenset(goal.kind.says.split())
 
 
 def claimed() -> frozenset[str]:
-    """Words of goals and sides that may stand only where something that is asked for is said so."""
+    """Words of goals and sides that may occur only in a request."""
     return frozenset(SIDES).union(*(kind.claims.split() for kind in KINDS.values()))
 
 
@@ -68,7 +68,7 @@ class Review:
         self._loose = {word for n, word in enumerate(self._said) if n not in self._taken}
 
     def complaints(self) -> Iterator[str]:
-        """Complaints where the sentence is untrue of the scene, unclear in it, or not exactly what is asked for."""
+        """Complaints where the sentence is untrue of the scene, ambiguous in it, or not an exact request."""
         for mention in self._mentions:
             yield from self._unclear(mention)
         for name in find_names(self._said, self._task.strangers, self._taken):
@@ -92,7 +92,7 @@ class Review:
         elif mention.count not in (None, len(mention.ids)) or (mention.plural and len(mention.ids) == 1):
             yield f"{mention.words!r}: there are {len(mention.ids)}"
 
-    # --- what is asked for -----------------------------------------------------------------------------
+    # --- requests of the task --------------------------------------------------------------------------
 
     def _unsaid(self, asked: AskedGoal) -> Iterator[str]:
         goal, words = asked.goal, says(asked.goal)
@@ -144,12 +144,12 @@ class Review:
 
     @cached_property
     def _within(self) -> frozenset[str]:
-        """Words that may stand before the name of what something is taken from."""
+        """Words allowed before the name of an object's source."""
         parts = (part_words(told.part) for told in self._task.sources.values() if told.part)
         return WITHIN.union(*(part.split() for part in parts))
 
     def _says_part(self, goal: Goal, part: str) -> bool:
-        """Check if the sentence says which part is meant; with the goal itself where there are several."""
+        """Check if the sentence identifies the part; with the goal itself where there are several."""
         parts = {asked.goal.part for asked in self._task.goals if asked.goal.part is not None}
         texts = map(" ".join, self._spans(goal)) if len(parts) > 1 else [" ".join(self._said)]
         return any(levels(text) >= levels(part) for text in texts)
@@ -169,7 +169,7 @@ class Review:
                 yield self._said[mention.end : end]
 
     def _verbs(self, goal: Goal) -> list[int]:
-        """Places of the words that say a goal and are no part of a name."""
+        """Places of the words for a goal that are no part of a name."""
         return [n for n, word in enumerate(self._said) if word in says(goal) and n not in self._taken]
 
     def _next_place(self, mention: Mention) -> tuple[int, frozenset[str]]:
@@ -186,14 +186,14 @@ class Review:
 
     @cached_property
     def _places(self) -> list[tuple[int, frozenset[str]]]:
-        """Places of words that name the reference of a goal, but for those that something is taken from."""
+        """Places of words that name the reference of a goal, except sources."""
         to = [m for n, m in enumerate(self._mentions) if not FROM & {*self._before(n)}]
         found = [(m.start, m.ids) for m in to if m.ids & self._references]
         if TABLE in self._references:
             found += [(n, frozenset((TABLE,))) for n, word in enumerate(self._said) if word == TABLE]
         return sorted(found, key=lambda place: place[0])
 
-    # --- what is not asked for -------------------------------------------------------------------------
+    # --- requests outside the task ---------------------------------------------------------------------
 
     def _extra(self) -> Iterator[str]:
         yield from self._loose_words()
@@ -219,7 +219,7 @@ class Review:
         return {arm for arm in {asked.arm for asked in self._task.goals} | handed if arm is not None}
 
     def _allowed(self) -> set[str]:
-        """Words of goals, sides and levels that something is asked for in, or described by."""
+        """Words of goals, sides and levels that ask for something or describe it."""
         goals = [asked.goal for asked in self._task.goals]
         found = {word for goal in goals for word in says(goal)} | self._armed()
         for goal in goals:

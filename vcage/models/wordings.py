@@ -34,18 +34,18 @@ class TaskWordings(NamedTuple):
 
 @dataclass(frozen=True)
 class TaskToWord:
-    """Things that a sentence must ask for to say a task, and things that it may name.
+    """The requests a sentence must state for a task, and the names it may use.
 
     Args:
         instruction: in plain language.
-        goals: what the instruction asks for, by step.
-        untouched: ids of objects that it wants left alone.
-        descriptions: what it says of where things are at the start.
+        goals: the requests of the instruction, by step.
+        untouched: ids of objects to leave alone.
+        descriptions: its statements about places at the start.
         things: by object id the catalogue's entries, each with the object's own look only.
-        phrases: what the scene calls each object.
-        lying: object id → id of what it lies in or on.
-        tools: ids of objects that the task is done with.
-        catalogue: all kinds: their names must not stand for what is not there.
+        phrases: the scene's name of each object.
+        lying: object id → id of its container or support.
+        tools: ids of the tools of the task.
+        catalogue: all kinds: their names must not be used for missing objects.
     """
 
     instruction: str
@@ -89,7 +89,7 @@ class TaskToWord:
 
     @cached_property
     def sources(self) -> Mapping[Goal, Description]:
-        """The descriptions of what objects are taken out of or off, each by the first goal of its object."""
+        """The descriptions of the sources of objects, each by the first goal of its object."""
         lying = {d.subject: d for d in self.descriptions if d.relation in HOLDING and d.reference in self.things}
         first: dict[str, Goal] = {}
         for asked in sorted(self.goals, key=lambda a: a.step):
@@ -102,7 +102,7 @@ class TaskToWord:
         return [text for text in dict.fromkeys(sentences) if not self.complaints(text)]
 
     def complaints(self, sentence: str) -> list[str]:
-        """Complaints that keep a sentence from being true of the scene, clear in it, and exactly what is asked for."""
+        """Complaints that the sentence is untrue of the scene, ambiguous in it, or not an exact request."""
         if not 0 < len(sentence) <= MAX_CHARACTERS or one_line(sentence) != sentence or not sentence.isprintable():
             return [f"a sentence has 1 to {MAX_CHARACTERS} characters, on one line"]
         return [*Review(self, sentence).complaints()]

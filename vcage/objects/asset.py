@@ -68,7 +68,7 @@ class Asset:
 
     @cached_property
     def pieces(self) -> list[Convex]:
-        """The convex pieces whose union is the collision shape, those of moving parts too."""
+        """The convex pieces whose union is the collision shape, including moving parts."""
         return [piece for pieces in self._pieces_by_link.values() for piece in pieces]
 
     def pieces_of(self, link: str | None) -> list[Convex]:
@@ -115,10 +115,10 @@ class Asset:
         return self._widths[key]
 
     def opening(self, point: FunctionalPoint, *, standing: bool = False) -> Opening:
-        """The room at a functional point, in the frame of the part that it belongs to; other parts are out of the way.
+        """The room at a functional point, in the frame of the point's part; other parts are out of the way.
 
         Args:
-            standing: the room of what stands there as a box, which is smaller between sloping walls.
+            standing: the room of a standing box, which is smaller between sloping walls.
 
         Raises:
             ValueError: there is none: the point lies inside the material, or over nothing.
@@ -130,12 +130,12 @@ class Asset:
 
     @cached_property
     def _widths(self) -> dict[tuple[str | None, tuple[float, ...], tuple[float, ...]], float]:
-        """The grasp widths that were asked for: a search asks for the same one with every place of the scene."""
+        """The computed grasp widths: a search needs the same one with every place of the scene."""
         return {}
 
     @cached_property
     def _openings(self) -> dict[tuple[str, bool], Opening]:
-        """Those that were asked for: an episode asks for the same one many times."""
+        """The computed ones: an episode needs the same one many times."""
         return {}
 
     def _measured_opening(self, point: FunctionalPoint, standing: bool) -> Opening:

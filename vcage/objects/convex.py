@@ -56,7 +56,7 @@ class Convex:
         return (float(enter), float(leave)) if enter < leave else None
 
     def shadow(self, low: float, high: float = np.inf) -> np.ndarray:
-        """(k, 2) points whose convex hull is the vertical projection of what lies between two heights; k may be 0."""
+        """(k, 2) points whose convex hull is the vertical projection of the shape between two heights; k may be 0."""
         z = self.vertices[:, 2]
         points = [self.vertices[(z >= low) & (z <= high), :2]]
         a, b = self.vertices[self.edges[:, 0]], self.vertices[self.edges[:, 1]]

@@ -50,7 +50,7 @@ class Library:
     def load(cls, root: Path | None = None) -> Library:
         """Read every ``<root>/<name>/asset.json``; those of :func:`object_folders` by default.
 
-        Kinds whose package was not fetched are left out (:attr:`left_out` says so).
+        Kinds of unfetched packages are left out (:attr:`left_out` lists them).
 
         Raises:
             DamagedFile, SchemaMismatch: an annotation is damaged, or a name occurs twice; names file and field.
@@ -72,9 +72,7 @@ class Library:
             else:
                 left_out[annotation.name] = reason
         if not folders:
-            raise InputFileError(
-                f"no asset.json under {roots[0]}", hint="give the folder that holds one folder per asset"
-            )
+            raise InputFileError(f"no asset.json under {roots[0]}", hint="give the folder with one folder per asset")
         return cls(annotations, folders, left_out)
 
     @property
@@ -151,7 +149,7 @@ class Library:
         return [self.entry(name) for name in self.names]
 
     def listing(self) -> list[CatalogueEntry]:
-        """As :meth:`entries`, but no ``model.py`` is executed that is not the project's own: a kind that takes it has
+        """As :meth:`entries`, but executes only the project's own ``model.py``: a kind that needs another one has
         no size.
 
         Raises:
@@ -227,10 +225,10 @@ def package_models() -> dict[str, list[str]]:
 
 
 def object_folders() -> list[Path]:
-    """The folders that hold objects: the project's own, the imported ones, and those that ``$VCAGE_ASSETS`` names.
+    """The folders of objects: the project's own, the imported ones, and those named by ``$VCAGE_ASSETS``.
 
     Raises:
-        InputFileError: ``VCAGE_ASSETS`` names what is no folder, or a folder without an object.
+        InputFileError: ``VCAGE_ASSETS`` names no folder, or a folder without an object.
     """
     named = [Path(name).expanduser() for name in os.environ.get("VCAGE_ASSETS", "").split(os.pathsep) if name]
     for folder in named:
@@ -238,7 +236,7 @@ def object_folders() -> list[Path]:
             why = f"no asset.json under {folder}" if folder.is_dir() else f"{folder} is not a folder"
             raise InputFileError(
                 f"VCAGE_ASSETS: {why}",
-                hint=f"give folders that hold one folder per object, with {os.pathsep!r} between them",
+                hint=f"give folders with one folder per object, with {os.pathsep!r} between them",
                 details={"path": str(folder)},
             )
     return [resource("assets", "objects"), imported_objects(), *named]
@@ -250,7 +248,7 @@ def imported_objects() -> Path:
 
 
 def _annotation_files(folders: Iterable[Path]) -> list[Path]:
-    """The annotations of all objects in the folders; what is just being written or replaced is left out."""
+    """The annotations of all objects in the folders; those being written or replaced are left out."""
     return [path for folder in folders for path in sorted(folder.glob("*/asset.json")) if whole(path.parent)]
 
 

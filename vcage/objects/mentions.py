@@ -55,7 +55,7 @@ class Noun:
     Args:
         words: as in the sentence: "two red mugs".
         name: its lemmas; empty for "one" and "ones".
-        colours: that are said of it.
+        colours: in its description.
         number: how many are said, None where it is not said.
         at, end: place of its words among the sentence's words and marks, the end not included.
     """
@@ -112,7 +112,7 @@ def find_names(said: Sequence[str], names: Collection[Name], taken: Collection[i
 
     Args:
         said: the sentence's tokens.
-        names: that are looked for (:func:`full_names`).
+        names: to search for (:func:`full_names`).
         taken: places of tokens that name something else.
     """
     found, at = list[str](), 0

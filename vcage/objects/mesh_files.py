@@ -22,7 +22,7 @@ from vcage.base.reading import open_regular
 class MeshFiles(FilePathResolver):
     """Find and read files that a mesh names, for trimesh.
 
-    trimesh passes over what it cannot read, so :meth:`require_regular` tells afterwards.
+    trimesh skips unreadable files, so :meth:`require_regular` checks afterwards.
 
     Args:
         mesh: path of the mesh.
@@ -39,7 +39,7 @@ class MeshFiles(FilePathResolver):
     def find(self, name: str) -> Path | None:
         """Return the object's file of this name, or None.
 
-        A name that leads elsewhere, as on the machine that wrote it, means the file of its last part beside the mesh.
+        A name that leads elsewhere, as on the author's machine, means the file of its last part beside the mesh.
         """
         name = name.strip()
         wanted = (name, unquote(name), Path(name).name)
@@ -120,7 +120,7 @@ def _why_not(source: Path | bytes, name: str) -> str:
 
 
 def _sources(path: Path, files: MeshFiles) -> Iterator[Source]:
-    """Yield the colour textures that a mesh file names; none for a file that is no mesh: reading it raises."""
+    """Yield the colour textures named by a mesh file; none for another file: reading it raises."""
     try:
         if path.suffix.lower() == ".obj":
             yield from _of_obj(path, files)

@@ -31,7 +31,7 @@ _PLACE_CATEGORIES = frozenset(("container", "furniture", "fixture", "appliance",
 
 
 class Names(NamedTuple):
-    """Lemmas of what an entry is called, the head of each name last. No name is empty: one without a
+    """Lemmas of an entry's names, the head of each name last. No name is empty: one without a
     Latin word is replaced by the entry's own name, and dropped as a synonym."""
 
     words: list[str]
@@ -57,14 +57,14 @@ def best_looks(words: Sequence[str], colour: str | None, entry: CatalogueEntry) 
 
     Args:
         words: lemmas without colours, the head last.
-        colour: that is asked for.
+        colour: the requested one.
         entry: the kind.
     """
     looks = [v for v in entry.variants if colour in (None, *map(colour_of, tokens(f"{v.colour} {v.id}")))]
     if len(words) == 1 and words[0] in ANYTHING:
         return (KIND if looks and is_of_kind(words[0], entry, names_of(entry)) else 0), looks
     least = KIND
-    if colour and not looks:  # "brown tape" is what packing tape is called
+    if colour and not looks:  # "brown tape" is a name of packing tape
         words, least, looks = (colour, *words), SYNONYM, entry.variants
     levels = [level if (level := name_match(words, entry, look)) >= least else 0 for look in looks]
     best = max(levels, default=0)
@@ -74,7 +74,7 @@ def best_looks(words: Sequence[str], colour: str | None, entry: CatalogueEntry) 
 def name_match(words: Sequence[str], entry: CatalogueEntry, look: Variant) -> int:
     """Rate words as a name of a kind: :data:`EXACT`, :data:`SYNONYM`, :data:`HEAD`, :data:`KIND`, or 0.
 
-    All words count: each must be in the one name, or say what the look is called or made of ("corn tin").
+    All words count: each must be in the one name, or describe the look or its material ("corn tin").
 
     Args:
         words: lemmas without colours, the head last.
@@ -135,7 +135,7 @@ def look_texts(entry: CatalogueEntry) -> list[str]:
 
 
 def has_colour(entry: CatalogueEntry, colour: str) -> bool:
-    """True if the object's look or name has the colour, or one that people confuse with it."""
+    """True if the object's look or name has the colour, or one easily confused with it."""
     texts = [*look_texts(entry), *texts_of(entry)]
     known = {found for text in texts for word in tokens(text) if (found := colour_of(word))}
     return not known.isdisjoint({colour}.union(*(group for group in _LIKE_COLOURS if colour in group)))

@@ -101,7 +101,7 @@ def room_inside(pieces: Sequence[Convex], point: Sequence[float], *, standing: b
     """The largest free rectangle around ``point`` between the walls above its height.
 
     Args:
-        standing: the room of what stands on the floor as a box does; otherwise of what is let go there.
+        standing: the room of an object standing on the floor as a box; otherwise of an object dropped there.
     """
     floor = _support_height(pieces, point)
     rim = max(float(piece.vertices[:, 2].max()) for piece in pieces)

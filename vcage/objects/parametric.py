@@ -82,7 +82,7 @@ def _place(error: Exception, path: Path) -> str:
 
 
 def _wrong(path: Path, what: str) -> InputFileError:
-    return InputFileError(f"{path}: {what}", hint="mend it; docs/assets.md shows how", details={"path": str(path)})
+    return InputFileError(f"{path}: {what}", hint="fix it; docs/assets.md shows how", details={"path": str(path)})
 
 
 # --- importing ---------------------------------------------------------------------------------------------
@@ -102,7 +102,7 @@ def _imported(name: str, path: Path) -> ModuleType:
         raise ImportError(f"no loader for {path}")
     module = importlib.util.module_from_spec(spec)
     with _our_assets():
-        sys.modules[name] = module  # where dataclasses look up what their annotations name
+        sys.modules[name] = module  # where dataclasses resolve their annotations
         try:
             spec.loader.exec_module(module)
         finally:
@@ -137,7 +137,7 @@ def _taken_out() -> dict[str, ModuleType]:
 
 @functools.cache
 def sources_hash(folder: Path) -> str:
-    """Hash of the sources that decide what is built: ``model.py``, and the shapes and helpers that it imports."""
+    """Hash of the sources that affect the model: ``model.py``, and its imported shapes and helpers."""
     digest = hashlib.sha256()
     found: dict[str, Path] = {}
     new = {MODEL: folder / MODEL, "vcage.objects.model": Path(__file__).with_name("model.py")}
@@ -154,7 +154,7 @@ def _imports(path: Path) -> dict[str, Path]:
     """The modules of ``assets`` and of the modelling helpers that a module names, by their full names."""
     try:
         tree = ast.parse(path.read_bytes())
-    except (OSError, SyntaxError, ValueError):  # building it says what is wrong
+    except (OSError, SyntaxError, ValueError):  # building it reports the error
         return {}
     names = set()
     for node in _statements(tree):

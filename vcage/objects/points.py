@@ -47,7 +47,7 @@ def check_points(asset: Asset, path: Path) -> None:
 
     Raises:
         SchemaMismatch: the model has no extent, or a point names no part or lies off the object; names the field,
-            the value, and what was expected.
+            the value, and the expected one.
     """
     _check_extent(asset, path)
     parts = [link.name for link in asset.model.links]
@@ -72,7 +72,7 @@ def check_points(asset: Asset, path: Path) -> None:
 def check_meshes(asset: Asset) -> None:
     """Read all collision pieces, and the first bytes of the visual meshes: whole files would take too long.
 
-    Of what was imported the pictures' sizes are read too, as others may have changed it since.
+    For imports the pictures' sizes are read too, as others may have changed them since.
 
     Raises:
         DamagedFile: a mesh of the model does not load.

@@ -31,7 +31,7 @@ class Mention:
     Args:
         start, end: of the words among the tokens, with the colours, sides and numbers before them.
         words: themselves.
-        ids: all objects that they may mean; none where colour or side exclude those of the name.
+        ids: all objects it may mean; none where colour or side exclude those of the name.
         plural: whether several are meant.
         count: how many the sentence says, None where it does not say.
     """
@@ -49,9 +49,9 @@ class SceneNames:
 
     Args:
         things: the catalogue's entries by object id, each with the object's own look only.
-        phrases: what the scene calls each object, by id.
+        phrases: the scene's name of each object, by id.
         descriptions: of where objects stand, which tell one from its likes.
-        lying: object id → id of what it lies in or on.
+        lying: object id → id of its container or support.
     """
 
     def __init__(
@@ -92,7 +92,7 @@ class SceneNames:
         Several objects have one name only if they are alike.
 
         Args:
-            ids: one object, or several that shall have one name.
+            ids: one object, or several for one name.
             every: say that all of several are meant.
         """
         entries = [self._things[name] for name in ids]

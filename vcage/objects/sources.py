@@ -42,7 +42,7 @@ def model(annotation: Annotation, variant: Variant, folder: Path) -> PhysicalMod
         folder: of the annotation.
 
     Raises:
-        InputFileError: the object has no builder, or a file of the package or the import is not what it should be.
+        InputFileError: the object has no builder, or a file of the package or the import is invalid.
     """
     made = model_folder(annotation, variant, folder)
     if annotation.source in IMPORTED:
@@ -92,7 +92,7 @@ def _make(annotation: Annotation, variant: Variant, folder: Path, made: Path) ->
         package.write_attribution(variant.package, part)
 
 
-# --- what decides what a model looks like ------------------------------------------------------------------
+# --- inputs of a model's shape -----------------------------------------------------------------------------
 
 
 @functools.cache

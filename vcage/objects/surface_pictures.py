@@ -56,7 +56,7 @@ def painter_of(where: Where, name: str) -> Painter:
 
 @cache
 def _sources_hash() -> str:
-    """Hash of the sources that decide what is painted."""
+    """Hash of the sources that affect the painting."""
     sources = [__file__, str(materials.__file__), str(noises.__file__)]
     return hashlib.sha256(b"\0".join(Path(source).read_bytes() for source in sources)).hexdigest()[:16]
 

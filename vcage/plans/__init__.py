@@ -1,1 +1,1 @@
-"""Plans of a layout: what relation words mean, whether a plan can be true, and how much of it a layout keeps."""
+"""Plans of a layout: the meaning of relation words, the consistency of a plan, and its share kept by a layout."""

@@ -1,6 +1,6 @@
 """Effects of sub-tasks on the truth of goals: a small STRIPS world (Fikes and Nilsson, 1971) whose facts are goals.
 
-A state is the set of goals that are true. What makes one true makes others false: a thing is in one place at a time, a
+A state is the set of true goals. Making one true makes others false: an object is in one place at a time, a
 part is open or closed.
 """
 
@@ -24,10 +24,10 @@ class Action:
     Args:
         name: id of the sub-task.
         requires: what must be true before it.
-        adds: what is true after it, or was done by it.
-        moves: the object that it carries: nothing may lie on it, and where it was it is no more.
+        adds: goals true after it, or events done by it.
+        moves: the carried object: nothing may lie on it, and it leaves its old place.
         empty: an object that nothing may lie in or on before: the scale, when something else is weighed.
-        along: what lies in the object that it carries may stay in it and move along; else nothing may lie in it.
+        along: True if contents of the carried object may stay in it and move along; else it must be empty.
     """
 
     name: str
@@ -57,7 +57,7 @@ class Action:
         return self.adds.union(kept)
 
     def _carried(self, state: State) -> set[str]:
-        """Name the objects that move along: those in the object that is moved, and those in or on them."""
+        """Name the objects that move along: the contents of the moved object, and theirs."""
         if not self.along:
             return set()
         lying = {g.subject: g for g in state if g.relation in HOLDING}
@@ -72,7 +72,7 @@ class Action:
 
 
 def _within(goal: Goal, moved: set[str]) -> bool:
-    """Check if a goal says where a thing lies among those that are moved together."""
+    """Check if a goal gives the place of an object among those moved together."""
     return goal.relation in HOLDING and goal.subject in moved and goal.reference in moved
 
 
@@ -92,7 +92,7 @@ def overrides(new: Goal | Description, old: Goal | Description) -> bool:
 
 
 def supersedes(later: Goal, goal: Goal) -> bool:
-    """True where a goal that is asked for later excuses an earlier one of the same thing from being true at the end."""
+    """True where a later goal excuses an earlier one of the same object from being true at the end."""
     if later.subject != goal.subject or goal.kind.event:
         return False
     if _opposite(goal) is not None:

@@ -1,6 +1,6 @@
 """Contradictions in a layout plan: names, circles, supports, centres.
 
-Every complaint is a sentence that a reasoner can act on. What the sizes of objects allow is the matter of
+Every complaint is a sentence that a reasoner can act on. Limits by the sizes of objects are the matter of
 :mod:`vcage.layout.capacities`.
 """
 
@@ -38,7 +38,7 @@ def plan_complaints(plan: LayoutPlan, scene: Scene, sizes: SizeCheck | None = No
 
     Args:
         plan: text and relations.
-        scene: the objects that there are.
+        scene: with the objects.
         sizes: without it sizes are not looked at.
     """
     names = {TABLE, *(o.id for o in scene.objects)}
@@ -93,7 +93,7 @@ def contradictions(relations: Sequence[Relation]) -> list[str]:
 
     Finds relations to oneself or of the table, circles (a left of b left of c left of a, also through what things lie
     in), objects in or on two things, in something and next to it, two objects in one centre, one object in two thirds
-    of the table, and objects in thirds of it that do not stand in the order that they should.
+    of the table, and objects in thirds of it against their order.
     """
     relations = _distinct(relations)
     sound = sound_relations(relations)
@@ -111,12 +111,12 @@ def contradictions(relations: Sequence[Relation]) -> list[str]:
 
 
 def sound_relations(relations: Sequence[Relation]) -> list[Relation]:
-    """Those that make sense each by itself, every one once."""
+    """Relations that are sound one by one, without repetitions."""
     return [r for r in _distinct(relations) if not _nonsense(r)]
 
 
 def containments(relations: Sequence[Relation]) -> list[Relation]:
-    """Those by which one object lies in or on another."""
+    """Relations of one object in or on another."""
     return [r for r in relations if r.relation in ("inside", "on") and r.reference != TABLE]
 
 
@@ -196,7 +196,7 @@ def _two_supports(relations: Sequence[Relation]) -> list[str]:
 
 
 def _above(name: str, supports: Mapping[str, str]) -> list[str]:
-    """The object, what it lies in, what that lies in, …"""
+    """The object, its container, the container of that, …"""
     chain = [name]
     while chain[-1] in supports:
         chain.append(supports[chain[-1]])
@@ -230,9 +230,9 @@ def _shared_centres(relations: Sequence[Relation], supports: Mapping[str, str]) 
 def order_along(
     relations: Sequence[Relation], word: RelationWord, swapped: RelationWord
 ) -> list[tuple[tuple[str, str], str]]:
-    """((before, after), reference) of what stands in order along an axis.
+    """((before, after), reference) of an order along an axis.
 
-    What lies in different things is ordered as these are: an apple in a bowl is where the bowl is.
+    Contents of different containers are ordered as these are: an apple in a bowl is where the bowl is.
 
     Args:
         relations: of the plan.

@@ -37,7 +37,7 @@ def _clashes(stated: Iterable[Goal] | Iterable[Description]) -> list[str]:
 
 
 def _relations(stated: Iterable[Goal | Description]) -> list[Relation]:
-    """Goals or descriptions as relations of a plan, those that are any."""
+    """Goals or descriptions as relations of a plan, where possible."""
     return [
         Relation.model_validate(one.model_dump(include={"subject", "relation", "reference"}))
         for one in stated

@@ -1,7 +1,7 @@
 """Descriptions of an instruction: what must be true of where things are in every starting layout.
 
 They are relations like those of a plan (:mod:`vcage.plans.relations` says when one holds), but they are never given up:
-"the left plate" is another plate where it stands on the right. What lies in a moving part, such as a drawer, lies in
+"the left plate" is another plate if it stands on the right. The contents of a moving part, such as a drawer, are in
 the box of that part.
 """
 
@@ -32,7 +32,7 @@ def false_descriptions(
     Args:
         descriptions: of a scene.
         boxes: (2, 3) world boxes by object id, and of moving parts by ``id/part``.
-        ground: (2, 3) what the reference ``table`` means (:func:`vcage.plans.relations.ground_box`).
+        ground: (2, 3) box of the reference ``table`` (:func:`vcage.plans.relations.ground_box`).
 
     Raises:
         UnknownName: a description names what has no box.
@@ -47,13 +47,13 @@ def false_in_words(descriptions: Sequence[Description], phrases: Mapping[str, st
 
 
 def described_relations(descriptions: Sequence[Description]) -> list[Relation]:
-    """Descriptions as relations of a plan, every one once; what lies in a moving part is not the plan's to say."""
+    """Descriptions as relations of a plan, each once; contents of a moving part are outside the plan."""
     said = [d for d in descriptions if d.part is None]
     return list(dict.fromkeys(Relation(subject=d.subject, relation=d.relation, reference=d.reference) for d in said))
 
 
 def with_descriptions(plan: LayoutPlan, descriptions: Sequence[Description], phrases: Mapping[str, str]) -> LayoutPlan:
-    """A plan that says what the descriptions say: those that it lacks are added to its relations and its text."""
+    """A plan with the descriptions: missing ones are added to its relations and its text."""
     missing = unsaid(plan.relations, descriptions)
     if not missing:
         return plan

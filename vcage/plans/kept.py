@@ -1,7 +1,6 @@
 """The share of a plan that a layout keeps: the one metric for every stage, benchmark and report.
 
-When a relation holds is the matter of :mod:`vcage.plans.relations`, whether a plan can be true at all that of
-:mod:`vcage.plans.check`.
+:mod:`vcage.plans.relations` decides when a relation holds, and :mod:`vcage.plans.check` whether a plan can be true.
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ from vcage.schema.scene import Scene
 
 @dataclass(frozen=True)
 class Kept:
-    """The share of a plan that a layout keeps, in [0, 1], and the relations that do not hold."""
+    """The share of a plan that a layout keeps, in [0, 1], and the broken relations."""
 
     share: float
     broken: list[Relation]
@@ -35,7 +34,7 @@ def relations_kept(relations: Sequence[Relation], aabbs: Mapping[str, ArrayLike]
     Args:
         relations: of the plan.
         aabbs: world boxes by object id.
-        ground: (2, 3) what the reference ``table`` means (:func:`vcage.plans.relations.ground_box`).
+        ground: (2, 3) box of the reference ``table`` (:func:`vcage.plans.relations.ground_box`).
 
     Raises:
         UnknownName: a relation names an object that has no box.

@@ -24,7 +24,7 @@ def relation_in_words(word: str, reference: str, phrases: Mapping[str, str], par
     Args:
         word: the relation.
         reference: id of an object, or ``table``.
-        phrases: what to call each object, by id; the id itself of those that are missing.
+        phrases: name of each object, by id; the id itself of missing ones.
         part: moving part of the reference.
     """
     if reference == TABLE:
@@ -51,7 +51,7 @@ def goal_in_words(goal: Goal, phrases: Mapping[str, str]) -> str:
 
 
 def reading_in_words(reading: Reading, phrases: Mapping[str, str]) -> list[str]:
-    """A reading as a list of sentences: what is true at the start, what is done in which order, what is left alone."""
+    """A reading as a list of sentences: the start, the actions in order, the objects left alone."""
     found = [f"At the start {in_words(told, phrases)}." for told in reading.descriptions]
     steps = sorted({asked.step for asked in reading.goals})
     for number, step in enumerate(steps, 1):

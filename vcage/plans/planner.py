@@ -1,7 +1,7 @@
-"""Finds the shortest chain of sub-tasks that brings about goals in their order, and checks any chain for it.
+"""Finds the shortest chain of sub-tasks that achieves goals in their order, and checks any chain for it.
 
-Every goal is brought about by a step of the chain, and in its turn: what happened to be true at the start has not been
-done, and what was done too early has not been done in order. Nothing is done but what is asked for or needed for it:
+Every goal is achieved by a step of the chain, and in its turn: a goal true at the start was not
+done, and a premature one was not done in order. Nothing is done beyond requests and their preconditions:
 what had to be opened is closed again where a goal or a later step needs it closed, else it stays open.
 """
 
@@ -24,8 +24,8 @@ class Task:
     """A planning problem.
 
     Args:
-        initial: what is true at the start; of every moving part whether it is open or closed.
-        steps: goals in their order; those of one step in any.
+        initial: goals true at the start; including open or closed for every moving part.
+        steps: goals in their order; goals of one step in any.
     """
 
     initial: State
@@ -39,7 +39,7 @@ class Task:
 
 @dataclass(frozen=True)
 class _Node:
-    """A search node: the state, the step that is worked on, and those of its goals that were brought about."""
+    """A search node: the state, the present step, and its goals already achieved."""
 
     state: State
     step: int
@@ -93,7 +93,7 @@ def _names(came: Mapping[_Node, tuple[_Node, str] | None], node: _Node) -> list[
 
 
 def _useful(task: Task, actions: Sequence[Action]) -> list[Action]:
-    """The actions that a chain may need: those that bring about a goal, or what such an action needs, and so on."""
+    """The actions that a chain may need: those that achieve a goal, or a precondition of such an action, and so on."""
     wanted = set[Goal]().union(*task.steps)
     found: list[Action] = []
     left = list(actions)
@@ -108,7 +108,7 @@ def _useful(task: Task, actions: Sequence[Action]) -> list[Action]:
 
 
 def _in_the_way(task: Task, actions: Sequence[Action]) -> set[str]:
-    """Objects that may lie in or on what some actions need bare."""
+    """Objects that may lie in or on something that some actions need bare."""
     movable = {g.subject for g in task.initial if g.relation in HOLDING}
     bare = {name for a in actions for name in (a.moves, a.empty) if name is not None}
     lying = task.initial.union(*(a.adds for a in actions))
@@ -120,7 +120,7 @@ def _sets_aside(action: Action) -> bool:
 
 
 def complaints(task: Task, chain: Sequence[Action]) -> list[str]:
-    """Why a chain does not do what is asked, one sentence each; empty when it is proven to."""
+    """Why a chain does not achieve the request, one sentence each; empty when it is proven to."""
     node = _Node(task.initial, 0, frozenset())
     for action in chain:
         obstacle = action.obstacle(node.state)

@@ -1,7 +1,7 @@
 """Geometry of the relation words: when a relation holds between axis-aligned world boxes.
 
 +x is right and −y is in front, as the robot sees the table. Limits are those of :mod:`vcage.goals.thresholds`. The
-table is no box like others: the part of it that may be covered (the workspace) has a left, right, front, back and
+table is no box like others: its usable part (the workspace) has a left, right, front, back and
 middle third.
 """
 
@@ -84,8 +84,8 @@ def holds_on_table(relation: RelationWord, subject: ArrayLike, ground: ArrayLike
 
     Args:
         relation: the word.
-        subject: world box of what stands there.
-        ground: (2, 3) the flat box of what may be covered of the table's top (:func:`ground_box`).
+        subject: world box of the object.
+        ground: (2, 3) the flat box of the table top's usable part (:func:`ground_box`).
 
     Raises:
         ValueError: nothing stands so to the table.
@@ -120,10 +120,10 @@ def middle_third(ground: ArrayLike) -> np.ndarray:
 
 
 def third_of(relation: RelationWord, ground: ArrayLike) -> np.ndarray:
-    """(2, 2) the part of a ground (2, 2 or 3) in which the centre of a box is that stands so to the table.
+    """(2, 2) the part of a ground (2, 2 or 3) for the centre of a box with that relation to the table.
 
     Raises:
-        ValueError: no third is called that.
+        ValueError: no third has that name.
     """
     lower, upper = np.asarray(ground, dtype=np.float64)[:, :2]
     middle = middle_third(ground)

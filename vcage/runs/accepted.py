@@ -18,11 +18,11 @@ logger = logging.getLogger(__name__)
 
 
 def accepted_episodes(run: RunFolder) -> list[Episode]:
-    """Return the episodes that count, which have a file; none when nothing was collected yet.
+    """Return the accepted episodes, which have a file; none before the first collection.
 
     Raises:
         NotJudged: verify judged other episodes than there are now.
-        DamagedFile, SchemaMismatch: what was collected, or judged, cannot be read.
+        DamagedFile, SchemaMismatch: the collection, or its verdicts, cannot be read.
     """
     collected = Episodes.read(run.episodes).episodes if run.episodes.exists() else []
     refused = refusals(run)
@@ -39,7 +39,7 @@ def judged_steps(run: RunFolder, episode: Episode) -> list[tuple[str, Verdict]]:
         raise DamagedFile(
             f"{run.episodes}: field episodes: episode {episode.index} has {len(episode.verdicts)} verdicts on "
             f"{len(episode.subtasks)} sub-tasks; expected one on each",
-            hint="put back what was written",
+            hint="restore the written file",
             maker="collect",
         )
     return list(zip(episode.subtasks, episode.verdicts, strict=True))
@@ -85,14 +85,14 @@ def no_episode_counts(run: RunFolder) -> MissingStage | None:
 
 
 def remove_exports(data_sets: Path) -> None:
-    """Remove exported data sets of which no episode counts any more; export makes them again when some do."""
+    """Remove exported data sets without any accepted episode left; export makes them again when there are some."""
     if data_sets.exists():
         logger.warning("%s is removed, as none of its episodes counts any more", data_sets)
         shutil.rmtree(data_sets)
 
 
 def acceptance_files(run: RunFolder) -> list[Path]:
-    """Return the files that decide which episodes count: inputs of every stage that reads episodes."""
+    """Return the files that decide the acceptance of episodes: inputs of every stage that reads episodes."""
     return [run.episodes, *([run.verdicts] if run.verdicts.exists() else [])]
 
 
@@ -103,7 +103,7 @@ D = TypeVar("D", Episode, Verdict)
 
 
 def decided(was: D, now: D) -> D:
-    """Return a decision that may have been edited, with a reason of its own and with who decided.
+    """Return a decision that may have been edited, with its own reason and its author.
 
     Args:
         was: as it was written.

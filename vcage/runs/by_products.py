@@ -23,7 +23,7 @@ _COMMANDS = {stage: stage.replace("_", "-") for stage in PRODUCERS.values()}
 
 
 class Unfinished(Record):
-    """A stage that was begun and not finished: the command that makes it, and its steps."""
+    """A started, unfinished stage: its command, and its steps."""
 
     command: str
     done: int = 0
@@ -31,7 +31,7 @@ class Unfinished(Record):
 
 
 def read_by_product(path: Path, kind: type[T]) -> dict[str, T]:
-    """Return the entries of a JSON object; without those of another kind, and none where it cannot be read."""
+    """Return the entries of a JSON object; without entries of another kind, and none for an unreadable one."""
     found: Any = None
     with contextlib.suppress(DamagedFile, MissingStage):
         found = read_json(path)
@@ -54,7 +54,7 @@ def unfinished(run: RunFolder) -> dict[str, Unfinished]:
 def noting_progress(run: RunFolder, stage: str, progress: Progress) -> Iterator[Progress]:
     """Keep in ``unfinished.json``, by stage, which command makes it and how far it is, until it is made.
 
-    What is left there was interrupted: killed, or ended by an error after which the same command goes on.
+    Stages left there were interrupted: killed, or ended by an error after which the same command resumes.
     """
     command = CALLED.get()
 
@@ -82,7 +82,7 @@ def _note(run: RunFolder, stage: str, note: Unfinished | None) -> None:
 
 
 def interrupted(run: RunFolder, stage: str) -> StageInterrupted | None:
-    """Return the error that a stage was interrupted, with the command that goes on; None where it was not."""
+    """Return the error of an interrupted stage, with the command that resumes it; None for another one."""
     note = unfinished(run).get(stage)
     if note is None:
         return None
@@ -106,7 +106,7 @@ def note_seconds(run: RunFolder, stage: str, seconds: float, *, grown: bool = Fa
         run: the run folder.
         stage: its name.
         seconds: of the call that finished it.
-        grown: that call added to what an earlier one had made, whose time counts as well.
+        grown: that call extended the result of an earlier one, whose time counts as well.
     """
     recover(run.timings)
     timings = read_timings(run)

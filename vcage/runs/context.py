@@ -69,12 +69,10 @@ class StageContext:
 
     @cached_property
     def at_once(self) -> StageContext:
-        """The same context with a critic that answers at once: rules in place of an agent."""
+        """The same context with a critic that answers immediately: rules in place of an agent."""
         if not self.models.critic.provider.startswith(AGENT):  # or is replayed
             return self
-        logger.info(
-            "the agent judges in verify, not while the robot waits: until then rules say whether a sub-task is done"
-        )
+        logger.info("the agent judges in verify, not while the robot waits: until then rules judge the sub-tasks")
         return StageContext(replace(self._choice, critic="offline"), *self._networks)
 
     def kinematics(self, robot: str) -> Mapping[str, ArmKinematics]:

@@ -35,7 +35,7 @@ Place = tuple[str, ...]
 
 
 def seal(record: D, path: Path, scripts: Mapping[str, str] | None = None) -> D:
-    """Write the JSON of a stage, beside which the other files lie by now, and note what was written.
+    """Write the JSON of a stage, after the other files beside it, and record the output.
 
     Args:
         record: what goes into ``path``.
@@ -77,7 +77,7 @@ def edited_scripts(path: Path) -> dict[str, str]:
 
 
 def lost(path: Path) -> list[str]:
-    """Name the files that a stage wrote beside its JSON, not further below, and that are gone."""
+    """Name the missing files of a stage beside its JSON, not further below."""
     return [name for name in _written(path)["files"] if "/" not in name and not (path.parent / name).is_file()]
 
 
@@ -100,18 +100,18 @@ Complaint = tuple[str, str, str]
 
 
 def require_none(path: Path, complaints: Iterable[Complaint]) -> None:
-    """Refuse a file of which there is a complaint; see :func:`refuse`."""
+    """Refuse a file with a complaint; see :func:`refuse`."""
     for complaint in complaints:
         refuse(path, *complaint)
 
 
 def refuse(path: Path, field: str, found: str, expected: str) -> NoReturn:
-    """Say what is wrong with an edited file.
+    """Report the fault of an edited file.
 
     Args:
         path: the file.
         field: where in it: ``objects.0.pose``.
-        found: what is there.
+        found: the present value.
         expected: what should be.
 
     Raises:
@@ -119,7 +119,7 @@ def refuse(path: Path, field: str, found: str, expected: str) -> NoReturn:
     """
     raise InputFileError(
         f"{path}: field {field}: {found}; expected {expected}",
-        hint="mend the field",
+        hint="fix the field",
         maker=stage_of_file(path),
         details={"path": str(path), "field": field, "expected": expected},
     )
@@ -138,7 +138,7 @@ def _written(path: Path) -> dict[str, Any]:
     """
     found = read_json(path.with_name(SEAL))
     if not isinstance(found, dict) or not all(isinstance(found.get(key), dict) for key in ("record", "files")):
-        raise InputFileError(f"{path.with_name(SEAL)} does not say what was written", maker=stage_of_file(path))
+        raise InputFileError(f"{path.with_name(SEAL)} does not record the stage's output", maker=stage_of_file(path))
     for name, digest in found["files"].items():
         if complaint := path_complaint(name) or (None if isinstance(digest, str) else "expected a SHA-256"):
             refuse(path.with_name(SEAL), f"files.{name[:80]}", complaint, "what the stage wrote")
@@ -179,7 +179,7 @@ class Edit(Generic[D]):
         path: of the JSON.
         was: the record as it was written.
         record: the record as it is now.
-        keep: names of other files that were edited, which stay as they are.
+        keep: names of other edited files, which stay unchanged.
         folder: a copy of the stage's folder, which takes its place.
         context: what stages share.
     """
@@ -193,7 +193,7 @@ class Edit(Generic[D]):
     context: StageContext
 
     def changes(self, *fields: str) -> list[str]:
-        """Name those of some fields that were edited."""
+        """Name the edited ones of some fields."""
         return [field for field in fields if getattr(self.was, field) != getattr(self.record, field)]
 
 
@@ -203,7 +203,7 @@ class Editable(Generic[D]):
 
     Args:
         document: the stage's JSON.
-        fields: those that may be edited, with all below them: ``episodes.*.reason``; ``episodes.#`` is their number.
+        fields: the editable ones, with all below them: ``episodes.*.reason``; ``episodes.#`` is their number.
         pictures: the files beside may be edited as well; else they are evidence.
         accept: check an edited record, and finish it as the stage finishes its own; raises InputFileError.
     """
@@ -214,7 +214,7 @@ class Editable(Generic[D]):
     accept: Callable[[Edit[D]], D] = lambda edit: edit.record
 
     def accepted(self, run: RunFolder, path: Path, files: Sequence[str], folder: Path, context: StageContext) -> D:
-        """Return the record of a stage of which files were edited, with them among its ``edited``.
+        """Return the record of a stage with edited files, listed in its ``edited``.
 
         Args:
             run: the run folder.
@@ -224,7 +224,7 @@ class Editable(Generic[D]):
             context: what stages share.
 
         Raises:
-            InputFileError: what was edited is not possible or not to be edited: names file, field and expectation.
+            InputFileError: an edit is impossible or not allowed: names file, field and expectation.
         """
         was, record = self.document.parse(_written(path)["record"], path), self.document.read(path)
         for place, found, expected in changes(path):

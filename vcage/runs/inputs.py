@@ -37,7 +37,7 @@ def read_plan(run: RunFolder, scene: Scene, context: StageContext) -> Plan:
     if complaints:
         raise InputFileError(
             f"{run.plan} is not possible: {'; '.join(complaints)}",
-            hint="mend its relations",
+            hint="fix its relations",
             maker="inpaint_plan",
             details={"path": str(run.plan), "field": "relations", "problems": complaints},
         )

@@ -1,8 +1,8 @@
 """Files of accepted episodes, which hold raw pictures or links to the videos of their compression.
 
-The videos lie beside the episodes' files (hard links to those of the compression, where the file system has them), so
-that the folder of episodes can be read, copied and added to by itself. A file is replaced as a whole, after its videos:
-a stage that is killed leaves it with the one or the other.
+The videos are beside the episodes' files (hard links to those of the compression, where the file system has them), so
+that the folder of episodes can be read, copied and extended alone. A file is replaced as a whole, after its videos:
+a killed stage leaves it with the one or the other.
 """
 
 from __future__ import annotations
@@ -180,7 +180,7 @@ def link_videos(run: RunFolder, files: Iterable[EpisodeFile], record: Compressio
         scratch: a folder on the same file system for temporary files.
 
     Raises:
-        DamagedFile: a video does not hold what it should; then all episodes keep their pictures.
+        DamagedFile: a video lacks its content; then all episodes keep their pictures.
         DiskFull, OutputFolderError: the episodes cannot be written.
     """
     raw = [file for file in files if file.name in record.packed and not holds_links(file.path)]
@@ -209,7 +209,7 @@ def _packed(episode: Path, streams: Sequence[VideoStream], scratch: Path) -> Pat
 
 
 def _verify(video: Path, stream: VideoStream) -> None:
-    """Raise DamagedFile where a video, of which all is decoded, does not hold what was written."""
+    """Raise DamagedFile where a fully decoded video differs from the written one."""
     frames, size = decoded_count(video), video.stat().st_size
     if (frames, size) != (stream.frames, stream.bytes):
         raise DamagedFile(

@@ -1,4 +1,4 @@
-"""Run a stage: hold the run folder, check what was edited, execute, and note how long it took."""
+"""Run a stage: hold the run folder, check edits, execute, and record the time it took."""
 
 from __future__ import annotations
 
@@ -71,15 +71,15 @@ def run_stage(
 
     Args:
         stage: a module of :mod:`vcage.stages`.
-        run: the run folder, with what the stages before it wrote.
+        run: the run folder, with the output of earlier stages.
         options: the stage's ``Options``; None for the defaults.
-        context: what stages share; None for what the options choose.
+        context: shared by stages; None to follow the options.
         progress: called at every step.
 
     Raises:
         FolderInUse: another process works on the run.
         StageInterrupted: a stage that comes before it was interrupted.
-        VcageError: what the stage raises.
+        VcageError: raised by the stage.
     """
     options = options or stage.Options()
     with at_work(run):
@@ -105,7 +105,7 @@ def timed(
         progress: called at every step.
 
     Raises:
-        VcageError: what the stage raises.
+        VcageError: raised by the stage.
     """
     accept_edits(stage.job(run, options, context), context, force=options.force)
     start, name = time.perf_counter(), stage.__name__.rpartition(".")[2]
@@ -117,7 +117,7 @@ def timed(
 
 
 def accept_edits(job: Job, context: StageContext, *, force: bool) -> None:
-    """Check what a person edited of all that a stage reads, and of what it wrote; from then on it counts as written.
+    """Check edits of all inputs and of the output of a stage; from then on they count as written.
 
     Args:
         job: of the stage.
@@ -125,7 +125,7 @@ def accept_edits(job: Job, context: StageContext, *, force: bool) -> None:
         force: the stage will make its own files again, whatever they are.
 
     Raises:
-        InputFileError: what was edited is not possible: names the file, the field, and what was expected.
+        InputFileError: an edit is impossible: names the file, the field, and the expected value.
     """
     recover(job.output.parent)
     for path in job.run.documents:
@@ -136,9 +136,9 @@ def accept_edits(job: Job, context: StageContext, *, force: bool) -> None:
 
 
 def _warn_of_loss(job: Job) -> None:
-    """Name the edits that a stage which is made again replaces."""
+    """Name the edits that a repeated stage replaces."""
     if job.output.is_file() and (gone := [*edits(job.output), *edited_scripts(job.output)]):
-        logger.warning("%s: what was edited by hand is made again: %s", job.stage, ", ".join(gone))
+        logger.warning("%s: files edited by hand are made again: %s", job.stage, ", ".join(gone))
 
 
 def _accept_edits_of(path: Path, run: RunFolder, context: StageContext) -> None:

@@ -84,9 +84,9 @@ class ModelOptions(StageOptions):
     votes: Annotated[int, POSITIVE] = 1
     """how often a critic that is a model is asked; more than half must say yes"""
     most_calls: Annotated[int, POSITIVE] = 2000
-    """answers of models online that a run may hold; no more are asked for"""
+    """largest number of answers from online models in a run"""
     most_usd: Annotated[float | None, between(0, 1e6, "USD"), UNSAID] = None
-    """what these may cost in all, US dollars (default: whatever it takes)"""
+    """largest cost of these, US dollars (default: no limit)"""
 
     def who(self, run: RunFolder) -> Choice:
         """Return the choice of who plays which role."""
@@ -140,7 +140,7 @@ class Job:
         seed: of every random choice of the stage.
         options: those that change the result, JSON-serialisable.
         providers: model role → provider.
-        stand_for: SHA-256 of inputs that were since stored in another way, with the same content → the one before.
+        stand_for: SHA-256 of inputs since stored in another way, with the same content → the earlier one.
     """
 
     run: RunFolder
@@ -163,7 +163,7 @@ class Job:
         """Return the provenance of the output.
 
         Raises:
-            MissingStage: an input is not there; names the stage that writes it.
+            MissingStage: an input is missing; names the stage that writes it.
         """
         hashes = {}
         for path in self.inputs:
@@ -186,7 +186,7 @@ class Job:
 
         Raises:
             StaleStage: the stage is finished, but from other inputs or options, and ``force`` is not set.
-            InputFileError: what it left cannot be read, or lacks a file and making it again would lose episodes or an
+            InputFileError: its output cannot be read, or lacks a file and making it again would lose episodes or an
                 edit, and ``force`` is not set.
             OutputFolderError: its folder holds files, but no stage made it, and ``force`` is not set.
         """
@@ -262,7 +262,7 @@ def differences(before: Provenance, now: Provenance) -> list[str]:
 
 
 def stage_seed(run: RunFolder, seed: int | None) -> int:
-    """Return the seed of a later stage: the one asked for, or that of the run's first scene.
+    """Return the seed of a later stage: the requested one, or that of the run's first scene.
 
     That is ``place/scene.json``, or ``optimize/scene.json`` where a single sub-task began the run.
 

@@ -35,8 +35,8 @@ class Chosen:
 
     Args:
         objects: in the order in which they were chosen.
-        reading: what the instruction asks for; None where there is no instruction.
-        notes: what a person should know about the choice.
+        reading: of the instruction; None without one.
+        notes: on the choice, for a person.
     """
 
     objects: list[NamedObject]
@@ -45,15 +45,15 @@ class Chosen:
 
 
 def choose(instruction: str | None, template: SceneTemplate, context: StageContext, rng: np.random.Generator) -> Chosen:
-    """Let the reasoner choose for an instruction and read it; without one, a draw of what belongs to the scene.
+    """Let the reasoner choose for an instruction and read it; without one, draw objects of the scene.
 
     Raises:
-        NoAssetFits: the catalogue has nothing that the instruction names, or too little of what belongs to the scene.
-        UnknownName: it has nothing with a tag or name of what belongs to the scene.
+        NoAssetFits: the catalogue lacks objects of the instruction, or enough objects of the scene.
+        UnknownName: it has nothing with a tag or name required by the scene.
         UnreadInstruction: words of the instruction answer to no goal.
         NoFeasibleTask: sizes rule out a goal with every choice that was made.
-        ModelRefused: the reasoner was told what is wrong with its selection and found no better one in its rounds.
-        InfeasibleScene: there is no room where the instruction says that something is at the start.
+        ModelRefused: the reasoner was given the faults of its selection and found no better one in its rounds.
+        InfeasibleScene: there is no room at a starting place given by the instruction.
     """
     if instruction is None:
         selection = draw_contents(template, context.catalogue, rng)
@@ -109,7 +109,7 @@ class _Choices:
         return found if isinstance(found, list) else []
 
     def chosen(self, selection: Selection) -> Chosen:
-        """The objects and the reading of a selection that there was no complaint about."""
+        """The objects and the reading of a selection without complaints."""
         self.complaints(selection)
         found = self._found[selection.model_dump_json()]
         assert isinstance(found, Chosen), f"there are complaints about the selection: {found}"
@@ -179,7 +179,7 @@ def impossible(
 
 
 def _crowded(goals: Sequence[AskedGoal], objects: Sequence[NamedObject], assets: dict[str, Asset]) -> list[str]:
-    """Complaints about objects that do not fit together into or onto what they end up in."""
+    """Complaints about objects that do not fit together into or onto their targets."""
     last = [g for g in lasting(in_steps(goals)) if g.relation in ("inside", "on") and g.reference in assets]
     held: dict[tuple[str, str | None], list[str]] = {}
     for goal in last:

@@ -33,7 +33,7 @@ class Targets:
     """A layout that is wanted.
 
     Args:
-        poses: of the objects that have a place of their own, at their headings, by id.
+        poses: of the independently placed objects, at their headings, by id.
         inside: holder of each object that lies in or on another, by id; holders of objects in moving parts are ignored.
         relations: of the plan.
     """
@@ -89,7 +89,7 @@ def nearest_layout(
 
 
 def _room_beside(scene: Scene, items: Sequence[TableItem]) -> tuple[list[TableItem], list[Relation]]:
-    """Room on the table for what the instruction wants on one side of an object: an item and a relation for each."""
+    """Room on the table for the instruction's targets beside an object: an item and a relation for each."""
     by_id, room, beside = {item.id: item for item in items}, list[TableItem](), list[Relation]()
     for goal in (asked.goal for asked in scene.goals):
         if goal.relation not in DIRECTIONS or goal.reference not in by_id:
@@ -103,7 +103,7 @@ def _room_beside(scene: Scene, items: Sequence[TableItem]) -> tuple[list[TableIt
 
 
 def layout_items(scene: Scene, targets: Targets, context: StageContext, headed: bool = False) -> list[TableItem]:
-    """Every object that has a place of its own at its heading, with where it should be and may be.
+    """Every independently placed object at its heading, with its target and allowed area.
 
     Args:
         scene: with its robot.
@@ -150,10 +150,10 @@ def _where_reached(
     asked for; None for anywhere.
 
     Raises:
-        InfeasibleScene: there is no place that all of them reach.
+        InfeasibleScene: there is no place in reach for all of them.
     """
     if not arms:
-        # Without an instruction a receptacle receives what either arm brings, and a scanner reads what either has.
+        # Without an instruction a receptacle receives objects from either arm, and a scanner reads for either.
         shared = thing.record.role == "receptacle" or bool(thing.asset.annotation.faces_of("reader"))
         every = shared and scene.instruction is None
         return context.within_reach(thing.asset, thing.record.role, scene, yaw, every=every)
@@ -210,7 +210,7 @@ def _in_reach_of(
 
 
 def _role_of(thing: SceneObject) -> Role:
-    """The role of an object that a goal needs, whatever the layout calls it: a scale may be context."""
+    """The role of an object that a goal needs, regardless of its role in the layout: a scale may be context."""
     return "receptacle" if thing.asset.annotation.functional_points else "content"
 
 

@@ -73,7 +73,7 @@ class _NotAsDescribed(Exception):
 
 
 def _given_up(refusals: Sequence[Exception]) -> InfeasibleScene:
-    """The error for a scene of which no placement was accepted."""
+    """The error for a scene without an accepted placement."""
     false = [refusal.args[0] for refusal in refusals if isinstance(refusal, _NotAsDescribed)]
     unstable = refusals[-1]
     if isinstance(unstable, _Unstable) and (unstable.args[0] or not false):

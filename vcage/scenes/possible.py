@@ -36,7 +36,7 @@ from vcage.tasks.state import resting_point
 
 @dataclass(frozen=True)
 class StabilityLimits:
-    """The most that settling may move an object that stays where it was put."""
+    """The largest settling motion of an object that stays in place."""
 
     drift_m: float = 0.005
     tilt_rad: float = math.radians(4)
@@ -74,7 +74,7 @@ def accepted_scene(edit: Edit[Scene]) -> Scene:
     """Return an edited scene as it settles, checked as :func:`possible_scene` does.
 
     Raises:
-        InputFileError: it is not possible, or its goals or descriptions are not what the instruction says.
+        InputFileError: it is impossible, or its goals or descriptions contradict the instruction.
     """
     found = possible_scene(edit.path, edit.record, edit.context)
     require_none(edit.path, _unsaid(edit))
@@ -98,17 +98,17 @@ def _unsaid(edit: Edit[Scene]) -> Iterator[Complaint]:
 
 
 def possible_scene(path: Path, scene: Scene, context: StageContext) -> Scene:
-    """The scene as it settles in the simulator, with boxes and checks of that.
+    """The scene as it settles in the simulator, with checked boxes.
 
     Args:
         path: the file that it was read from.
-        scene: what it says.
+        scene: the edited one.
         context: the library.
 
     Raises:
-        InputFileError: an asset, robot or object that there is not; a part beyond its range; objects that overlap, are
+        InputFileError: an unknown asset, robot or object; a part beyond its range; objects that overlap, are
             not on the table, do not stay where they are put, or lie in other things than is said. Names the file, the
-            field, and what was expected.
+            field, and the expected value.
     """
     require_none(path, _unknown(scene, context))
     objects = context.objects(scene)
@@ -137,12 +137,12 @@ def _unsettled(report: SettleReport, ids: Sequence[str]) -> Iterator[Complaint]:
 
 
 def settled_record(o: ObjectRecord, pose: Pose, context: StageContext) -> ObjectRecord:
-    """An object at another pose, with the box that it has there."""
+    """An object at another pose, with its box there."""
     return o.model_copy(update={"pose": PoseRecord.of(pose), "aabb": box_record(context.asset(o).bounds, pose)})
 
 
 def _unknown(scene: Scene, context: StageContext) -> Iterator[Complaint]:
-    """Complaints about a template, robot, asset or variant that there is not."""
+    """Complaints about an unknown template, robot, asset or variant."""
     lookups = [("template", partial(load_template, scene.template)), ("robot", partial(load_robot, scene.robot))]
     lookups += [(f"objects.{number}.", partial(context.asset, o)) for number, o in enumerate(scene.objects)]
     for field, look_up in lookups:
@@ -166,7 +166,7 @@ def _wrong_joints(objects: Sequence[SceneObject]) -> Iterator[Complaint]:
 
 
 def _wrong_goals(scene: Scene, objects: Sequence[SceneObject]) -> Iterator[Complaint]:
-    """Complaints about goals, and objects to be left alone, that are of what there is not or of other words."""
+    """Complaints about goals, and objects to be left alone, with unknown objects or other words."""
     by_id, arms = {o.id: o for o in objects}, load_robot(scene.robot).arms
     for number, asked in enumerate(scene.goals):
         goal, field = asked.goal, f"goals.{number}"
@@ -199,7 +199,7 @@ def _other_words(field: str, words: str, scene: Scene) -> Iterator[Complaint]:
 
 
 def _misplaced(scene: Scene, objects: Sequence[SceneObject]) -> Iterator[Complaint]:
-    """Complaints about objects beyond the table's edge, and about those that overlap."""
+    """Complaints about objects beyond the table's edge, and about overlapping ones."""
     lower, upper = scene.table.rectangle
     fields = {o.id: f"objects.{number}.pose" for number, o in enumerate(objects)}
     for o in objects:
@@ -228,7 +228,7 @@ def _wrong_containers(objects: Sequence[SceneObject]) -> Iterator[Complaint]:
 
 
 def _wrong_descriptions(scene: Scene, objects: Sequence[SceneObject]) -> Iterator[Complaint]:
-    """Complaints about descriptions of what there is not, in other words than the instruction's, or untrue."""
+    """Complaints about descriptions with unknown objects, in other words than the instruction's, or untrue."""
     by_id = {o.id: o for o in objects}
     for number, d in enumerate(scene.descriptions):
         field = f"descriptions.{number}"

@@ -24,7 +24,7 @@ def subtask_complaints(
 ) -> Iterator[Complaint]:
     """Yield complaints about a sub-task that the search would not make of a scene. No motion is tried.
 
-    Only the first one is sure: those after it take for granted that there is none.
+    Only the first one is certain: later ones assume that there is none before.
 
     Args:
         subtask: as the file says.
@@ -69,7 +69,7 @@ def _unknown_points(subtask: Subtask, field: str, objects: Mapping[str, SceneObj
 
 
 def _wrong_arms(subtask: Subtask, field: str, scene: Scene) -> Iterator[Complaint]:
-    """Yield arms that are not those that the instruction asks for."""
+    """Yield arms other than those the instruction requires."""
     asked, why = arm_for(subtask.goals, asked_arms(scene.goals), subtask.hand_to)
     if why is not None:
         yield f"{field}.goals", why, "goals that one arm is asked to bring about"
@@ -85,7 +85,7 @@ def _wrong_arms(subtask: Subtask, field: str, scene: Scene) -> Iterator[Complain
 
 
 def _wrong_choices(subtask: Subtask, field: str, objects: Mapping[str, SceneObject]) -> Iterator[Complaint]:
-    """Yield a preferred grasp that is none of the grasps, and statements about what the sub-task moves."""
+    """Yield a preferred grasp missing in the grasps, and statements about objects of the sub-task."""
     grasps, prefers = [f"{g.contact} {g.arm}" for g in subtask.grasps], subtask.prefers
     if prefers is not None and f"{prefers.contact} {prefers.arm}" not in grasps:
         yield f"{field}.prefers", f"{prefers.contact} {prefers.arm}", f"one of its grasps: {', '.join(grasps)}"
@@ -119,7 +119,7 @@ def _offering(subtask: Subtask, scene: Scene, objects: Sequence[SceneObject]) ->
 
 
 def _wrong_template(subtask: Subtask, field: str, offered: Sequence[Proposal]) -> Complaint:
-    """Say that the template of a sub-task does not do that, and which others do."""
+    """Say that the template of a sub-task does not do that, and name those that do."""
     goals = " and ".join(map(str, subtask.goals))
     names = dict.fromkeys(name for proposal in offered for name in proposal.templates)
     wanted = " or ".join(names) or f"what {subtask.template} can do in this scene"

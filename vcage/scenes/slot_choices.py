@@ -29,7 +29,7 @@ def with_chosen_slots(
     reasoner: Reasoner,
     rng: np.random.Generator,
 ) -> list[list[Subtask]]:
-    """The chains as the reasoner would have them done, those of an instruction proven from step to step.
+    """The chains with the reasoner's choices, those of an instruction proven from step to step.
 
     It is asked once for all of them, and only where it has a choice. Where a chain cannot be done with the places that
     it chose, it is done as it is ranked.
@@ -60,7 +60,7 @@ def with_chosen_slots(
         ]
         if scene.goals:
             found.append(_proven(chain, told, kept, scene, objects, rng))
-        else:  # what is alone has been proven by the search
+        else:  # a single option was proven by the search
             found.append(filled(chain, {}, told))
     return found
 
@@ -68,7 +68,7 @@ def with_chosen_slots(
 def _questions(
     chain: Sequence[Subtask], kept: Mapping[str, Subtask], scene: Scene, objects: Sequence[SceneObject]
 ) -> list[SlotQuestion]:
-    """Choices in a chain; of a sub-task that is a task of its own not the place, as others do it there."""
+    """Choices in a chain; without the place for a sub-task with its own task, as others use the other places."""
     by_id = {o.id: o for o in objects}
     actions = {subtask.id: action_of(subtask, by_id[subtask.object]) for subtask in chain}
     if scene.goals:
@@ -96,6 +96,6 @@ def _proven(
         try:
             return proven(chosen, objects, scene, rng, LIMITS.final_slot_sets)[0]
         except (NoFeasibleTask, InfeasibleScene) as error:
-            logger.warning("the chain is done as it is ranked, not at the places that were chosen: %s", error.message)
+            logger.warning("the chain follows the ranking, not the chosen places: %s", error.message)
             chosen = checked(chain, answers)
     return proven(chosen, objects, scene, rng, LIMITS.final_slot_sets)[0]

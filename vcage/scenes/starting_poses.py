@@ -48,7 +48,7 @@ class StartingPoses:
         objects: of the scene.
         template: of the scene.
         descriptions: that must be true.
-        goals: that are asked for.
+        goals: the requested ones.
         context: the library.
     """
 
@@ -96,7 +96,7 @@ class StartingPoses:
         where = [f"{phrases[o.id]} out of {phrases[str(o.starts_in)]}" for o in self._objects if o.id in stuck]
         return InfeasibleScene(
             f"no hand has room to take {' and '.join(where)}",
-            hint="ask for something smaller, or for another place that it is taken from",
+            hint="ask for something smaller, or for another starting place",
             details={"objects": stuck},
         )
 
@@ -122,7 +122,7 @@ class StartingPoses:
         return {item.id: item.pose(spots[item.id], template.table.height + spots[item.id].z) for item in items}
 
     def _stuck(self, poses: Mapping[str, Pose]) -> list[str]:
-        """Ids of objects that are to be taken out of others and that no hand gets to."""
+        """Ids of objects to be taken out of others and out of a hand's reach."""
         if not self._taken:
             return []
         things = {o.id: self._thing(o, poses[o.id]) for o in self._objects if o.id in poses}

@@ -85,7 +85,7 @@ class StatedTask:
         if not goals:
             if starts or objects is not None:
                 option = "--start" if starts else "--objects"
-                raise UsageError(f"{option} needs goals, and there are none", hint="add --goal")
+                raise UsageError(f"{option} needs goals", hint="add --goal")
             return None
         conditions = tuple(_start(text) for text in map(_tidy, starts))
         counted = None if objects is None else tuple(_objects(objects))

@@ -17,7 +17,7 @@ from vcage.schema.plan import SelectedAsset, Selection
 
 @dataclass(frozen=True)
 class Wish:
-    """An object for the scene: its kind, its look if one is asked for, and its number among several alike."""
+    """An object for the scene: its kind, its look if requested, and its number among several alike."""
 
     kind: str
     look: str | None
@@ -25,9 +25,9 @@ class Wish:
 
 
 def objects_of(task: StatedTask, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator) -> list[NamedObject]:
-    """Return the objects of ``--objects``, or else those that the goals name and the tools that they need.
+    """Return the objects of ``--objects``, or else the objects of the goals and the tools they need.
 
-    Looks that are not asked for are drawn, different ones first. All have the role ``context``.
+    Unrequested looks are drawn, different ones first. All have the role ``context``.
 
     Raises:
         UnknownName: the catalogue has no such kind or look.
@@ -64,10 +64,10 @@ def split_part(path: str, kinds: Mapping[str, CatalogueEntry], with_part: bool) 
 
 
 def object_meant(name: str, objects: Sequence[NamedObject], stated: StatedGoal) -> str:
-    """Return the id of the object that a name means: an id, or a kind or ``kind/look`` that one object alone has.
+    """Return the id of the object that a name means: an id, or a kind or ``kind/look`` of exactly one object.
 
     Raises:
-        UnknownName: there is none; lists what there is.
+        UnknownName: there is none; lists the known ones.
         UsageError: it may mean several; lists these.
     """
     if any(o.id == name for o in objects):
@@ -86,7 +86,7 @@ def object_meant(name: str, objects: Sequence[NamedObject], stated: StatedGoal) 
 
 
 def _named(task: StatedTask, kinds: Mapping[str, CatalogueEntry]) -> list[Wish]:
-    """Return one object for each name; a bare kind is the object of that kind to which another name gives a look."""
+    """Return one object for each name; a bare kind is the object of that kind with a look given by another name."""
     wishes = dict.fromkeys(
         _wish(split_part(path, kinds, with_part)[0], kinds, shortened(stated.text))
         for stated in (*task.goals, *task.starts)

@@ -38,7 +38,7 @@ def choose_stated(
     """Return the stated objects and goals, and the instruction, or without one a sentence that asks for the goals.
 
     Raises:
-        UnknownName: a name, look, part or arm is unknown; lists those that exist.
+        UnknownName: a name, look, part or arm is unknown; lists the known ones.
         UsageError: a name is ambiguous; goals are stated twice or contradict each other; no sentence says which objects
             a goal means; or the instruction contradicts the goals.
         NoFeasibleTask: its objects do not allow a goal.
@@ -136,7 +136,7 @@ def _sentence(
         return sentence
     shared = [o.id for o in objects if [other.phrase for other in objects].count(o.phrase) > 1]
     raise UsageError(
-        f"no sentence tells which objects the goals mean: {listed(shared or kinds)} are called alike",
+        f"no sentence can identify the objects of the goals: {listed(shared or kinds)} are called alike",
         hint="name other looks in --objects, tell them apart by --start 'plate_1 left_of plate_2', or say a sentence",
     )
 
@@ -151,7 +151,7 @@ def _second_look(
     """Check that the instruction agrees with the goals and names only objects of the scene.
 
     Raises:
-        UsageError: it does not; names what the goals lack.
+        UsageError: it does not; names the missing requests.
     """
 
     def third(asked: Instructed) -> Reading:
@@ -162,7 +162,7 @@ def _second_look(
     unmet = unmet_names(instruction, catalogue, list(kinds.values()))
     if complaints := unmet + contradictions(instructed(instruction, objects, kinds), reading, third):
         raise UsageError(
-            f"the goals do not do what the instruction says: {'; '.join(complaints)}",
+            f"the goals do not match the instruction: {'; '.join(complaints)}",
             hint="add the goals that it lacks, say by --start where things lie or stand at first, or leave the "
             "instruction out",
             details={"complaints": complaints},
@@ -191,7 +191,7 @@ def _require_part(stated: StatedGoal, place: Mapping[str, str | None], entry: Ca
 
 
 def _require_sense(stated: StatedGoal, asked: AskedGoal, arms: Collection[str]) -> None:
-    """Check that a goal names an existing arm, and of the table only what can be a goal."""
+    """Check that a goal names an existing arm, and uses the table only as a goal can."""
     arm = asked.goal.reference if asked.goal.kind.refers_to == "arm" else asked.arm
     if arm is not None and arm not in arms:
         raise UnknownName(f"arm in {shortened(stated.text)}:", arm, arms)
@@ -200,7 +200,7 @@ def _require_sense(stated: StatedGoal, asked: AskedGoal, arms: Collection[str]) 
 
 
 def _require_place(start: Description, kinds: Mapping[str, CatalogueEntry]) -> None:
-    """Check that a thing that starts in or on another can be put there."""
+    """Check that an object that starts in or on another can be put there."""
     if start.relation not in ("inside", "on") or start.reference == TABLE:
         return
     there = [("inside" if p.holds == "in" else "on", p.link) for p in kinds[start.reference].functional_points]

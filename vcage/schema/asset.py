@@ -59,14 +59,14 @@ class FunctionalPoint(Record):
 
 
 class PointRoom(Record):
-    """The room at a functional point: what lies there must fit into it."""
+    """The room at a functional point: contents must fit into it."""
 
     point: int = Field(ge=0, description="id of the functional point")
     size: Point3 = Field(description="width and depth of the free rectangle, and the height; 0 on an open top; metres")
 
 
 class Face(Record):
-    """A spot of an object that is looked at: a bar code, or the window of the scanner that reads it."""
+    """A marked spot of an object: a bar code, or the window of the scanner that reads it."""
 
     kind: Literal["code", "reader"]
     position: Point3 = Field(description="its middle in the object frame, metres")
@@ -184,7 +184,7 @@ class CatalogueEntry(Record):
 
     @property
     def weighs(self) -> bool:
-        """Check if what lies on it is weighed."""
+        """Check if its contents are weighed."""
         return any(point.weighs for point in self.functional_points)
 
     @property
@@ -208,7 +208,7 @@ class Joint(Record):
     @model_validator(mode="after")
     def _range_holds_rest(self) -> Joint:
         if self.spring and self.friction:
-            raise ValueError("expected a spring or friction: a part that comes back does not stay where it is left")
+            raise ValueError("expected a spring or friction: a part with a spring does not stay in place")
         if not self.lower <= 0 <= self.upper or self.lower == self.upper:
             raise ValueError(f"expected lower <= 0 <= upper and a range, got {self.lower} … {self.upper}")
         return self

@@ -80,10 +80,10 @@ def the(kind: str, records: Sequence[R], key: object, field: str = "id") -> R:
     """The record of a list whose field has a value.
 
     Args:
-        kind: what the records are, for the error.
+        kind: of the records, for the error.
 
     Raises:
-        UnknownName: there is none; names those that there are.
+        UnknownName: there is none; names the known ones.
     """
     for record in records:
         if getattr(record, field) == key:
@@ -167,7 +167,7 @@ class Document(Record):
 
     @classmethod
     def parse(cls, data: Any, path: Path) -> Self:
-        """Validate what was read from ``path`` (of JSON or YAML).
+        """Validate the data read from ``path`` (of JSON or YAML).
 
         Raises:
             SchemaMismatch: as for :meth:`read`.
@@ -187,7 +187,7 @@ class Document(Record):
             field = ".".join(str(part) for part in first["loc"]) or "(whole file)"
             raise SchemaMismatch(
                 f"{path}: field {field}: {first['msg']}",
-                hint="mend the field",
+                hint="fix the field",
                 maker=stage_of_file(path),
                 details={"path": str(path), "field": field, "errors": error.error_count()},
             ) from error

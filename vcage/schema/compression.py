@@ -16,7 +16,7 @@ ColourSource = Literal["option", "file", "layout", "pictures"]
 
 
 class Evaluation(Record):
-    """One encoding that was tried on one video, or on the groups of pictures of it that are scored."""
+    """One trial encoding of one video, or of its scored groups of pictures."""
 
     pixel_format: str
     gop: int
@@ -28,7 +28,7 @@ class Evaluation(Record):
 
 
 class HeldOutLoss(Record):
-    """Loss of frames that no search has seen: one in ten, but for those that were scored. JOD."""
+    """Loss of frames not seen by any search: one in ten, except scored ones. JOD."""
 
     worst: Finite
     mean: Finite
@@ -123,7 +123,7 @@ class OtherStream(Record):
 
 
 class SetAside(Record):
-    """An episode that was compressed and is refused since: its file refers to its videos, which lie beside it."""
+    """An episode compressed earlier and refused since: its file refers to its videos, which are beside it."""
 
     original: str = Field(description="SHA-256 of its file with raw pictures")
     packed: str = Field(description="of its file as it is now")

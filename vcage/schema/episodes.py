@@ -40,7 +40,7 @@ Accept = Literal["both", "critic", "state"]
 
 
 class Verdict(Record):
-    """φ(I, T) ∈ {0, 1} of the paper, with the reason and the pictures that were looked at."""
+    """φ(I, T) ∈ {0, 1} of the paper, with the reason and the pictures behind it."""
 
     accepted: bool
     reason: str = Field(min_length=1)
@@ -156,7 +156,7 @@ class CriticCounts(Record):
 
     @classmethod
     def of(cls, told: Iterable[tuple[bool, bool]]) -> Self:
-        """Of pairs: whether the critic accepted it, and whether it is so."""
+        """Of pairs: the critic's acceptance, and the truth."""
         judged = list(told)
         true, false_no = judged.count((True, True)), judged.count((False, True))
         return cls(
@@ -199,7 +199,7 @@ class Episodes(StageDocument):
         return found
 
     def layouts(self) -> dict[str, int]:
-        """Number of layouts that were drawn for the episodes, and of those that were refused."""
+        """Number of layouts drawn for the episodes, and of the refused ones."""
         refused = sum(sum(episode.layouts_refused.values()) for episode in self.episodes)
         return {"drawn": refused + sum(e.layout == "varied" for e in self.episodes), "refused": refused}
 
@@ -213,7 +213,7 @@ class Spread(Record):
 
 
 class Difference(Record):
-    """An attempt of which a second critic says otherwise than the one that collected."""
+    """An attempt on which a second critic contradicts the first one."""
 
     episode: int = Field(ge=0)
     step: int = Field(ge=0, description="index in the chain")
@@ -227,7 +227,7 @@ class Difference(Record):
 
 
 class Verdicts(StageDocument):
-    """``verify/verdicts.json``: what was collected judged again."""
+    """``verify/verdicts.json``: second judgement of the collected attempts."""
 
     SCHEMA: ClassVar[str] = "vcage.verdicts/2"
 
@@ -260,7 +260,7 @@ class SingleVerdict(Document):
 
 
 class Render(Record):
-    """One episode under one other look; what was drawn is in the file's ``meta/randomisation``."""
+    """One episode under one other look; its random draws are in the file's ``meta/randomisation``."""
 
     episode: int = Field(ge=0, description="number of the episode in the run")
     look: int = Field(ge=0, description="number of the look, from 0")

@@ -23,7 +23,7 @@ class Turn(Record):
 
 
 class Exchange(Document):
-    """A question, its answer, and what that took."""
+    """A question, its answer, and its cost."""
 
     SCHEMA: ClassVar[str] = "vcage.exchange/1"
 

@@ -15,7 +15,7 @@ from vcage.schema.base import Identifier, Record
 
 
 def _known_word(word: str) -> str:
-    """Refuse a word that no kind of goal has, as pydantic refuses what is none of some literals."""
+    """Refuse a word that is no kind of goal, as pydantic refuses a value outside some literals."""
     if word not in KINDS:
         *most, last = map(repr, words())
         raise PydanticKnownError("literal_error", {"expected": f"{', '.join(most)} or {last}"})
@@ -72,7 +72,7 @@ class Goal(Record):
 
 
 def goal_of(values: Sequence[str | None]) -> Goal:
-    """A goal from its subject, relation, reference and part; what is left out at the end is None."""
+    """A goal from its subject, relation, reference and part; omitted last ones are None."""
     return Goal.model_validate(dict(zip(("subject", "relation", "reference", "part"), values, strict=False)))
 
 
@@ -92,7 +92,7 @@ def in_steps(asked: Iterable[AskedGoal]) -> tuple[frozenset[Goal], ...]:
 
 
 class Description(Record):
-    """Place of an object in every starting layout: it identifies the object, or says what it is taken from."""
+    """Place of an object in every starting layout: it identifies the object, or names its source."""
 
     subject: Identifier = Field(description="id of an object")
     relation: RelationWord = Field(description="to another object, or to the table: a third of it")
@@ -122,7 +122,7 @@ class Reading(Record):
 
     @property
     def stated(self) -> list[Goal | Description]:
-        """The goals, and then what is said of the start."""
+        """The goals, and then the facts about the start."""
         return [*(asked.goal for asked in self.goals), *self.descriptions]
 
     @property

@@ -47,8 +47,8 @@ def starting_complaints(chosen: Iterable[tuple[str, str | None]]) -> list[str]:
     """Complaints about the starting places of chosen assets, one sentence each.
 
     Args:
-        chosen: (asset, asset of what it starts in) of each object, in order. Of an asset that is chosen more than once
-            the first object is the one that others start in.
+        chosen: (asset, asset of its starting container) of each object, in order. Of an asset chosen more than once
+            the first object is the container.
     """
     chosen = list(chosen)
     assets = {asset for asset, _ in chosen}

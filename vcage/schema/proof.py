@@ -44,7 +44,7 @@ class VariantProof(Record):
 
 
 class ObjectProof(Document):
-    """``objects/<name>.json``: the proof of one kind of object, kept so that an interrupted validation goes on."""
+    """``objects/<name>.json``: the proof of one kind of object, kept so that an interrupted validation resumes."""
 
     SCHEMA: ClassVar[str] = "vcage.object-proof/1"
 

@@ -96,7 +96,7 @@ class CameraRanges(Record):
 
 
 class ColourRanges(Record):
-    """Of the colours of objects: what an object is called stays true, whatever is drawn."""
+    """Colours of objects: their names stay true under any draw."""
 
     hue_deg: Finite = Field(default=0.0, ge=0, le=180, description="largest turn of the hue, degrees")
     saturation: Tenfold = (1.0, 1.0)
@@ -104,7 +104,7 @@ class ColourRanges(Record):
 
 
 class LookRanges(Record):
-    """Of what is only seen."""
+    """Of appearance only."""
 
     light: LightRanges = LightRanges()
     surfaces: SurfaceRanges = SurfaceRanges()
@@ -129,7 +129,7 @@ Heights = Annotated[Range, _within(-FARTHEST_HEIGHT, FARTHEST_HEIGHT), AfterVali
 
 
 class WorldRanges(Record):
-    """Of what is simulated."""
+    """Of the simulation."""
 
     variants: bool = Field(default=False, description="whether an object may be another variant that its words fit")
     clutter: Annotated[Count, _within(0, MOST_CLUTTER)] = Field(
@@ -152,7 +152,7 @@ class Randomisation(Document):
     world: WorldRanges = WorldRanges()
 
 
-# --- what was drawn for one episode ---------------------------------------------------------------------------
+# --- random draws of one episode -----------------------------------------------------------------------------
 
 
 class Light(Record):

@@ -80,7 +80,7 @@ class Workspace(Record):
 
 
 class Contents(Record):
-    """Objects that belong to a place: kinds that have all of these tags, or kinds by name."""
+    """Objects of a place: kinds with all of these tags, or kinds by name."""
 
     tags: list[str] = Field(default=[], description="categories and scenes of the catalogue; a kind must have all")
     assets: list[Identifier] = Field(default=[], description="names of kinds")
@@ -100,7 +100,7 @@ class Contents(Record):
 
 
 class SceneTemplate(Document):
-    """``assets/scenes/<name>.yml``: a place to build a scene in, and what belongs there."""
+    """``assets/scenes/<name>.yml``: a place to build a scene in, and its typical objects."""
 
     SCHEMA: ClassVar[str] = "vcage.scene-template/1"
 

@@ -1,4 +1,4 @@
-"""Sub-tasks: what was tried, what is feasible, and the chain that fulfils the instruction."""
+"""Sub-tasks: the tried ones, the feasible ones, and the chain that fulfils the instruction."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ TemplateName = Identifier
 
 
 class Check(Record):
-    """One feasibility check of a candidate, with what was measured against what is allowed."""
+    """One feasibility check of a candidate, with the measured and the allowed value."""
 
     name: Literal[
         "fits", "opening", "way_free", "reach_grasp", "reach_place", "reach_motion", "drop",
@@ -65,7 +65,7 @@ class Statement(Record):
 
     @property
     def goal(self) -> Goal | None:
-        """The same as a goal; None for what is unmoved, which says nothing of a state alone."""
+        """The same as a goal; None for unmoved, which is about no single state."""
         if self.word == "unmoved":
             return None
         return Goal(subject=self.subject, relation=self.word, reference=self.reference, part=self.part)
@@ -144,7 +144,7 @@ class Subtasks(StageDocument):
         ids = [subtask.id for subtask in info.data.get("kept", [])]
         unknown = [name for chain in chains for name in chain.subtasks if name not in ids]
         if unknown and ids:
-            raise ValueError(f"expected sub-tasks that are kept ({', '.join(ids)}), got {unknown[0]!r}")
+            raise ValueError(f"expected kept sub-tasks ({', '.join(ids)}), got {unknown[0]!r}")
         return chains
 
 
@@ -182,7 +182,7 @@ class GraspOption(Record):
 
 
 class PlaceOption(Record):
-    """A functional point that a sub-task may use, with the grasps from which it is reached."""
+    """A functional point for a sub-task, with the grasps from which it is reached."""
 
     point: int
     name: str
@@ -207,7 +207,7 @@ class SlotQuestion(Record):
 
 
 class SlotAnswer(Record):
-    """A reasoner's answer to a :class:`SlotQuestion`; what is not given is left to the ranking."""
+    """A reasoner's answer to a :class:`SlotQuestion`; the ranking decides missing choices."""
 
     subtask: Identifier
     grasp: Preference | None = None

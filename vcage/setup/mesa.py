@@ -95,7 +95,7 @@ def _write_manifest(folder: Path, library: Path) -> None:
 
 
 def _download(work: Path) -> list[Path]:
-    """Download the driver's package and, level by level, what it depends on and the machine lacks."""
+    """Download the driver's package and, level by level, its dependencies that the machine lacks."""
     logger.info("fetching the software Vulkan driver from this machine's package mirror (about 40 MB)")
     mirror = apt.AptMirror(work)
     wanted = {DRIVER_PACKAGE} | {name for name in SAPIEN_NEEDS if not _satisfied(name, "", "")}

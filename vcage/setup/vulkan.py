@@ -41,7 +41,7 @@ class Driver:
 
     Attributes:
         kind: ``given`` by the user in ``$VK_ICD_FILENAMES``, a ``gpu``'s, the ``system``'s, or from our ``cache``.
-        icd: the manifest that ``$VK_ICD_FILENAMES`` must name; None: the Vulkan loader finds it by itself.
+        icd: the manifest for ``$VK_ICD_FILENAMES``; None if the Vulkan loader finds it.
         name: the device as the driver calls itself, empty when unknown.
     """
 
@@ -61,9 +61,9 @@ class RenderProbe:
 
 
 def ensure_driver() -> Driver:
-    """Make this process, and those it starts, use a driver that draws; call it before the first render system.
+    """Make this process, and its children, use a working driver; call it before the first render system.
 
-    Cheap once a driver is known. A driver that the user names in ``$VK_ICD_FILENAMES`` is taken as it is.
+    Cheap once a driver is known. A driver in the user's ``$VK_ICD_FILENAMES`` is used unchanged.
 
     Raises:
         NoRenderer: no driver draws; the hint names the command that sets one up.
@@ -94,7 +94,7 @@ def probe(icd: Path | None = None) -> RenderProbe:
     """Draw a small picture in a process of its own.
 
     Args:
-        icd: the manifest of the driver to try; None: what the environment and the Vulkan loader say.
+        icd: the manifest of the driver to try; None to follow the environment and the Vulkan loader.
     """
     environment = dict(os.environ)
     if icd is not None:
@@ -136,7 +136,7 @@ def prepare_import() -> None:
     The cache holds libraries that the machine lacks (SAPIEN links to libX11, for one), which the dynamic linker only
     finds when they are loaded by path. They may need each other: load until nothing more loads.
     """
-    # SAPIEN warns that it falls back to the Vulkan loader of its own wheel, which is what we want.
+    # SAPIEN warns that it falls back to the Vulkan loader of its own wheel, as intended.
     warnings.filterwarnings("ignore", message="Failed to find system libvulkan")
     waiting = mesa.libraries(_mesa_folder())
     while waiting:

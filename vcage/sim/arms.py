@@ -182,7 +182,7 @@ class ArmControl:
     # --- commands ---
 
     def reset(self, offset: ArrayLike = 0.0) -> None:
-        """At home or (n,) ``offset`` from there, rad, open, at rest, at once."""
+        """At home or (n,) ``offset`` from there, rad, open, at rest, immediately."""
         joints, start = np.zeros(self.articulation.dof), np.array(self.arm.home) + np.asarray(offset)
         joints[self._arm_index] = start
         joints[self._finger_index] = self.arm.gripper.open

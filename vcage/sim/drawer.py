@@ -86,7 +86,7 @@ class ModelDrawer:
         self._shown: str | None = None
 
     def model(self, object_id: str) -> PhysicalModel | None:
-        """The model of an object; None for one that has no model here."""
+        """The model of an object; None for an unknown one."""
         return self._models.get(object_id)
 
     @undisturbed()

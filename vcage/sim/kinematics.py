@@ -123,7 +123,7 @@ class ArmKinematics:
         return None if q is None else np.array(q)
 
     def ik_all(self, pose: Pose, seed_q: np.ndarray | None = None) -> list[np.ndarray]:
-        """The different solutions that all starts of :meth:`ik` lead to, in that order."""
+        """The different solutions from all starts of :meth:`ik`, in that order."""
         found: list[np.ndarray] = []
         for q in self._solutions(pose, seed_q, len(self._seeds)):
             if all(np.abs(q - other).max() > SETTINGS.distinct_rad for other in found):

@@ -1,4 +1,4 @@
-"""Joint paths before they are timed: legs that follow each other, and the bends that join them without a stop."""
+"""Joint paths before timing: consecutive legs, and the bends that join them without a stop."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ def load_robot(name: str) -> Robot:
     """The robot called ``name``.
 
     Raises:
-        UnknownName: there is none; lists those there are.
+        UnknownName: there is none; lists the known ones.
         DamagedFile, SchemaMismatch: its file is damaged or has wrong fields.
     """
     return _load(Robot, "robot", "robots", name)
@@ -49,7 +49,7 @@ def load_randomisation(name: str) -> Randomisation:
 
     Raises:
         MissingStage: the file does not exist.
-        UnknownName: there are no such ranges, or one of their textures has no painter.
+        UnknownName: such ranges do not exist, or one of their textures has no painter.
         DamagedFile, SchemaMismatch: as for :func:`load_robot`.
     """
     if not name.endswith((".yml", ".yaml")):

@@ -65,7 +65,7 @@ def connect(
 
     Args:
         start, goal: (n,) free joints, rad.
-        free: what is free.
+        free: tests a configuration.
         lower, upper: (n,) joint limits.
         rng: of the samples.
     """

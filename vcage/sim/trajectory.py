@@ -11,7 +11,7 @@ from vcage.base.errors import VcageError
 from vcage.base.imports import left_out
 from vcage.schema.robot import Arm
 
-with left_out("matplotlib", "pyplot"):  # toppra can draw with it; a third of all that the import of a stage takes
+with left_out("matplotlib", "pyplot"):  # toppra can plot with it; it takes a third of a stage's import time
     from toppra import SplineInterpolator
     from toppra.algorithm import TOPPRA
     from toppra.constraint import DiscretizationType, LinearConstraint
@@ -83,7 +83,7 @@ def time_optimal(path: np.ndarray, hz: float, arm: Arm, speed: float | np.ndarra
     more than a twenty-fourth of acceleration × time².
 
     Args:
-        path: (k, n) joints, rad, k ≥ 1; points that repeat the one before are dropped.
+        path: (k, n) joints, rad, k ≥ 1; repeated points are dropped.
         hz: samples per second.
         arm: whose joints they are; its limits hold for each joint.
         speed: share of the speed limit, in (0, 1], at all points or (k,) at each; accelerations keep its square and

@@ -46,7 +46,7 @@ class ChainOptions(
     verify.Options,
     compress.Options,
 ):
-    """Options of every stage at once but export, whose codec would have the name of the compression's.
+    """Options of every stage together except export, whose codec would have the name of the compression's.
 
     Example:
         >>> ChainOptions(instruction="Put the blocks on the plate", models="offline", episodes=10)
@@ -62,7 +62,7 @@ class ChainOptions(
 
         Raises:
             UsageError: there is neither, or both; says the way out.
-            UnknownName, MissingStage, InputFileError: there are no such ranges, or they are not possible.
+            UnknownName, MissingStage, InputFileError: such ranges do not exist, or are impossible.
         """
         self.ranges()
         has_task = self.instruction is not None or bool(self.goals)
@@ -84,7 +84,7 @@ def run_chain(
     context: StageContext | None = None,
     show: Callable[[str], AbstractContextManager[Progress]] = lambda _: contextlib.nullcontext(silent),
 ) -> dict[str, StageResult[Any]]:
-    """Run all stages; what is finished is left alone.
+    """Run all stages; finished ones are left alone.
 
     Example:
         >>> run_chain(RunFolder("runs/blocks"), ChainOptions(instruction="Put the blocks on the plate"))
@@ -92,7 +92,7 @@ def run_chain(
     Args:
         run: the run folder.
         options: of all stages.
-        context: what the stages share; None for what the options choose.
+        context: shared by the stages; None to follow the options.
         show: entered with the name of each stage while it runs.
 
     Returns:
@@ -101,7 +101,7 @@ def run_chain(
     Raises:
         UsageError: there is no instruction and not every sub-task is wanted, or both.
         FolderInUse: another process works on the run.
-        VcageError: what a stage raises; those before it are finished.
+        VcageError: raised by a stage; those before it are finished.
     """
     options.require_possible()
     context = context or options.context(run)

@@ -1,4 +1,4 @@
-"""Let the robot do the task, check every sub-task by looking, keep what is verified, record it.
+"""Let the robot do the task, check every sub-task from pictures, keep the verified ones, record them.
 
 Reads inpaint/plan.json, optimize/ and subtasks/. Writes episodes/*.hdf5, episodes/log.jsonl (every attempt) and
 episodes/rejected/. Takes about 10 s per episode without a GPU; goes on where it stopped when run again.
@@ -273,7 +273,7 @@ def _crew(
 
 
 def _in_process(task: _Task) -> _Done:
-    """Run an episode in a worker process, which keeps what all episodes share."""
+    """Run an episode in a worker process, which keeps the data common to all episodes."""
     return _shared(task.run, task.options).one(task.index, task.folder)
 
 

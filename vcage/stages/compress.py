@@ -64,7 +64,7 @@ def job(run: RunFolder, options: Options, _context: StageContext) -> Job:
 
 
 def summary(record: Compression) -> dict[str, Any]:
-    """Return a few facts for whoever ran the stage."""
+    """Return a few facts for the user."""
     return {
         "crf": {camera.camera: camera.crf for camera in record.cameras},
         "lossless": [camera.camera for camera in record.cameras if camera.lossless],

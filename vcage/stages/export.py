@@ -64,7 +64,7 @@ class Footage:
 
 @dataclass(frozen=True, kw_only=True)
 class Options(StageOptions):
-    """What is written."""
+    """The written data sets."""
 
     formats: Annotated[tuple[str, ...], several("{" + ",".join(EXPORTS) + "} ...", choices=EXPORTS)] = tuple(FORMATS)
     """what to write"""
@@ -92,7 +92,7 @@ def job(run: RunFolder, options: Options, _context: StageContext) -> Job:
 
 
 def summary(record: Export) -> dict[str, Any]:
-    """Return a few facts for whoever ran the stage."""
+    """Return a few facts for the user."""
     return {dataset.format: dataset.model_dump(exclude={"format"}) for dataset in record.datasets}
 
 
@@ -105,7 +105,7 @@ def execute(
         MissingStage, StaleStage: see :class:`vcage.runs.stage.Job`; also when a video was not compressed yet, or no
             episode counts.
         DamagedFile, SchemaMismatch: an episode or a video cannot be read.
-        UsageError: the codec asked for cannot stay under the loss that the compression allowed, or needs a CRF.
+        UsageError: the requested codec cannot stay under the loss allowed by the compression, or needs a CRF.
     """
     if none := no_episode_counts(run):
         remove_exports(run.export.parent)
@@ -185,7 +185,7 @@ def _same_quality(compressed: CompressionSettings, codec: str) -> int | None:
     if not CODECS[codec].lossless_format:
         raise UsageError(
             f"the videos were compressed without loss, which {codec} cannot do",
-            hint="give the CRF of a loss that may be: --crf N, or take another --codec",
+            hint="give the CRF of an acceptable loss: --crf N, or choose another --codec",
         )
     return LOSSLESS
 

@@ -46,7 +46,7 @@ class Options(ModelOptions):
     """Who draws."""
 
     target: Annotated[Path | None, arg(metavar="FILE"), UNSAID] = None
-    """a target picture that was edited elsewhere from place/source.png, instead of one that the editor draws"""
+    """an edit of place/source.png made elsewhere, as the target picture"""
 
 
 def job(run: RunFolder, options: Options, context: StageContext) -> Job:
@@ -67,7 +67,7 @@ def _digest(path: Path) -> str:
     """Return the hex SHA-256 of a picture file.
 
     Raises:
-        InputFileError: it is not there, or not a picture that can be read.
+        InputFileError: it is missing, or not a readable picture.
     """
     if not path.exists():
         raise InputFileError(f"there is no picture {path}", hint="name an edit of place/source.png")
@@ -112,7 +112,7 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
 
 
 def _finished(plan: Plan, request: EditRequest, folder: Path, context: StageContext, *, is_drawn: bool) -> Plan:
-    """Return a plan with its figures; draw its target picture, unless that is there, and note who drew it."""
+    """Return a plan with its figures; draw its target picture, unless it exists, and record who drew it."""
     layout = request.layout  # the solver's, whoever draws the picture
     found: dict[str, Any] = {
         "checks": {
@@ -136,7 +136,7 @@ def _edited_source(path: Path, request: EditRequest) -> np.ndarray:
     """Read a picture, which must be an edit of the source.
 
     Raises:
-        InputFileError: it is not; says what was measured.
+        InputFileError: it is not; states the measurements.
     """
     picture = read_picture(path)
     complaint = edit_complaint(picture, request.picture, request.background)

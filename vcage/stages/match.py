@@ -143,7 +143,7 @@ def execute(
 
 
 def _accept(edit: Edit[Matches]) -> Matches:
-    """Check edited matches and measure them by the plan. The overlay shows what was found, not what was edited."""
+    """Check edited matches and measure them by the plan. The overlay shows the found matches, not the edits."""
     scene = Scene.read(edit.run.scene)
     matches = read_matches(edit.run, scene)
     shown = _shown(scene, read_plan(edit.run, scene, edit.context), matches.matches, edit.context)
@@ -170,7 +170,7 @@ def _checks(shown: Kept) -> dict[str, Any]:
 
 
 def _doubts(matches: list[Match], shown: Kept) -> list[str]:
-    """Return notes on a picture that is doubtful as a whole."""
+    """Return notes on a doubtful picture."""
     if all(m.method == "kept" for m in matches):
         return ["the target picture shows none of the scene's objects; all keep their place from the plan"]
     if shown.share < LEAST_PLAN_SHARE:

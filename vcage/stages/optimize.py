@@ -153,7 +153,7 @@ def _accept(edit: Edit[Scene]) -> Scene:
         return edit.record
     settled, run, context = accepted_scene(edit), edit.run, edit.context
     write_picture(edit.folder / "top.png", shoot(context.drawn_world(settled), settled.top_camera))
-    if not run.matches.exists():  # a sub-task that is run by itself has no plan
+    if not run.matches.exists():  # a sub-task with its own task has no plan
         return settled
     targets = with_stowed(settled, _targets(settled, read_matches(run, settled)))
     poses = {o.id: o.pose.pose() for o in settled.objects}
@@ -172,7 +172,7 @@ def _targets(scene: Scene, matches: Matches) -> dict[str, Pose]:
 
 @dataclass(frozen=True)
 class _LaidOut:
-    """A layout, the scene laid out like that, and the standard deviation by which its targets were shifted."""
+    """A layout, its scene, and the standard deviation of the shift of its targets."""
 
     result: LayoutResult
     scene: Scene
@@ -201,10 +201,10 @@ class _NearestFeasible:
         """The layout nearest to the targets in which the instruction can be carried out.
 
         Layouts near targets that are shifted further and further are tried. If none does, the nearest is taken in
-        which all descriptions are true, and the search for sub-tasks says what is wrong with it.
+        which all descriptions are true, and the search for sub-tasks reports its faults.
 
         Raises:
-            InfeasibleScene: there is no layout, or none in which all descriptions are true; names what is wrong.
+            InfeasibleScene: there is no layout, or none in which all descriptions are true; names the fault.
         """
         shifting = self.rng()
         try:
@@ -275,8 +275,8 @@ def _checks(kept: Kept, result: LayoutResult) -> dict[str, Any]:
 
 
 def _heading(record: ObjectRecord, yaw: float, workspace: Workspace, context: StageContext) -> float:
-    """The heading that was matched; what opens at its front is turned back until that faces the robot, and straight
-    where the workspace has no room for it and its open parts otherwise. What is round
+    """The matched heading; an object with a front is turned back until it faces the robot, and straight
+    where the workspace has no room for it and its open parts otherwise. A round object
     has none, and takes the one at which its box needs the least room."""
     asset = context.asset(record)
     if not asset.articulated:
@@ -287,7 +287,7 @@ def _heading(record: ObjectRecord, yaw: float, workspace: Workspace, context: St
     if np.any(needs > np.subtract(workspace.upper, workspace.lower)):
         turned = 0.0
     if abs(wrap_angle(turned - yaw)) > 1e-6:
-        logger.warning("%s is turned by %.0f°, so that its front faces the robot", record.id, np.degrees(turned - yaw))
+        logger.warning("%s is turned by %.0f°, so its front faces the robot", record.id, np.degrees(turned - yaw))
     return turned
 
 

@@ -112,7 +112,7 @@ def _write_scripts(
 
 
 def _accept(edit: Edit[Subtasks]) -> Subtasks:
-    """Check edited sub-tasks and chains like those of the search, and write the scripts that were not edited.
+    """Check edited sub-tasks and chains like those of the search, and write the unedited scripts.
 
     Raises:
         InputFileError: a sub-task is not one of this scene, or a chain does not bring about the goals.
@@ -154,7 +154,7 @@ def _complaints(
 
 
 def _unproven(steps: Sequence[Subtask], scene: Scene, objects: Sequence[SceneObject]) -> list[str]:
-    """Return complaints about a chain that does not bring about the goals of the scene, or else of its steps."""
+    """Return complaints about a chain that does not achieve the goals of the scene, or else of its steps."""
     by_id = {o.id: o for o in objects}
     if scene.goals:
         task = Task(initial_state(objects), in_steps(scene.goals))

@@ -17,7 +17,7 @@ Goals can be told in place of an instruction. Nothing is read then, and no reaso
   SUBJECT handed left|right                           the arm that has it then
 Any but the last may end with: with the left|right arm. A goal that begins with "then" comes after those before it.
 A name is a kind (marker), a kind and look (marker/red), or an id of the scene (marker_red, marker_red_2).
-Without an instruction, the scene's is the plain sentence that asks for the goals; one that is given must not say
+Without an instruction, the scene's is a plain sentence for the goals; a given one must not say
 otherwise.
 """
 
@@ -57,7 +57,7 @@ class Options(ModelOptions):
     """Options that begin a run."""
 
     instruction: Annotated[str | None, Positional, arg(metavar="[instruction]"), UNSAID] = None
-    """the task in plain language, in quotes; without one, the objects are those that belong to the scene template"""
+    """the task in plain language, in quotes; without one, the objects come from the scene template"""
     template: Annotated[str, arg(name="scene", metavar="TEMPLATE")] = "table"
     """the scene template"""
     goals: Annotated[tuple[Annotated[str, value(str, "GOAL")], ...], UseAppendAction, arg(name="goal"), UNSAID] = ()
@@ -71,10 +71,10 @@ class Options(ModelOptions):
     """what stands there, as in "marker/red, packaging_box, 2 apple" (default: what the goals name, one of each, and the
     scanner or scale that they need)"""
     robot: Annotated[str | None, arg(metavar="ROBOT"), UNSAID] = None
-    """the robot (default: that of the scene template); ``vcage robots list`` says which"""
+    """the robot (default: that of the scene template); ``vcage robots list`` lists them"""
 
     def told(self) -> StatedTask | None:
-        """The goals that are told, with all that belongs to them; None where there are none."""
+        """The given goals, with everything about them; None without any."""
         return StatedTask.of(self.goals, self.starts, self.objects)
 
 
@@ -104,12 +104,12 @@ def job(run: RunFolder, options: Options, context: StageContext) -> Job:
 
 
 def _with_contents(name: str) -> SceneTemplate:
-    """The scene template, with the contents that belong there."""
+    """The scene template, with its contents."""
     template = load_template(name)
     if not template.contents:
         others = [other for other in available("scenes") if load_template(other).contents]
         raise UsageError(
-            f"the scene {name} says nothing of what belongs there, and there is no instruction",
+            f"the scene {name} has no contents, and there is no instruction",
             hint=f'give one in quotes: "Put the blocks on the plate", or --scene with one of: {", ".join(others)}',
         )
     return template
@@ -127,7 +127,7 @@ def _read(instruction: str) -> str:
         )
     if one_line(instruction) != instruction:
         raise UsageError(
-            f"the instruction {instruction!r} contains control characters, or characters that are not seen",
+            f"the instruction {instruction!r} contains control characters, or invisible characters",
             hint="write it in UTF-8, without them",
         )
     return instruction
@@ -143,12 +143,12 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
     """Write ``place/``: M, the top view, the empty table, the segmentation.
 
     Raises:
-        NoAssetFits: the catalogue has nothing that the instruction names, or too little of what belongs to the scene.
-        UnknownName: it has nothing with a tag or name of what belongs to the scene.
+        NoAssetFits: the catalogue lacks objects of the instruction, or enough objects of the scene.
+        UnknownName: it has nothing with a tag or name required by the scene.
         UnreadInstruction: words of the instruction answer to no goal.
-        UsageError: the goals that are told name several objects at once, contradict each other or the instruction.
+        UsageError: the given goals name several objects at once, contradict each other or the instruction.
         NoFeasibleTask: the sizes of the objects rule out a goal, wherever they stand.
-        ModelRefused: the reasoner was told what is wrong with its selection and found no better one in its rounds.
+        ModelRefused: the reasoner was given the faults of its selection and found no better one in its rounds.
         InfeasibleScene: the objects have no place, or do not stay where they are put.
     """
     stage = job(run, options, context)

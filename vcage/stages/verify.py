@@ -34,7 +34,7 @@ class Options(ModelOptions):
     """Options of judging again."""
 
     refused: Flag = False
-    """judge the attempts that were not accepted, too, of which pictures are kept: to compare two critics"""
+    """judge the rejected attempts, too, with stored pictures: to compare two critics"""
 
 
 def job(run: RunFolder, options: Options, context: StageContext) -> Job:
@@ -71,7 +71,7 @@ def execute(
     With ``refused`` also on every other attempt with stored pictures and truth; else these are not judged.
     Verdicts of the same critic on the same pictures, from collecting, are taken over unless ``force`` is set. Decisions
     by hand stay where there are other episodes by now. Where the two critics differ, a picture in
-    ``verify/differences`` shows what they looked at.
+    ``verify/differences`` shows their pictures.
     """
     stage = job(run, options, context)
     earlier = None if options.force else _of_other_episodes(stage)
@@ -89,7 +89,7 @@ def execute(
 
 
 def _of_other_episodes(stage: Job) -> Verdicts | None:
-    """Return earlier verdicts that are stale only because there are more or fewer episodes by now."""
+    """Return earlier verdicts that are stale only because the number of episodes has changed."""
     try:
         stage.finished(Verdicts, force=False)
     except StaleStage as error:
@@ -126,7 +126,7 @@ EDITABLE = Editable(Verdicts, fields=[f"episodes.*.*.{said}" for said in DECISIO
 def _judged(
     run: RunFolder, judge: SecondJudge, folder: Path, provenance: Provenance, progress: Progress, *, refused: bool
 ) -> Verdicts:
-    """Judge every sub-task of the accepted episodes, whose pictures must be there; with ``refused`` also every other
+    """Judge every sub-task of the accepted episodes, whose pictures must exist; with ``refused`` also every other
     attempt that can be judged."""
     collected = Episodes.read(run.episodes)
     accepted = [episode for episode in collected.episodes if episode.accepted]

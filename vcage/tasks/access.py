@@ -31,7 +31,7 @@ SETTINGS = AccessSettings()
 
 
 def access(receptacle: SceneObject, point: FunctionalPoint) -> Check:
-    """Check that a functional point faces up, and that no closed drawer or lid keeps it in."""
+    """Check that a functional point faces up, and that no closed drawer or lid covers it."""
     poses = link_poses(receptacle.asset.model, receptacle.joints)
     part = receptacle.pose * poses[point.link]
     upright = float((part.rotation() @ np.asarray(point.axis))[2])
@@ -52,7 +52,7 @@ def open_to_a_hand(thing: SceneObject, part: str) -> list[Goal]:
 
 
 def shut_above(thing: SceneObject, part: str) -> list[Goal]:
-    """Goals that the drawers above a part are closed, so that none stands out over it."""
+    """Goals that the drawers above a part are closed, so that none is open over it."""
     asset = thing.asset
     height = asset.bounds_of(part)[0, 2]
     above = [
@@ -86,7 +86,7 @@ def headroom(receptacle: SceneObject, point: FunctionalPoint) -> float:
 
 
 def closed_part(receptacle: SceneObject, point: FunctionalPoint) -> str | None:
-    """The moving part that must be opened first, or None: the point's own, or the one that lies over it."""
+    """The moving part to open first, or None: the point's own, or the one over it."""
     model = receptacle.asset.model
     poses = link_poses(model, receptacle.joints)
     origin = (receptacle.pose * poses[point.link]).apply(point.position)

@@ -24,7 +24,7 @@ _UNFIT = ("The", "Make", "Find", "See", "Let")
 
 
 def asked_arms(asked: Iterable[AskedGoal]) -> dict[Goal, str]:
-    """The arm that must bring about each goal that names one.
+    """The arm required for each goal that names one.
 
     Raises:
         NoFeasibleTask: a goal is asked of two arms.
@@ -41,10 +41,10 @@ def asked_arms(asked: Iterable[AskedGoal]) -> dict[Goal, str]:
 
 
 def require_arms(asked: Iterable[AskedGoal], arms: Collection[str]) -> None:
-    """Check that every goal is asked of an arm that the robot has, and that can do it.
+    """Check that every goal's required arm exists and can achieve it.
 
     Raises:
-        NoFeasibleTask: names the goal, the arm, and those that there are.
+        NoFeasibleTask: names the goal, the arm, and the existing arms.
     """
     for goal, arm in asked_arms(asked).items():
         why = None
@@ -60,9 +60,9 @@ def arm_for(goals: Iterable[Goal], arms: Mapping[Goal, str], hand_to: str | None
     """The arm that must take hold for some goals, None for any; and why no arm does for all of them, or None.
 
     Args:
-        goals: that a sub-task brings about.
-        arms: that are asked for, by goal.
-        hand_to: the arm that the object is handed to: what is true afterwards is its doing.
+        goals: of a sub-task.
+        arms: the required ones, by goal.
+        hand_to: the receiving arm of a hand-over: goals true afterwards are its doing.
     """
     named = {goal: arms[goal] for goal in goals if goal in arms}
     takes = {arm for goal, arm in named.items() if hand_to is None or goal.kind.refers_to == "arm"}
@@ -75,7 +75,7 @@ def arm_for(goals: Iterable[Goal], arms: Mapping[Goal, str], hand_to: str | None
 
 
 def those_of(arms: Mapping[str, T], arm: str | None, hand_to: str | None) -> Mapping[str, T]:
-    """The arms that may take part in a sub-task: all, or the one that must do it and the one it hands to.
+    """The arms that may take part in a sub-task: all, or the required one and the one it hands to.
 
     Args:
         arms: by name.
@@ -108,9 +108,9 @@ def _said_with(arm: str, texts: Sequence[str], goal: Goal, hand_to: str | None) 
 
 
 def for_one_arm(objects: Sequence[SceneObject], goals: Collection[Goal]) -> list[set[str]]:
-    """Groups of ids, each of things that one arm must reach for the goals to be brought about.
+    """Groups of ids, each within reach of one arm for the goals to be achievable.
 
-    What is put in or on another is in none: where no arm reaches both, it is handed over. What is stacked is.
+    Objects put in or on another are in no group: where no arm reaches both, they are handed over. Stacked ones are.
 
     Args:
         objects: of the scene.
@@ -127,11 +127,11 @@ def for_one_arm(objects: Sequence[SceneObject], goals: Collection[Goal]) -> list
 
 
 def reached_by(objects: Sequence[SceneObject], asked: Iterable[AskedGoal]) -> dict[str, set[str]]:
-    """The arms that must reach each object, by its id, for goals that are asked of an arm.
+    """The arms that must reach each object, by its id, for goals with a required arm.
 
     Args:
         objects: of the scene.
-        asked: goals; those that name no arm ask nothing of where things stand.
+        asked: goals; those without an arm put no demand on places.
     """
     by_id = {o.id: o for o in objects}
     found: dict[str, set[str]] = {}

@@ -24,7 +24,7 @@ def episode_data(
         log: T frames.
         segments: the verified sub-tasks.
         cameras: the T places of each camera, by name; empty for an episode without pictures.
-        meta: facts that travel with it.
+        meta: facts recorded with it.
     """
     first = log.frames[0]
     arms = sorted(first.arms)

@@ -28,7 +28,7 @@ UNREACHED_M = 1.0
 def slots_for_chain(chain: Sequence[Subtask], workplace: Workplace) -> dict[str, Slot]:
     """A slot for each sub-task that puts an object somewhere, by the sub-task's id.
 
-    All that lies in one place at the same time fits together, and the hand has room to let go of it.
+    Simultaneous contents of one place fit together, and the hand has room to let go of each.
 
     Args:
         chain: the sub-tasks.
@@ -65,7 +65,7 @@ class _Stay:
 
     Args:
         object, receptacle, point: the object and its place.
-        subtask: that brings it; None if it lies there from the start.
+        subtask: the one that brings it; None for a content from the start.
         start, end: steps of the chain: it comes with the first and is taken away with the second.
     """
 
@@ -85,7 +85,7 @@ class _Stay:
 def _stays(chain: Sequence[Subtask], objects: Sequence[SceneObject]) -> list[_Stay]:
     """The stays of all objects in each receptacle that the chain fills.
 
-    An object that lies there from the start may lie at each functional point of its part.
+    An object there from the start may be at each functional point of its part.
     """
     by_id = {o.id: o for o in objects}
 
@@ -108,7 +108,7 @@ def _stays(chain: Sequence[Subtask], objects: Sequence[SceneObject]) -> list[_St
 
 def _together(stays: Sequence[_Stay]) -> list[list[_Stay]]:
     """The stays in one place that overlap in time, directly or by others, in the order of the chain; each at least one
-    that a sub-task brings about."""
+    at least one achieved by a sub-task."""
     groups: list[list[_Stay]] = []
     for stay in stays:
         touching = [group for group in groups if any(stay.meets(other) for other in group)]
@@ -123,9 +123,9 @@ class _Filling:
 
     Args:
         subtasks: in order.
-        receptacle, point: where; its drawer or lid is open.
-        present: objects that lie there already.
-        objects: of the scene by id, where they stand at the start.
+        receptacle, point: the place; its drawer or lid is open.
+        present: objects already there.
+        objects: of the scene by id, at their starting places.
         workplace: of the scene.
     """
 
@@ -150,7 +150,7 @@ class _Filling:
         return least_costly(drawn, self._drop, enough=SET_DOWN * len(self.subtasks) + 1e-9)
 
     def _drop(self, poses: Mapping[str, Pose]) -> float:
-        """Metres that the objects fall in all when each is let go as low as the hand can.
+        """Total fall of the objects, metres, when each is let go as low as the hand can.
 
         A place that no arm reaches with the object counts as a fall of :data:`UNREACHED_M`.
         """
@@ -169,7 +169,7 @@ class _Filling:
         return total
 
     def _reached(self, subtask: Subtask, target: SceneObject, goals: Sequence[Pose]) -> bool:
-        """True if an arm that can take an object reaches one of its poses with it, however it holds it."""
+        """True if an arm that can take an object reaches one of its poses with some grasp of it."""
         return subtask.hand_to is not None or any(
             self.workplace.kinematics[grasp.arm].reachable(goal * held.in_object)
             for grasp in subtask.grasps
@@ -202,7 +202,7 @@ class _OnTable:
     workplace: Workplace
 
     def slots(self) -> dict[str, Slot]:
-        """Slots that are clear of all that stood, stands or will stand there.
+        """Slots clear of all past, present and future objects there.
 
         Raises:
             InfeasibleScene: one has no room, perhaps because of where those before it were drawn.
@@ -228,7 +228,7 @@ class _OnTable:
         return found
 
     def _pushed(self, subtask: Subtask, thing: SceneObject, others: Sequence[SceneObject]) -> list[Pose]:
-        """Ends of pushes that bring about the goal, the best first."""
+        """Ends of pushes for the goal, the best first."""
         pushes, _ = examine_pushes(thing, subtask.goals[0], self.workplace.with_arms(subtask.arm).with_objects(others))
         return [push.end for push in pushes]
 

@@ -67,7 +67,7 @@ def blamed(stage: AttemptStage, failure: Failure | None) -> frozenset[Choice]:
 
     Args:
         stage: how far it came.
-        failure: what the critic says went wrong, if it was asked and says so.
+        failure: the critic's reason, if it was asked and gave one.
     """
     return BLAMED_AT.get(stage, UNKNOWN) if failure is None else BLAMED_FOR[failure]
 
@@ -92,7 +92,7 @@ class Failed:
 
 @dataclass(frozen=True)
 class Retry:
-    """The order in which an attempt tries what there is to choose from.
+    """The order in which an attempt tries its choices.
 
     Args:
         failed: the attempts at the same sub-task before it.
@@ -101,13 +101,13 @@ class Retry:
     failed: tuple[Failed, ...] = ()
 
     def choices(self, grasps: Sequence[Grasp], slots: Iterable[Place]) -> Iterator[tuple[Place, list[Grasp]]]:
-        """Slots in the order in which they are tried, each with the grasps to try there, best first.
+        """Slots in the order to try them, each with its grasps, best first.
 
-        A slot comes twice where some of the grasps failed with it before: with those at the very end.
+        A slot comes twice if some of the grasps failed with it before: those come at the very end.
 
         Args:
             grasps: (contact point, arm), in the order of a first attempt.
-            slots: in the order of a first attempt; a single None for what is put nowhere.
+            slots: in the order of a first attempt; a single None for an object without a target.
         """
         ordered, again = sorted(grasps, key=self._blame), list[tuple[Place, list[Grasp]]]()
         for slot in sorted(slots, key=self._blame_of_slot):
@@ -179,7 +179,7 @@ class Choices:
     def _choose_showing(
         self, object_id: str, other_id: str, grasps: Sequence[tuple[int, str]]
     ) -> tuple[PickPlan, Surroundings, list[Pose]]:
-        """The first grasp with which an object can be held before another, its surroundings, and its poses there."""
+        """The first grasp that can hold an object before another, its surroundings, and its poses there."""
         target, cell = self._cell.object(object_id), self._cell
         poses = list(reading_poses(target, cell.object(other_id), self.world.table.height))
         if not poses:
@@ -235,7 +235,7 @@ class Choices:
         return self._leads_to(target, around, slot.poses(self._cell.objects()))
 
     def _leads_to(self, target: SceneObject, around: Surroundings, *places: Sequence[Pose]) -> LeadsOn:
-        """Return the check that an object gets to each of some places, to one of its poses there."""
+        """Return the check that an object can be brought to each place, at one of its poses there."""
 
         def check(planner: MotionPlanner, way: PickWay, lifted: np.ndarray, contact: ContactPoint) -> None:
             held = self._cell.held(target.id, way.grasp)
@@ -277,6 +277,6 @@ class Choices:
             self.changes.append(f"{object_id} is put {x:+.1f}, {y:+.1f} cm from the slot that was planned")
 
     def _nearest_first(self, thing: SceneObject) -> list[str]:
-        """The arms, the one whose base is nearest to an object first."""
+        """The arms, the one with the base nearest to an object first."""
         bases = {name: control.arm.base.pose().p for name, control in self.world.arms.items()}
         return sorted(bases, key=lambda name: (float(np.linalg.norm(bases[name] - thing.pose.p)), name))

@@ -39,9 +39,9 @@ def slot_questions(
 
     Args:
         chain: the sub-tasks, in order.
-        kept: all that were found, among them others that do the same at another place.
-        objects: of the scene, as they are when the chain begins.
-        initial: goals that are true then.
+        kept: all feasible ones, including equivalents at other places.
+        objects: of the scene, at the start of the chain.
+        initial: goals true at that time.
         actions: of the chain's sub-tasks, by id.
     """
     by_id, others, state = {o.id: o for o in objects}, list(kept), initial
@@ -109,8 +109,8 @@ def as_chosen(found: Subtask, subtask: Subtask) -> Subtask:
     """A sub-task that was examined again, with the earlier choices of the reasoner.
 
     Args:
-        found: among objects that stand elsewhere.
-        subtask: as it was.
+        found: among objects at other places.
+        subtask: the original.
     """
     update = {"prefers": subtask.prefers, "statements": subtask.statements}
     return found.model_copy(update={**update, "grasps": preferred_first(found.grasps, subtask.prefers)})

@@ -63,7 +63,7 @@ def require_settled(
     Args:
         scene, objects, where: as :func:`require_described` takes them.
         models: of the objects, by id.
-        robot: that stands there; None for no robot.
+        robot: of the scene; None for no robot.
     """
     if scene.descriptions:
         world = World.of_scene(scene, models, robot)

@@ -1,7 +1,7 @@
 """Feasible before simulated: the checks of a transfer by geometry and inverse kinematics.
 
-A transfer is an object with one contact point and a receptacle with one functional point. Each check says what
-was measured against what is allowed, in a sentence that a person can read.
+A transfer is an object with one contact point and a receptacle with one functional point. Each check compares
+a measurement with its limit, in a readable sentence.
 """
 
 from __future__ import annotations
@@ -94,7 +94,7 @@ def _hands(
 
 
 def _walls_around(thing: SceneObject, holder: SceneObject) -> list[SolidBox]:
-    """Boxes of a receptacle that may be in the way of a hand that takes an object out of it or off it."""
+    """Boxes of a receptacle that may block a hand taking an object out of it or off it."""
     where = resting_point(thing, holder)
     return holder.boxes if where is None else holder.around(where.id)
 
@@ -106,10 +106,10 @@ class Transfer:
     Args:
         target, contact: the object, and the point at which it is grasped.
         where: the place in words.
-        poses: of the object at the place, in the world: any of them does.
-        around: boxes that the hand may meet there.
-        over: heights that the object must be above when it is brought there, z in metres.
-        others: all other objects, those with parts that must be open as they are then.
+        poses: alternatives of the object at the place, in the world.
+        around: boxes in reach of the hand there.
+        over: heights that the object must clear on its way there, z in metres.
+        others: all other objects, with their parts open as needed then.
     """
 
     target: SceneObject
@@ -160,7 +160,7 @@ class Transfer:
 
     @cached_property
     def obstacles(self) -> Obstacles:
-        """Boxes that the hand may meet there, built only when a grasp leads that far."""
+        """Boxes in reach of the hand there, built only when a grasp gets that far."""
         return Obstacles(self.around)
 
 
@@ -168,8 +168,8 @@ def fits(target: SceneObject, receptacle: SceneObject, point: FunctionalPoint) -
     """Check that the object's footprint goes into the opening, straight or turned by a quarter.
 
     Args:
-        target: the object that is put there.
-        receptacle: where.
+        target: the object to put there.
+        receptacle: its target.
         point: functional point of the receptacle.
     """
     height, room = float(target.asset.size[2]), headroom(receptacle, point)
@@ -271,7 +271,7 @@ def _best_place(
     start: np.ndarray,
 ) -> tuple[float, list[np.ndarray] | None]:
     """The drop and joint path of the first of some poses that the arm can bring the object to, from as high as it
-    reaches; else the least drop and None."""
+    height; else the least drop and None."""
     width = transfer.target.asset.grasp_width(transfer.contact)
     drops = []
     for height, goal in product(heights, goals):

@@ -17,7 +17,7 @@ Report = tuple[Sequence[Check], float | None]
 
 @dataclass(frozen=True)
 class Feasibility:
-    """The checks of the best arm up to the first that failed, and the arms that can do it, best first."""
+    """The checks of the best arm up to the first failure, and the capable arms, best first."""
 
     checks: list[Check]
     grasps: list[Grasp]

@@ -1,4 +1,4 @@
-"""Gripper poses for a contact point: the candidates that an arm may try, and the room that its fingers need.
+"""Gripper poses for a contact point: the candidates of an arm, and the room for its fingers.
 
 Gripper frame: z along the approach, y along the closing direction, origin between the finger tips.
 """
@@ -21,8 +21,8 @@ class GraspSettings:
     """Room that fingers need.
 
     Args:
-        tip_clearance_m: between the finger tips and what lies under them.
-        grip_room_m: the gripper must open this much wider than the material.
+        tip_clearance_m: between the finger tips and the surface below them.
+        grip_room_m: opening of the gripper beyond the width of the material.
         grasp_room_m: how much wider than the material the fingers open before they close on it, or let it go.
     """
 
@@ -53,12 +53,12 @@ def grasp_poses(
     """The gripper poses to try for a contact point, the straightest first.
 
     They turn about the closing axis and are flipped (:func:`~vcage.sim.kinematics.leaning`). A pose whose finger tips
-    or palm would touch the support is raised until they clear it, and one whose tips would come deeper than those of a
+    or palm would touch the support is raised until they clear it, and so is one with tips deeper than those of a
     straight hand.
 
     Args:
         object_pose: object frame in the world.
-        support: z of what the object stands on, metres.
+        support: z of the object's support, metres.
         tilts: turns about the closing axis to try, in this order, radians.
     """
     frame = object_pose * frame_from_axes(contact.position, contact.approach, contact.closing)

@@ -30,13 +30,13 @@ class GroundSettings:
     """Room and distances of things that are put down on the table.
 
     Args:
-        gap_m: around an object that is put down.
-        within_m: a relation is met with this much to spare, as what is let go may roll a little.
-        reach_m: largest distance, between their edges, at which a thing is put to the left or right of another.
+        gap_m: around an object when put down.
+        within_m: spare distance of a relation, as a released object may roll a little.
+        reach_m: largest distance, between their edges, for putting an object to the left or right of another.
         sideways_m: how much farther to the side than the other's edges a thing may stand before it or beside it.
-        customer_side_m: depth of the strip at the table's far side that is the customer's.
+        customer_side_m: depth of the customer's strip at the table's far side.
         ik_starts: starts of inverse kinematics for each place: they find 98 % of what all starts find on aloha_agilex
-            and 91 % on dual_panda, and a hand has many ways to take a thing there.
+            and 91 % on dual_panda, and a hand has many ways to bring an object there.
     """
 
     gap_m: float = 0.02
@@ -61,7 +61,7 @@ class Ground:
     Args:
         lower, upper: (2,) its corners, metres.
         height: z of the table top, metres.
-        arms: of which one must reach an object that is put down; without any it may stand anywhere.
+        arms: one of them must reach the object; without any it may stand anywhere.
     """
 
     lower: np.ndarray
@@ -91,7 +91,7 @@ class Ground:
                 beside, left of… a thing.
             others: the other things, where they will be.
             rng: of all choices.
-            taken: rectangles (2, 2) of the table that must stay free besides.
+            taken: rectangles (2, 2) of the table to keep free besides.
         """
         if goal.relation == "back":
             yield thing.pose
@@ -129,7 +129,7 @@ class Ground:
         )
 
     def _zones(self, goal: Goal, near: SceneObject | None, size: float, rng: np.random.Generator) -> Iterator[Zone]:
-        """Lower and upper corners of the rectangles in which the thing shall stand, in the order to try them."""
+        """Lower and upper corners of the target rectangles for the object, in the order to try them."""
         if goal.relation == "presented":
             for depth in (SETTINGS.customer_side_m, self.upper[1]):  # where it is full, anywhere on the customer's half
                 yield np.array([self.lower[0], self.upper[1] - depth]), self.upper

@@ -1,8 +1,8 @@
 """The closed loop around the sub-tasks of one episode (paper, section III-C).
 
 After every sub-task the critic looks at pictures, and the simulator's state is asked. By default a sub-task is accepted
-only where both say that it is done; the paper asks the critic alone. The end state of an accepted sub-task is the
-snapshot from which the next one starts. A failed one is tried again from that snapshot in a freshly built world, or
+only where both say yes; the paper asks the critic alone. The end state of an accepted sub-task is the
+snapshot for the start of the next. A failed one is retried from that snapshot in a freshly built world, or
 ends the episode. An episode is accepted if every sub-task was and, where the state is asked, all goals hold at its end.
 """
 
@@ -42,8 +42,8 @@ class EpisodeRun:
         log: states of the accepted sub-tasks, gapless; when one failed for good, its last attempt follows.
         segments: the accepted sub-tasks.
         attempts: all tries, in order.
-        pictures: file name → picture that a verdict looked at.
-        accepted: whether every sub-task was and, where the state is asked, all goals hold at the end.
+        pictures: file name → picture behind a verdict.
+        accepted: True if every sub-task was and, where the state is asked, all goals hold at the end.
         goals_hold: whether all goals of the instruction are true at the end, by the simulator's state; None where a
             sub-task failed before.
     """
@@ -117,7 +117,7 @@ class _Trial:
 
     Args:
         attempt: its record.
-        pictures: file name → picture that the verdict looked at.
+        pictures: file name → picture behind the verdict.
         segment: of the recording, if it was accepted.
         slot: that it took.
         exhausted: another attempt would fail in the same way.
@@ -146,8 +146,8 @@ class _Step:
         recording: of the episode.
         episode: its number.
         number: of the sub-task in the chain.
-        subtask, script: what is to be done.
-        slots: object id → where it goes, now or later.
+        subtask, script: the sub-task and its program.
+        slots: object id → its target, now or later.
         start: of the episode.
     """
 
@@ -161,7 +161,7 @@ class _Step:
     start: WorldState
 
     def until_verified(self, world: World) -> tuple[World, list[_Trial]]:
-        """The attempts up to the first that is accepted, or all there may be; and the world after the last."""
+        """The attempts up to the first accepted one, or to the limit; and the world after the last."""
         snapshot, start = world.snapshot(), world.steps
         standing = world.state() if self.number else self.start
         before = self.setting.photograph(standing, self.subtask.goals, None)
@@ -184,7 +184,7 @@ class _Step:
             asked = self.script.verify(task)
             if not isinstance(asked, Asked):
                 message = f"{self.script.path}: verify(task) gives {asked!r}, not what task.ask(…) does"
-                raise DamagedFile(message, hint="mend it", maker="search_subtasks")
+                raise DamagedFile(message, hint="fix it", maker="search_subtasks")
         except TaskFailed as error:
             record = self._attempt(task, attempt, world.steps - start, error.stage, error.message)
             return _Trial(record, slot=task.slot, exhausted=error.exhausted)
@@ -225,7 +225,7 @@ class _Step:
         return seen
 
     def _named(self, attempt: int, seen: Seen) -> dict[str, np.ndarray]:
-        """The pictures of a verdict under names that say what they show."""
+        """The pictures of a verdict under descriptive names."""
         prefix = f"critic/e{self.episode:06d}-s{self.number}-a{attempt}"
         return {
             f"{prefix}-{when}-{camera}.png": picture

@@ -144,7 +144,7 @@ def holds_beside(asset: Asset, given: Hold, contacts: Sequence[ContactPoint], gr
 
 @remembered(REMEMBERED)
 def _holds(thing: SceneObject, given: Hold, gripper: Gripper) -> list[Hold]:
-    """:func:`holds_beside` for whatever an object is carried by: a search asks for each place that it may go to."""
+    """:func:`holds_beside` for any hold on an object: a search asks for each possible place."""
     return holds_beside(thing.asset, given, thing.asset.annotation.carrying_points, gripper)
 
 
@@ -188,9 +188,9 @@ def meetings(
     """Yield the places where an object can change hands; at least one.
 
     Args:
-        thing: that is handed over.
-        given: the hand that has it.
-        arms: that have it first and then.
+        thing: the handed-over object.
+        given: the hand holding it.
+        arms: the giving and the taking arm.
         height: least z of the hands, metres.
         suits: raises where a hold does not suit what comes next.
 

@@ -1,4 +1,4 @@
-"""Scanners and bar codes: which poses of one let it read or be read by the other, and whether it does."""
+"""Scanners and bar codes: the poses at which one reads the other, and the test for it."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ class HoldingSettings:
     Args:
         distances_m: between a window and the code before it, in the order to try them.
         aside_m: farther beside its axis nothing is held on purpose: a hand comes some millimetres beside.
-        turns_deg: how far a code and a window are turned from facing each other, in the order to try them.
-        over_table_m: what is held keeps so far off the table.
+        turns_deg: angles of a code and a window away from facing each other, in the order to try them.
+        over_table_m: clearance of the held object above the table.
     """
 
     distances_m: tuple[float, ...] = (0.04, 0.055, 0.03)
@@ -43,11 +43,11 @@ def reads(one: SceneObject, other: SceneObject) -> bool:
 
 
 def reading_poses(mover: SceneObject, still: SceneObject, support: float) -> Iterator[Pose]:
-    """Poses in the world, upright as it stands, at which a face of ``mover`` is before one of ``still``.
+    """Poses in the world, upright as now, with a face of ``mover`` before one of ``still``.
 
     Args:
-        mover: what is held.
-        still: what stays; codes and windows that look up or down are left out.
+        mover: the held object.
+        still: the resting object; codes and windows that face up or down are left out.
         support: z of the table top, metres.
     """
     for aside, (mine, theirs) in product(np.radians(SETTINGS.turns_deg), list(_pairs(mover, still))):
@@ -58,7 +58,7 @@ def reading_poses(mover: SceneObject, still: SceneObject, support: float) -> Ite
         turn = aside + np.arctan2(-normal[1], -normal[0]) - np.arctan2(outward[1], outward[0])
         rotation = Pose.from_yaw([0, 0, 0], turn) * Pose(q=mover.pose.q)
         offset = rotation.apply(mine.position)
-        # On the axis of what reads, whichever of the two that is: however they are turned, the code is not beside it.
+        # On the axis of the scanner, whichever of the two it is: turned or not, the code is not beside it.
         out = normal if theirs.kind == "reader" else -rotation.apply(mine.axis)
         low = float(mover.moved(rotation).aabb[0, 2])
         for distance in SETTINGS.distances_m:
@@ -69,7 +69,7 @@ def reading_poses(mover: SceneObject, still: SceneObject, support: float) -> Ite
 
 
 def _pairs(one: SceneObject, other: SceneObject) -> Iterator[tuple[Face, Face]]:
-    """Faces of two objects of which one reads the other."""
+    """Faces of two objects, one of which reads the other."""
     for a in one.asset.annotation.faces:
         for b in other.asset.annotation.faces:
             if b.kind == _OTHER[a.kind]:

@@ -39,7 +39,7 @@ def examined(subtask: Subtask, workplace: Workplace) -> Subtask | None:
     """The sub-task as it is feasible in a workplace, changing hands on its way only where it did before.
 
     Args:
-        subtask: as it was found among objects that stood elsewhere.
+        subtask: as found with objects at other places.
         workplace: with all arms of the robot.
     """
     workplace = workplace.with_arms(subtask.arm, subtask.hand_to)
@@ -106,7 +106,7 @@ def rehearsed(
     scene: Scene,
     rng: np.random.Generator,
 ) -> list[Subtask]:
-    """Each sub-task as it is feasible in its turn, the grasp first with which its motions were planned.
+    """Each sub-task as feasible in its turn, the grasp of its planned motions first.
 
     Args:
         chain: sub-tasks that are feasible at the start, in order.
@@ -116,8 +116,8 @@ def rehearsed(
         rng: of all choices.
 
     Raises:
-        NoFeasibleTask: one of them is not feasible where those before it leave things, or cannot be planned there;
-            ``details["refused"]`` says which, without what was measured.
+        NoFeasibleTask: one of them is not feasible at the places left by earlier ones, or cannot be planned there;
+            ``details["refused"]`` names it, without the measurements.
     """
     stage = _Stage(chain, slots, Workplace.of(scene, objects, rng), scene)
     return [stage.play(subtask) for subtask in chain]
@@ -138,7 +138,7 @@ class _Stage:
         self._moved: set[str] = set()
 
     def play(self, subtask: Subtask) -> Subtask:
-        """Rehearse a sub-task: it is examined again where others changed what it touches, then planned.
+        """Rehearse a sub-task: examine it again where others changed its objects, then plan it.
 
         Raises:
             NoFeasibleTask: as :func:`rehearsed`.
@@ -181,7 +181,7 @@ def proven(
     rng: np.random.Generator,
     draws: int = LIMITS.slot_sets,
 ) -> tuple[list[Subtask], dict[str, Slot]]:
-    """A chain with the grasps that are feasible when their turn comes, and the slots with which they are.
+    """A chain with the grasps feasible in their turn, and the slots for them.
 
     Args:
         chain, objects, scene, rng: as :func:`rehearsed` takes them.
@@ -222,7 +222,7 @@ def require_chain(scene: Scene, objects: Sequence[SceneObject], rng: np.random.G
 
 
 def _holder_of(slot: Slot, objects: Mapping[str, SceneObject]) -> tuple[str | None, str | None]:
-    """The holder of an object that was brought to a slot, and the moving part of that."""
+    """The holder of an object brought to a slot, and its moving part."""
     if slot.point is None:
         return None, None
     return slot.receptacle, objects[slot.receptacle].asset.annotation.functional_point(slot.point).link

@@ -20,11 +20,11 @@ from vcage.tasks.search import SMALLER, is_about, judging, sensible
 
 
 def require_way(goals: Sequence[AskedGoal], objects: Sequence[SceneObject], arms: Collection[str]) -> None:
-    """Refuse goals that sizes rule out wherever the objects stand, or whose place or tool is missing.
+    """Refuse goals that sizes rule out at any layout, or that lack a place or a tool.
 
     Args:
-        goals: that are asked for.
-        objects: of the scene; where they stand does not matter.
+        goals: the requested ones.
+        objects: of the scene; their places do not matter.
         arms: of the robot.
 
     Raises:
@@ -35,7 +35,7 @@ def require_way(goals: Sequence[AskedGoal], objects: Sequence[SceneObject], arms
     require_level(goals, objects)
     if ruled_out := _ruled_out(goals, objects):
         raise NoFeasibleTask(
-            f"wherever the objects stand, nothing can bring about {'; '.join(_reported(ruled_out))}",
+            f"at any layout, nothing can achieve {'; '.join(_reported(ruled_out))}",
             hint=f"{SMALLER}, or for what these things are made for; another --seed does not help",
             details={
                 "missing": [str(one.asked.goal) for one in ruled_out],
@@ -45,7 +45,7 @@ def require_way(goals: Sequence[AskedGoal], objects: Sequence[SceneObject], arms
 
 
 class _RuledOut(NamedTuple):
-    """A goal that nothing brings about, the phrase of its subject, and the reasons."""
+    """A goal nothing achieves, the phrase of its subject, and the reasons."""
 
     asked: AskedGoal
     phrase: str
@@ -53,7 +53,7 @@ class _RuledOut(NamedTuple):
 
 
 def _ruled_out(goals: Sequence[AskedGoal], objects: Sequence[SceneObject]) -> list[_RuledOut]:
-    """Each goal that no sensible proposal brings about, where something is known to prevent it."""
+    """Each goal no sensible proposal achieves, if the obstacle is known."""
     proposals, refused, _ = sensible(objects, judging(True), [one.goal for one in goals])
     able = set[Goal]().union(*(proposal.goals for proposal in proposals))
     by_id = {o.id: o for o in objects}
@@ -101,7 +101,7 @@ def _no_tool(goal: Goal, objects: Sequence[SceneObject]) -> list[str]:
 
 
 def _with_reasons(alike: Sequence[_RuledOut]) -> str:
-    """The first of some goals that fail for the same reasons, how many more there are, and the reasons."""
+    """The first of some goals that fail for the same reasons, the number of others, and the reasons."""
     more = f" and {len(alike) - 1} more like it" if len(alike) > 1 else ""
     return f"{alike[0].asked.goal}{more} ({alike[0].asked.words!r}): {', '.join(alike[0].reasons[:3])}"
 
@@ -114,7 +114,7 @@ def require_level(goals: Sequence[AskedGoal], objects: Sequence[SceneObject]) ->
         objects: of the scene.
 
     Raises:
-        NoFeasibleTask: names the thing, what lies in it, and the order in which it can be done.
+        NoFeasibleTask: names the container, its contents, and a possible order.
     """
     by_id, lies = {o.id: o for o in objects}, dict[str, str]()
     words = {one.goal: one.words for one in goals}

@@ -91,7 +91,7 @@ def first_met(boxes: Sequence[SolidBox], objects: Sequence[SceneObject]) -> Scen
         return None
     corners = np.concatenate([box.corners for box in boxes])
     extents = np.stack([o.around_boxes for o in objects])  # (n, 2, 3)
-    # most are far away, which their extents tell at once
+    # most are far away, as their extents show quickly
     near = np.all((extents[:, 0] < corners.max(axis=0)) & (corners.min(axis=0) < extents[:, 1]), axis=1)
     for index in np.flatnonzero(near):
         if any(box.overlaps(part) for box in boxes for part in objects[index].boxes):

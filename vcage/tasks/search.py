@@ -58,9 +58,9 @@ def find_subtasks(
 
     Args:
         workplace: the objects where they stand, and the arms.
-        judge: the reasoner's filter, asked once about all pairs that are possible.
-        asked: goals that are asked for: the judge has no say in whether these are sensible.
-        arms: the arm that must bring about a goal, where one is asked for.
+        judge: the reasoner's filter, asked once about all possible pairs.
+        asked: the requested goals: the judge has no say in them.
+        arms: the required arm of a goal, if there is one.
     """
     kept: list[Subtask] = []
     proposals, refused, candidates = sensible(workplace.objects, judge, asked)
@@ -114,7 +114,7 @@ def compose(
         kept, refused: results of the search.
 
     Raises:
-        NoFeasibleTask: no chain does what is asked, or nothing was kept; says why.
+        NoFeasibleTask: no chain achieves the request, or nothing was kept; says why.
     """
     if scene.instruction is not None:
         return [Chain(text=scene.instruction, subtasks=_fulfilling(scene, objects, kept, refused))]
@@ -131,10 +131,10 @@ def compose(
 def _fulfilling(
     scene: Scene, objects: Sequence[SceneObject], kept: Sequence[Subtask], refused: Sequence[Refusal]
 ) -> list[str]:
-    """Ids of the sub-tasks that bring about all goals, in order."""
+    """Ids of the sub-tasks that achieve all goals, in order."""
     if not scene.goals:
         raise InputFileError(
-            "the scene has an instruction but no goals that answer it",
+            "the scene has an instruction but no goals for it",
             hint="let the instruction be read",
             maker="select_place",
         )
@@ -147,7 +147,7 @@ def _fulfilling(
     by_name = {action.name: action for action in actions}
     unproven = complaints(task, [by_name[name] for name in chain])
     if unproven:
-        raise RuntimeError(f"the planner's own chain does not do what is asked: {'; '.join(unproven)}")
+        raise RuntimeError(f"the planner's own chain does not achieve the request: {'; '.join(unproven)}")
     return chain
 
 
@@ -194,7 +194,7 @@ def _place_of(o: SceneObject, objects: Mapping[str, SceneObject]) -> Goal:
 
 
 def _positions_of(o: SceneObject) -> Iterator[Goal]:
-    """The goals that the parts of an object that can be opened are open or closed."""
+    """The goals that the openable parts of an object are open or closed."""
     for link, position in zip(o.asset.model.links, joint_positions(o.asset.model, o.joints), strict=True):
         if part_that("open", link.name):
             is_open = abs(position) > abs(link.joint.far_end) / 2
@@ -215,11 +215,11 @@ SMALLER = "ask for a smaller thing, or for a place with more room"
 
 
 def _way_out(refusals: Sequence[Sequence[Refusal]], asked: Sequence[AskedGoal] = ()) -> str:
-    """Return the hint for what is refused; another seed helps only where places matter.
+    """Return the hint for refusals; another seed helps only where places matter.
 
     Args:
-        refusals: in groups, each of which must be done.
-        asked: goals that are asked for, perhaps of one arm.
+        refusals: in groups, each of them required.
+        asked: the requested goals, perhaps with an arm.
     """
     if any(group and all(_by_size(refusal) for refusal in group) for group in refusals):
         return f"{SMALLER}; another --seed does not help"
@@ -238,21 +238,21 @@ def _named(asked: AskedGoal) -> str:
 
 
 def _unfulfilled(scene: Scene, kept: Sequence[Subtask], refused: Sequence[Refusal]) -> NoFeasibleTask:
-    """The error for an instruction without a chain: the goals that nothing brings about, and the reasons."""
+    """The error for an instruction without a chain: the goals nothing achieves, and the reasons."""
     missing = _missing(scene, kept)
     about = [[refusal for refusal in refused if is_about(refusal, asked.goal)] for asked in missing]
     left = sorted({asked.goal.subject for asked in missing}.intersection(scene.untouched))
     reasons = [refusal.reason for refusal in itertools.chain(*about)]
     reasons += [f"{name} is to be left alone" for name in left]
     return NoFeasibleTask(
-        f"no chain of feasible sub-tasks brings about {_why(missing or scene.goals, reasons, bool(missing))}",
-        hint="name what may be moved, or leave less alone" if left else _way_out(about, missing or scene.goals),
+        f"no chain of feasible sub-tasks achieves {_why(missing or scene.goals, reasons, bool(missing))}",
+        hint="name movable objects, or leave fewer alone" if left else _way_out(about, missing or scene.goals),
         details={"missing": [str(asked.goal) for asked in missing], "reasons": reasons},
     )
 
 
 def _missing(scene: Scene, kept: Sequence[Subtask]) -> list[AskedGoal]:
-    """The goals of a scene that no kept sub-task brings about."""
+    """The goals of a scene that no kept sub-task achieves."""
     able = {goal for subtask in kept if subtask.object not in scene.untouched for goal in subtask.goals}
     return [asked for asked in scene.goals if asked.goal not in able]
 

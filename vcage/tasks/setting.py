@@ -41,7 +41,7 @@ class Setting:
         on_failure: the response to a failed sub-task.
         retries: further attempts per sub-task, when resampling.
         fps: frames per second of the recording.
-        start: arm → offset of each joint from home at which the episode begins, radians; at home where not given.
+        start: arm → offset of each joint from home at the start of the episode, radians; at home where not given.
     """
 
     build: Callable[[], World]

@@ -1,7 +1,7 @@
 """Slots: the places of objects in a receptacle or on the table.
 
-The exact free-region placement of the scene (:mod:`vcage.layout.placement.place`) is used again, with the opening as
-the workspace: what fits together gets places side by side, and what does not is refused by name.
+It reuses the exact free-region placement of the scene (:mod:`vcage.layout.placement.place`), with the opening as
+the workspace: objects that fit together get places side by side, and the others are refused by name.
 """
 
 from __future__ import annotations
@@ -36,9 +36,9 @@ class Slot:
     Args:
         receptacle: id of the receptacle, or ``table``.
         point: id of the receptacle's functional point; None on the table.
-        pose: object frame in the frame of the part that the point belongs to; on the table in the world.
-        turns: headings that it may take there, relative to ``pose``, radians.
-        spare: other poses that would do as well; on the table alone.
+        pose: object frame in the frame of the point's part; on the table in the world.
+        turns: allowed headings there, relative to ``pose``, radians.
+        spare: equally good poses; on the table alone.
     """
 
     receptacle: str
@@ -69,9 +69,9 @@ def allocate(
     Args:
         receptacle: where they go.
         functional_point: id of the receptacle's functional point.
-        contents: that go there.
+        contents: objects going there.
         rng: of all choices.
-        present: objects that lie there already.
+        present: objects already there.
 
     Raises:
         InfeasibleScene: they do not fit together; names them and the area that is missing.
@@ -104,7 +104,7 @@ def stands_flush(target: SceneObject, receptacle: SceneObject, point: Functional
 
 
 def other_slots(slots: Mapping[str, Slot], object_id: str, objects: Mapping[str, SceneObject]) -> list[Slot]:
-    """Further slots for an object, always the same ones; those of the other objects stay theirs.
+    """Further slots for an object, always the same ones; the other objects keep theirs.
 
     Args:
         slots: of all objects that a chain moves.
@@ -119,7 +119,7 @@ def other_slots(slots: Mapping[str, Slot], object_id: str, objects: Mapping[str,
     present = lying_in(receptacle, at, [o for o in objects.values() if o.id not in slots])
     for key, slot in slots.items():
         if key != object_id and slot.receptacle == own.receptacle:
-            # What was brought already may lie in another slot than was planned for it.
+            # An object already delivered may be in another slot than planned.
             point = receptacle.asset.annotation.functional_point(int(slot.point or 0))
             there = place_complaint(objects[key], receptacle, point) is None
             present.append(objects[key] if there else objects[key].moved(slot.poses(objects)[0]))
@@ -133,13 +133,13 @@ def other_slots(slots: Mapping[str, Slot], object_id: str, objects: Mapping[str,
 
 
 def opened_for(receptacle: SceneObject, functional_point: int) -> SceneObject:
-    """The receptacle with the drawer or lid open that keeps a functional point in, as far as it goes."""
+    """The receptacle with the drawer or lid over a functional point fully open."""
     part = kept_in_by(receptacle, functional_point)
     return receptacle if part is None else receptacle.with_part(part)
 
 
 def kept_in_by(receptacle: SceneObject, functional_point: int) -> str | None:
-    """The moving part that must be open before something is put there: the point's own, or a lid over it."""
+    """The moving part to open before something is put there: the point's own, or a lid over it."""
     point = receptacle.asset.annotation.functional_point(functional_point)
     if not receptacle.asset.articulated:
         return None

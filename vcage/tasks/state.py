@@ -125,8 +125,8 @@ class Watch(StillState):
     Attributes:
         world: that is watched.
         objects: as given.
-        began: the objects when the watch began, by id.
-        hands: the arms that touched ``handled``, in the order in which they first did.
+        began: the objects at the start of the watch, by id.
+        hands: the arms that touched ``handled``, in the order of their first touch.
     """
 
     def __init__(

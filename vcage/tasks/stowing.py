@@ -83,7 +83,7 @@ class Reached:
 
 
 def reached(thing: SceneObject, others: Sequence[SceneObject]) -> Reached:
-    """An object as it is once the drawer that it lies in is open; other objects stay as they are.
+    """An object with its drawer open; other objects are unchanged.
 
     Args:
         thing: that is to be taken.
@@ -118,12 +118,12 @@ def with_part(objects: Sequence[SceneObject], name: str, part: str, position: fl
 
 
 def ready_for(subtask: Subtask, scene: Scene, objects: Sequence[SceneObject]) -> Scene:
-    """The scene as it must be before a sub-task: open what it needs open, closed what it needs closed, and what lies in
-    such a part where that is.
+    """The scene as required before a sub-task: needed parts open or closed, with their contents
+    moved along.
 
     Args:
-        subtask: what is to begin.
-        scene: with parts as they are.
+        subtask: the next one.
+        scene: with parts in their present state.
         objects: of the scene.
     """
     now = [o.moved(o.pose, scene.object(o.id).joints) for o in objects]

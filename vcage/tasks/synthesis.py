@@ -49,8 +49,8 @@ def write_script(subtask: Subtask, scene: Scene, path: Path) -> Path:
     """Write the script, executable.
 
     Args:
-        subtask: what it does.
-        scene: where.
+        subtask: the script's action.
+        scene: its place.
         path: of the script.
     """
     write_text(path, render_script(subtask, scene))
@@ -59,7 +59,7 @@ def write_script(subtask: Subtask, scene: Scene, path: Path) -> Path:
 
 
 def note_python() -> None:
-    """Note in the user's cache by which Python scripts are run: one that lies anywhere finds it there, by any other."""
+    """Note in the user's cache which Python runs scripts: a script in any folder finds it there, under any other."""
     with contextlib.suppress(VcageError, OSError):  # a cache that cannot be written
         write_text(cache_path("python"), f"{sys.executable}\n")
 
@@ -69,9 +69,9 @@ class Script:
     """The motions of a sub-task and the question to the critic: generated, or loaded from a file.
 
     Args:
-        path: where it lies; of a generated one the name that its file has.
-        play: what the robot does, called with a task.
-        verify: what the critic is asked, called with a task.
+        path: of the file; of a generated one its future name.
+        play: the robot's actions, called with a task.
+        verify: the question to the critic, called with a task.
         values: its upper-case names (SCENE, TEXT, GRASPS…).
     """
 
@@ -81,7 +81,7 @@ class Script:
     values: dict[str, Any]
 
     def try_grasps(self, grasps: Sequence[Grasp]) -> None:
-        """Let the script try these, best first, in place of those that it was written with."""
+        """Let the script try these, best first, in place of its own."""
         self.values["GRASPS"][:] = _told(grasps)
 
     def tries(self, grasps: Sequence[Grasp]) -> bool:
@@ -107,7 +107,7 @@ def script_of(subtask: Subtask) -> Script:
 
 
 def load_script(path: Path) -> Script:
-    """Execute the file of a sub-task script; only for one that a person named or started.
+    """Execute the file of a sub-task script; only for one named or started by a person.
 
     Raises:
         MissingStage: it is not there.
@@ -119,7 +119,7 @@ def load_script(path: Path) -> Script:
         names = runpy.run_path(str(path), run_name="vcage_subtask")
     except SyntaxError as error:
         raise _damaged(f"{path}: line {error.lineno}: {error.msg}") from error
-    except Exception as error:  # whatever the hand that edited it left there
+    except Exception as error:  # any value left by an edit
         raise _damaged(f"{path} cannot be loaded: {type(error).__name__}: {error}") from error
     for name in ("play", "verify"):
         if not callable(names.get(name)):
@@ -129,11 +129,11 @@ def load_script(path: Path) -> Script:
 
 
 def _damaged(message: str) -> DamagedFile:
-    return DamagedFile(message, hint="mend it", maker="search_subtasks")
+    return DamagedFile(message, hint="fix it", maker="search_subtasks")
 
 
 def _naming_lines(path: Path, function: Callable[[Any], Any]) -> Callable[[Any], Any]:
-    """A function of a script, whose own mistakes are told with the script's line."""
+    """A function of a script, whose own mistakes are reported with the script's line."""
 
     def told(task: Any) -> Any:
         try:

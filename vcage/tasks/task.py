@@ -1,4 +1,4 @@
-"""The task API: what a sub-task script may tell the robot to do, and what it asks the critic.
+"""The task API: the robot's actions in a sub-task script, and its questions to the critic.
 
 A task knows the state of its world, as an expert does; whether the sub-task was done is not its to say.
 """
@@ -47,8 +47,8 @@ class Task(Choices):
         retry: what earlier attempts at the same sub-task failed for; the first attempt when not given.
 
     Attributes:
-        moment: state of the world when a part was pressed as far as it was, a code was before a scanner, both hands
-            held what is handed over, a wait began, or something was let go.
+        moment: state of the world at the end of a press, during a scan, with both hands on
+            a handed-over object, at the start of a wait, or at a release.
     """
 
     def __init__(
@@ -64,9 +64,9 @@ class Task(Choices):
         Where none leads to the slot, other slots are tried. The object is lifted with the motion that follows.
 
         Args:
-            object_id: what is picked.
+            object_id: the object to pick.
             grasps: (contact point, arm) to try, in this order.
-            hand_to: the arm that it is handed to, and that brings it to its slot; None where it is not handed over.
+            hand_to: the receiving arm, which brings it to its slot; None without a hand-over.
 
         Raises:
             TaskFailed: none can be planned, or the fingers closed on nothing.
@@ -76,7 +76,7 @@ class Task(Choices):
         self._grip = carry_out_pick(self._cell, plan)
 
     def hand_over(self, to: str) -> None:
-        """Let another arm take what was picked, between the two in the air; the one that had it goes home.
+        """Let another arm take the picked object, between the two in the air; the giving arm goes home.
 
         Args:
             to: the arm that takes it.
@@ -119,7 +119,7 @@ class Task(Choices):
         carry_out_place(cell, put)
 
     def wait(self, seconds: float) -> None:
-        """Let time pass; what was picked is lifted first, and held.
+        """Let time pass; a picked object is lifted first, and held.
 
         Raises:
             TaskFailed: it cannot be lifted, or slips out of the fingers.
@@ -132,18 +132,18 @@ class Task(Choices):
         self.world.step(round(seconds * PHYSICS_HZ))
 
     def place(self, receptacle_id: str = TABLE, point: int | None = None) -> None:
-        """Carry what is held to its slot in the receptacle or on the table, or another that is free, and let it go.
+        """Carry the held object to its slot in the receptacle or on the table, or to another free one, and let it go.
 
-        The hand is drawn back with the motion that follows. Slots are planned for the whole chain before it begins, so
-        what is named here only says again where that is.
+        The hand retreats with the following motion. Slots are planned for the whole chain in advance, so
+        the place named here only repeats the plan.
 
         Args:
             receptacle_id: what receives it, or ``table``.
             point: id of the receptacle's functional point; that of the slot when not given.
 
         Raises:
-            TaskFailed: nothing is held any more, its slot is elsewhere, or no way can be planned.
-            UnknownName: what is held has no slot.
+            TaskFailed: nothing is held any more, its slot is elsewhere, or no path can be planned.
+            UnknownName: the held object has no slot.
         """
         if self._grip is None:
             raise TaskFailed("grasp", "nothing was picked up before placing")
@@ -170,8 +170,8 @@ class Task(Choices):
         The hand is drawn back with the motion that follows.
 
         Args:
-            object_id: what is pushed; nothing lies in or on it.
-            arms: which may do it, best first; all, the nearest first, when none is given.
+            object_id: the object to push; without contents.
+            arms: the allowed ones, best first; all, the nearest first, when none is given.
 
         Raises:
             TaskFailed: no way can be planned, or the object is not where it was pushed to.
@@ -186,8 +186,8 @@ class Task(Choices):
         Args:
             object_id: the object that the part belongs to.
             contact_id: contact point on the part.
-            target: position of the part's joint, metres or radians; what is pressed may spring back.
-            arms: which may do it, best first; all, the nearest first, when none is given.
+            target: position of the part's joint, metres or radians; a pressed part may spring back.
+            arms: the allowed ones, best first; all, the nearest first, when none is given.
 
         Raises:
             TaskFailed: no way can be planned, the fingers miss the handle, or the part did not get there.

@@ -1,4 +1,4 @@
-"""Contacts on the way of an arm and of what it holds: only those that are allowed; any other ends the attempt."""
+"""Contacts of an arm and its load on their way: any but the allowed ones ends the attempt."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ By = Literal["load", "fingers", "hand"]
 
 @dataclass(frozen=True)
 class TouchSettings:
-    """When a contact counts, and between which things there may be one.
+    """When a contact counts, and which pairs may touch.
 
     Args:
         every_steps: physics steps between two looks; a contact that harms lasts longer than five (20 ms).
         least_force_n: weaker contacts are grazes, newtons. Ordinary successful runs of the paper's tasks have none.
-        beside_m: objects whose boxes are nearer to each other than this may touch, metres.
+        beside_m: objects with boxes closer than this may touch, metres.
         near_m: an allowance around a point holds while the gripper is this near to it, seen from above, metres.
     """
 
@@ -41,7 +41,7 @@ class Allowance:
     """An allowed contact on a motion, or on the part of it that is near a point.
 
     Args:
-        by: what touches; what the hand may touch the fingers may touch too.
+        by: the touching side; the fingers may touch everything the hand may.
         others: ids of objects, ``table``, or the name of another arm.
         around: where the gripper is then; anywhere when None.
     """
@@ -62,8 +62,8 @@ def at_rest(gripper: Pose, object_id: str, beside: Iterable[str]) -> list[Allowa
 
     Args:
         gripper: its pose there.
-        object_id: what is taken or put down: the whole hand may touch it.
-        beside: what the object then lies in, on or against: it and the fingers may touch that.
+        object_id: the object to take or put down: the whole hand may touch it.
+        beside: its containers, supports and neighbours then: it and the fingers may touch them.
     """
     others = frozenset(beside)
     return [
@@ -74,7 +74,7 @@ def at_rest(gripper: Pose, object_id: str, beside: Iterable[str]) -> list[Allowa
 
 
 class Touched(Exception):
-    """An arm or its load presses on what it may not touch.
+    """An arm or its load presses on something it may not touch.
 
     Args:
         by: what touches.
@@ -93,14 +93,14 @@ class Touched(Exception):
 def only_touching(
     world: World, arm: str, load: str | None, allowed: Sequence[Allowance], contents: Collection[str] = ()
 ) -> Iterator[None]:
-    """Watch the contacts of an arm and of what it holds while the world goes on inside.
+    """Watch the contacts of an arm and its load while the block inside runs.
 
     Args:
         world: where it moves.
         arm: its name.
-        load: id of what it holds or pushes, if anything.
-        allowed: what may be touched.
-        contents: ids of what lies in what it holds: they may touch the hand and each other, and else what that may.
+        load: id of the held or pushed object, if any.
+        allowed: the allowed contacts.
+        contents: ids of the load's contents: they may touch the hand and each other, and everything the load may.
 
     Raises:
         Touched: something else is touched.

@@ -31,7 +31,7 @@ def goals_hold(goals: Sequence[Goal], state: StillState) -> Truth:
 
 
 def subtask_done(subtask: Subtask, goals: Sequence[Goal], watch: Watch) -> Truth:
-    """Check if a sub-task brought about some goals with the arm that it is asked of, and left the rest as it was.
+    """Check if a sub-task achieved some goals with its required arm, and left the rest unchanged.
 
     Args:
         subtask: that was done.
@@ -50,11 +50,11 @@ def subtask_done(subtask: Subtask, goals: Sequence[Goal], watch: Watch) -> Truth
 
 
 def watch_of(subtask: Subtask, world: World, objects: Mapping[str, SceneObject]) -> Watch:
-    """A watch of all that tells whether a sub-task was done.
+    """A watch of everything that shows if a sub-task was done.
 
     Args:
-        subtask: that begins.
-        world: where it is done.
+        subtask: the next one.
+        world: its world.
         objects: by id, as they stood at the start of the episode.
     """
     handled = None if subtask.arm is None else subtask.grasped or subtask.object
@@ -73,9 +73,9 @@ def _arm_complaint(subtask: Subtask, watch: Watch) -> str | None:
 
 
 def others_stay(subtask: Subtask, watch: Watch) -> Truth:
-    """Judge whether all objects that a sub-task does not handle stand where they stood.
+    """Judge if all objects outside a sub-task stand at their old places.
 
-    Contents of what it moves go along.
+    Contents of its objects move along.
 
     Args:
         subtask: that was done.
@@ -102,7 +102,7 @@ def _moved(name: str, watch: Watch) -> str | None:
 
 
 def _changed(statement: Statement, watch: Watch) -> str | None:
-    """Why what was to stay as it was did not, or None when it did."""
+    """Why a statement of unchanged state is false, or None when it holds."""
     goal = statement.goal
     complaint = _moved(statement.subject, watch) if goal is None else _complaint(goal, watch)
     return None if complaint is None else f"not {statement} any more: {complaint}"

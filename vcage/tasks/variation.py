@@ -17,16 +17,16 @@ def shifted_poses(
     turn_deg: float = 6.0,
     gap_m: float = 0.035,
 ) -> dict[str, Pose]:
-    """A pose for each object, a little off its own; one that would come too close to another stays where it is.
+    """A pose for each object, slightly varied; an object that would come too close to another keeps its pose.
 
-    Objects that lie in a container, and containers that hold something, are not moved.
+    Contents and containers with contents are not moved.
 
     Args:
         objects: of a scene.
         rng: of all choices.
         shift_m: largest shift along an axis.
         turn_deg: largest turn.
-        gap_m: gap that two objects keep, so that a finger finds room between them.
+        gap_m: gap between two objects, with room for a finger.
     """
     holding = {o.record.container for o in objects} - {None}
     placed = {o.id: o for o in objects}

@@ -43,8 +43,8 @@ def worded(
         goal: of the closed vocabulary.
         thing, place: what to call its subject and its reference, with their articles.
         several: the subject is more than one object.
-        pushed: it is brought about by a push.
-        source: what the subject is taken from, where that is to be said.
+        pushed: True if a push achieves it.
+        source: the subject's source, if it is to be named.
     """
     whole = thing if source is None else f"{thing} from {source.holder}"
     preps = goal.kind.prepositions
@@ -91,7 +91,7 @@ def in_other_words(text: str, phrases: Mapping[str, str]) -> str:
 
     Args:
         text: a sentence.
-        phrases: what something is called there → what it is called instead.
+        phrases: name in the text → replacement.
     """
     longest_first = sorted(phrases, key=len, reverse=True)
     pattern = rf"\b(?:{'|'.join(map(re.escape, longest_first))})\b"
@@ -134,12 +134,12 @@ def _is_command(text: str) -> bool:
 
 
 def template_wordings(task: TaskToWord, pushed: Collection[Goal] = ()) -> list[str]:
-    """Sentences that ask for the goals of a task and for nothing else, the plainest first; none where an object that
-    must be named has no name that is clear.
+    """Sentences that ask for exactly the goals of a task, the plainest first; none where an object
+    to name has no clear name.
 
     Args:
-        task: what is asked for, in its scene.
-        pushed: goals that a push brings about.
+        task: the request, in its scene.
+        pushed: goals achieved by a push.
     """
     steps = [[*group] for _, group in groupby(sorted(task.goals, key=lambda a: a.step), key=lambda a: a.step)]
     found = list[Sequence[str]]()
@@ -151,7 +151,7 @@ def template_wordings(task: TaskToWord, pushed: Collection[Goal] = ()) -> list[s
 
 
 def _together(task: TaskToWord, step: Sequence[AskedGoal]) -> Iterator[list[AskedGoal]]:
-    """Goals that one command asks for: several objects that go from one place to one place."""
+    """Goals of one command: several objects that go from one place to one place."""
     places: dict[object, list[AskedGoal]] = {}
     for number, asked in enumerate(step):
         goal, told = asked.goal, task.sources.get(asked.goal)
@@ -186,7 +186,7 @@ def _thing(task: TaskToWord, ids: Sequence[str], short: bool) -> str | None:
 
 
 def _names(task: TaskToWord, ids: Sequence[str], short: bool) -> Iterator[str | None]:
-    """Names of objects, those of one kind (or in full: of one phrase) together where a name means just them."""
+    """Names of objects, those of one kind (or in full: of one phrase) together where a name means exactly them."""
     alike: dict[str, list[str]] = {}
     by_kind = short or bool(task.quantified)
     for name in ids:
@@ -202,7 +202,7 @@ def _names(task: TaskToWord, ids: Sequence[str], short: bool) -> Iterator[str | 
 
 
 def _holder(task: TaskToWord, told: Description, short: bool) -> str | None:
-    """Name what something is taken from; None where that has no clear name."""
+    """Name an object's source; None where it has no clear name."""
     name = _thing(task, [told.reference], short)
     return name if name is None or told.part is None else f"the {part_words(told.part)} of {name}"
 

@@ -97,7 +97,7 @@ class Workcell:
     def contents(self, object_id: str) -> frozenset[str]:
         """Ids of the objects in or on an object, and in or on those.
 
-        For an object that an arm has taken they are those that lay there then: it may lean since.
+        For an object taken by an arm, these are its contents at that time: it may lean since.
         """
         if object_id in self._taken:
             return self._taken[object_id]
@@ -122,12 +122,12 @@ class Workcell:
         return Held(thing.id, thing.asset.model, gripper.inverse() * thing.pose, thing.joints, contents=lying)
 
     def begun(self, arm: str) -> JointPath:
-        """The path that the arm follows first: whatever is planned next goes on from its end without a jump."""
+        """The path that the arm follows first: the next plan continues from its end without a jump."""
         here = JointPath((Leg(self.world.arms[arm].command[None, :-1], OPEN_HAND),))
         return self._put_off[arm][0] if arm in self._put_off else here
 
     def put_off(self, arm: str, path: JointPath, allowed: Sequence[Allowance] = ()) -> None:
-        """Begin the arm's next motion with ``path``, so that it need not stop where that ends.
+        """Begin the arm's next motion with ``path``, so that it need not stop at its end.
 
         Args:
             arm: its name.
@@ -137,17 +137,17 @@ class Workcell:
         self._put_off[arm] = path, tuple(allowed)
 
     def carry_out(self, arm: str, path: JointPath, allowed: Sequence[Allowance] = ()) -> None:
-        """Move an arm along a path that begins with the motion that was put off.
+        """Move an arm along a path that begins with the postponed motion.
 
-        An object that is let go on the way may be touched by the hand, and touch anything.
+        An object released on the way may be touched by the hand, and touch anything.
 
         Args:
             arm: its name.
-            path: from where it is.
-            allowed: contacts that are allowed on it, besides those of the motion that was put off.
+            path: from its present joints.
+            allowed: contacts allowed on it, besides those of the postponed motion.
 
         Raises:
-            TaskFailed: the arm, or what it holds, presses on something else.
+            TaskFailed: the arm, or its load, presses on something else.
         """
         _, before = self._put_off.pop(arm, (None, ()))
         last = path.legs[-1].load.held
@@ -170,7 +170,7 @@ class Workcell:
         return "grasp" if load is None else "place", f"{mine} touches {other} on its way"
 
     def beside(self, object_id: str) -> frozenset[str]:
-        """Name what an object lies in, on or against, by their boxes: ids of other objects and ``table``.
+        """Name an object's container, support and neighbours, by their boxes: ids of other objects and ``table``.
 
         Contacts do not show it: the physics engine reports none of sleeping bodies.
         """
@@ -187,12 +187,12 @@ class Workcell:
         return MotionPlanner(CollisionScene.of_world(self.world, arm))
 
     def planner_among(self, arm: str, joints: Mapping[str, np.ndarray], changed: Mapping[str, Body]) -> MotionPlanner:
-        """A planner around everything as it shall be.
+        """A planner around everything in a future state.
 
         Args:
             arm: whose.
             joints: (n,) of the other arms by name, rad; at home where not given.
-            changed: objects, by id, that are elsewhere then.
+            changed: objects, by id, that will be elsewhere.
         """
         bodies = {name: self.world.body(name) for name in self.world.object_ids} | dict(changed)
         return MotionPlanner(CollisionScene(self.world.robot, arm, self.world.table, bodies, joints))  # pyrefly: ignore

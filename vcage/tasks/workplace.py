@@ -57,12 +57,12 @@ class Workplace:
         """Return all objects but some.
 
         Args:
-            names: ids of those that are left out.
+            names: ids to leave out.
         """
         return [o for o in self.objects if o.id not in names]
 
     def with_objects(self, objects: Sequence[SceneObject]) -> Workplace:
-        """Return the same workplace with other objects, or objects that stand elsewhere."""
+        """Return the same workplace with other objects, or with objects at other places."""
         return replace(self, objects=objects)
 
     def with_arms(self, arm: str | None, hand_to: str | None = None) -> Workplace:

@@ -22,7 +22,7 @@ class Criterion:
     Args:
         threshold: upper limit of the loss, JOD.
         reduce: over the scored frames, 'max' or 'mean'.
-        guard: true if frames that are no keyframes must pass as well.
+        guard: true if frames other than keyframes must pass as well.
         most_deciding: frames, those that lose most, that predict the loss of all at other CRFs. Measured on nine clips
             of 19 keyframes, between pairs of CRFs at most 4 apart: in 6 % of them the worst frame is another one, which
             loses 4 % more on average; then the whole video decides.
@@ -57,7 +57,7 @@ class Choices:
     Args:
         codec: see :class:`EncoderSettings`.
         effort: of the encoder.
-        pixel_formats: empty for those that the codec's searches choose from.
+        pixel_formats: empty for the codec's default search.
         gops: the first is searched, the others are tried at the CRF that it allows.
         upper: the CRF to encode at, or below it where that loses too much, with the first of the other choices and
             without a search; :data:`LOSSLESS` for none. None searches.

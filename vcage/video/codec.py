@@ -4,7 +4,7 @@ Colour: the pictures are converted with the BT.601 matrix in limited range, and 
 assume that ignore the tag (OpenCV, swscale's default), so they and those that honour it show the same colours.
 
 The same frames and settings give the same bytes on any number of cores: each encoder has one thread, and x265's info
-message, which names the machine, is left out. Cores are kept busy by videos side by side.
+message, which names the machine, is left out. Cores are kept busy by parallel videos.
 """
 
 from __future__ import annotations
@@ -104,8 +104,8 @@ def encode(
         frames: (T, H, W, 3) uint8 RGB, of a size that :func:`formats_for` finds a format for.
         fps: frames per second.
         settings: the encoder's.
-        crf: constant rate factor, of those that the codec has; None encodes RGB without any loss.
-        starts: frames at which a group of pictures begins, besides those that the GOP makes.
+        crf: constant rate factor of the codec; None encodes RGB without any loss.
+        starts: frames at which a group of pictures begins, besides those of the GOP.
 
     Raises:
         UsageError: the size does not fit the pixel format or is too small, the CRF is out of range, or the codec has
@@ -144,7 +144,7 @@ def formats_for(settings: EncoderSettings, width: int, height: int, names: Colle
     Args:
         settings: the encoder's; only its codec counts.
         width, height: of the pictures, pixels.
-        names: the formats to choose from; empty for those that the codec's searches choose from.
+        names: the formats to choose from; empty for the codec's default search.
 
     Returns:
         At least one, the best first.
@@ -158,7 +158,7 @@ def formats_for(settings: EncoderSettings, width: int, height: int, names: Colle
         raise UsageError(
             f"pictures of {width}x{height} cannot be encoded as {settings.codec}",
             hint=f"sides are at least {SMALLEST} pixels"
-            + ("" if settings.codec != "av1" else ", and even for av1: take --codec hevc, which allows odd ones"),
+            + ("" if settings.codec != "av1" else ", and even for av1: use --codec hevc, which allows odd ones"),
         )
     chosen = [name for name in fitting if name in (names or codec.pixel_formats)]
     if not chosen:
@@ -200,7 +200,7 @@ def converted(picture: NDArray[np.uint8], pixel_format: str, index: int = 0, *, 
         picture: (H, W, 3) uint8 RGB.
         pixel_format: FFmpeg's name.
         index: the time of the picture, in frames.
-        start: true if a group of pictures begins with it, in addition to those of the encoder.
+        start: true if a group of pictures begins with it, in addition to the encoder's own.
     """
     frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(picture), format="rgb24")
     if pixel_format.startswith("gbr"):

@@ -59,7 +59,7 @@ class Codec:
         tag: of the stream in MP4.
         presets: effort → the encoder's preset.
         pixel_formats: that a search may choose from, the best first.
-        other_formats: that may be asked for besides. Measured on rendered episodes: 8 bits take more bytes than 10 at
+        other_formats: available on request. Measured on rendered episodes: 8 bits take more bytes than 10 at
             the same loss, and RGB twice those of 4:4:4, so that a search need not try them.
         max_crf: the worst quality.
         min_crf: the best; 0, unless that means something else to the encoder.
@@ -110,12 +110,12 @@ def _x265(effort: Effort, preset: str, gop: int, crf: int | None) -> EncoderOpti
         "crqpoffs": 6,
         # Measured on three clips of 320x240 at the same loss: 2 % fewer bytes than blocks of 64, in as much time.
         "ctu": 16,
-        # Nothing is decided by what comes later; a frame depends on those before it in its group alone.
+        # Nothing depends on later frames; a frame depends on those before it in its group alone.
         "rc-lookahead": 0,
         "weightp": 0,
         "frame-threads": 1,
         "lookahead-slices": 0,
-        # One thread, as there is a process for each core: rows that are encoded side by side tell the entropy coder
+        # One thread, as there is a process for each core: rows encoded in parallel tell the entropy coder
         # less, which takes 2 % more bytes.
         "wpp": 0,
         "pools": "none",

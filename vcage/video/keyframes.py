@@ -23,7 +23,7 @@ class KeyframeSettings:
         spread: a motion peak keeps a distance of 1 / (spread · count) of the episode from the other keyframes.
         group_gap_frames: changes of the grippers' commands at most so far apart belong to one opening or closing.
         quaternion_tolerance: of the length from one, as many are stored in single precision.
-        largest_angle_rad: a column of commands that goes beyond is no angle in radians; degrees and percent do not
+        largest_angle_rad: a column of commands beyond this is no angle in radians; degrees and percent do not
             repeat after 2π.
         stride_px: of the pixels that show how much pictures change.
         command_tolerance: a smaller change of a gripper's command is rounding.
@@ -47,7 +47,7 @@ def keyframes(action: NDArray[np.float64], grippers: Sequence[int], count: int =
 
     Args:
         action: (T, D) commands to one or two arms: joint positions in any unit, or poses of the end-effectors.
-        grippers: columns of ``action`` that command a gripper; one that never moves marks no moment.
+        grippers: columns of ``action`` that command a gripper; a constant one marks no moment.
         count: of frames to aim at; fewer when there is too little motion, more when the grippers move often.
 
     Raises:
@@ -130,7 +130,7 @@ def gripper_midpoints(commands: NDArray[np.float64]) -> list[int]:
 def motion_peaks(speed: NDArray[np.float64]) -> list[int]:
     """Return local maxima of (T − 1,) ‖a(t) − a(t−1)‖₂ as frames t, fastest first; of a plateau its middle."""
     # scipy.signal finds peaks too, but its import takes a second in every process that compresses;
-    # zeros around it make a peak of motion that begins at once or lasts to the end
+    # zeros around it make a peak of motion at the very start or end
     padded = np.concatenate([[0.0], speed, [0.0]])
     starts = np.concatenate([[0], np.flatnonzero(np.diff(padded)) + 1])
     ends = np.append(starts[1:], len(padded))

@@ -42,7 +42,7 @@ class Finding:
 
 
 def find_encoding(judge: Judge, choices: Choices) -> Finding:
-    """Find the encoding of one clip with the fewest bytes with which its keyframes pass, whatever ``choices.upper``.
+    """Find the encoding of one clip with the fewest bytes whose keyframes pass, regardless of ``choices.upper``.
 
     The first of the codec's pixel formats and the first GOP are searched for the highest CRF that passes; the others
     are tried at that CRF, and taken where they pass with fewer bytes.
@@ -116,8 +116,8 @@ class SearchResult:
 
     Args:
         settings: the encoder's.
-        crf: the highest CRF that passes, of those that were allowed; None when not even the best quality does.
-        video: the MP4 file at that CRF; of a lossless encoding when there is none.
+        crf: the highest passing one of the allowed CRFs; None when not even the best quality passes.
+        video: the MP4 file at that CRF; of a lossless encoding without one.
         loss_max, loss_mean: of ``video`` over the scored frames, JOD.
         added: frames that the guard added to the keyframes.
         held_out: of ``video``; None when no held-out frame is left.
@@ -211,7 +211,7 @@ class _Look:
 
     Args:
         scored: (N,) in the scored frames, JOD.
-        held_out: in those that no search has seen; None where there is none.
+        held_out: in frames not seen by any search; None without any.
         failing: frames that do not pass, and their losses.
     """
 
@@ -248,7 +248,7 @@ def held_out_frames(count: int, scored: Sequence[int], step: int = 3, every: int
 
     Args:
         count: number of frames.
-        scored: those that are judged anyway.
+        scored: the frames judged anyway.
         step: of a held-out frame's place from each ``every`` frames to the next; 3 visits all ten places.
         every: frames with one held-out frame.
     """

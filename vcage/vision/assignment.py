@@ -24,7 +24,7 @@ class AssignmentSettings:
         stride_px: overlaps are counted on every n-th pixel along each side.
         equal_odds: poses of an object at one place whose odds differ by less are equally likely.
         twin_odds: an object is drawn twice when another place has such odds, and is at most so much less likely.
-        margin_odds: lead over the next best explanation at which that is unlikely.
+        margin_odds: lead over the next best explanation at which a mistake is unlikely.
     """
 
     same_place_iou: float = 0.3

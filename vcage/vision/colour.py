@@ -1,7 +1,7 @@
 """Colours in CIELAB: distances, palettes, pictures that are sampled at any scale, and colour transfer between them.
 
 An image model changes the colours of a picture. The objects show how, as they stay the same; the table does not, as it
-may be painted anew. The transfer first uses the objects' colours as a whole, then their pixels once some are found.
+may be repainted. The transfer first uses the objects' colours together, then their pixels once some are found.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The detector without weights: background subtraction without shadows, split into objects.
 
-Where most of the picture differs from the empty table, the table was painted anew. Then the pixels that stand out of
+Where most of the picture differs from the empty table, the table was repainted. Then the pixels that stand out of
 the table in the picture itself are used.
 """
 
@@ -32,7 +32,7 @@ class DetectorSettings:
         shadow_roughness: largest spread of the ratio among neighbours in a shadow; noise adds to it.
         least_core_share: least depth of the core of a part that is split off, as a share of the deepest.
         new_table_share: the table was painted anew when a larger share of the picture differs.
-        spanning_share: floor or wall reaches across more of a picture whose table was painted anew.
+        spanning_share: floor or wall reaches across more of a picture with a repainted table.
     """
 
     colour_limit: float = 2.5

@@ -25,7 +25,7 @@ QUARTER_TURN = np.array([[0.0, -1.0], [1.0, 0.0]])
 
 @dataclass(frozen=True)
 class Pass:
-    """Drawings of one size that follow the motions which the target suggests.
+    """Drawings of one size that follow the motions suggested by the target.
 
     Args:
         side_px: largest side of a drawing.
@@ -50,7 +50,7 @@ class HeadingSettings:
         small, large: the pass that compares all of these, and the pass that decides.
         probe_rad: turn to either side that is tried at the end: slopes of colours reach a few pixels only.
         spare_px: pixels of the camera around the object in a drawing.
-        least_advantage: by which the best residual must be less than that of a symmetric heading.
+        least_advantage: margin by which the best residual must beat that of a symmetric heading.
         helpful_share: a motion helped if the residual after it is at most this share of the one before.
         farthest_m: an object may move this far from its found place.
     """
@@ -203,7 +203,7 @@ def settle_heading(
 def _follow(comparison: Comparison, starts: list[_Compared], step: int, way: Pass) -> list[_Compared]:
     """The starts, each moved as the target suggests for as long as that helped; the best first.
 
-    Poses far behind the best, and poses that met a better one, are left out.
+    Poses far behind the best, and poses that meet a better one, are left out.
     """
     found, settled = starts, []
     for _ in range(way.rounds):

@@ -53,7 +53,7 @@ class Recogniser:
     Args:
         detector: adds places to look at and names, and finds strangers.
         embedder: makes the features.
-        threshold: the paper's τ: an object whose features are no more similar than this is matched only where the
+        threshold: the paper's τ: an object with features no more similar than this is matched only where the
             detector's label supports it.
     """
 
@@ -229,7 +229,7 @@ def stored_matches(
 
     Args:
         observation: scene, and which objects the source shows.
-        plan: relations that the layout shall have.
+        plan: relations for the layout.
         found: matches by object id.
         reasons: object id → why it was not found.
 

@@ -24,7 +24,7 @@ TRUSTED_GOODNESS = 0.74
 
 @dataclass(frozen=True)
 class Candidates:
-    """Poses at which one object may stand, the best fit first.
+    """Possible poses of one object, the best fit first.
 
     Args:
         record: the object.
@@ -88,7 +88,7 @@ def _searched(observation: Observation, templates: Sequence[ObjectTemplate]) -> 
 
 
 def _recoloured(target: LabImage, templates: Sequence[ObjectTemplate], found: Sequence[Fit]) -> LabImage:
-    """The picture with its colours fitted to those of the objects that were found surely."""
+    """The picture with its colours fitted to those of the surely found objects."""
     pairs = [
         _colour_pairs(target, template, fits.poses[0])
         for template, fits in zip(templates, found, strict=True)

@@ -185,7 +185,7 @@ def template_from_reference(reference: Reference, camera: Camera, height: float)
     width, tall = (max(1, round(zoom * n)) for n in reference.picture.shape[1::-1])
     solid = reference.picture[..., 3] > 127
     if not solid.any():
-        raise InputFileError(f"the reference picture of {reference.phrase!r} shows nothing", hint="render it anew")
+        raise InputFileError(f"the reference picture of {reference.phrase!r} shows nothing", hint="render it again")
     # The ground gets the object's mean colour, so that resampling does not change the colours at its edge.
     alone = np.where(solid[..., None], reference.picture[..., :3], reference.picture[solid][:, :3].mean(axis=0))
     scaled = cv2.resize(alone.astype(np.uint8), (width, tall), interpolation=cv2.INTER_AREA)

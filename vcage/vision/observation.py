@@ -52,8 +52,8 @@ class Observation:
         scene: the known objects.
         source: (H, W, 3) uint8, the scene's own picture.
         source_lab: the same as it is compared.
-        shown: ids of the objects of which the source shows at least one pixel.
-        masks: (H, W) bool by id, the place of each object of which the source shows enough to look for it.
+        shown: ids of the objects with at least one pixel visible in the source.
+        masks: (H, W) bool by id, the place of each object with enough pixels in the source to search for it.
         picture: (H, W, 3) uint8, the edited picture in the frame of the source.
         target: the edited picture as it is compared: in the colours of the source, with its salience.
         region: (H, W) bool, the part of the table that the edited picture shows.

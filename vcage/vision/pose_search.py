@@ -31,15 +31,15 @@ class SearchSettings:
 
     Args:
         places, headings: proposed places of an object, and headings at each.
-        rough_poses, fine_poses: poses that are refined roughly, and of those finely.
+        rough_poses, fine_poses: number of roughly refined poses, and of the finely refined ones among them.
         rough_rounds, fine_rounds: of the refinement.
         same_place_share, same_heading_rad: poses nearer to each other, in square roots of the object's area and in
             radians, count as the same.
         extent_px, long_extent_px: longest side of a compact and of a very long object in the small picture.
         angles, long_angles: headings around the circle; the ends of a long object move faster.
         margin_px: by which the compared patches are wider than the object.
-        chunk: positions that are compared at once; their windows stay in the processor's cache.
-        colour_scale: colour distance that costs as much as an inside that is all table, Lab units.
+        chunk: positions compared together; their windows stay in the processor's cache.
+        colour_scale: colour distance that costs as much as an inside full of table, Lab units.
         ring_share: weight of the surroundings of the object; neighbours may touch it.
         apart_share: least distance between two places, in square roots of the object's area.
         least_salience: places that stand out of the table by less are not tried.
@@ -201,7 +201,7 @@ def _misfits(features: np.ndarray, places: np.ndarray, weights: np.ndarray, side
 
 
 def _apart(places: np.ndarray, misfit: np.ndarray, distance: float) -> list[int]:
-    """Indices of the best places that are no nearer to each other than ``distance``.
+    """Indices of the best places no nearer to each other than ``distance``.
 
     Only places better than their neighbours are chosen; otherwise the inside of one large object takes them all.
     """

@@ -221,7 +221,7 @@ def unpadded(picture: np.ndarray) -> tuple[int, int, int, int]:
 
 
 def _border(lines: np.ndarray) -> int:
-    """Number of lines from the first on that have the colour of the first all along, but for one pixel in fifty."""
+    """Number of lines from the first on that have the colour of the first all along, except one pixel in fifty."""
     colour = np.median(lines[0], axis=0)
     for k, line in enumerate(lines):
         off = np.abs(line - colour).max(axis=1)

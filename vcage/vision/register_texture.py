@@ -121,7 +121,7 @@ def _refined(ours: np.ndarray, theirs: np.ndarray, fit: np.ndarray) -> tuple[np.
 
 
 def _found_tiles(ours: np.ndarray, moved: np.ndarray, fit: np.ndarray) -> tuple[int, int]:
-    """Number of tiles of the empty table that are found in their places, and of those that the picture shows."""
+    """Number of tiles of the empty table found in their places, and of those in the picture."""
     height, width = ours.shape
     reach, (across, down) = SETTINGS.reach_px, SETTINGS.tiles
     wide, high = (width - 2 * reach) // across, (height - 2 * reach) // down

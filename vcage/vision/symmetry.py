@@ -110,7 +110,7 @@ def _measured(look: np.ndarray, ground: np.ndarray) -> np.ndarray:
 
 
 def _level(lightness: np.ndarray, inside: np.ndarray) -> None:
-    """Subtract from a picture (n, n), inside a mask, the plane that fits it best there."""
+    """Subtract from a picture (n, n), inside a mask, its best-fitting plane."""
     v, u = np.nonzero(inside)
     if len(v) > 20:
         plane = np.stack([np.ones(len(v)), u / len(inside), v / len(inside)], axis=1)

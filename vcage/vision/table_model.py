@@ -1,7 +1,7 @@
 """Salience of each pixel over the table, whatever became of the table's colour, texture and light.
 
 Two models of the empty table are fitted robustly to the picture: a smooth colour field, and the same plus the known
-picture of the empty table. The one with less residual is used, so a table that an image model painted anew is
+picture of the empty table. The one with less residual is used, so a table that an image model repainted is
 described by the picture itself.
 
 Shade and colour are separated: more or less light scales (L + 16, a, b) of CIELAB as a whole, as all three are

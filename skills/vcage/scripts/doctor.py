@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Say what is missing, and which command mends it."""
+"""Say what is missing, and which command fixes it."""
 
 from vcage_environment import main
 

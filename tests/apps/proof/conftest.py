@@ -44,7 +44,7 @@ def inside(**fields) -> FunctionalPoint:
 
 @pytest.fixture
 def make(tmp_path: Path) -> Make:
-    """Makes an asset of boxes: what is seen, and the hulls when they shall differ."""
+    """Makes an asset of boxes: the visible mesh, and other hulls if given."""
 
     def make(
         seen: Sequence,

@@ -11,7 +11,7 @@ def test_a_cube_is_lifted_held_and_shaken(make, places) -> None:
     assert (check.passed, check.succeeded) == (True, 3)
 
 
-def test_what_is_too_wide_is_refused_without_a_try(make, places) -> None:
+def test_a_too_wide_object_is_refused_without_a_try(make, places) -> None:
     wide = make([[(-0.02, -0.05, 0), (0.02, 0.05, 0.04)]])
     check = check_contact(wide, contact(), places, tries=3, seed=0)
     assert not check.passed and check.tries == 0
@@ -29,7 +29,7 @@ def test_a_way_blocked_by_the_object_itself_is_refused(make, places) -> None:
     assert not check.passed and "would touch the object" in check.reasons[0]
 
 
-def test_what_is_too_heavy_is_not_held(make, places) -> None:
+def test_a_too_heavy_object_slips(make, places) -> None:
     heavy = make(CUBE, mass=60.0, contacts=[contact()])
     check = check_contact(heavy, contact(), places, tries=2, seed=0)
     assert not check.passed and check.tries == 2

@@ -24,7 +24,7 @@ def test_a_surface_without_a_hull_fails(make) -> None:
     assert any("outside the hulls" in reason for reason in check.reasons)
 
 
-def test_a_hull_that_nobody_sees_fails(make) -> None:
+def test_an_invisible_hull_fails(make) -> None:
     check = check_mesh(make(CUBE, [*CUBE, [(0.02, -0.02, 0), (0.06, 0.02, 0.04)]]), seed=0)
     assert any("beyond the mesh" in reason for reason in check.reasons)
 

@@ -22,7 +22,7 @@ def proven(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Proof]:
     return folder, validate(["block", "soap_bar"], folder, QUICK)
 
 
-def test_the_counts_are_those_of_the_annotations(proven) -> None:
+def test_the_counts_match_the_annotations(proven) -> None:
     _, proof = proven
     annotations = [Library.load().annotation(name) for name in ("block", "soap_bar")]
     assert (proof.objects, proof.variants) == (2, 2)
@@ -37,7 +37,7 @@ def test_the_proof_is_written(proven) -> None:
     assert Proof.read(folder / "proof.json") == proof
 
 
-def test_what_is_proven_is_not_tried_again(proven, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_proven_variants_are_not_tried_again(proven, monkeypatch: pytest.MonkeyPatch) -> None:
     folder, proof = proven
     monkeypatch.setattr(Prover, "prove", lambda *_: pytest.fail("tried again"))
     assert validate(["block", "soap_bar"], folder, QUICK) == proof

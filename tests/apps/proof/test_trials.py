@@ -21,7 +21,7 @@ def test_a_single_try_that_fails_is_no_proof() -> None:
     assert not tried("joint", "lid", 1, lambda _: "slipped", {}).passed
 
 
-def test_a_reason_is_told_once() -> None:
+def test_a_reason_is_reported_once() -> None:
     reasons = ("slipped", "slipped", "tipped")
     assert tried("joint", "lid", 3, lambda number: reasons[number], {}).reasons == ["slipped", "tipped"]
 

@@ -1,4 +1,4 @@
-"""The page of a run: complete, self-contained, and made of whatever there is."""
+"""The page of a run: complete and self-contained, for any set of finished stages."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ def test_every_accepted_episode_has_a_video_that_plays(finished, page, tmp_path)
     assert frames[0].shape[1] == 3 * 320
 
 
-def test_a_rejected_episode_is_told_without_a_video(finished, tmp_path):
+def test_a_rejected_episode_is_reported_without_a_video(finished, tmp_path):
     run = copied(finished.run, tmp_path / "run")
     with h5py.File(run.root / Episodes.read(run.episodes).episodes[0].file, "a") as file:
         for camera in list(file["observations/images"]):  # as collecting leaves a rejected one
@@ -127,7 +127,7 @@ class Refuses:
         return Verdict(accepted=False, reason="I doubt it", confidence=0.6, provider=self.provider)
 
 
-def test_what_two_critics_differ_about_is_shown_with_both_counted(finished, tmp_path, monkeypatch):
+def test_disagreement_of_two_critics_is_shown_with_both_counted(finished, tmp_path, monkeypatch):
     run = copied(finished.run, tmp_path / "run", before="verify")
     pictures = len(Page(write_report(run).read_text(encoding="utf-8")).of("img"))
     monkeypatch.setattr(finished.context, "models", replace(finished.context.models, critic=Refuses()))
@@ -140,7 +140,7 @@ def test_what_two_critics_differ_about_is_shown_with_both_counted(finished, tmp_
         assert words in page.text
 
 
-def test_what_critic_and_state_disagree_about_is_shown_side_by_side(finished, tmp_path):
+def test_disagreement_of_critic_and_state_is_shown_side_by_side(finished, tmp_path):
     run = copied(finished.run, tmp_path / "run")
     first, *others = read_log(run.episodes.parent)
     refused = first.verdict.model_copy(update={"accepted": False, "reason": "it lies beside it"})
@@ -164,13 +164,13 @@ def test_an_episode_that_verify_refuses_is_not_counted_and_tells_why(finished, t
     assert f"0 / {len(episodes)}" in page.text and page.of("video") == []
 
 
-def test_what_was_edited_by_hand_is_named(finished, tmp_path):
+def test_edits_by_hand_are_named(finished, tmp_path):
     run = copied(finished.run, tmp_path / "run")
     write_json(run.matches, {**read_json(run.matches), "edited": ["matches.json"]})
     assert "matches.json" in write_report(run).read_text(encoding="utf-8").rpartition("edited by hand")[2]
 
 
-def test_critics_that_agree_are_said_to(page):
+def test_agreement_of_critics_is_reported(page):
     assert "Judged again by offline" in page.text and "The two differ on none of them." in page.text
 
 

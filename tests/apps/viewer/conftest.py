@@ -65,5 +65,5 @@ def episode_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def other_robot_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """An episode of a robot with fewer joints than that of its name, in a scene of which only names are known."""
+    """An episode of a robot with fewer joints than its name suggests, in a scene known by names only."""
     return written(tmp_path_factory.mktemp("episode") / "episode.hdf5", 4)

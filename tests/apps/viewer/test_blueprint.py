@@ -26,10 +26,10 @@ def test_an_episode_shows_its_scene_cameras_words_and_curves():
     assert names == ["Scene", "cam_high", "cam_left_wrist", *words, "Left arm, rad", "Marks"]
 
 
-def test_what_is_not_there_takes_no_room():
+def test_missing_columns_take_no_room():
     assert [view.name for view in views(blueprint(Contents(9, {}, [])))] == ["Episode"]
 
 
-def test_a_plot_shows_its_entities_and_those_below():
+def test_a_plot_shows_its_entities_and_their_children():
     view = next(view for view in views(blueprint(Contents(9, {}, PLOTS))) if view.name == "Left arm, rad")
     assert view.contents == ["/joints/left_joint_1/**"]

@@ -46,7 +46,7 @@ def test_every_frame_has_a_picture_of_each_camera(seen):
         assert np.abs(difference).mean() < 12 and np.abs(difference.mean(axis=(0, 1))).max() < 2
 
 
-def test_times_are_those_of_the_episode_to_the_nanosecond(seen):
+def test_times_match_the_episode_to_the_nanosecond(seen):
     times = seen.rows("/joints/left_joint_1/measured", "Scalar", "time")
     assert list(times) == [frame * round(1e9 / FPS) for frame in range(FRAMES)]
 
@@ -116,13 +116,13 @@ def test_a_critic_that_was_wrong_is_a_warning(tmp_path):
     assert (seen.rows("/marks/critic", "Scalar"), seen.rows("/marks/truth", "Scalar")) == ({3: 1}, {3: 0})
 
 
-def test_the_page_beside_it_has_the_instruction_and_what_travels_in_the_file(seen):
+def test_the_page_beside_the_file_has_the_instruction_and_the_attachments(seen):
     page = seen.fixed("/about", "Text")
     assert page.startswith(f"### {INSTRUCTION}\n")
     assert "| robot | dual_panda |" in page and "| seed | 7 |" in page and "aabb" not in page
 
 
-def test_an_asset_that_is_not_here_is_a_box_of_the_scenes_size(tmp_path, caplog):
+def test_a_missing_asset_is_drawn_as_a_box_of_its_size(tmp_path, caplog):
     facts = meta()
     facts["scene"]["objects"][0]["asset"] = "no_such_thing"
     view(written(tmp_path / "episode.hdf5", 4, meta=facts), save=tmp_path / "look.rrd")
@@ -143,7 +143,7 @@ def test_an_arm_of_other_joints_is_not_drawn_and_says_so(other_robot_file, tmp_p
     assert "the left arm is not drawn" in caplog.text
 
 
-def test_a_robot_that_is_not_here_is_left_out_and_named(tmp_path, caplog):
+def test_a_missing_robot_is_left_out_and_named(tmp_path, caplog):
     view(written(tmp_path / "episode.hdf5", 4, meta=meta(robot="no_such_robot")), save=tmp_path / "look.rrd")
     assert "no_such_robot" in caplog.text
 
@@ -205,7 +205,7 @@ def test_without_a_frame_rate_there_are_frames_and_no_times(tmp_path):
     assert "at unknown times" in seen.fixed("/about", "Text")
 
 
-def test_a_frame_rate_that_is_given_gives_times(tmp_path):
+def test_a_given_frame_rate_gives_times(tmp_path):
     view(robotwin(tmp_path / "a.hdf5"), save=tmp_path / "look.rrd", fps=3)
     times = ReadBack(tmp_path / "look.rrd").rows("/cameras/head_camera", "MediaType", "time")
     assert list(times)[1:4] == [333_333_333, 666_666_667, 1_000_000_000]

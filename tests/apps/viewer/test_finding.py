@@ -60,7 +60,7 @@ def test_a_run_without_episodes_says_so(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["missing.hdf5", "missing"])
-def test_nothing_there_is_an_error_that_names_it(tmp_path, name):
+def test_a_missing_episode_is_named(tmp_path, name):
     with pytest.raises(InputFileError, match=name):
         find_episodes(tmp_path / name)
 

@@ -51,7 +51,7 @@ def test_compressed_videos_are_shown_as_they_are(tmp_path):
     assert list(shown.values()) == [pytest.approx(frame / FPS * 1e9, abs=1e6) for frame in range(FRAMES)]
 
 
-def test_a_run_that_was_not_compressed_says_what_to_do(tmp_path):
+def test_an_uncompressed_run_says_what_to_do(tmp_path):
     run = collected(tmp_path / "run", 1, FRAMES)
     with pytest.raises(MissingStage) as caught:
         view(run.root / FILE, save=tmp_path / "look.rrd", footage="compressed")

@@ -17,7 +17,7 @@ from vcage.apps.viewer.show import view
 from vcage.base.errors import ConfigurationError, DamagedFile, OutputFolderError, UsageError
 
 
-def test_the_command_writes_a_file_and_says_what_is_in_it(episode_file, tmp_path, capsys):
+def test_the_command_writes_a_file_and_lists_its_contents(episode_file, tmp_path, capsys):
     answer = command(capsys, "view", episode_file, "--save", tmp_path / "look.rrd")
     assert (answer.code, answer.record["output"]) == (0, str(tmp_path / "look.rrd"))
     summary = answer.record["summary"]
@@ -112,7 +112,7 @@ def test_the_viewer_is_not_opened_on_videos_that_it_cannot_decode(episode_file, 
 
 @pytest.fixture
 def viewer(tmp_path, monkeypatch) -> Iterator[socket.socket]:
-    """A socket that listens like a viewer, and the file of what it receives."""
+    """A socket that listens like a viewer, and the file of the received bytes."""
     listening = socket.create_server(("127.0.0.1", 0))
     monkeypatch.setattr(show, "PORT", listening.getsockname()[1])
     monkeypatch.setenv("DISPLAY", ":0")

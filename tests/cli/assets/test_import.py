@@ -39,14 +39,14 @@ def test_a_bad_object_among_good_ones_is_listed_with_its_fault(tmp_path, capsys)
     assert "rt_bad: refused: " in text
 
 
-def test_one_object_that_is_refused_is_the_error(tmp_path, capsys):
+def test_one_refused_object_is_the_error(tmp_path, capsys):
     bad = Rigid(tmp_path / "004_bad")
     bad.data["scale"] = 0
     code, record, _ = run(capsys, "assets", "import", "robotwin", bad.write().folder)
     assert (code, record["error"]["code"], record["error"]["details"]["field"]) == (3, "schema_mismatch", "scale")
 
 
-def test_many_objects_that_are_all_refused_are_one_error(tmp_path, capsys):
+def test_many_refused_objects_are_one_error(tmp_path, capsys):
     for name in ("001_a", "002_b"):
         (tmp_path / "objects" / name).mkdir(parents=True)
     code, record, _ = run(capsys, "assets", "import", "robotwin", tmp_path)

@@ -1,4 +1,4 @@
-"""A data set that is added to becomes the one that all its episodes make together; if that fails it stays as it was."""
+"""An extended data set equals one made of all its episodes at once; on failure it stays unchanged."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ def test_two_goes_give_the_statistics_of_one(v3, four, tmp_path):
             np.testing.assert_allclose(ours[feature][name], value, atol=1e-9, err_msg=f"{feature} {name}")
 
 
-def test_statistics_of_two_goes_are_those_of_all_frames(v3, four, tmp_path):
+def test_statistics_of_two_passes_match_all_frames(v3, four, tmp_path):
     begun = shutil.copytree(v3, tmp_path / "set")
     write("lerobot-v3.0", begun, four[2:], append=True)
     stats = json.loads((begun / "meta/stats.json").read_text())
@@ -95,7 +95,7 @@ def test_statistics_of_two_goes_are_those_of_all_frames(v3, four, tmp_path):
             np.testing.assert_allclose(stats[column][name], np.quantile(values, share, axis=0), atol=1e-9)
 
 
-def test_numbers_go_on_and_new_texts_get_new_ones(version, begun, four):
+def test_numbering_continues_and_new_texts_get_new_numbers(version, begun, four):
     write(version, begun, four[2:], append=True)
     table = frames(begun)
     assert table["index"].to_pylist() == list(range(2 * sum(LENGTHS)))
@@ -105,7 +105,7 @@ def test_numbers_go_on_and_new_texts_get_new_ones(version, begun, four):
     assert third["subtask_index"].to_pylist() == [1] * 5 + [2] * 7  # "place block" was there, "open drawer" is new
 
 
-def test_new_files_come_beside_the_old_ones_which_are_the_same_on_disk(version, begun, four):
+def test_new_files_join_the_old_ones_unchanged_on_disk(version, begun, four):
     files = [path for path in begun.rglob("*") if path.suffix == ".mp4" or path.parts[-3] == "data"]
     old = {path: path.stat().st_ino for path in files}
     write(version, begun, four[2:], append=True)
@@ -122,7 +122,7 @@ def test_where_the_disk_knows_no_links_files_are_copied(version, begun, four, tm
     assert frames(begun).equals(frames(write(version, tmp_path / "whole", four)))
 
 
-def test_what_lies_in_the_folder_besides_stays(version, begun, four):
+def test_other_files_in_the_folder_stay(version, begun, four):
     (begun / "README.md").write_text("mine")
     change_info(begun, licence="CC-BY-4.0")
     write(version, begun, four[2:], append=True)
@@ -221,7 +221,7 @@ def test_a_data_set_without_episodes_is_refused(version, begun, four):
 
 
 def test_adding_to_nothing_is_refused(version, four, tmp_path):
-    with pytest.raises(UsageError, match="no LeRobot data set"):
+    with pytest.raises(UsageError, match="not a LeRobot data set"):
         write(version, tmp_path / "other", four[2:], append=True)
     assert not (tmp_path / "other").exists()
 
@@ -260,7 +260,7 @@ def _refuses(root: Path, version: str, name: str, damage: str, four) -> None:
 @pytest.mark.parametrize(
     "change", [{"features": None}, {"fps": None}, {"total_episodes": "many"}, {"features": {"action": {}}}]
 )
-def test_a_description_that_is_none_is_refused(version, begun, four, change):
+def test_an_invalid_description_is_refused(version, begun, four, change):
     change_info(begun, **change)
     with pytest.raises(DamagedFile, match=r"info\.json does not"):
         write(version, begun, four[2:], append=True)
@@ -333,7 +333,7 @@ def test_files_are_numbered_on_where_lerobot_put_several_episodes_into_one(lerob
     assert (lerobots / f"videos/{KEY}/chunk-000/file-008.mp4").read_bytes() == four[2].videos[CAMERAS[0]].read_bytes()
 
 
-def test_hidden_files_do_not_go_into_a_data_set_that_is_added_to(version, begun, four):
+def test_hidden_files_do_not_go_into_an_extended_data_set(version, begun, four):
     for file in [path for path in begun.rglob("*.parquet") if path.is_file()]:
         file.with_name(f"._{file.name}").write_bytes(b"\0\5\26\7")
     (begun / ".DS_Store").touch()

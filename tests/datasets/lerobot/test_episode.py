@@ -28,7 +28,7 @@ def foreign() -> LeRobotEpisode:
     )
 
 
-def test_the_number_of_frames_comes_from_what_was_recorded(foreign):
+def test_the_number_of_frames_comes_from_the_recording(foreign):
     assert list(foreign.complaints()) == []
     assert foreign.length == 5
     pictures_only = replace(foreign, action=None, frames=7)

@@ -65,7 +65,7 @@ def changed(info: dict, *path: str, to) -> dict:
         (("features", "subtask_index"), ...),
     ],
 )
-def test_what_a_data_set_leaves_open_or_says_in_other_words_agrees(info, path, value):
+def test_open_or_differently_worded_facts_agree(info, path, value):
     agreed_info(3, info, changed(info, *path, to=value))
 
 
@@ -84,7 +84,7 @@ def test_what_a_data_set_leaves_open_or_says_in_other_words_agrees(info, path, v
         (("features", KEY, "info", "video.codec"), "av1", f"video.codec of {KEY}"),
     ],
 )
-def test_what_differs_is_named(info, path, value, what):
+def test_differences_are_named(info, path, value, what):
     with pytest.raises(UsageError, match="episode 3 has other") as caught:
         agreed_info(3, info, changed(info, *path, to=value))
     assert caught.value.details == {"episode": 3, "what": what}
@@ -99,7 +99,7 @@ def test_where_videos_were_compressed_by_different_degrees_the_data_set_stops_te
     assert agreed_info(3, described, data_set)["features"][KEY][name] == {"video.codec": "hevc"}
 
 
-def test_the_videos_of_a_data_set_that_is_begun_are_compressed_alike(info):
+def test_the_videos_of_a_started_data_set_are_compressed_alike(info):
     begun = changed(info, "total_episodes", to=...)
     with pytest.raises(UsageError, match=r"other video\.crf.*\(18\).*\(20\)"):
         agreed_info(3, info, changed(begun, "features", KEY, "info", "video.crf", to=20))
@@ -168,7 +168,7 @@ def test_sound_is_reported(tmp_path):
     assert video_info(encoded(tmp_path / "a.mp4", sound=True), 12, 10)["has_audio"]
 
 
-def test_frame_rates_that_are_no_whole_numbers_are_kept(tmp_path):
+def test_fractional_frame_rates_are_kept(tmp_path):
     path = tmp_path / "a.mp4"
     path.write_bytes(encode(clip(40), 16.67, EncoderSettings(), 20))
     assert video_info(path, 40, 16.67)["video.fps"] == 16.67
@@ -204,7 +204,7 @@ def test_a_file_that_is_cut_off_is_refused(tmp_path, options):
 
 
 @pytest.mark.parametrize("content", [None, b"", b"no video"])
-def test_what_is_no_video_is_refused(tmp_path, content):
+def test_a_file_without_video_is_refused(tmp_path, content):
     path = tmp_path / "a.mp4"
     if content is not None:
         path.write_bytes(content)

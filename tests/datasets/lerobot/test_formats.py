@@ -215,7 +215,7 @@ def test_a_video_of_another_length_is_refused(episodes, tmp_path):
         (clip(9), EncoderSettings(pixel_format="yuv420p"), r"video.pix_fmt of observation.images.cam_high \(yuv420p\)"),
     ],
 )
-def test_videos_that_differ_from_those_before_are_refused(episodes, tmp_path, frames, settings, difference):
+def test_videos_unlike_earlier_ones_are_refused(episodes, tmp_path, frames, settings, difference):
     path = tmp_path / "other.mp4"
     path.write_bytes(encode(frames, FPS, settings, 10))
     other = replace(episodes[1], videos={**episodes[1].videos, "cam_high": path})
@@ -223,7 +223,7 @@ def test_videos_that_differ_from_those_before_are_refused(episodes, tmp_path, fr
         write("lerobot-v3.0", tmp_path / "set", [episodes[0], other])
 
 
-def test_what_is_left_open_may_differ_between_episodes(episodes, tmp_path):
+def test_open_facts_may_differ_between_episodes(episodes, tmp_path):
     path = tmp_path / "other.mp4"
     path.write_bytes(encode(clip(9), FPS, EncoderSettings(pixel_format="yuv420p"), 10))
     other = replace(episodes[1], videos={**episodes[1].videos, "cam_high": path})
@@ -249,7 +249,7 @@ def test_a_refused_episode_is_named_by_its_number_and_others_can_follow(version,
 
 
 @pytest.mark.parametrize("version", FORMATS)
-def test_recordings_of_others_are_exported_with_what_they_have(version, episodes, tmp_path):
+def test_foreign_recordings_are_exported_with_their_data(version, episodes, tmp_path):
     camera, video = next(iter(episodes[1].videos.items()))
     foreign = LeRobotEpisode(
         fps=FPS,

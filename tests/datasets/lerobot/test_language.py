@@ -111,7 +111,7 @@ def test_another_robot_is_still_refused(v31, episodes, tmp_path):
         write("lerobot-v3.1", root, [replace(episodes[0], robot="aloha")], append=True)
 
 
-def test_a_recording_of_such_a_data_set_names_what_another_version_leaves_out(v31):
+def test_a_recording_from_another_version_names_the_parts_it_lacks(v31):
     recording = open_recordings(v31)[0]
     assert (recording.LAYOUT, recording.fps) == ("lerobot-v3.1", FPS)
     assert list(recording.left_out()) == ["subtask_index", "language_persistent", "language_events"]

@@ -146,7 +146,7 @@ def test_a_table_without_rows_keeps_its_columns(source, tmp_path):
     assert pq.read_table(tmp_path / "target.parquet").column_names == ["observation", "observation.state", "reward"]
 
 
-def test_texts_in_a_field_are_found_without_what_lies_beside_them(source):
+def test_texts_in_a_field_are_found_without_their_neighbours(source):
     assert texts_of(source, "observation.picture", "path") == {"0.png", "1.png"}
 
 

@@ -90,7 +90,7 @@ def test_the_cache_of_hugging_face_is_a_data_sets_own(tmp_path, subfolder):
     assert list(map(str, own_files(root))) == ["meta/any.json"]
 
 
-def test_hidden_files_are_not_a_data_sets_own_but_for_the_hubs_description(root):
+def test_hidden_files_except_the_hubs_description_are_not_part_of_a_data_set(root):
     for name in (".gitattributes", ".DS_Store", "._x", "data/._file.parquet", ".cache/a", "data/.ipynb_checkpoints/a"):
         (root / name).parent.mkdir(exist_ok=True)
         (root / name).touch()

@@ -179,7 +179,7 @@ def test_the_list_of_episodes_changes_in_the_places_of_videos_only(source, films
             assert name.startswith(f"videos/{CAM}/") or before[name] == after[name]
 
 
-def test_info_changes_in_what_it_says_of_the_new_videos_only(source, films, tmp_path):
+def test_info_changes_only_in_its_entries_for_the_new_videos(source, films, tmp_path):
     change_info(source, lambda info: info["features"][CAM]["info"].update({"video.preset": 12, "mount": "arm"}))
     repack(source, tmp_path / "out", only(films, CAM), ENCODINGS)
     before, after = info_of(source), info_of(tmp_path / "out")
@@ -202,7 +202,7 @@ def test_info_changes_in_what_it_says_of_the_new_videos_only(source, films, tmp_
     }
 
 
-def test_what_the_videos_differ_in_is_left_open(source, films, tmp_path):
+def test_facts_in_which_videos_differ_are_left_open(source, films, tmp_path):
     repack(source, tmp_path / "out", only(films, CAM), {CAM: {"video.pix_fmt": None}})
     assert "video.pix_fmt" not in info_of(tmp_path / "out")["features"][CAM]["info"]
 
@@ -263,7 +263,7 @@ def test_episodes_that_shared_a_video_get_one_each(v3, films, tmp_path):
         assert all(near(recording, camera, number) for number, camera in enumerate(CAMERAS))
 
 
-def test_episodes_go_on_in_the_next_folder_when_one_is_full(source, films, tmp_path):
+def test_episodes_continue_in_the_next_folder_when_one_is_full(source, films, tmp_path):
     change_info(source, lambda info: info.update(chunks_size=1))
     for file in frame_tables(source):
         if file.stem == "episode_000001":
@@ -377,7 +377,7 @@ def test_a_camera_without_a_video_of_every_episode_is_refused(source, films, tmp
         ({"info": None, "video_info": {"video.is_depth_map": True}}, "depth"),
     ],
 )
-def test_what_an_rgb_video_cannot_keep_is_refused(source, films, tmp_path, change, what):
+def test_pictures_beyond_an_rgb_video_are_refused(source, films, tmp_path, change, what):
     change_info(source, lambda info: info["features"][CAM].update(change))
     with pytest.raises(UsageError, match=f"cam_high shows {what}, which an RGB video cannot keep"):
         repack(source, tmp_path / "out", films, ENCODINGS)
@@ -402,7 +402,7 @@ def test_an_info_that_lacks_something_is_named(source, films, tmp_path, missing)
 
 
 @pytest.mark.parametrize("pattern", ["/tmp/{video_key}.mp4", "videos/../../{video_key}.mp4"])
-def test_nothing_is_written_outside_whatever_info_says(source, films, tmp_path, pattern):
+def test_nothing_is_written_outside_regardless_of_info(source, films, tmp_path, pattern):
     change_info(source, lambda info: info.update(video_path=pattern))
     with pytest.raises(DamagedFile, match="not inside the data set"):
         repack(source, tmp_path / "out", films, ENCODINGS)
@@ -427,7 +427,7 @@ def test_a_full_disk_leaves_nothing(source, films, tmp_path, monkeypatch):
     assert [path.name for path in tmp_path.iterdir()] == ["source"]
 
 
-def test_a_link_to_a_file_outside_is_not_copied_into_what_is_written(source, tmp_path):
+def test_a_link_to_a_file_outside_is_not_copied_into_the_output(source, tmp_path):
     (tmp_path / "secret.txt").write_text("secret")
     (source / "meta/notes.txt").symlink_to(tmp_path / "secret.txt")
     with pytest.raises(DamagedFile, match=r"notes\.txt is a link to .*secret\.txt, outside the data set"):

@@ -33,7 +33,7 @@ def test_vector_statistics_have_one_number_per_column():
     assert found["count"] == [50]
 
 
-def test_picture_statistics_from_added_histograms_are_those_of_all_pixels():
+def test_picture_statistics_from_added_histograms_match_all_pixels():
     first, second = clip(5, seed=1), clip(7, seed=2)
     found = picture_statistics(picture_histogram(first) + picture_histogram(second), 12)
     pixels = np.concatenate([first, second]).reshape(-1, 3) / 255
@@ -53,7 +53,7 @@ def test_picture_statistics_from_added_histograms_are_those_of_all_pixels():
     hnp.arrays(np.float64, st.tuples(st.integers(2, 40), st.just(2)), elements=st.floats(-1e6, 1e6)),
     st.data(),
 )
-def test_moments_of_parts_are_those_of_the_whole(values, data):
+def test_moments_of_parts_add_up_to_the_whole(values, data):
     cut = data.draw(st.integers(1, len(values) - 1))
     moments = Moments()
     for part in (values[:cut], values[cut:]):
@@ -109,7 +109,7 @@ def test_quantiles_of_any_integers_are_exact(tmp_path_factory, values):
 
 
 @pytest.mark.parametrize(("room", "readings"), [(2**28, 1), (2 * 4 * 100, 3), (1, 5)])
-def test_what_does_not_fit_into_memory_at_once_is_read_again(tmp_path, monkeypatch, room, readings):
+def test_data_larger_than_memory_is_read_again(tmp_path, monkeypatch, room, readings):
     values = np.random.default_rng(0).normal(size=(100, 5)).astype(np.float32)
     read = Mock(wraps=statistics.read_batches)
     monkeypatch.setattr(statistics, "read_batches", read)

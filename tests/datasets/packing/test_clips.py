@@ -37,7 +37,7 @@ def searches(monkeypatch) -> Searches:
     return Searches(monkeypatch)
 
 
-def test_what_was_performed_is_known_and_whole(tmp_path, searches):
+def test_a_completed_search_is_known_and_finished(tmp_path, searches):
     one = task(episode(tmp_path / "a.hdf5", top=20), tmp_path / "work")
     assert known(one) is None and not is_finished(one)
     stream = perform(one)
@@ -45,7 +45,7 @@ def test_what_was_performed_is_known_and_whole(tmp_path, searches):
 
 
 @pytest.mark.slow
-def test_what_a_search_scored_is_not_scored_for_the_whole_video_again(tmp_path, monkeypatch):
+def test_frames_scored_in_a_search_are_not_scored_again(tmp_path, monkeypatch):
     one = task(written(tmp_path / "a.hdf5"), tmp_path / "work", crf=None)
     scored: list[bytes] = []
     loss = JodMetric.loss
@@ -67,7 +67,7 @@ def test_a_video_without_its_record_counts_for_nothing(tmp_path, searches):
 
 
 @pytest.mark.parametrize("change", [{"crf": 21}, {"display": "standard_4k"}, {"keyframes": 4}, {"effort": "best"}])
-def test_what_changes_the_result_changes_the_name(tmp_path, change):
+def test_options_that_change_the_result_change_the_name(tmp_path, change):
     path = episode(tmp_path / "a.hdf5", top=20)
     assert task(path, tmp_path).record != task(path, tmp_path, **change).record
 
@@ -98,13 +98,13 @@ def test_a_stream_without_loss_tells_the_pixel_format_of_its_video(tmp_path):
     assert (stream.lossless, stream.pixel_format) == (True, "rgb24")
 
 
-def test_keyframes_are_those_of_the_commands_where_there_are_any(tmp_path):
+def test_keyframes_follow_the_commands_if_there_are_any(tmp_path):
     frames = 24
     stream = perform(task(written(tmp_path / "a.hdf5", frames), tmp_path / "work"))
     assert {0, frames // 3, 2 * frames // 3, frames - 1} <= set(stream.keyframes)
 
 
-def test_without_commands_keyframes_are_those_of_the_pictures(tmp_path):
+def test_without_commands_keyframes_follow_the_pictures(tmp_path):
     pictures = np.zeros((9, 32, 32, 3), np.uint8)
     pictures[4:] = 200
     folder = tmp_path / "pictures"

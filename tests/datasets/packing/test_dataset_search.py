@@ -65,7 +65,7 @@ def test_a_crf_that_is_given_is_taken_without_rounds(tmp_path, searches):
     assert len(searches.calls) == 4
 
 
-def test_a_camera_of_which_one_episode_passes_at_no_crf_is_without_loss_in_all(tmp_path, searches):
+def test_one_episode_without_a_passing_crf_makes_its_camera_lossless(tmp_path, searches):
     clips = episodes(tmp_path / "in", high=[24, NONE_PASSES, 23, 24, 24])
     assert all(stream.lossless for stream in streams(clips, tmp_path / "work"))
 
@@ -120,7 +120,7 @@ def test_the_first_episode_chooses_and_the_others_are_encoded_with_that(tmp_path
     assert {choices.pixel_formats for _, choices in searches.calls[1:]} == {(ALL,)}
 
 
-def test_what_allows_less_lowers_all_and_only_what_lies_above_is_encoded_again(tmp_path, searches):
+def test_a_stricter_limit_lowers_all_and_re_encodes_only_clips_above_it(tmp_path, searches):
     clips = episodes(tmp_path / "in", high=[24, 25, 20, 25, 25, 18, 25])
     assert {stream.crf for stream in streams(clips, tmp_path / "work")} == {18}
     calls = [(allowed, choices.upper) for allowed, choices in searches.calls]
@@ -148,7 +148,7 @@ class LastFirst(SameProcess):
             yield self._work(self._waiting.pop())
 
 
-def test_videos_and_what_was_tried_come_in_order_however_clips_were_finished(tmp_path, searches, monkeypatch):
+def test_videos_and_trials_come_in_order_regardless_of_finishing_order(tmp_path, searches, monkeypatch):
     clips = episodes(tmp_path / "in", high=[24, 20, 22, 24], low=[9, 9, 8, 9])
     found = search_data_set(clips, SEARCHED, tmp_path / "a", workers=1)
     monkeypatch.setattr("vcage.datasets.packing.dataset_search.SameProcess", LastFirst)
@@ -233,7 +233,7 @@ def test_a_finished_search_searches_nothing_again(tmp_path, searches):
 
 
 @pytest.mark.parametrize("what", ["the input", "the settings"])
-def test_what_was_made_of_another_input_or_otherwise_is_not_taken(tmp_path, searches, what):
+def test_results_of_other_inputs_or_options_are_not_reused(tmp_path, searches, what):
     clips = episodes(tmp_path / "in", high=[24, 20])
     search_data_set(clips, SEARCHED, tmp_path / "work", workers=1)
     chosen = SEARCHED
@@ -269,7 +269,7 @@ def test_a_record_that_was_cut_off_is_made_again(tmp_path, searches):
 # --- what is missing, and processes --------------------------------------------------------------------
 
 
-def test_a_display_that_nobody_knows_is_refused_before_any_work(tmp_path):
+def test_an_unknown_display_is_refused_before_any_work(tmp_path):
     clips = episodes(tmp_path / "in", high=[24])
     with pytest.raises(UnknownName, match="display 'cinema'"):
         search_data_set(clips, CompressionSettings(display="cinema"), tmp_path / "work")
@@ -293,7 +293,7 @@ def test_a_recording_that_only_decoding_shows_to_be_damaged_is_named(tmp_path, s
     assert damaged.value.details["recording"] == "1"
 
 
-def test_two_processes_find_what_one_finds(tmp_path):
+def test_two_processes_find_the_same_as_one(tmp_path):
     add_camera(act_folder(tmp_path / "in", "a") / "a.hdf5", "cam_low")
     for workers in (1, 2):
         search_data_set(clips_of(tmp_path / "in"), settings(), tmp_path / str(workers), workers=workers)

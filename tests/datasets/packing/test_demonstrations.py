@@ -177,7 +177,7 @@ def test_a_damaged_demonstration_stops_all_or_stays_in_the_file_as_it_was(path, 
         assert np.array_equal(old["mask/train"], new["mask/train"])
 
 
-def test_a_demonstration_whose_video_is_missing_is_left_out_and_what_it_has_stays(path, tmp_path):
+def test_a_demonstration_without_its_video_is_left_out_and_its_files_stay(path, tmp_path):
     packed(path, tmp_path / "once")
     (tmp_path / "once/lift.demo_2.agentview.mp4").unlink()
     packed(tmp_path / "once", tmp_path / "twice", skip_damaged=True)

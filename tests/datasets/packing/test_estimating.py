@@ -23,7 +23,7 @@ def test_an_estimate_writes_nothing(tmp_path, source):
     assert digests(tmp_path) == before and [path.name for path in tmp_path.iterdir()] == ["in"]
 
 
-def test_an_estimate_of_recordings_that_are_alike_is_what_comes_out(tmp_path, source):
+def test_an_estimate_of_similar_recordings_matches_the_result(tmp_path, source):
     told = estimate(order(source, tmp_path / "out"), workers=1)
     streams = packed(source, tmp_path / "out").record.streams
     assert (told["recordings"], told["videos"], told["cameras"]["cam_high"]["crf"]) == (4, 4, [20, 20, 20])
@@ -40,7 +40,7 @@ def test_more_workers_take_less_time(tmp_path, source, monkeypatch):
     assert estimate(order(source, tmp_path / "out"), workers=4)["seconds"] == 200
 
 
-def test_the_bytes_are_those_of_the_crf_that_all_episodes_of_a_camera_would_share(tmp_path, monkeypatch):
+def test_the_bytes_are_for_the_crf_shared_by_all_episodes_of_a_camera(tmp_path, monkeypatch):
     Searches(monkeypatch)
     (tmp_path / "in").mkdir()
     for number, allowed in enumerate([24, 9, 22]):
@@ -50,7 +50,7 @@ def test_the_bytes_are_those_of_the_crf_that_all_episodes_of_a_camera_would_shar
     assert told["bytes"] == 3 * len("yuv444p10le 9")
 
 
-def test_what_only_decoding_shows_to_be_damaged_is_left_out_if_that_is_allowed(tmp_path):
+def test_damage_found_by_decoding_alone_is_skipped_if_allowed(tmp_path):
     folder = robotwin_folder(tmp_path / "in", 3)
     with h5py.File(folder / "episode1.hdf5", "r+") as file:
         rgb = file["observation/head_camera/rgb"]
@@ -74,7 +74,7 @@ def test_only_the_middle_of_a_clip_is_searched(tmp_path, source, monkeypatch):
         ({"cameras": ("no",)}, UnknownName),
     ],
 )
-def test_what_could_not_be_done_is_refused(tmp_path, source, changes, error):
+def test_impossible_requests_are_refused(tmp_path, source, changes, error):
     with pytest.raises(error):
         estimate(order(source, tmp_path / "out", **changes))
 

@@ -1,4 +1,4 @@
-"""Episodes of LeRobot data sets that never succeeded: named, and in no data set that is written anew."""
+"""Episodes of LeRobot data sets that never succeeded: named, and left out of rewritten data sets."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def test_an_episode_without_success_is_left_out_of_another_version_and_named(dat
 
 
 @pytest.mark.parametrize("stated", [True, False])
-def test_the_same_version_keeps_all_episodes_and_names_those_that_failed(dataset, stated):
+def test_the_same_version_keeps_all_episodes_and_names_the_failed_ones(dataset, stated):
     root = labelled(dataset, (True, False))
     work = prepare(order(root, f"lerobot-{root.name}" if stated else None))
     assert [source.name for source in work.sources.sources] == list(BOTH)
@@ -77,7 +77,7 @@ def test_a_column_that_is_never_true_counts_as_not_recorded(dataset):
     assert all("nobody seems to have recorded" in str(source.notes) for source in work.sources.sources)
 
 
-def test_scores_are_noted_and_refused_only_where_another_version_must_know_who_failed(dataset):
+def test_scores_are_noted_and_refused_only_where_another_version_must_know_the_failures(dataset):
     root = labelled(dataset, (1.0, 0.8))
     kept = prepare(order(root, None)).sources
     assert "next.success is 0.8, which says neither true nor false" in kept.sources[1].notes

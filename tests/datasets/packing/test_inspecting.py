@@ -63,12 +63,12 @@ def test_totals_add_up(tmp_path):
     assert told["raw_bytes"] == 24 * 32 * 48 * 3
 
 
-def test_nothing_there_is_reported(tmp_path):
+def test_an_empty_input_is_reported(tmp_path):
     with pytest.raises(InputFileError, match="none"):
         inspect(tmp_path / "none")
 
 
-def test_what_is_no_camera_is_reported(tmp_path):
+def test_a_depth_stream_is_reported_as_no_camera(tmp_path):
     path = act_folder(tmp_path / "in", "a") / "a.hdf5"
     with h5py.File(path, "r+") as file:
         file["observations/images/cam_high_depth"] = np.zeros((FRAMES, 32, 48), np.uint16)

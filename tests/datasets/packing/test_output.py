@@ -48,7 +48,7 @@ def test_hdf5_files_become_hdf5_files_unless_something_else_is_wanted(source):
     assert resolve_output(OutputSpec(VIDEOS), sources).target == VIDEOS
 
 
-def test_a_data_set_of_recordings_that_do_not_say_what_the_task_was_asks_for_it(source):
+def test_a_data_set_of_recordings_without_a_task_asks_for_it(source):
     sources = find_sources(source, settings()).sources
     with pytest.raises(UsageError, match="does not state its task") as refused:
         resolve_output(OutputSpec("lerobot-v2.1"), sources)
@@ -57,7 +57,7 @@ def test_a_data_set_of_recordings_that_do_not_say_what_the_task_was_asks_for_it(
 
 
 @pytest.mark.parametrize("target", FORMATS)
-def test_recordings_of_other_cameras_do_not_share_a_data_set_unless_those_of_all_are_named(source, target):
+def test_recordings_of_different_cameras_share_a_data_set_only_if_all_cameras_are_named(source, target):
     add_camera(source / "b.hdf5", "cam_low")
     with pytest.raises(UsageError, match=r"b\.hdf5 has other cameras .*a\.hdf5") as refused:
         require(source, target)
@@ -74,7 +74,7 @@ def test_recordings_of_other_robots_do_not_share_a_data_set(source):
         require(source, "lerobot-v3.0")
 
 
-def test_a_state_that_is_no_number_is_found_before_any_work_where_it_is_written(source):
+def test_a_state_with_nan_is_found_before_any_work_where_it_is_written(source):
     with h5py.File(source / "b.hdf5", "r+") as file:
         file["observations/qpos"][3, 2] = np.nan
     with pytest.raises(DamagedFile, match=r"b\.hdf5: the state of frame 3"):
@@ -95,7 +95,7 @@ def test_hdf5_files_become_episodes_of_a_data_set(tmp_path, source, target):
         assert np.allclose(recording.motion.values, old.motion.values)
 
 
-def test_an_episode_of_ours_that_was_compressed_becomes_one_of_a_data_set(tmp_path):
+def test_a_compressed_episode_of_ours_becomes_one_of_a_data_set(tmp_path):
     (tmp_path / "in").mkdir()
     written(tmp_path / "in/a.hdf5", 6)
     packed(tmp_path / "in", tmp_path / "small", crf=LOSSLESS)

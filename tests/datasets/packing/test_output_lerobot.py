@@ -99,7 +99,7 @@ def test_info_says_how_the_videos_are_encoded_now(dataset):
 
 
 @pytest.mark.slow
-def test_another_version_says_what_it_left_out(dataset):
+def test_another_version_names_the_parts_it_left_out(dataset):
     out = compressed(dataset, OTHER[version_of(dataset)], ("cam_high",))
     assert version_of(out) == OTHER[version_of(dataset)]
     record = json.loads((out / "compression.json").read_text())
@@ -136,7 +136,7 @@ def test_depth_is_refused_before_anything_is_searched(dataset):
     assert any("cam_high shows depth" in note for note in sources.sources[0].notes)
 
 
-def test_a_data_set_is_rgb_whatever_a_user_says(dataset):
+def test_a_data_set_is_rgb_regardless_of_the_option(dataset):
     assert open_all(dataset, "rgb").recordings
     with pytest.raises(UsageError, match="RGB"):
         open_all(dataset, "bgr")

@@ -94,7 +94,7 @@ class ToyEpisode(Hdf5Recording):
         return None
 
 
-def test_a_new_layout_is_a_class_and_its_name_in_the_list_of_those_that_are_opened(tmp_path, monkeypatch):
+def test_a_new_layout_is_a_class_and_an_entry_in_the_list_of_readers(tmp_path, monkeypatch):
     monkeypatch.setattr(opening, "HDF5_LAYOUTS", (*opening.HDF5_LAYOUTS, ToyEpisode))
     with h5py.File(tmp_path / "in.hdf5", "w") as file:
         file["film/top"], file["told"] = rooms(), np.zeros((FRAMES, 3))
@@ -104,7 +104,7 @@ def test_a_new_layout_is_a_class_and_its_name_in_the_list_of_those_that_are_open
     assert np.array_equal(new.pictures("top"), rooms())
 
 
-def test_the_record_tells_of_every_video_what_it_is_and_of_what(tmp_path, source):
+def test_the_record_describes_every_video_and_its_source(tmp_path, source):
     record = packed(source, tmp_path / "out").record
     assert [(stream.episode, stream.camera, stream.file) for stream in record.streams] == [
         ("a", "cam_high", "a.cam_high.mp4"),
@@ -129,7 +129,7 @@ def test_colours_that_were_swapped_are_mended_in_the_videos_and_reported(tmp_pat
     assert any("swapped" in note for note in done.record.notes["episode0"])
 
 
-def test_only_the_cameras_that_are_named_go_to_videos(tmp_path):
+def test_only_the_named_cameras_become_videos(tmp_path):
     add_camera(act_folder(tmp_path / "in", "a") / "a.hdf5", "cam_low")
     packed(tmp_path / "in", tmp_path / "out", cameras=("cam_low",))
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["a.cam_low.mp4", "a.hdf5", RECORD]
@@ -169,7 +169,7 @@ def test_a_camera_that_some_lack_is_reported(tmp_path, source):
 # --- what was compressed before ------------------------------------------------------------------------
 
 
-def test_what_was_compressed_before_can_be_compressed_again(tmp_path):
+def test_compressed_input_can_be_compressed_again(tmp_path):
     packed(robotwin_folder(tmp_path / "in", 1), tmp_path / "once", crf=LOSSLESS)
     packed(tmp_path / "once", tmp_path / "twice", crf=LOSSLESS)
     once, twice = (open_recordings(tmp_path / name)[0] for name in ("once", "twice"))
@@ -179,7 +179,7 @@ def test_what_was_compressed_before_can_be_compressed_again(tmp_path):
         assert {**old[key].attrs} == {**new[key].attrs}
 
 
-def test_the_other_cameras_of_what_was_compressed_before_keep_their_videos(tmp_path):
+def test_the_other_cameras_of_compressed_input_keep_their_videos(tmp_path):
     add_camera(act_folder(tmp_path / "in", "a") / "a.hdf5", "cam_low")
     packed(tmp_path / "in", tmp_path / "once")
     packed(tmp_path / "once", tmp_path / "twice", cameras=("cam_low",), crf=40)
@@ -199,14 +199,14 @@ def test_the_same_call_again_does_nothing(tmp_path, source):
     assert digests(tmp_path) == before
 
 
-def test_what_a_call_that_was_killed_at_its_very_end_left_is_removed(tmp_path, source):
+def test_leftovers_of_a_call_killed_at_its_end_are_removed(tmp_path, source):
     packed(source, tmp_path / "out")
     (tmp_path / f"out{WORKING}/whole").mkdir(parents=True)
     packed(source, tmp_path / "out")
     assert beside(tmp_path / "out") == {"out"}
 
 
-def test_to_name_what_would_be_written_anyway_is_no_other_call(tmp_path, source):
+def test_naming_a_default_output_makes_no_other_call(tmp_path, source):
     packed(source, tmp_path / "out")
     assert not packed(source, tmp_path / "out", target="hdf5").fresh
 
@@ -220,7 +220,7 @@ def test_two_calls_do_not_write_one_output_at_once(tmp_path, source):
     assert beside(tmp_path / "out") == {"out"}
 
 
-def test_a_finished_call_does_not_clear_away_what_another_one_works_on(tmp_path, source):
+def test_a_finished_call_does_not_clear_away_the_work_of_another(tmp_path, source):
     packed(source, tmp_path / "out")
     working = tmp_path / f"out{WORKING}"
     working.mkdir()
@@ -278,7 +278,7 @@ def test_an_output_among_the_recordings_or_around_them_is_refused(tmp_path, sour
         ({"target": "lerobot-v3.0"}, UsageError),
     ],
 )
-def test_what_cannot_be_done_is_refused_and_leaves_nothing_behind(tmp_path, source, changes, error):
+def test_an_impossible_call_is_refused_and_leaves_nothing_behind(tmp_path, source, changes, error):
     with pytest.raises(error):
         packed(source, tmp_path / "out", **changes)
     assert beside(tmp_path / "out") == set()
@@ -302,7 +302,7 @@ def with_changing_sizes(path: Path) -> Path:
 def with_a_broken_picture(path: Path) -> Path:
     with h5py.File(robotwin(path), "r+") as file:
         pictures = file["observation/head_camera/rgb"][()]
-        pictures[1] = pictures[1][:40]  # none of those that are looked at for their colours
+        pictures[1] = pictures[1][:40]  # outside the episodes sampled for their colours
         file["observation/head_camera/rgb"][...] = pictures
     return path
 
@@ -368,7 +368,7 @@ def _interrupt(*_args: object, **_kwargs: object) -> None:
 
 
 @pytest.mark.parametrize("writes", range(8))
-def test_a_full_disk_leaves_no_output_and_the_same_call_goes_on_when_there_is_space(
+def test_a_full_disk_leaves_no_output_and_the_call_resumes_when_there_is_space(
     tmp_path, source, uninterrupted, monkeypatch, writes
 ):
     with monkeypatch.context() as patch, pytest.raises(DiskFull):
@@ -393,7 +393,7 @@ def _fill_disk(patch: pytest.MonkeyPatch, after: int) -> None:
     patch.setattr(os, "fsync", fsync)
 
 
-def test_what_a_stopped_call_left_does_not_hinder_one_with_other_options(tmp_path, source, monkeypatch):
+def test_leftovers_of_a_stopped_call_do_not_block_one_with_other_options(tmp_path, source, monkeypatch):
     with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
         patch.setattr("vcage.datasets.packing.pack.compression_record", _interrupt)
         packed(source, tmp_path / "out")

@@ -83,7 +83,7 @@ def test_cameras_whose_streams_keep_every_pixel_are_without_loss():
         ({"crf": LOSSLESS}, ("fixed", False)),
     ],
 )
-def test_the_encoding_says_what_shares_a_crf_and_whether_held_out_frames_counted(settings, expected):
+def test_the_encoding_states_the_sharing_of_crfs_and_the_use_of_held_out_frames(settings, expected):
     encoding = record(stream(), **settings).encoding
     assert (encoding.scope, encoding.guard) == expected
 

@@ -16,7 +16,7 @@ from vcage.video.choices import LOSSLESS
         ({"codec": "av1", "pixel_format": "yuv444p"}, "pixel format of av1"),
     ],
 )
-def test_a_name_that_the_codec_does_not_know_is_refused_beside_those_it_knows(changes, named):
+def test_a_name_unknown_to_the_codec_is_refused_beside_the_known_ones(changes, named):
     with pytest.raises(UnknownName, match=named):
         CompressionSettings(**changes)
 
@@ -38,7 +38,7 @@ def test_a_number_out_of_range_is_refused(changes):
         CompressionSettings(**changes)
 
 
-def test_what_is_left_open_is_left_to_the_search():
+def test_open_options_are_left_to_the_search():
     choices = CompressionSettings(gop="auto").choices()
     assert (choices.pixel_formats, choices.gops, choices.upper) == ((), CompressionSettings.GOPS, None)
 

@@ -1,4 +1,4 @@
-"""Recordings of simulators on their way to a LeRobot data set: what arrives, what is left out, and that it is said."""
+"""Recordings of simulators on their way to a LeRobot data set: exported parts, omitted parts, and the report."""
 
 from __future__ import annotations
 
@@ -216,7 +216,7 @@ def test_a_trajectory_with_as_many_pictures_as_actions_is_refused(tmp_path):
         prepare(order(path, fps=20))
 
 
-def test_a_description_that_is_missing_or_differs_is_reported(tmp_path):
+def test_a_missing_or_different_description_is_reported(tmp_path):
     path = maniskill(tmp_path / "a.h5")
     told = json.loads(path.with_suffix(".json").read_text())
     told["episodes"][0]["elapsed_steps"] = 9
@@ -288,7 +288,7 @@ def test_instructions_in_a_file_of_the_newer_layout_are_the_task(tmp_path, told)
 # --- all layouts ---------------------------------------------------------------------------------------
 
 
-def test_what_nobody_understands_is_named(tmp_path):
+def test_unknown_parts_are_named(tmp_path):
     path = act(tmp_path / "a.hdf5")
     with h5py.File(path, "r+") as file:
         file["observations/effort"], file["observations/qvel"] = ramp(14), ramp(14)
@@ -299,7 +299,7 @@ def test_what_nobody_understands_is_named(tmp_path):
     assert "forces" in found["observations/effort"]
 
 
-def test_an_inspection_names_what_a_data_set_would_not_get(tmp_path):
+def test_an_inspection_names_the_parts_a_data_set_would_lack(tmp_path):
     found = inspect(isaac_lab(tmp_path / "a.hdf5", (True, False)))
     assert totals(found)["failed"]["count"] == 1
     assert "obs/eef_pos" in totals(found)["left_out"]
@@ -307,7 +307,7 @@ def test_an_inspection_names_what_a_data_set_would_not_get(tmp_path):
     assert as_lines(found).splitlines()[-1].startswith("not for a LeRobot data set: ")
 
 
-def test_a_rate_that_is_given_though_the_recording_states_one_is_reported_to_be_unused(tmp_path):
+def test_a_redundant_rate_option_is_reported(tmp_path):
     done = packed(libero(tmp_path / "a.hdf5"), fps=30)
     assert any("--fps 30 is not used" in note for note in done.record.notes["a.demo_0"])
 
@@ -360,7 +360,7 @@ def test_timestamps_give_the_rate_where_nothing_else_does(tmp_path, values):
         (np.array([0, 0.02, 0.04, 0.16, 0.18, 0.2]), "off"),
     ],
 )
-def test_times_that_are_not_those_of_the_stated_rate_do_not_become_a_data_set(tmp_path, values, said):
+def test_times_that_contradict_the_stated_rate_do_not_become_a_data_set(tmp_path, values, said):
     path = timed(tmp_path / "a.hdf5", values, 50.0)
     with pytest.raises(DamagedFile, match=said) as refused:
         prepare(order(path, task="go"))

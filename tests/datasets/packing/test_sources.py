@@ -30,7 +30,7 @@ def test_two_recordings_that_would_be_written_as_one_are_refused(tmp_path):
         find_sources(tmp_path / "in", settings())
 
 
-def test_clips_are_all_cameras_of_all_recordings_or_those_named(tmp_path):
+def test_clips_come_from_all_cameras_of_all_recordings_or_the_named_ones(tmp_path):
     add_camera(act_folder(tmp_path / "in") / "b.hdf5", "cam_low")
     found = find_sources(tmp_path / "in", settings())
     clips = found.clips(fps=FPS)
@@ -112,11 +112,11 @@ def test_a_damaged_recording_is_refused_before_any_work_and_left_out_on_demand(t
     assert said.replace("frame 2 ", "") in found.damaged["b"]
 
 
-def test_where_none_is_sound_there_is_nothing_to_leave_out(tmp_path):
+def test_where_none_is_sound_nothing_can_be_left_out(tmp_path):
     with_nan(act_folder(tmp_path / "in", "a") / "a.hdf5")
     with pytest.raises(DamagedFile, match="NaN") as refused:
         find_sources(tmp_path / "in", settings(), skip_damaged=True)
-    assert "mend the action" in refused.value.hint
+    assert "fix the action" in refused.value.hint
 
 
 def test_of_many_damaged_ones_the_first_are_named_and_all_are_reported(tmp_path):
@@ -151,7 +151,7 @@ def test_pictures_that_are_too_small_are_refused_with_the_smallest_size(tmp_path
     ("changes", "way_out"),
     [({"codec": "av1", "effort": "fast"}, "hevc"), ({"pixel_format": "yuv420p"}, "yuv444p10le")],
 )
-def test_odd_sizes_that_do_not_fit_are_refused_with_what_would_fit(tmp_path, changes, way_out):
+def test_odd_sizes_that_do_not_fit_are_refused_with_the_fitting_ones(tmp_path, changes, way_out):
     path = filled(tmp_path / "a.hdf5", rooms()[:, :31, :47])
     with pytest.raises(UsageError, match="47x31") as refused:
         find_sources(path, settings(**changes))

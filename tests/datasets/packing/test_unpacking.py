@@ -30,7 +30,7 @@ def small(small_once, tmp_path):
     return tmp_path / "small"
 
 
-def test_a_folder_that_is_named_like_a_file_is_none(small, tmp_path):
+def test_a_folder_named_like_a_file_is_not_a_file(small, tmp_path):
     (small / "notes.hdf5").mkdir()
     assert len(unpack_all(small, tmp_path / "back")) == 2
 
@@ -60,7 +60,7 @@ def test_swapped_colours_come_back_swapped(tmp_path):
     assert np.array_equal(old.pictures("head_camera"), new.pictures("head_camera"))
 
 
-def test_arrays_in_which_a_user_says_red_and_blue_are_swapped_come_back_as_they_were(tmp_path):
+def test_arrays_declared_bgr_come_back_unchanged(tmp_path):
     packed(act_folder(tmp_path / "in", "a"), tmp_path / "small", crf=LOSSLESS, colours="bgr")
     unpack_all(tmp_path / "small", tmp_path / "back")
     old, small, new = (open_recordings(tmp_path / name)[0].pictures("cam_high") for name in ("in", "small", "back"))
@@ -100,7 +100,7 @@ def cut_off(small):
 
 
 @pytest.mark.parametrize("damage", [without_its_video, with_a_video_cut_off, with_a_video_that_is_too_short, cut_off])
-def test_what_is_missing_or_damaged_is_named_and_nothing_is_written(small, tmp_path, damage):
+def test_missing_or_damaged_input_is_named_and_nothing_is_written(small, tmp_path, damage):
     damage(small)
     with pytest.raises(DamagedFile, match=r"b\."):
         unpack_all(small, tmp_path / "back")
@@ -113,21 +113,21 @@ def test_a_file_that_was_never_compressed_is_refused(small, tmp_path):
 
 
 @pytest.mark.parametrize("root", ["none", "empty"])
-def test_where_there_is_no_file_one_is_asked_for(tmp_path, root):
+def test_a_missing_file_is_asked_for(tmp_path, root):
     (tmp_path / "empty").mkdir()
     with pytest.raises(InputFileError, match=root):
         unpack_all(tmp_path / root, tmp_path / "back")
 
 
 @pytest.mark.parametrize("out", ["small", "small/back", "."])
-def test_an_output_among_what_is_read_or_around_it_is_refused(small, tmp_path, out):
+def test_an_output_inside_or_around_the_input_is_refused(small, tmp_path, out):
     with pytest.raises(OutputFolderError, match="in one another"):
         unpack_all(small, tmp_path / out, force=True)
 
 
-def test_an_output_that_is_there_is_replaced_with_force_only(small, tmp_path):
+def test_an_existing_output_is_replaced_only_with_force(small, tmp_path):
     unpack_all(small, tmp_path / "back")
-    with pytest.raises(OutputFolderError, match="there already"):
+    with pytest.raises(OutputFolderError, match="exists already"):
         unpack_all(small, tmp_path / "back")
     before = digests(tmp_path / "back")
     unpack_all(small, tmp_path / "back", force=True)

@@ -67,7 +67,7 @@ def in_one_video(root: Path, lengths: Sequence[int], begins: Sequence[float], *,
     Args:
         root: the data set.
         lengths: of its episodes.
-        begins: what it says of the episodes' begins, in frames.
+        begins: its recorded begins of the episodes, in frames.
         spare: frames after the last episode.
     """
     film(root / f"videos/{KEY}/chunk-000/file-000.mp4", range(sum(lengths) + spare))

@@ -1,4 +1,4 @@
-"""Clocks of HDF5 recordings: where they are found, what they count, and what is said of them."""
+"""Clocks of HDF5 recordings: their places, their units, and the notes about them."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def test_a_gap_in_a_demonstration_of_robomimic_is_refused_by_name(tmp_path):
         ("time", np.zeros((FRAMES, 2, 2)), r"time \(\(6, 2, 2\) float64\)"),
     ],
 )
-def test_what_is_named_like_a_clock_and_not_understood_is_named(tmp_path, key, values, told):
+def test_a_clock_in_an_unknown_form_is_reported(tmp_path, key, values, told):
     (recording,) = open_recordings(timed(tmp_path / "a.hdf5", key, values))
     (note,) = (note for note in recording.notes if "not understood" in note)
     assert re.search(told, note)
@@ -128,7 +128,7 @@ def test_the_unit_of_a_clock_is_certain_or_left_to_the_user(step, rate):
     assert clock_of("time", np.arange(FRAMES) * step).nominal_rate == rate
 
 
-def test_a_rate_that_is_stated_settles_the_unit(tmp_path):
+def test_a_stated_rate_settles_the_unit(tmp_path):
     path = timed(tmp_path / "a.hdf5", "timestamps", np.arange(FRAMES) * 2)
     assert any("0.5 Hz in s or 500 Hz in ms" in note for note in open_recordings(path)[0].notes)
     for fps in (0.5, 500):

@@ -76,9 +76,7 @@ UNCLEAR = {
 
 @pytest.mark.parametrize("name", UNCLEAR)
 @pytest.mark.parametrize("layout", LAYOUTS)
-def test_where_pictures_do_not_say_a_layout_is_read_as_its_writers_write_it_and_that_is_reported(
-    tmp_path, layout, name
-):
+def test_an_unmarked_layout_is_read_as_its_writers_write_it_and_that_is_reported(tmp_path, layout, name):
     path = LAYOUTS[layout](tmp_path / "a.hdf5", swapped=CONVENTION[layout], pictures=UNCLEAR[name])
     found, colours = read(path)
     assert near(found, UNCLEAR[name])
@@ -113,7 +111,7 @@ def test_few_pictures_do_not_overrule_a_layout(tmp_path):
     assert colours == Colours(True, "layout", sure=False)
 
 
-def test_one_episode_does_not_overrule_those_beside_it(tmp_path):
+def test_one_episode_does_not_overrule_its_neighbours(tmp_path):
     for number in range(4):
         robotwin(tmp_path / f"{number}.hdf5", pictures=scene(GREY, BLUE))
     robotwin(tmp_path / "4.hdf5", swapped=False, pictures=scene(WOOD))
@@ -144,7 +142,7 @@ def marked(picture: np.ndarray) -> bytes:
     return data[:20] + MARK + data[20:]
 
 
-def test_pictures_that_are_marked_as_rgb_are_read_so_and_come_back_for_readers_that_look_for_the_mark(tmp_path):
+def test_pictures_marked_as_rgb_are_read_so_and_come_back_with_the_mark(tmp_path):
     pictures = scene(GREY, BLUE)
     path = robotwin_vision(tmp_path / "a.hdf5", pictures=pictures)
     with h5py.File(path, "r+") as file:
@@ -161,7 +159,7 @@ def test_pictures_that_are_marked_as_rgb_are_read_so_and_come_back_for_readers_t
 
 @pytest.mark.parametrize("colours", ["auto", "rgb", "bgr"])
 @pytest.mark.parametrize(("plain", "named"), [((0,), r"colors\[1\] is marked"), ((3,), r"colors\[3\] is not")])
-def test_a_file_of_which_only_some_pictures_are_marked_is_refused_by_name(tmp_path, plain, named, colours):
+def test_a_file_with_only_some_marked_pictures_is_refused_by_name(tmp_path, plain, named, colours):
     path = robotwin_vision(tmp_path / "a.hdf5", swapped=True)
     with h5py.File(path, "r+") as file:
         stored = file["vision/cam_head/colors"]
@@ -171,7 +169,7 @@ def test_a_file_of_which_only_some_pictures_are_marked_is_refused_by_name(tmp_pa
         _ = open_all(path, colours).recordings[0].notes
 
 
-def test_what_lies_in_videos_is_settled(tmp_path):
+def test_the_colour_order_of_videos_is_settled(tmp_path):
     path = pack(robotwin(tmp_path / "a.hdf5"), tmp_path / "small/a.hdf5")
     with pytest.raises(UsageError, match="lie in videos"):
         _ = open_all(path, "bgr").recordings[0].notes

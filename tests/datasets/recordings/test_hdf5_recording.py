@@ -56,7 +56,7 @@ def test_an_arm_and_a_gripper_at_a_time_make_robotwins_commands(tmp_path):
     assert motion.values[0, 6] == 1 and motion.values[-1, 13] == 0
 
 
-def test_an_episode_of_ours_is_known_and_says_what_it_is(tmp_path):
+def test_an_episode_of_ours_is_recognised_and_described(tmp_path):
     recording = open_hdf5(written(tmp_path / "a.hdf5", 6))
     assert (recording.LAYOUT, recording.fps, recording.task) == ("vcage", FPS, INSTRUCTION)
     assert recording.robot == "dual_panda"
@@ -66,12 +66,12 @@ def test_an_episode_of_ours_is_known_and_says_what_it_is(tmp_path):
     assert recording.motion.grippers == (2, 5)
 
 
-def test_pictures_at_some_indices_are_those_of_all(tmp_path):
+def test_pictures_at_some_indices_match_all_pictures(tmp_path):
     recording = open_hdf5(act(tmp_path / "a.hdf5"))
     assert np.array_equal(recording.pictures("cam_high", [1, 4]), recording.pictures("cam_high")[[1, 4]])
 
 
-def test_an_unknown_camera_is_named_beside_those_there_are(tmp_path):
+def test_an_unknown_camera_error_lists_the_known_ones(tmp_path):
     with pytest.raises(UnknownName, match="cam_low"):
         open_hdf5(act(tmp_path / "a.hdf5")).pictures("cam_low")
 
@@ -94,7 +94,7 @@ def test_grey_and_rgba_arrays_become_rgb(tmp_path, shape):
 
 
 @pytest.mark.parametrize(("channels", "said"), [(1, "grey"), (4, "alpha"), (3, None)])
-def test_what_is_not_rgb_in_the_file_is_reported(tmp_path, channels, said):
+def test_pictures_other_than_rgb_are_reported(tmp_path, channels, said):
     with h5py.File(tmp_path / "a.hdf5", "w") as file:
         file["observations/images/top"] = np.zeros((3, HEIGHT, WIDTH, channels), np.uint8)
     recording = open_hdf5(tmp_path / "a.hdf5")
@@ -182,7 +182,7 @@ def test_a_recording_goes_to_another_process_before_and_after_it_was_read(tmp_pa
         assert (again.notes, again.cameras) == (recording.notes, recording.cameras)
 
 
-def test_a_command_that_is_no_number_is_named(tmp_path):
+def test_a_command_with_nan_is_named(tmp_path):
     with h5py.File(act(tmp_path / "a.hdf5"), "r+") as file:
         file["action"][3, 2] = np.nan
     with pytest.raises(DamagedFile, match="action of frame 3"):
@@ -190,7 +190,7 @@ def test_a_command_that_is_no_number_is_named(tmp_path):
 
 
 @pytest.mark.parametrize("commands", [["left"] * FRAMES, 3.0, np.zeros((FRAMES, 2, 2))])
-def test_commands_that_are_no_rows_of_numbers_are_refused(tmp_path, commands):
+def test_commands_other_than_rows_of_numbers_are_refused(tmp_path, commands):
     with h5py.File(act(tmp_path / "a.hdf5"), "r+") as file:
         del file["action"]
         file["action"] = commands
@@ -235,7 +235,7 @@ def test_a_file_that_is_cut_off_is_named(tmp_path):
         open_hdf5(path)
 
 
-def test_a_layout_that_nobody_knows_is_refused_with_what_it_holds(tmp_path):
+def test_an_unknown_layout_is_refused_with_its_contents(tmp_path):
     with h5py.File(tmp_path / "a.hdf5", "w") as file:
         file["data/demo_0/thing"] = np.zeros(3)
     with pytest.raises(DamagedFile, match="data/demo_0"):

@@ -48,7 +48,7 @@ def test_every_episode_of_a_data_set_is_a_recording_with_its_pictures_and_comman
             assert np.array_equal(recording.pictures(camera, [2, 7]), recording.pictures(camera)[[2, 7]])
 
 
-def test_a_data_set_says_what_its_numbers_mean_and_what_the_robot_did(dataset):
+def test_a_data_set_states_the_meaning_of_its_numbers_and_the_task(dataset):
     recording = open_recordings(dataset)[1]
     assert recording.state_names == recording.action_names == STATE_NAMES
     assert recording.motion.grippers == (2, 5)
@@ -77,7 +77,7 @@ def test_a_missing_video_is_named(dataset, tmp_path):
             _ = recording.cameras
 
 
-def test_a_video_that_is_shorter_than_its_episode_is_named(v21, tmp_path):
+def test_a_video_shorter_than_its_episode_is_named(v21, tmp_path):
     copy = shutil.copytree(v21, tmp_path / "copy")
     first, second = (recording._files.clip("observation.images.cam_high").file for recording in open_recordings(copy))
     shutil.copy(second, first)
@@ -94,7 +94,7 @@ def changed(source: Path, copy: Path, change: Callable[[dict], object]) -> Path:
     return copy
 
 
-def test_a_version_that_is_not_known_is_named(v3, tmp_path):
+def test_an_unknown_version_is_named(v3, tmp_path):
     copy = changed(v3, tmp_path / "copy", lambda info: info.update(codebase_version="v1.6"))
     with pytest.raises(DamagedFile, match=r"version v1\.6"):
         open_recordings(copy)
@@ -172,7 +172,7 @@ def test_names_come_in_groups_or_numbered_too(v21, tmp_path, names):
 
 @pytest.mark.parametrize("names", [None, ["channel", "height", "width"], ["channels", "height", "width"]])
 @pytest.mark.parametrize("shape", [[48, 64, 3], [3, 48, 64], [48, 64], [48, 64, 1]])
-def test_the_size_of_pictures_is_reported_by_their_shape_whatever_its_parts_are_called(v21, tmp_path, names, shape):
+def test_the_picture_size_follows_from_its_shape_regardless_of_axis_names(v21, tmp_path, names, shape):
     def change(info: dict) -> None:
         info["features"]["observation.images.cam_high"].update(names=names, shape=shape)
 
@@ -180,14 +180,14 @@ def test_the_size_of_pictures_is_reported_by_their_shape_whatever_its_parts_are_
     assert (camera.height, camera.width) == (48, 64)
 
 
-def test_a_camera_of_which_no_facts_are_reported_holds_a_video(v21, tmp_path):
+def test_a_camera_without_reported_facts_holds_a_video(v21, tmp_path):
     copy = changed(
         v21, tmp_path / "copy", lambda info: info["features"]["observation.images.cam_high"].update(info=None)
     )
     assert open_recordings(copy)[0].camera("cam_high").storage == "video"
 
 
-def test_an_instruction_may_hold_what_else_unicode_breaks_lines_at(episodes, tmp_path):
+def test_an_instruction_may_hold_unicode_line_breaks(episodes, tmp_path):
     told = "first\u2028second\u0085third"
     copy = write("lerobot-v2.1", tmp_path / "set", [replace(episodes[1], task=told)])
     assert open_recordings(copy)[0].task == told
@@ -274,7 +274,7 @@ def test_values_that_no_data_set_has_are_refused(dataset, tmp_path, entries, nam
     [
         ("observation.images.top", [30_000, 30_000, 3], "2,700,000,000 numbers"),
         ("observation.images.top", [-1, 3, 3], r"the shape \[-1, 3, 3\]"),
-        ("observation.images./../../top", [48, 64, 3], "is no name of a camera"),
+        ("observation.images./../../top", [48, 64, 3], "is not a camera name"),
     ],
 )
 def test_cameras_that_cannot_be_are_refused(v21, tmp_path, name, shape, named):

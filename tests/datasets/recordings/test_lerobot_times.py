@@ -216,7 +216,7 @@ def test_times_at_another_rate_than_the_data_set_states_are_refused(v21):
         find_sources(with_info(v21, fps=20), CompressionSettings())
 
 
-def test_the_times_of_a_clock_become_those_of_frames_in_another_version_alone(v21):
+def test_clock_times_become_frame_times_in_another_version_only(v21):
     with_timestamps(v21, 1, 1.7e9 + np.arange(5) / FPS)
     with pytest.raises(DamagedFile, match=r"episode 1: .* keeps them") as refused:
         compressed(v21)
@@ -235,7 +235,7 @@ def test_jitter_is_reported_once_and_leaves_the_data_set_of_another_version_even
     assert written[1]._files.times.off_s == 0
 
 
-def test_times_that_are_no_numbers_are_named(v21):
+def test_times_with_nan_are_named(v21):
     with_timestamps(v21, 1, np.array(list("abcde")))
     with pytest.raises(DamagedFile, match=r"episode_000001\.parquet: its timestamps are no numbers"):
         open_recordings(v21)[1].pictures("cam")

@@ -14,7 +14,7 @@ from vcage.datasets.recordings.hdf5_colours import COLOURS
 from vcage.datasets.recordings.opening import open_all, open_hdf5, open_recordings
 
 
-def test_a_folder_of_files_gives_a_recording_each_whatever_their_layout(tmp_path):
+def test_a_folder_of_files_gives_one_recording_per_file_in_any_layout(tmp_path):
     (tmp_path / "data").mkdir()
     act(tmp_path / "data" / "b.hdf5")
     robotwin(tmp_path / "a.h5")
@@ -48,7 +48,7 @@ def test_a_recording_that_says_its_colours_is_believed_beside_others(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["missing", "empty"])
-def test_nothing_to_read_says_what_is_known(tmp_path, name):
+def test_an_unreadable_folder_error_lists_the_known_layouts(tmp_path, name):
     (tmp_path / "empty").mkdir()
     with pytest.raises(InputFileError) as caught:
         open_recordings(tmp_path / name)

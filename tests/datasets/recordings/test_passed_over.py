@@ -34,7 +34,7 @@ def mixed(tmp_path, v21) -> Path:
     return root
 
 
-def test_hdf5_files_are_read_whatever_case_and_suffix_they_have(tmp_path):
+def test_hdf5_files_are_read_in_any_case_and_suffix(tmp_path):
     for name in READ:
         act(tmp_path / name)
     opened = open_all(tmp_path)
@@ -51,13 +51,13 @@ def test_files_named_like_hdf5_of_another_format_are_damaged_or_named(tmp_path):
     assert opened.passed_over == {"2.hdf": "HDF4, which is not read"}
 
 
-def test_a_mixed_folder_names_what_it_passes_over(mixed):
+def test_a_mixed_folder_names_the_skipped_files(mixed):
     passed = open_all(mixed).passed_over
     assert set(passed) == {"sets/a", "cams", "1.mat"}
     assert "LeRobot data set" in passed["sets/a"] and "2 folders" in passed["cams"] and "rename" in passed["1.mat"]
 
 
-def test_what_is_passed_over_is_in_the_summary_and_the_notes(mixed, tmp_path):
+def test_skipped_files_are_in_the_summary_and_the_notes(mixed, tmp_path):
     found = inspect(mixed)
     assert set(totals(found)["passed_over"]) == {"sets/a", "cams", "1.mat"}
     assert (totals(found)["recordings"], totals(found)["damaged"]) == (1, {})
@@ -79,7 +79,7 @@ def test_hdf5_in_a_data_set_is_named(tmp_path, v21):
     assert open_all(tmp_path / "set").passed_over == {"raw.h5": "an HDF5 file; give it by itself"}
 
 
-def test_a_folder_of_data_sets_says_which_to_give(tmp_path, v21, v3):
+def test_a_folder_of_data_sets_lists_the_possible_inputs(tmp_path, v21, v3):
     shutil.copytree(v21, tmp_path / "a")
     shutil.copytree(v3, tmp_path / "more/b")
     with pytest.raises(InputFileError, match="LeRobot data set") as refused:
@@ -93,7 +93,7 @@ def test_pictures_further_down_are_named_where_nothing_else_is(tmp_path):
         open_all(tmp_path)
 
 
-def test_what_a_data_set_and_an_output_hold_themselves_is_not_named(tmp_path, v21):
+def test_files_of_a_data_set_and_of_an_output_are_not_named_as_skipped(tmp_path, v21):
     act(tmp_path / "in.hdf5")
     packed(tmp_path / "in.hdf5", tmp_path / "out")
     assert open_all(tmp_path / "out").passed_over == {} == open_all(v21).passed_over

@@ -93,7 +93,7 @@ def test_palettes_and_grey_are_read_as_they_look(tmp_path, mode):
 
 
 @pytest.mark.parametrize("name", ["0.exr", "depth.npy", "0.GIF"])
-def test_a_format_that_is_not_read_is_refused_by_name_with_those_that_are(tmp_path, name):
+def test_an_unsupported_format_is_refused_by_name_with_the_supported_ones(tmp_path, name):
     (tmp_path / "cam").mkdir()
     (tmp_path / "cam" / name).write_bytes(b"whatever")
     with pytest.raises(InputFileError, match=name) as caught:

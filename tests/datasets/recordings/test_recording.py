@@ -23,7 +23,7 @@ def test_a_folder_of_pictures_is_read_from_each_of_them(tmp_path):
 
 
 @pytest.mark.parametrize("version", ["v21", "v3"])
-def test_an_episode_of_a_data_set_is_read_from_its_table_its_videos_and_what_describes_the_set(request, version):
+def test_an_episode_of_a_data_set_is_read_from_its_table_videos_and_metadata(request, version):
     root = request.getfixturevalue(version)
     files = open_recordings(root)[0].files
     assert root / "meta/info.json" in files

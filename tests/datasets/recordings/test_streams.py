@@ -178,7 +178,7 @@ def test_text_and_references_elsewhere_are_no_pictures(tmp_path):
         ("segue_cam", None),
     ],
 )
-def test_the_last_part_of_a_name_says_what_is_shown(name, shows):
+def test_the_last_part_of_a_name_tells_the_content(name, shows):
     assert shown_by_name(name) == shows
 
 

@@ -38,14 +38,14 @@ FALSE = [
 
 
 @pytest.mark.parametrize("value", FALSE, ids=repr)
-def test_a_label_is_false_in_whatever_form_it_is_written(value):
+def test_every_form_of_a_false_label_is_read(value):
     assert label_of(value, "here") is False
 
 
 @pytest.mark.parametrize(
     "value", [True, 1, 1.0, [False, True], "true", " Yes ", "Success", "succeeded", np.array([0, 1])], ids=repr
 )
-def test_a_label_is_true_in_whatever_form_it_is_written(value):
+def test_every_form_of_a_true_label_is_read(value):
     assert label_of(value, "here") is True
 
 
@@ -55,7 +55,7 @@ def test_an_empty_label_says_nothing(value):
 
 
 @pytest.mark.parametrize("value", [2, 0.5, float("nan"), "maybe", "", {"a": 1}, [None, {}]], ids=repr)
-def test_a_label_that_is_not_understood_is_refused_by_its_place(value):
+def test_an_unclear_label_is_refused_by_its_place(value):
     with pytest.raises(DamagedFile, match=r"here is .*neither true nor false"):
         label_of(value, "here")
 
@@ -92,7 +92,7 @@ def test_a_failure_in_the_description_of_maniskill_is_read_in_every_form(tmp_pat
         ({"episode_id": 0}, "describes episode 0 twice"),
     ],
 )
-def test_a_description_that_is_not_understood_is_refused_by_its_field(tmp_path, row, field):
+def test_an_unclear_description_is_refused_by_its_field(tmp_path, row, field):
     path = described(tmp_path / "a.h5", **row)
     with pytest.raises(DamagedFile, match=rf"a\.json.*{field}"):
         prepare(order(path, tmp_path / "out", target="lerobot-v3.0", task="pick"))
@@ -135,7 +135,7 @@ def test_every_layout_reads_the_same_labels(tmp_path, write, stored, value):
     assert open_recordings(path)[0].failed == "its success is false"
 
 
-def test_a_label_in_hdf5_that_is_not_understood_is_left_out_as_damaged_where_that_is_asked_for(tmp_path):
+def test_an_unclear_label_in_hdf5_is_skipped_as_damaged_on_request(tmp_path):
     path = isaac_lab(tmp_path / "a.hdf5", (True, True))
     with h5py.File(path, "r+") as file:
         file["data/demo_1"].attrs["success"] = "maybe"

@@ -50,7 +50,7 @@ def test_contents_lie_in_their_opening_and_apart_for_any_seed(seed, count):
         assert not boxes_overlap(a, b, CONTENT_MARGIN_M - 1e-7)
 
 
-def test_contents_stand_on_the_floor_of_what_they_lie_in():
+def test_contents_stand_on_the_floor_of_their_container():
     bowl = unplaced("bowl", (0.12, 0.12), YAWS, inside="tray", opening=Opening((0, 0), (0.08, 0.08), 0.005, 0.05))
     egg = unplaced("egg", (0.04, 0.05), YAWS, inside="bowl")
     placed = place([egg, bowl, TRAY], WORKSPACE, np.random.default_rng(0))
@@ -74,7 +74,7 @@ def test_the_same_seed_gives_the_same_contents():
 
 
 @pytest.mark.parametrize("seed", range(10))
-def test_a_container_stands_where_what_it_carries_is_reached_and_seen(seed: int):
+def test_a_container_stands_where_its_contents_are_reached_and_seen(seed: int):
     allowed, within = [[[0.1, -0.1], [0.2, 0.1]]], [[[0.0, -0.2], [0.3, 0.2]]]
     cup = unplaced("cup", (0.06, 0.06), YAWS, allowed=allowed, within=within, inside="tray")
     at = place([TRAY, cup], WORKSPACE, np.random.default_rng(seed))["cup"]
@@ -83,7 +83,7 @@ def test_a_container_stands_where_what_it_carries_is_reached_and_seen(seed: int)
     assert at.x + half[0] <= 0.3 + 1e-6 and abs(at.y) + half[1] <= 0.2 + 1e-6
 
 
-def test_what_is_too_large_for_an_opening_is_refused_with_both_names_and_the_missing_length():
+def test_an_object_too_large_for_an_opening_is_refused_with_both_names_and_the_missing_length():
     laptop = unplaced("laptop", (0.32, 0.1), inside="tray")
     with pytest.raises(InfeasibleScene, match=r"laptop .*opening of tray.* 0\.026 m along x") as caught:
         place([TRAY, laptop], WORKSPACE, np.random.default_rng(0))
@@ -92,7 +92,7 @@ def test_what_is_too_large_for_an_opening_is_refused_with_both_names_and_the_mis
     assert caught.value.details["missing_area_m2"] > 0
 
 
-def test_too_many_contents_are_refused_with_those_to_be_dropped():
+def test_too_many_contents_are_refused_with_the_ones_to_drop():
     contents = [unplaced(f"o{k}", (0.09, 0.09), inside="tray") for k in range(8)]
     with pytest.raises(InfeasibleScene, match="tray") as caught:
         place([TRAY, *contents], WORKSPACE, np.random.default_rng(0))

@@ -55,7 +55,7 @@ def test_an_exact_fit_leaves_one_point():
     assert np.abs(region.sample(np.random.default_rng(0))).max() < 1e-8
 
 
-def test_what_is_larger_than_the_workspace_has_no_region():
+def test_an_object_larger_than_the_workspace_has_no_region():
     region = free_region(BOUNDS, [0.51, 0.1])
     assert region.is_empty and region.area == 0
     with pytest.raises(ValueError, match="empty"):

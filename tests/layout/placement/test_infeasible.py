@@ -1,4 +1,4 @@
-"""What is said when there is no place: who, how much is missing, and ways out that hold when they are tried."""
+"""The report when there is no place: objects, missing room, and ways out that work when tried."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def test_the_same_scene_gets_the_same_answer():
     assert first.as_record() == second.as_record()
 
 
-def test_the_hint_names_what_to_drop_and_how_much_larger_the_workspace_must_be():
+def test_the_hint_names_the_objects_to_drop_and_the_workspace_needed():
     # Three squares of more than half the depth fit side by side only, and need 1.04 m for that.
     error = refusal([unplaced(f"crate{k}", (0.34, 0.34)) for k in range(3)])
     assert error.details["drop"] == ["crate2"]
@@ -60,7 +60,7 @@ def test_the_hint_names_what_to_drop_and_how_much_larger_the_workspace_must_be()
     assert "drop crate2 (the other 2 fit)" in error.hint and "larger (then all fit)" in error.hint
 
 
-def test_an_object_too_long_by_a_millimetre_is_told_so():
+def test_an_object_too_long_by_a_millimetre_is_reported_as_such():
     error = refusal([unplaced("rod", (1.001, 0.02))])
     assert "too large by 0.001 m along x" in error.message
     assert error.details["missing_area_m2"] == pytest.approx(0.001 * 0.02)
@@ -82,6 +82,6 @@ def test_a_limit_that_leaves_nothing_is_named_and_growing_is_not_advised(item, r
     assert error.details["enlarge_m"] is None and "larger" not in error.hint
 
 
-def test_what_stands_there_already_is_named():
+def test_an_object_in_the_way_is_named():
     error = refusal([unplaced("cup", (0.1, 0.1))], obstacles=[WORKSPACE])
     assert "beside what stands there already" in error.message

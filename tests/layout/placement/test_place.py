@@ -178,7 +178,7 @@ def test_a_thousand_obstacles_are_kept_clear_of():
 
 @settings(max_examples=30, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1))
-def test_the_whole_footprint_stays_within_what_is_seen(seed):
+def test_the_whole_footprint_stays_in_view(seed):
     rng = np.random.default_rng(seed)
     within = np.array([[[-0.4, -0.25], [0.1, 0.1]], [[-0.2, -0.25], [0.1, 0.28]]])
     items = [replace(item, within=within) for item in random_items(rng, 4)]

@@ -102,7 +102,7 @@ def test_a_hand_chooses_its_heading_at_a_block_and_where_it_puts_something_but_n
 
 
 @pytest.mark.parametrize("yaw", np.radians([0, 30, 90, 100, -45]))
-def test_what_has_a_known_heading_is_reached_with_hands_that_close_to_both_sides_of_it(yaw):
+def test_a_known_heading_is_reached_with_hands_closing_on_both_sides(yaw):
     """A chocolate bar is held across: the fingers close along its own y, as those of a hand at heading 0 do."""
     (numbers,) = Tilted.of(library().asset("chocolate_bar"), "content", yaw).headings
     off = [(YAWS[number] - yaw + np.pi / 2) % np.pi - np.pi / 2 for number in numbers]
@@ -118,7 +118,7 @@ def test_the_arms_share_the_table(robot, monkeypatch, tmp_path):
     assert inside(np.array([[-0.2, 0.0], [0.2, 0.0]]), together).all()
 
 
-def test_what_every_arm_reaches_lies_between_them(robot, monkeypatch, tmp_path):
+def test_the_common_reach_of_all_arms_lies_between_them(robot, monkeypatch, tmp_path):
     left = robot.arms["left"]
     monkeypatch.setattr(reach_map, "kinematics_of", lambda arm: Disc((-0.1, 0) if arm == left else (0.1, 0)))
     shared = robot_reach(robot, WORKSPACE, HEIGHTS, tmp_path, every=True)
@@ -129,7 +129,7 @@ def test_without_an_arm_nothing_is_reached(robot, tmp_path):
     assert robot_reach(robot.model_copy(update={"arms": {}}), WORKSPACE, HEIGHTS, tmp_path).shape == (0, 2, 2)
 
 
-def test_what_the_camera_of_the_robot_does_not_see_does_not_count(disc, tmp_path):
+def test_area_outside_the_robots_camera_does_not_count(disc, tmp_path):
     robot, wide = load_robot("aloha_agilex"), 2 * WORKSPACE
     points, disc.radius = np.random.default_rng(0).uniform(*wide, (2000, 2)), 2.0
     sees = overview(robot).sees(np.column_stack([points, np.full(len(points), min(HEIGHTS))]))
@@ -140,7 +140,7 @@ def test_what_the_camera_of_the_robot_does_not_see_does_not_count(disc, tmp_path
     np.testing.assert_allclose(robot_reach(blind, wide, HEIGHTS, tmp_path), [wide])
 
 
-def test_rectangles_are_cut_to_a_workspace_that_is_not_on_the_grid(robot, disc, tmp_path):
+def test_rectangles_are_cut_to_a_workspace_off_the_grid(robot, disc, tmp_path):
     disc.radius, workspace = 1.0, np.array([[-0.07, -0.03], [0.06, 0.08]])
     np.testing.assert_allclose(robot_reach(robot, workspace, HEIGHTS, tmp_path), [workspace])
 
@@ -168,7 +168,7 @@ def test_an_object_stands_where_all_that_its_role_needs_is_reached(caplog):
     assert not caplog.text
 
 
-def test_what_is_reached_all_around_nowhere_stands_where_its_middle_is_reached_and_that_is_told(caplog):
+def test_an_object_reached_nowhere_all_around_stands_where_its_middle_is_reached_and_that_is_reported(caplog):
     with caplog.at_level(logging.WARNING):
         np.testing.assert_array_equal(reach_for(held_at(0.25), "content", WORKSPACE[None]), WORKSPACE[None])
     assert "pan" in caplog.text and "250 mm" in caplog.text
@@ -211,7 +211,7 @@ def test_a_damaged_map_is_made_again(robot, disc, tmp_path, content, caplog):
     assert all(path.stat().st_size > 100 for path in tmp_path.iterdir())
 
 
-def test_a_folder_that_cannot_be_written_is_told_and_does_without(robot, disc, tmp_path, caplog):
+def test_an_unwritable_folder_is_reported_and_skipped(robot, disc, tmp_path, caplog):
     (tmp_path / "file").write_text("")
     with caplog.at_level(logging.WARNING):
         found = robot_reach(robot, WORKSPACE, HEIGHTS, tmp_path / "file")

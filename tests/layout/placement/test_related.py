@@ -67,7 +67,7 @@ def test_large_plates_find_their_sides_although_the_first_may_leave_no_room():
         assert holds("left_of", found["a"], found["b"])
 
 
-def test_what_lies_in_a_bowl_is_where_the_bowl_is():
+def test_contents_are_where_their_bowl_is():
     bowl = unplaced("bowl", (0.2, 0.2), opening=Opening((0.0, 0.0), (0.18, 0.18), 0.01, 0.05))
     apple, cup = unplaced("apple", (0.06, 0.06), inside="bowl"), unplaced("cup", (0.08, 0.08))
     for seed in range(10):

@@ -47,13 +47,13 @@ def test_a_guillotine_cut_sheet_is_packed_again():
     assert pack_in_corners(tight, 200, np.random.default_rng(0)).left == []
 
 
-def test_what_was_packed_is_shaken():
+def test_packed_objects_are_shaken():
     tight = plane([unplaced(f"o{k}", (0.2, 0.1), YAWS) for k in range(9)], 0.66, 0.36)
     first, second = (arrange(tight, np.random.default_rng(seed)).spots for seed in (0, 1))
     assert np.mean([np.linalg.norm(first[k].centre - second[k].centre) for k in first]) > 0.02
 
 
-def test_what_is_left_over_is_the_least_of_what_was_tried():
+def test_packing_leaves_out_the_fewest_objects_of_all_tries():
     crowded = plane([unplaced(f"o{k}", (0.3, 0.3)) for k in range(5)], 0.62, 0.62)
     outcome = pack_in_corners(crowded, 5, np.random.default_rng(0))
     assert len(outcome.left) == 1 and len(outcome.spots) == 4
@@ -63,7 +63,7 @@ def test_an_empty_plane_is_solved():
     assert arrange(plane([], 1, 1), np.random.default_rng(0)).spots == {}
 
 
-def test_conflicts_are_those_that_stand_too_close():
+def test_conflicts_are_pairs_too_close_together():
     arrangement = Arrangement(plane([unplaced(x, (0.1, 0.1)) for x in "abc"], 1, 1))
     (stance,) = arrangement.plane.stances[0]
     for k, centre in enumerate([(0.2, 0.2), (0.5, 0.5), (0.8, 0.8)]):

@@ -74,7 +74,7 @@ def footprint(item: TableItem, at: Placement) -> np.ndarray:
     return np.array([at.x, at.y]) + np.array([-half, half])
 
 
-def test_what_is_as_high_as_the_camera_is_seen_nowhere():
+def test_an_object_as_high_as_the_camera_is_seen_nowhere():
     assert view_rectangles(ABOVE, TABLE, 1.6, BOUNDS).shape == (0, 2, 2)
 
 

@@ -92,7 +92,7 @@ TALL = Thing("can", (70, 110, 180), (0.07, 0.07, 0.14), (-0.35, 0.15), round=Tru
 
 @pytest.mark.parametrize("thing", [TALL, BOX, BLOCKS[0], ERASER], ids=lambda thing: thing.id)
 @pytest.mark.parametrize(("at", "turn"), [((0.3, -0.1), 0.0), ((0.0, 0.0), 0.8), ((-0.3, 0.1), -1.2)])
-def test_a_moved_object_covers_what_it_would_cover_there(thing: Thing, at: tuple[float, float], turn: float) -> None:
+def test_a_moved_object_occludes_at_its_new_place(thing: Thing, at: tuple[float, float], turn: float) -> None:
     drawn, _, truth, background = moved(thing, at, turn, light=False)
     covered = np.abs(drawn.astype(int) - background).max(axis=-1) > 12
     assert (covered & truth).sum() / (covered | truth).sum() > 0.8
@@ -120,12 +120,12 @@ def test_a_side_towards_the_light_is_brighter_than_one_away_from_it() -> None:
     assert towards > across == pytest.approx(away) == pytest.approx(0.7)
 
 
-def test_what_stays_where_it_is_looks_as_before() -> None:
+def test_an_unmoved_object_looks_as_before() -> None:
     drawn, truth, pixels, _ = moved(TALL, TALL.at)
     assert np.abs(drawn.astype(int) - truth)[pixels].mean() < 4
 
 
-def test_an_object_that_the_source_does_not_show_is_said_and_left_out(caplog: pytest.LogCaptureFixture) -> None:
+def test_an_object_missing_in_the_source_is_reported_and_left_out(caplog: pytest.LogCaptureFixture) -> None:
     request = request_for("blocks")
     ids = np.where(request.segmentation == 2, 0, request.segmentation)
     request = replace(request, segmentation=ids)
@@ -136,7 +136,7 @@ def test_an_object_that_the_source_does_not_show_is_said_and_left_out(caplog: py
     assert target.shape == request.picture.shape
 
 
-def test_an_object_behind_a_tall_one_is_told() -> None:
+def test_an_object_behind_a_tall_one_is_reported() -> None:
     low = BLOCKS[0].moved(at=(0.2, 0.0))
     picture, ids = draw([TALL, low])
     items = cutouts(scene_of([TALL, low]), ids)
@@ -145,7 +145,7 @@ def test_an_object_behind_a_tall_one_is_told() -> None:
     assert drawing.hidden(0.9) == [low.id] and drawing.visible["can"] == 1
 
 
-def test_an_object_off_the_picture_is_told() -> None:
+def test_an_object_off_the_picture_is_reported() -> None:
     picture, ids = draw([TALL])
     items = cutouts(scene_of([TALL]), ids)
     poses = {"can": at_pose(TALL, (0.9, 0.0))}
@@ -160,7 +160,7 @@ def test_the_editor_refuses_a_picture_that_would_lose_an_object(monkeypatch: pyt
         OfflineEditor().rearrange(request_for("blocks"))
 
 
-def test_relations_that_the_picture_gives_up_are_said(monkeypatch: pytest.MonkeyPatch, caplog) -> None:
+def test_relations_dropped_from_the_picture_are_reported(monkeypatch: pytest.MonkeyPatch, caplog) -> None:
     request = request_for("blocks")
     spread = request_for("blocks").layout
     hidden = replace(spread, poses={**spread.poses, "red-block": Pose.from_yaw((0.8, 0.0, HEIGHT), 0.0)})

@@ -22,7 +22,7 @@ def test_the_page_has_examples_and_the_makefile_a_demonstration() -> None:
 
 @pytest.mark.parametrize("seed", range(2))
 @pytest.mark.parametrize("sentence", [*EXAMPLES, *DEMO])
-def test_every_example_of_the_page_is_read_in_the_scene_that_is_selected_for_it(sentence: str, seed: int) -> None:
+def test_every_example_of_the_page_is_read_in_its_selected_scene(sentence: str, seed: int) -> None:
     chosen, reading = read(sentence, seed)
     spoken = {name for asked in reading.goals for name in (asked.goal.subject, asked.goal.reference)}
     assert len(spoken) > 0 and len(chosen.objects) >= 1

@@ -34,7 +34,7 @@ def test_and_makes_no_order_then_does() -> None:
     assert in_scene("Put the apple in the bowl, then put the banana on the plate", *things)[1][0] == "2"
 
 
-def test_what_needs_another_comes_after_it() -> None:
+def test_a_dependent_goal_comes_after_its_requirement() -> None:
     found = goals("Open the top drawer, put the stapler in it and close it")
     assert [goal.split(": ")[0] for goal in found] == ["1", "2", "3"]
     assert found[0].endswith("drawer_top open") and found[2].endswith("drawer_top closed")
@@ -89,7 +89,7 @@ def test_an_exception_is_left_out_and_stays_untouched() -> None:
     assert reading.untouched == ["marker_red"]
 
 
-def test_everything_else_and_all_others_are_not_what_was_named_before() -> None:
+def test_everything_else_and_all_others_exclude_earlier_objects() -> None:
     things = ("apple/red", "apple/green", "cup/white", "bowl/white", "packaging_box/brown")
     assert len(in_scene("Put the red apple in the bowl and all the other apples in the box", *things)) == 2
     found = in_scene("Put the red apple in the bowl and everything else in the box", *things)
@@ -97,7 +97,7 @@ def test_everything_else_and_all_others_are_not_what_was_named_before() -> None:
     assert len(found) == 3
 
 
-def test_but_is_an_exception_before_a_thing_and_joins_what_has_a_place() -> None:
+def test_but_is_an_exception_before_an_object_and_joins_a_placed_one() -> None:
     things = ("marker/red", "marker/blue", "packaging_box/brown", "plate/white")
     only_blue = ["1: marker_blue inside packaging_box_brown"]
     assert in_scene("Put all the pens but the red one into the box", *things) == only_blue
@@ -105,14 +105,14 @@ def test_but_is_an_exception_before_a_thing_and_joins_what_has_a_place() -> None
     assert both == [*only_blue, "1: marker_red on plate_white"]
 
 
-def test_beside_a_drawer_is_beside_what_has_it() -> None:
+def test_beside_a_drawer_is_beside_its_cabinet() -> None:
     found = in_scene("Put the apple next to the drawer", "apple/red", "cabinet_three_drawers/steel")
     assert found == ["1: apple_red beside cabinet_three_drawers_steel"]
     with pytest.raises(UnreadInstruction, match="not on it or beside it"):
         in_scene("Put the apple to the left of the top drawer", "apple/red", "cabinet_three_drawers/steel")
 
 
-def test_the_drawer_is_the_one_that_was_named_before() -> None:
+def test_the_drawer_is_the_last_one_named() -> None:
     found = goals("Open the top drawer, put the apple in it and close the drawer")
     assert found[-1] == "3: cabinet_three_drawers_steel/drawer_top closed"
 
@@ -128,7 +128,7 @@ def test_a_thing_is_handed_over_after_a_comma() -> None:
     assert [goal.split(" ", 2)[2] for goal in found] == ["handed right", "inside packaging_box_brown"]
 
 
-def test_several_things_that_are_stacked_on_a_place_stand_on_each_other() -> None:
+def test_several_objects_stacked_on_a_place_stand_on_each_other() -> None:
     things = ("block/red", "block/blue", "block/green", "plate/white")
     assert in_scene("Stack the red block and the blue block on the plate", *things) == [
         "1: block_red on plate_white",
@@ -136,7 +136,7 @@ def test_several_things_that_are_stacked_on_a_place_stand_on_each_other() -> Non
     ]
 
 
-def test_what_is_used_to_weigh_with_is_not_everything_else() -> None:
+def test_a_scale_is_not_everything_else() -> None:
     things = ("apple/red", "cup/white", "packaging_box/brown", "electronic_scale/blue")
     found = in_scene("Weigh the apple and put everything else in the box", *things)
     assert found == ["1: apple_red weighed", "1: cup_white inside packaging_box_brown"]
@@ -173,7 +173,7 @@ def test_an_exception_after_the_place_may_be_one_of_the_places() -> None:
         ("Use the left arm to put the red block on the plate and put the blue block on the plate", "which arm"),
     ],
 )
-def test_what_is_in_doubt_or_no_form_is_refused_and_says_why(sentence: str, why: str) -> None:
+def test_doubtful_or_unknown_wording_is_refused_with_a_reason(sentence: str, why: str) -> None:
     with pytest.raises(UnreadInstruction, match=why) as refused:
         read_goals(sentence, scene("block/red", "block/blue", "plate/white"))
     assert "--models agent" in refused.value.hint and "docs/instructions.md" in refused.value.hint
@@ -216,6 +216,6 @@ def test_several_places_take_one_thing_each() -> None:
         "Put the apple in the bowl and the block on the plate with the right arm",
     ],
 )
-def test_what_may_be_meant_otherwise_is_refused(sentence):
+def test_an_ambiguous_instruction_is_refused(sentence):
     with pytest.raises(UnreadInstruction):
         read_goals(sentence, scene("block/red", "block/blue", "apple/red", "bowl/white", "plate/white"))

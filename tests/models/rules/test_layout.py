@@ -48,7 +48,7 @@ def test_every_object_has_a_place_without_contradiction(receptacles, context, se
     assert all(o.phrase in planned.text for o in found.objects)
 
 
-def test_what_opens_stands_in_the_middle_between_the_other_receptacles_and_has_nothing_before_it():
+def test_an_openable_object_stands_in_the_middle_of_the_receptacles_with_nothing_before_it():
     planned = plan(laid(RECEPTACLES, CONTENTS))
     assert planned.relations[0] == Relation(subject="cabinet_two_drawers", relation="center", reference="table")
     sides = places(planned, "left_of") | places(planned, "right_of")
@@ -70,7 +70,7 @@ def test_things_of_a_kind_stand_together():
     assert sum({a, b} <= fruit for a, b in near.items()) >= 1
 
 
-def test_which_side_is_which_is_a_random_choice_that_the_seed_settles():
+def test_the_seed_settles_which_side_is_which():
     found = laid(RECEPTACLES, CONTENTS)
     assert plan(found, 3) == plan(found, 3)
     assert {"pen_tray" in places(plan(found, seed), "left_of") for seed in range(8)} == {True, False}

@@ -26,7 +26,7 @@ def ask(
         ("stapler", "top drawer of the white cabinet", "in"),
     ],
 )
-def test_what_people_would_do_is_sensible(thing: str, place: str, holds: str) -> None:
+def test_ordinary_human_actions_are_sensible(thing: str, place: str, holds: str) -> None:
     assert ask(thing, place, holds).sensible
 
 
@@ -45,6 +45,6 @@ def test_senseless_pairs_get_a_reason(thing: str, place: str, holds: str) -> Non
     assert not answer.sensible and answer.reason
 
 
-def test_what_is_too_large_for_the_opening_is_refused_with_both_sizes() -> None:
+def test_an_object_too_large_for_the_opening_is_refused_with_both_sizes() -> None:
     answer = ask("book", "packaging box", "in", size=(0.3, 0.2, 0.03), opening=(0.24, 0.17, 0.07))
     assert not answer.sensible and "30.0 x 20.0 cm" in answer.reason and "24.0 x 17.0 cm" in answer.reason

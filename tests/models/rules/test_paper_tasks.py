@@ -102,7 +102,7 @@ def test_a_word_that_several_kinds_share_means_the_plainest_that_fits(kinds, ins
 
 
 def asked(instruction: str, kinds: list[CatalogueEntry], seed: int) -> tuple[list[SelectedAsset], list[Goal]]:
-    """What is chosen for an instruction, and what is then read in it."""
+    """The objects chosen for an instruction, and the goals then read in it."""
     chosen = select(instruction, kinds, seed)
     named = name_objects(Selection(objects=chosen), kinds)
     things = entries_of(named, kinds)

@@ -1,4 +1,4 @@
-"""What came, went or moved between two views, and what is only a shadow."""
+"""Arrivals, departures and moves between two views, and mere shadows."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def change(one: np.ndarray, other: np.ndarray) -> Change:
     return Change.between(View(one, None), View(other, None))  # pyrefly: ignore
 
 
-def test_what_came_is_a_thing_and_its_shadow_is_none() -> None:
+def test_an_arrival_is_an_object_and_its_shadow_is_not() -> None:
     thing, shade = np.s_[30:60, 40:70], np.s_[60:90, 45:75]
     found = change(picture(), picture(thing, shade=shade))
     assert found.things[34:56, 44:66].all()
@@ -48,20 +48,20 @@ def test_a_shadow_on_dark_wood_is_no_thing() -> None:
     assert found.all[44:76, 54:86].all() and found.things[44:76, 54:86].mean() < 0.1
 
 
-def test_what_went_and_came_elsewhere_is_displaced() -> None:
+def test_a_departure_with_an_arrival_elsewhere_is_displaced() -> None:
     old, new = np.s_[20:40, 20:40], np.s_[70:90, 100:120]
     found = change(picture(old), picture(new))
     assert displaced(found, NONE, mask(old), mask(new), far=15) > 200
 
 
-def test_what_is_explained_is_not_displaced() -> None:
+def test_an_explained_change_is_not_displaced() -> None:
     old, new = np.s_[20:40, 20:40], np.s_[70:90, 100:120]
     found = change(picture(old), picture(new))
     explained = mask(np.s_[15:45, 15:45], np.s_[65:95, 95:125])
     assert displaced(found, explained, mask(old), mask(new), far=15) == 0
 
 
-def test_what_was_nudged_stands_where_it_stood() -> None:
+def test_a_nudged_object_stands_at_its_old_place() -> None:
     old, new = np.s_[20:60, 20:60], np.s_[20:60, 26:66]
     found = change(picture(old), picture(new))
     assert displaced(found, NONE, mask(old), mask(new), far=15) == 0

@@ -41,7 +41,9 @@ def test_contents_start_beside_their_receptacle_on_both_sides() -> None:
         [("plate", "right_of", "eraser")],
     ],
 )
-def test_a_layout_says_what_the_instruction_describes(triples: list[tuple[str, RelationWord, str]], seed: int) -> None:
+def test_a_layout_states_the_description_in_the_instruction(
+    triples: list[tuple[str, RelationWord, str]], seed: int
+) -> None:
     told = [Description(subject=s, relation=r, reference=o, words="x") for s, r, o in triples]
     things = [PLATE, *BLOCKS, ERASER.moved(id="eraser", role="context")]
     scene = scene_of(things).model_copy(update={"descriptions": told})
@@ -59,7 +61,7 @@ def test_nothing_stands_where_the_instruction_wants_something_put(side: Relation
     assert not [r for r in plan.relations if (r.relation, r.reference) == (side, "plate")]
 
 
-def test_what_is_complained_about_is_drawn_again() -> None:
+def test_a_rejected_draw_is_repeated() -> None:
     scene, seen = scene_of([PLATE, *BLOCKS]), []
 
     def no_red_on_the_left(plan: LayoutPlan) -> list[str]:
@@ -71,7 +73,7 @@ def test_what_is_complained_about_is_drawn_again() -> None:
     assert plan is seen[-1] and len(seen) > 1 and seen[0].relations != plan.relations
 
 
-def test_what_is_always_complained_about_is_refused_after_a_few_draws() -> None:
+def test_draws_that_always_fail_are_refused_after_a_few() -> None:
     seen = []
 
     def never(selection: Selection) -> list[str]:
@@ -83,7 +85,7 @@ def test_what_is_always_complained_about_is_refused_after_a_few_draws() -> None:
     assert len(seen) == MAX_DRAWS and "--seed" not in caught.value.hint
 
 
-def test_another_seed_is_offered_where_what_is_wrong_differs_from_draw_to_draw() -> None:
+def test_another_seed_is_offered_where_failures_differ_between_draws() -> None:
     seen = []
 
     def never(selection: Selection) -> list[str]:

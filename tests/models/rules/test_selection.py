@@ -21,13 +21,13 @@ def test_the_same_seed_gives_the_same_objects() -> None:
 
 
 @pytest.mark.parametrize("name", ["the tomato sauce", "the helicopter", "the chocolate pudding"])
-def test_a_name_of_which_not_all_words_are_a_kinds_is_refused(name: str) -> None:
+def test_a_name_with_words_foreign_to_its_kind_is_refused(name: str) -> None:
     with pytest.raises(NoAssetFits, match=name) as refused:
         selected(f"Put {name} in the basket")
     assert refused.value.details["unmatched"] == [name] and "nearest in meaning" in refused.value.hint
 
 
-def test_a_colour_that_a_kind_does_not_come_in_is_refused_with_those_that_it_does() -> None:
+def test_a_colour_foreign_to_a_kind_is_refused_with_the_known_ones() -> None:
     with pytest.raises(NoAssetFits) as refused:
         selected("Put the apple in the purple bowl")
     assert "bowl comes in white, green" in refused.value.hint
@@ -40,14 +40,14 @@ def test_none_and_more_than_a_table_holds_are_refused(count: str, why: str) -> N
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_nothing_stands_by_that_falls_under_everything(seed: int) -> None:
+def test_clutter_excludes_everything_meant_by_everything(seed: int) -> None:
     sentence = "Everything goes into the packaging box"
     entries = {entry.name: entry for entry in kinds()}
     by = [entries[name] for name in chosen(sentence, "context", seed)]
     assert not any(quantifier.covers(entry) for quantifier in quantified(sentence) for entry in by)
 
 
-def test_what_belongs_to_the_scene_is_preferred() -> None:
+def test_objects_of_the_scene_are_preferred() -> None:
     entries = {entry.name: entry for entry in kinds()}
     for seed in range(3):
         found = chosen("Put the objects into the basket", "content", seed, scene="bathroom")
@@ -60,13 +60,13 @@ def test_tools_have_their_role() -> None:
     assert chosen(sentence, "content") == ["chocolate_bar"]
 
 
-def test_a_container_is_one_that_stands_on_the_plate() -> None:
+def test_a_container_is_the_one_on_the_plate() -> None:
     entries = {entry.name: entry for entry in kinds()}
     (name,) = chosen("Place the container onto the plate", "content")
     assert entries[name].functional_points[0].holds == "in" and max(entries[name].size[:2]) < 0.21
 
 
-def test_what_is_excepted_stands_there_too() -> None:
+def test_exceptions_stand_there_too() -> None:
     found = selected("Put all the pens except the red one into the box").objects
     assert ("marker", "red", "context") in [(o.asset, o.variant, o.role) for o in found]
     assert [o.variant for o in found if o.asset == "marker" and o.role == "content"].count("red") == 0
@@ -88,7 +88,7 @@ def test_an_exception_among_parts_is_refused() -> None:
 
 
 @pytest.mark.parametrize("sentence", ["Put the other mug on the plate", "Put another mug on the plate"])
-def test_the_other_one_of_what_nobody_named_is_refused(sentence: str) -> None:
+def test_the_other_one_without_a_first_is_refused(sentence: str) -> None:
     with pytest.raises(UnreadInstruction, match="nobody can tell which"):
         selected(sentence)
 

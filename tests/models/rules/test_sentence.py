@@ -37,7 +37,7 @@ def test_politeness_says_nothing() -> None:
     ]
 
 
-def test_words_are_those_of_the_instruction() -> None:
+def test_words_come_from_the_instruction() -> None:
     (commands,) = parse("Open  the Top Drawer, put the Stapler in it")
     assert [c.words for c in commands] == ["Open the Top Drawer", "put the Stapler in it"]
 

@@ -17,7 +17,7 @@ def hulls(*parts: trimesh.Trimesh) -> list[trimesh.Trimesh]:
     return component_hulls(*joined(list(parts)))
 
 
-def test_parts_that_are_apart_are_pieces_of_their_own():
+def test_separate_parts_are_pieces_of_their_own():
     assert len(hulls(box((0, 0, 0), (1, 1, 1)), box((2, 0, 0), (3, 1, 1)))) == 2
 
 

@@ -26,23 +26,23 @@ def test_a_narrow_box_is_grasped_across_its_middle() -> None:
     assert first.position[2] == pytest.approx(0.035, abs=0.004)
 
 
-def test_a_box_that_is_narrow_both_ways_is_grasped_both_ways() -> None:
+def test_a_box_narrow_both_ways_is_grasped_both_ways() -> None:
     assert {point.closing for point in contact_points_from_above([box((0.04, 0.05, 0.06))], GRIPPER)} == {
         (1, 0, 0),
         (0, 1, 0),
     }
 
 
-def test_what_is_wider_than_the_gripper_has_no_grasp() -> None:
+def test_an_object_wider_than_the_gripper_has_no_grasp() -> None:
     assert contact_points_from_above([box((0.1, 0.12, 0.06))], GRIPPER) == []
 
 
-def test_a_gripper_that_opens_wider_grasps_what_is_wider() -> None:
+def test_a_gripper_that_opens_wider_grasps_wider_objects() -> None:
     wider = GRIPPER.model_copy(update={"max_width": 0.14})
     assert contact_points_from_above([box((0.1, 0.12, 0.06))], wider)
 
 
-def test_what_lies_too_flat_has_no_grasp() -> None:
+def test_a_too_flat_object_has_no_grasp() -> None:
     assert contact_points_from_above([box((0.04, 0.12, 0.006))], GRIPPER) == []
 
 

@@ -88,7 +88,7 @@ def test_surfaces_lie_where_the_files_scene_puts_them(tmp_path):
 
 
 @pytest.mark.parametrize("content", [b"", b"glTF", b"{}"])
-def test_a_file_that_is_no_mesh_is_named(tmp_path, content):
+def test_a_file_without_a_mesh_is_named(tmp_path, content):
     (tmp_path / "a.glb").write_bytes(content)
     with pytest.raises(DamagedFile, match=r"a\.glb"):
         load_surfaces(tmp_path / "a.glb")
@@ -106,7 +106,7 @@ def test_colours_have_everyday_words(colour, word):
     assert word_of(np.array(colour)) == word
 
 
-def test_needles_that_nobody_sees_are_left_out(tmp_path):
+def test_invisible_needles_are_left_out(tmp_path):
     mesh = trimesh.creation.box()
     needle = [[0, 0, 0], [1, 0, 0], [1, 4e-8, 0]]
     both = trimesh.Trimesh(np.vstack([mesh.vertices, needle]), np.vstack([mesh.faces, [[8, 9, 10]]]), process=False)

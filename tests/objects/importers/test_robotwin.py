@@ -1,4 +1,4 @@
-"""Importing folders of RoboTwin objects: names, many at once, and what an interruption leaves."""
+"""Importing folders of RoboTwin objects: names, many at once, and interruption."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def test_a_folder_of_many_is_imported_with_its_bad_objects_reported(rigid, cabin
     assert Library.load(into).names == ["rt_cabinet"]
 
 
-def test_an_empty_object_says_what_was_expected(rigid, into):
+def test_an_empty_object_error_lists_the_expected_files(rigid, into):
     (rigid.folder.parent / "001_nothing").mkdir(parents=True)
     (entry,) = import_robotwin(rigid.folder.parent, into)
     assert "001_nothing is empty; expected visual/base0.glb" in entry.error.message
@@ -54,7 +54,7 @@ def test_a_name_that_occurs_twice_is_refused_naming_both(rigid, into):
     assert str(into / "rt_deep-tray") in second.error.message
 
 
-def test_what_was_imported_before_is_replaced_only_by_force(rigid, into):
+def test_an_imported_object_is_replaced_only_by_force(rigid, into):
     import_robotwin(rigid.write().folder, into)
     (again,) = import_robotwin(rigid.folder, into)
     assert "is the name of" in again.error.message and "--force" in again.error.hint
@@ -109,14 +109,14 @@ def test_a_number_of_too_many_digits_is_a_damaged_file(rigid, into):
 
 
 @pytest.mark.parametrize("value", [5, "none", {"a": 1}, [[[10**400] * 4] * 4]])
-def test_contact_points_that_are_no_list_of_matrices_are_warned_of(rigid, into, value):
+def test_contact_points_other_than_a_list_of_matrices_cause_a_warning(rigid, into, value):
     rigid.data["contact_points_pose"] = value
     (entry,) = import_robotwin(rigid.write().folder, into)
     assert entry.error is None
     assert any("field contact_points_pose" in warning and "4×4" in warning for warning in entry.warnings)
 
 
-def test_what_a_record_refuses_names_file_field_and_value(rigid, into, monkeypatch):
+def test_a_refused_record_names_file_field_and_value(rigid, into, monkeypatch):
     monkeypatch.setattr(robotwin, "called", lambda folder: "")
     (entry,) = import_robotwin(rigid.write().folder, into)
     assert f"{rigid.folder}: field name: String should have at least 1 character; got ''" == entry.error.message

@@ -35,7 +35,7 @@ def test_a_drawer_is_a_moving_part_that_opens_towards_the_robot(cabinet, into):
     assert (drawer.joint.lower, drawer.joint.upper) == (0.0, pytest.approx(0.2))
 
 
-def test_links_that_are_fixed_together_are_one_body_with_their_masses(cabinet, into):
+def test_rigidly_joined_links_are_one_body_with_their_masses(cabinet, into):
     asset, _ = imported(cabinet.write(), into)
     assert asset.model.mass == pytest.approx(2.0 + 0.1)  # the base is not named, and has RoboTwin's default
     assert len(asset.model.hulls) == 4
@@ -109,7 +109,7 @@ def test_a_missing_mesh_is_named(cabinet, into):
     assert "mobility.urdf: field link body.visual.mesh: 'body.obj' is missing" in message
 
 
-def test_an_unknown_link_of_a_point_is_named_with_those_there_are(cabinet, into):
+def test_an_unknown_link_of_a_point_is_named_with_the_known_ones(cabinet, into):
     cabinet.data["contact_points"][0]["base"] = "lid"
     asset, warnings = imported(cabinet.write(), into)
     assert asset.annotation.contact_points == []

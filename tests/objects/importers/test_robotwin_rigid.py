@@ -166,7 +166,7 @@ def test_a_scale_that_is_none_refuses_the_object(rigid, into, change, field):
         ("contact_point_pose", [], "contact_point_pose", "did you mean contact_points_pose?"),
     ],
 )
-def test_a_field_that_is_wrong_is_warned_of_by_name(rigid, into, field, value, named, expected):
+def test_a_wrong_field_causes_a_warning_with_its_name(rigid, into, field, value, named, expected):
     rigid.data[field] = value
     _, warnings = imported(rigid.write(), into)
     assert any(f"model_data0.json: field {named}:" in w and expected in w for w in warnings)
@@ -186,7 +186,7 @@ def test_a_contact_point_outside_the_object_is_left_out(rigid, into):
     assert "field contact_points_pose.1: lies outside the object: got (0.375" in warnings[0]
 
 
-def test_without_model_data_scale_1_is_assumed_for_what_is_small_enough(rigid, into):
+def test_without_model_data_scale_1_is_assumed_for_small_objects(rigid, into):
     rigid.parts = [trimesh.creation.box([0.1, 0.05, 0.1])]
     asset, warnings = imported(rigid.write(data=False), into)
     assert asset.size == pytest.approx([0.1, 0.1, 0.05])
@@ -215,7 +215,7 @@ def test_without_a_visual_mesh_the_collision_mesh_is_seen(rigid, into):
     assert "visual/base0.glb: missing" in warnings[0]
 
 
-def test_without_a_collision_mesh_the_pieces_come_from_what_is_seen_and_stay_open(rigid, into):
+def test_without_a_collision_mesh_the_pieces_come_from_the_visible_mesh_and_stay_open(rigid, into):
     rigid.parts = [trimesh.boolean.union(_overlapping(rigid.parts))]
     asset, warnings = imported(rigid.write(collision=False), into)
     assert "collision/base0.glb: missing" in warnings[0]
@@ -308,26 +308,26 @@ def textured_obj(rigid, written: bool) -> Path:
     return picture
 
 
-def test_a_texture_that_is_there_is_seen_and_nothing_is_told(rigid, into):
+def test_a_present_texture_is_used_without_a_warning(rigid, into):
     textured_obj(rigid, written=True)
     asset, warnings = imported(rigid, into)
     assert asset.variant.colour == "blue" and not any("texture" in warning for warning in warnings)
 
 
-def test_a_texture_that_is_missing_is_told_of(rigid, into):
+def test_a_missing_texture_is_reported(rigid, into):
     textured_obj(rigid, written=False)
     asset, warnings = imported(rigid, into)
     assert asset.variant.colour == "white"
     assert any("textured0.obj: the texture 'wood grain.png' is missing" in warning for warning in warnings)
 
 
-def test_a_texture_that_is_damaged_is_told_of(rigid, into):
+def test_a_damaged_texture_is_reported(rigid, into):
     textured_obj(rigid, written=True).write_bytes(b"no picture")
     _, warnings = imported(rigid, into)
     assert any("'wood grain.png' cannot be read as a picture" in warning for warning in warnings)
 
 
-def test_a_texture_that_is_too_large_refuses_its_variant(rigid, into):
+def test_a_too_large_texture_refuses_its_variant(rigid, into):
     path = textured_obj(rigid, written=True)
     data = bytearray(path.read_bytes())
     data[16:24] = (30_000).to_bytes(4, "big") * 2
@@ -350,7 +350,7 @@ def test_a_texture_that_was_made_too_large_after_the_import_is_refused(rigid, in
 
 
 @pytest.mark.parametrize("image", [{"uri": "gone.png"}, {}], ids=["file", "nothing"])
-def test_a_texture_that_a_binary_gltf_lacks_is_told_of(rigid, into, image):
+def test_a_texture_missing_in_a_binary_gltf_is_reported(rigid, into, image):
     path = rigid.write().folder / "visual" / "base0.glb"
     header, binary = gltf_of(path)
     header["images"] = [image]

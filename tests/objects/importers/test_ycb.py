@@ -56,12 +56,12 @@ def test_without_names_every_shape_is_imported(tmp_path: Path) -> None:
     assert len(done) == 3 and steps[0] == "011_banana 1/3"
 
 
-def test_what_cannot_be_grasped_is_imported_with_a_warning(tmp_path: Path) -> None:
+def test_an_ungraspable_object_is_imported_with_a_warning(tmp_path: Path) -> None:
     (done,) = import_ycb(["073-b_lego_duplo"], GRIPPER, tmp_path)
     assert any("field contact_points: none found" in warning for warning in done.warnings)
 
 
-def test_an_object_that_is_there_is_kept_unless_forced(tmp_path: Path) -> None:
+def test_an_existing_object_is_kept_unless_forced(tmp_path: Path) -> None:
     import_ycb(["banana"], GRIPPER, tmp_path)
     (refused,) = import_ycb(["banana"], GRIPPER, tmp_path)
     assert refused.error is not None and "--force" in refused.error.hint
@@ -69,7 +69,7 @@ def test_an_object_that_is_there_is_kept_unless_forced(tmp_path: Path) -> None:
     assert replaced.error is None
 
 
-def test_an_unknown_shape_is_refused_with_those_that_exist(tmp_path: Path) -> None:
+def test_an_unknown_shape_is_refused_with_the_known_ones(tmp_path: Path) -> None:
     with pytest.raises(UnknownName, match="011_banana"):
         import_ycb(["bananna"], GRIPPER, tmp_path)
 

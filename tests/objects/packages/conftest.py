@@ -1,4 +1,4 @@
-"""Tiny packages of models, in place of those that set-up fetches."""
+"""Tiny packages of models, in place of the fetched ones."""
 
 from __future__ import annotations
 

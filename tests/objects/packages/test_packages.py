@@ -1,4 +1,4 @@
-"""Packages of models: what is kept of them, and what becomes of a model."""
+"""Packages of models: the stored parts, and the fate of a model."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def test_a_turn_and_a_size_of_ours_come_last(debian_package: Path) -> None:
     np.testing.assert_allclose(size(sized), [0.1, 0.2, 0.3], atol=1e-6)
 
 
-def test_what_was_up_stays_up_and_keeps_its_picture(debian_package: Path) -> None:
+def test_the_up_side_stays_up_and_keeps_its_picture(debian_package: Path) -> None:
     package = fetched(SWEET_HOME_3D, debian_package, ["Small#cube"])
     parts = package.built(PackageModel(model="Small#cube", mass=0.1)).parts
     pictured, plain = sorted(parts, key=lambda part: part.texture[0, 0].tolist())
@@ -83,14 +83,14 @@ def test_the_attribution_names_maker_and_licence(debian_package: Path, tmp_path:
     assert "Debian package sweethome3d-furniture 1.8" in text
 
 
-def test_a_model_that_is_not_here_is_refused_by_name(debian_package: Path) -> None:
+def test_a_missing_model_is_refused_by_name(debian_package: Path) -> None:
     package = fetched(SWEET_HOME_3D, debian_package, ["Small#cube"])
     with pytest.raises(InputFileError, match="no model 'Small#other'") as caught:
         package.built(PackageModel(model="Small#other", mass=0.1))
     assert caught.value.command.endswith("vcage setup assets")
 
 
-def test_a_fetch_that_fails_leaves_what_was_there(debian_package: Path) -> None:
+def test_a_failed_fetch_leaves_the_old_files(debian_package: Path) -> None:
     package = fetched(SWEET_HOME_3D, debian_package, ["Small#cube"])
     broken = debian_package.with_name("broken.deb")
     broken.write_bytes(b"broken")
@@ -108,7 +108,7 @@ def test_every_shape_is_kept_and_painted(shapes: Path) -> None:
     np.testing.assert_allclose(size(built), [0.15, 0.04, 0.04], atol=1e-6)
 
 
-def test_an_archive_that_is_cut_off_is_an_error(shapes: Path) -> None:
+def test_a_truncated_archive_is_an_error(shapes: Path) -> None:
     shapes.write_bytes(shapes.read_bytes()[:200])
     with pytest.raises(FetchFailed, match="damaged"):
         fetched(YCB, shapes, [])

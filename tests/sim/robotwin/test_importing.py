@@ -152,7 +152,7 @@ def test_a_camera_link_carries_a_wrist_camera(folder):
     assert robot.cameras["head_camera"].up == pytest.approx((0, 0.8, 0.6))
 
 
-def test_joints_that_are_no_part_of_arm_or_gripper_are_held(folder):
+def test_joints_outside_arm_and_gripper_are_held(folder):
     wheel = (
         '<link name="wheel"/><joint name="rolling" type="continuous"><parent link="base"/><child link="wheel"/></joint>'
     )
@@ -253,7 +253,7 @@ def test_a_wrong_field_is_named(folder, data, changes, message):
     assert list(data.glob("robots/*")) == []
 
 
-def test_all_fields_that_are_missing_or_wrong_are_named_in_one_error(folder, data):
+def test_all_missing_or_wrong_fields_are_named_in_one_error(folder, data):
     changes = {"ee_joints": None, "gripper_scale": [0.0, 0.0], "srdf_path": "./other.srdf", **camera(forward=None)}
     with pytest.raises(SchemaMismatch, match="4 fields are wrong") as error:
         import_robot(write(folder, config(**changes)))
@@ -279,7 +279,7 @@ def test_a_direction_of_any_length_is_made_a_unit_vector(folder):
     assert robot.cameras["x"].forward == pytest.approx((0, 0.6, -0.8))
 
 
-def test_a_name_that_is_too_long_is_refused(tmp_path, data):
+def test_a_too_long_name_is_refused(tmp_path, data):
     with pytest.raises(UsageError, match=r"has 81 characters; expected at most 80"):
         import_robot(write(tmp_path / ("a" * 81), config()))
     assert list(data.glob("robots/*")) == []
@@ -314,14 +314,14 @@ def test_an_arm_joint_without_limits_is_named(folder):
         import_robot(folder)
 
 
-def test_a_name_that_is_taken_is_refused_unless_forced(folder):
+def test_a_taken_name_is_refused_unless_forced(folder):
     import_robot(write(folder, config()))
     with pytest.raises(UsageError, match=r"'box-arm' is the name of .*box-arm.yml"):
         import_robot(folder)
     import_robot(folder, force=True)
 
 
-def test_the_name_of_one_of_ours_is_refused(tmp_path):
+def test_the_name_of_a_bundled_robot_is_refused(tmp_path):
     with pytest.raises(UsageError, match="'dual_panda' is the name of"):
         import_robot(write(tmp_path / "dual_panda", config()), force=True)
 

@@ -31,7 +31,7 @@ def task_with(objects: list[SceneObject], moved: str, to: SceneObject) -> Task:
 
 
 @pytest.mark.slow
-def test_a_mug_is_carried_with_what_lies_in_it():
+def test_a_mug_is_carried_with_its_contents():
     objects, plate = filled("block", thing("mug", (-0.2, 0.0))), thing("plate", (0.05, 0.05))
     task = task_with(objects, "mug", plate)
     task.pick("mug", [(point.id, "left") for point in objects[0].asset.annotation.carrying_points])
@@ -50,7 +50,7 @@ def test_a_bowl_with_something_in_it_is_not_taken_by_its_rim():
         task.pick("bowl", [(0, "left")])
 
 
-def test_what_lies_in_a_thing_is_planned_with_it():
+def test_contents_are_planned_with_their_container():
     objects, tray = filled("block", thing("mug", (-0.2, 0.0))), thing("tray", (0.2, 0.05))
     cell = Workcell(world_of([*objects, tray]), {o.id: o for o in [*objects, tray]})
     cell.world.settle()
@@ -59,7 +59,7 @@ def test_what_lies_in_a_thing_is_planned_with_it():
     assert set(held.parts) == {"mug", "block"}
 
 
-def test_what_a_flat_thing_stands_on_is_not_its_contents():
+def test_the_support_of_a_flat_object_is_not_its_contents():
     tray = thing("tray")
     floor = tray.asset.opening(tray.asset.annotation.functional_points[0]).floor
     objects = [tray, thing("plate", height=TABLE_TOP + floor)]

@@ -70,7 +70,7 @@ def test_the_truth_is_that_it_was_handed(done):
     assert told.success, told.reason
 
 
-def test_the_watch_says_which_arm_gave_and_which_took(done):
+def test_the_watch_names_the_giving_and_the_taking_arm(done):
     _, watch, _ = done
     assert watch.hands == ["left", "right"]
 
@@ -110,13 +110,13 @@ def _before_grip(control: ArmControl, happens: Callable[[], None]) -> None:
     control.grip = grip
 
 
-def test_what_is_not_held_is_not_handed_over():
+def test_an_object_not_held_is_not_handed_over():
     task = task_with(thing("hammer", (-0.2, 0.0)))
     with pytest.raises(TaskFailed, match="nothing was picked up before handing it over"):
         task.hand_over("right")
 
 
-def test_an_arm_that_is_not_there_takes_nothing():
+def test_a_missing_arm_takes_nothing():
     hammer = thing("hammer", (-0.2, 0.0))
     with pytest.raises(UnknownName, match="third"):
         task_with(hammer).pick("hammer", grasps(hammer), hand_to="third")

@@ -78,7 +78,7 @@ def test_an_open_drawer_is_closed(task_with):
     assert task.world.object_joints("cabinet") == pytest.approx([0.0, 0.0], abs=0.01)
 
 
-def test_what_lies_in_a_drawer_comes_along(task_with):
+def test_drawer_contents_come_along(task_with):
     inside = PLACE.apply([0.0, 0.0, 0.139])
     task = task_with("cabinet", thing("rubber_eraser", tuple(inside[:2]), height=inside[2]))
     task.operate("cabinet", 0, TRAVEL)
@@ -122,7 +122,7 @@ def test_a_later_attempt_takes_another_way(task_with):
     assert ends[0] != ends[1]
 
 
-def test_an_episode_keeps_the_joints_of_what_was_operated(task_with):
+def test_an_episode_keeps_the_joints_of_the_operated_object(task_with):
     task, log = task_with("button", pose=Pose([0.1, -0.1, TABLE_TOP])), StateLog(fps=50)
     log.record(task.world)
     task.operate("button", 0, 0.008)
@@ -131,7 +131,7 @@ def test_an_episode_keeps_the_joints_of_what_was_operated(task_with):
     assert data.object_joints["button"].max() > 0.007
 
 
-def test_the_arm_that_is_asked_for_is_taken(task_with):
+def test_the_requested_arm_is_used(task_with):
     task = task_with("cabinet")
     task.operate("cabinet", 0, TRAVEL, arms=["right"])
     assert task.arm == "right"
@@ -147,7 +147,7 @@ def test_a_handle_out_of_reach_fails_at_the_plan_and_nothing_moves(task_with):
     assert task.world.steps == before
 
 
-def test_a_drawer_that_is_blocked_does_not_count_as_opened(task_with):
+def test_a_blocked_drawer_does_not_count_as_opened(task_with):
     task = task_with("cabinet")
     articulation = task.world._object("cabinet")._articulation
     for joint in articulation.active_joints:

@@ -44,7 +44,7 @@ def test_an_empty_table_asks_for_the_clearance_alone():
     assert transfer_height([], TABLE_TOP) == TABLE_TOP + CLEAR
 
 
-def test_where_an_arm_is_too_short_an_object_is_carried_lower_but_over_what_it_goes_into():
+def test_a_short_arm_carries_an_object_lower_but_over_its_target():
     bottle, box = thing("lotion_bottle", (0.2, 0.1)), thing("packaging_box", (-0.2, 0.1))
     highest, middle, least = transfer_heights([bottle, box], TABLE_TOP, [box.rim(0)])
     rim = max(wall.top for wall in box.walls(0))
@@ -57,7 +57,7 @@ def test_an_object_is_carried_over_the_flat_top_it_is_put_on():
     assert transfer_heights([cabinet], TABLE_TOP, [cabinet.rim(0)])[-1] >= cabinet.rim(0) + CLEAR
 
 
-def test_an_object_is_lifted_out_of_what_it_lies_in():
+def test_an_object_is_lifted_out_of_its_container():
     box = thing("packaging_box")
     inside = thing("block", height=TABLE_TOP + box.asset.opening(box.asset.annotation.functional_points[0]).floor)
     rim = max(wall.top for wall in box.walls(0))
@@ -94,7 +94,7 @@ def test_a_lift_is_never_shorter_than_the_approach():
     assert pick_way(block, grasp, GRIPPER, TABLE_TOP).lifted.p[2] - grasp.pose.p[2] == pytest.approx(GRIPPER.approach)
 
 
-def test_a_grasp_with_which_the_object_cannot_be_lifted_is_not_planned(monkeypatch: pytest.MonkeyPatch):
+def test_a_grasp_that_cannot_lift_the_object_is_not_planned(monkeypatch: pytest.MonkeyPatch):
     block = thing("block", (0.0, -0.1))
     cell, line = Workcell(world_of([block]), {"block": block}), MotionPlanner.line
 

@@ -89,7 +89,7 @@ def test_a_hand_draws_back_no_higher_than_its_arm_reaches():
 
 
 @pytest.mark.parametrize("raises", [(), SETTINGS.raises_m])
-def test_what_must_not_come_higher_than_planned_has_no_higher_ways(raises):
+def test_an_object_with_a_height_limit_has_no_higher_paths(raises):
     arm, block = kinematics_of(robot().arms["left"]), thing("block", (-0.2, 0.0))
     around = Surroundings("table", Obstacles([]), (TABLE_TOP + 0.1,), raises)
     held = grasps_of(block)[0].in_object

@@ -44,7 +44,7 @@ def test_it_is_pushed_to_where_it_shall_stand_without_turning(asset: str, way: t
         np.testing.assert_allclose(control.joints, control.arm.home, atol=0.01)
 
 
-def test_what_it_would_meet_on_the_way_is_an_obstacle_and_nothing_moves():
+def test_a_blocking_object_is_an_obstacle_and_nothing_moves():
     pushed = thing("plate", (-0.15, 0.0))
     task = task_with(moved(pushed, 0.2, 0.0), pushed, thing("mug", (0.05, 0.0)))
     before = task.world.steps
@@ -54,7 +54,7 @@ def test_what_it_would_meet_on_the_way_is_an_obstacle_and_nothing_moves():
     assert task.world.steps == before
 
 
-def test_what_did_not_come_along_is_told_with_how_far_it_is_off():
+def test_a_lost_object_is_reported_with_its_distance():
     pushed = thing("plate", (-0.12, 0.0))
     task = task_with(moved(pushed, 0.12, 0.0), pushed)
     task.world.before_step.append(lambda world: world.set_object_pose("plate", pushed.pose))
@@ -63,7 +63,7 @@ def test_what_did_not_come_along_is_told_with_how_far_it_is_off():
     assert caught.value.stage == "place"
 
 
-def test_what_stopped_the_hand_before_the_object_was_there_is_told(monkeypatch):
+def test_an_obstacle_that_stopped_the_hand_is_reported(monkeypatch):
     pushed = thing("plate", (-0.12, 0.0))
     task = task_with(moved(pushed, 0.12, 0.0), pushed)
     task.world.before_step.append(lambda world: world.set_object_pose("plate", pushed.pose))
@@ -79,7 +79,7 @@ def test_what_stopped_the_hand_before_the_object_was_there_is_told(monkeypatch):
         task.push("plate")
 
 
-def test_it_needs_a_slot_and_an_arm_that_there_is():
+def test_it_needs_an_existing_slot_and_arm():
     pushed = thing("plate")
     task = task_with(moved(pushed, 0.1, 0.0), pushed, thing("mug", (0.3, 0.0)))
     with pytest.raises(UnknownName, match="slot"):
@@ -89,7 +89,7 @@ def test_it_needs_a_slot_and_an_arm_that_there_is():
 
 
 @pytest.mark.parametrize("asset", ["plate", "vase"])
-def test_the_fingers_come_behind_the_face_and_the_palm_stays_outside_what_is_tall(asset: str):
+def test_the_fingers_come_behind_the_face_and_the_palm_stays_outside_tall_objects(asset: str):
     pushed = thing(asset)
     ways = list(push_ways(pushed, moved(pushed, 0.1, 0.0), GRIPPER))
     assert ways

@@ -1,4 +1,4 @@
-"""What is handed from arm to arm: where it is asked for, and where no arm reaches both ends."""
+"""Handing over between arms: on request, and where no arm reaches both ends."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def test_it_is_tried_only_where_it_is_asked_for():
     assert not handed(search([thing("hammer", (-0.2, 0.0))]))
 
 
-def test_what_shall_be_handed_over_is_put_down_by_the_arm_that_takes_it():
+def test_a_handed_over_object_is_put_down_by_the_taking_arm():
     (subtask,) = handed(search([thing("hammer", (-0.2, 0.0))], HANDED))
     assert subtask.goals == [HANDED, Goal(subject="hammer", relation="on", reference="table")]
     assert subtask.hand_to == "right"
@@ -35,7 +35,7 @@ def test_what_shall_be_handed_over_is_put_down_by_the_arm_that_takes_it():
     assert subtask.text == "Hand the red hammer to the right arm, which puts it down."
 
 
-def test_what_is_too_short_for_two_hands_is_refused_with_what_was_measured():
+def test_an_object_too_short_for_two_hands_is_refused_with_its_measure():
     found = search([thing("can", (-0.2, 0.0))], Goal(subject="can", relation="handed", reference="right"))
     assert not handed(found)
     reasons = {refusal.reason for refusal in found.refused if refusal.template == "hand_over"}
@@ -44,14 +44,14 @@ def test_what_is_too_short_for_two_hands_is_refused_with_what_was_measured():
     }
 
 
-def test_an_arm_that_is_not_there_is_refused():
+def test_a_missing_arm_is_refused():
     found = search([thing("hammer", (-0.2, 0.0))], Goal(subject="hammer", relation="handed", reference="third"))
     assert [r.reason for r in found.refused if r.template == "hand_over"] == [
         "the arms are left, right: none hands anything to 'third'"
     ]
 
 
-def test_what_no_arm_alone_brings_to_its_place_changes_hands():
+def test_an_object_no_single_arm_can_deliver_changes_hands():
     objects = [thing("cookie_box", (-0.6, 0.1), 0.3), thing("packaging_box", (0.6, 0.1))]
     inside = Goal(subject="cookie_box", relation="inside", reference="packaging_box")
     found = search(objects, inside)
@@ -62,13 +62,13 @@ def test_what_no_arm_alone_brings_to_its_place_changes_hands():
     assert any(r.reason == "the left arm does not reach 'inside floor' of brown packaging box" for r in found.refused)
 
 
-def test_what_one_arm_brings_to_its_place_does_not_change_hands():
+def test_an_object_one_arm_can_deliver_does_not_change_hands():
     found = search([thing("cookie_box", (-0.2, 0.1), 0.3), thing("packaging_box", (0.15, 0.1))])
     assert not handed(found)
     assert any(subtask.template == "place" for subtask in found.kept)
 
 
-def test_the_script_says_who_gives_and_who_takes():
+def test_the_script_names_the_giving_and_the_taking_arm():
     hammer = thing("hammer", (-0.2, 0.0))
     (subtask,) = handed(search([hammer], HANDED))
     play = render_script(subtask, scene_of([hammer])).partition("def play(task):")[2].partition("def verify")[0]
@@ -85,7 +85,7 @@ def to_table(target: SceneObject, x: float, y: float = 0.0) -> Transfer:
     return Transfer.onto_table(target, contact, [Pose([x, y, TABLE_TOP])], [])
 
 
-def test_the_arm_that_gives_is_another_than_the_one_that_takes():
+def test_the_giving_arm_differs_from_the_taking_arm():
     found = examine_passing(to_table(thing("hammer", (-0.2, 0.0)), 0.2), "right", workplace([]))
     assert [grasp.arm for grasp in found.grasps] == ["left"]
     assert {check.name for check in found.checks} >= {"opening", "reach_grasp", "reach_meeting", "reach_place"}

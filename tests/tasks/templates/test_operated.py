@@ -1,4 +1,4 @@
-"""Templates of moving parts: what they are tried on, require, bring about, and when they are refused."""
+"""Templates of articulated parts: their objects, requirements, effects, and refusals."""
 
 from __future__ import annotations
 
@@ -48,14 +48,14 @@ def test_a_part_in_reach_is_operated(template: str, asset: str, goal: str, befor
 
 
 @pytest.mark.parametrize("x", [-0.1, 0.1])
-def test_the_checks_of_an_operation_are_those_of_its_best_arm(x: float) -> None:
+def test_the_checks_of_an_operation_come_from_its_best_arm(x: float) -> None:
     (subtask,), _ = found("open", thing("cabinet_one_drawer", (x, 0.1)))
     assert len(subtask.grasps) == 2
     reached = [check.message for check in subtask.checks if check.name in ("reach_grasp", "reach_motion")]
     assert len(reached) == 2 and all(subtask.grasps[0].arm in message for message in reached)
 
 
-def test_a_lower_drawer_needs_those_above_it_shut() -> None:
+def test_a_lower_drawer_needs_the_upper_ones_shut() -> None:
     kept, _ = found("open", thing("cabinet_two_drawers", (-0.05, 0.05)))
     needs = {s.goals[0].part: {(g.relation, g.part) for g in s.requires} for s in kept}
     assert needs["drawer_top"] == {("closed", "drawer_top")}
@@ -67,7 +67,7 @@ def test_a_handle_that_no_arm_reaches_is_refused_with_the_reason() -> None:
     assert not kept and "does not reach" in refused[0].reason
 
 
-def test_what_stands_before_a_drawer_is_named() -> None:
+def test_an_object_before_a_drawer_is_named() -> None:
     cabinet = thing("cabinet_one_drawer", (-0.05, 0.1))
     kept, refused = found("open", cabinet, thing("packaging_box", (-0.05, -0.12)))
     assert not kept and "packaging box is in the way of the drawer of" in refused[0].reason
@@ -80,7 +80,7 @@ def test_a_button_is_pressed_and_not_opened() -> None:
 @pytest.mark.parametrize(
     ("template", "asset"), [("open", "cabinet_one_drawer"), ("press", "service_bell"), ("turn", "kitchen_timer")]
 )
-def test_what_is_feasible_the_robot_does(template: str, asset: str) -> None:
+def test_the_robot_performs_feasible_operations(template: str, asset: str) -> None:
     subject = thing(asset, (-0.05, 0.05))
     (subtask,), _ = found(template, subject)
     world = world_of([subject])

@@ -34,7 +34,7 @@ def test_a_block_stands_flush_on_a_block_and_not_on_a_plate() -> None:
     assert not stands_flush(block, plate, plate.asset.annotation.functional_point(0))
 
 
-def test_what_fits_but_leaves_no_room_for_the_robot_is_refused_with_both_sizes() -> None:
+def test_an_object_that_leaves_no_room_for_the_robot_is_refused_with_both_sizes() -> None:
     box, block = thing("packaging_box"), thing("block", (0.3, 0.0))
     width, depth = box.asset.opening(box.asset.annotation.functional_point(0)).size
     half = (width / 2 - 0.001, depth / 2 - 0.001)
@@ -46,7 +46,7 @@ def test_what_fits_but_leaves_no_room_for_the_robot_is_refused_with_both_sizes()
     assert "cm) fits in brown packaging box" in refusal.reason and "less than the 6 mm on each side" in refusal.reason
 
 
-def test_what_is_weighed_lies_on_the_scale_and_waits_there() -> None:
+def test_a_weighed_object_lies_on_the_scale_and_waits_there() -> None:
     bar = thing("chocolate_bar", (-0.2, 0.0))
     (pair,), _ = TEMPLATES["weigh"].proposals([bar, SCALE], ())
     subtask, _ = pair.examine(workplace([bar, SCALE]))

@@ -1,4 +1,4 @@
-"""A push is proposed only for what is asked for and cannot be carried."""
+"""A push is proposed only for a requested object that cannot be carried."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ def examined(goal: Goal, *objects: SceneObject) -> tuple[Subtask | None, list[Re
     return proposal.examine(workplace(objects))
 
 
-def test_only_relations_that_are_asked_for_are_proposed():
+def test_only_requested_relations_are_proposed():
     objects = [PLATE, MUG, BLOCK]
     assert PUSH.proposals(objects, []) == ([], [])
     found, _ = PUSH.proposals(objects, [LEFT, goal_of(["mug", "on", "plate"]), goal_of(["block", "on", "table"])])
     assert [proposal.goal for proposal in found] == [LEFT]
 
 
-def test_what_can_be_carried_is_left_to_set_down():
+def test_a_portable_object_is_left_to_set_down():
     assert examined(goal_of(["block", "left_of", "mug"]), PLATE, MUG, BLOCK) == (None, [])
 
 
@@ -58,14 +58,14 @@ def test_its_script_is_short_and_calls_the_push():
 @pytest.mark.parametrize(
     ("asset", "reason"), [("customer_mat", "4 mm high, too flat"), ("microwave", "N, more than 24 N")]
 )
-def test_what_is_flat_or_heavy_is_refused_with_the_measure(asset: str, reason: str):
+def test_a_flat_or_heavy_object_is_refused_with_the_measure(asset: str, reason: str):
     objects = [thing(asset), thing("mug", (0.3, 0.1))]
     (proposal,), _ = PUSH.proposals(objects, [goal_of([asset, "left_of", "mug"])])
     refusal = proposal.impossible()
     assert refusal is not None and reason in refusal.reason
 
 
-def test_what_stands_on_something_is_not_pushed():
+def test_an_object_on_another_is_not_pushed():
     plate = thing("plate", (0.0, 0.0), container="mug")
     (proposal,), _ = PUSH.proposals([plate, MUG], [LEFT])
     assert "does not stand on the table" in proposal.impossible().reason
@@ -109,7 +109,7 @@ def test_the_arm_on_whose_side_it_happens_comes_first():
     assert found[0].finding.grasps[0].arm == "left"
 
 
-def test_the_checks_of_a_push_are_those_of_its_best_arm():
+def test_the_checks_of_a_push_come_from_its_best_arm():
     found, _ = examined_pushes("left_of", thing("plate", (-0.15, -0.1)), thing("mug", (-0.15, 0.15)))
     assert any(len(push.finding.grasps) == 2 for push in found)
     for finding in (push.finding for push in found):
@@ -129,7 +129,7 @@ def test_each_other_direction_has_a_reason(others, reason):
     assert any(re.search(reason, text) for text in refused.values())
 
 
-def test_what_stands_where_the_hand_comes_down_is_told():
+def test_an_obstacle_below_the_hand_is_reported():
     pushed, cup = thing("book", (0.0, -0.1)), thing("mug", (0.0, 0.15))
     wall = thing("book", (-0.165, -0.1), id="other")
     _, refused = examined_pushes("right_of", pushed, cup, wall)

@@ -29,7 +29,7 @@ def test_a_code_in_reach_of_a_scanner_in_reach_is_scanned() -> None:
     assert len({subtask.text, *subtask.texts}) >= 10
 
 
-def test_what_has_no_code_is_refused_where_it_is_asked_for() -> None:
+def test_an_object_without_a_code_is_refused_when_requested() -> None:
     block = thing("block")
     _, refused = SCAN.proposals([block, SCANNER], [Goal(subject=block.id, relation="scanned")])
     assert [r.reason for r in refused] == ["red block has no bar code"]
@@ -41,7 +41,7 @@ def test_a_code_out_of_reach_is_refused_with_a_reason_for_each_contact_point() -
     assert refused and all("does not reach" in r.reason for r in refused)
 
 
-def test_the_robot_scans_what_is_feasible_and_puts_back_what_it_took() -> None:
+def test_the_robot_scans_feasible_objects_and_puts_them_back() -> None:
     subtask, _ = examined(BOX, SCANNER)
     objects = {o.id: o for o in (BOX, SCANNER)}
     world = world_of(list(objects.values()))
@@ -56,7 +56,7 @@ def test_the_robot_scans_what_is_feasible_and_puts_back_what_it_took() -> None:
     assert np.linalg.norm((world.object_pose(moved).p - objects[moved].pose.p)[:2]) < 0.02
 
 
-def test_what_stands_where_the_scanner_is_to_be_held_is_named() -> None:
+def test_an_object_at_the_scanners_place_is_named() -> None:
     around = [(dx, dy) for dx in (-0.13, 0.0, 0.13) for dy in (-0.15, 0.15)] + [(-0.13, 0.0), (0.13, 0.0)]
     vases = [thing("vase", (0.1 + dx, 0.05 + dy), id=f"vase-{number}") for number, (dx, dy) in enumerate(around)]
     objects = [BOX, SCANNER, *vases]

@@ -31,7 +31,7 @@ def found(
 
 
 @pytest.mark.parametrize("word", ["left_of", "right_of", "in_front_of", "behind", "beside", "near"])
-def test_a_thing_is_put_beside_another_where_that_is_asked_for(word: str) -> None:
+def test_an_object_is_put_beside_another_on_request(word: str) -> None:
     goal = Goal(subject=BLOCK.id, relation=word, reference=PLATE.id)  # pyrefly: ignore
     kept, _ = found("set_down", [BLOCK, PLATE], [goal])
     (subtask,) = (s for s in kept if goal in s.goals)
@@ -40,18 +40,18 @@ def test_a_thing_is_put_beside_another_where_that_is_asked_for(word: str) -> Non
     assert len({subtask.text, *subtask.texts}) >= 10
 
 
-def test_nobody_puts_things_beside_others_unasked() -> None:
+def test_without_a_request_nothing_is_put_beside_another() -> None:
     assert not any(s.goals[0].relation == "left_of" for s in found("set_down", [BLOCK, PLATE])[0])
 
 
-def test_what_lies_on_something_can_be_put_aside() -> None:
+def test_an_object_on_another_can_be_put_aside() -> None:
     lying = BLOCK.moved(Pose([0.1, 0.05, TABLE_TOP + 0.007]))
     lying = SceneObject(lying.record.model_copy(update={"container": PLATE.id}), lying.asset, lying.pose)
     kept, _ = found("set_down", [lying, PLATE])
     assert [s.goals[0] for s in kept] == [Goal(subject="block", relation="on", reference=TABLE)]
 
 
-def test_what_cannot_be_carried_is_refused_by_name() -> None:
+def test_an_object_that_cannot_be_carried_is_refused_by_name() -> None:
     goal = Goal(subject=PLATE.id, relation="left_of", reference=BLOCK.id)
     kept, refused = found("set_down", [BLOCK, PLATE], [goal])
     assert not any(s.object == PLATE.id for s in kept)
@@ -63,7 +63,7 @@ def test_a_sign_is_there_to_be_shown() -> None:
     assert subtask.goals[0] == SHOWN
 
 
-def test_other_things_are_shown_where_that_is_asked_for() -> None:
+def test_other_objects_are_shown_on_request() -> None:
     box = thing("cereal_box", (-0.1, 0.0))
     goal = Goal(subject=box.id, relation="presented")
     assert not found("present", [box])[0]

@@ -27,7 +27,7 @@ def test_a_pair_is_tried_at_each_contact_point_of_one_and_functional_point_of_th
     ]
 
 
-def test_a_pair_that_lacks_the_points_for_it_is_refused_with_what_it_lacks():
+def test_a_pair_without_the_points_is_refused_with_the_missing_ones():
     _, refused = PLACE.proposals([thing("marker"), thing("plate"), thing("packaging_box")], ())
     assert {(r.object, r.receptacle, r.reason) for r in refused} == {
         ("plate", "marker", "black marker pen has no functional point"),

@@ -28,7 +28,7 @@ def test_an_empty_box_or_one_as_large_as_the_table_is_refused(box: tuple) -> Non
 
 
 @given(st.lists(st.tuples(*[st.floats(0, 100)] * 4), max_size=40))
-def test_no_two_boxes_that_are_left_overlap_much(raw: list[tuple]) -> None:
+def test_no_two_remaining_boxes_overlap_much(raw: list[tuple]) -> None:
     left = distinct([found(min(a, c), min(b, d), max(a, c), max(b, d)) for a, b, c, d in raw], 0.5)
     for (a, b, c, d), (u0, v0, u1, v1) in combinations([one.box for one in left], 2):
         shared = max(min(c, u1) - max(a, u0), 0) * max(min(d, v1) - max(b, v0), 0)

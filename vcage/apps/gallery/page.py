@@ -26,7 +26,7 @@ class Picture:
     Args:
         path: relative to the page.
         width: pixels.
-        caption: what is on it.
+        caption: its content.
     """
 
     path: str

@@ -66,9 +66,9 @@ def portrait(asset: Asset, *, opened: bool = False, points: bool = True) -> dict
         NoRenderer: nothing here can draw.
     """
     joints = tuple(link.joint.far_end if opened else 0.0 for link in asset.model.links)
-    # A table so large that it is all that is seen around the object.
+    # A table so large that it fills the background of the object.
     table = Table(size=(8.0, 8.0))
-    # Lit from the front left, so that fronts and what is written on them are bright.
+    # Lit from the front left, so that fronts and their labels are bright.
     look = Appearance(table_colour=(0.30, 0.35, 0.40), light_direction=(0.35, 0.55, -1.0))
     standing = Pose([0.0, 0.0, table.height])
     world = World(table, {"object": Body(asset.model, standing, joints)}, appearance=look, render=True)

@@ -51,7 +51,7 @@ def check_contact(asset: Asset, contact: ContactPoint, places: TrialPlaces, trie
     """Try one contact point of the body at random places of the table.
 
     Args:
-        asset: what is tried.
+        asset: the tested asset.
         contact: of its body.
         places: table and robot.
         tries: how often.
@@ -117,7 +117,7 @@ def _try(asset: Asset, contact: ContactPoint, pose: Pose, places: TrialPlaces) -
 
 @dataclass
 class _Shaking:
-    """Lift, hold and shake what an arm has grasped."""
+    """Lift, hold and shake a grasped object."""
 
     world: World
     arm: str

@@ -19,7 +19,7 @@ def check_joint(asset: Asset, link: MovingLink, places: TrialPlaces, tries: int,
     """Try one joint at random places of the table.
 
     Args:
-        asset: what is tried.
+        asset: the tested asset.
         link: the part that the joint moves.
         places: table and robot.
         tries: how often.

@@ -20,7 +20,7 @@ def write_page(proof: Proof, library: Library, folder: Path, progress: Progress 
     """Write ``proof.html`` and ``pictures/``: the first variant of each object, and the results.
 
     Args:
-        proof: what was found.
+        proof: the result.
         library: of the objects.
         folder: of the page.
         progress: called before each object.
@@ -39,6 +39,6 @@ def write_page(proof: Proof, library: Library, folder: Path, progress: Progress 
 
 
 def _pictures(library: Library, result: VariantProof, folder: Path) -> list[Picture]:
-    """Pictures of a variant; none of an object that cannot be loaded, whose proof says so."""
+    """Pictures of a variant; none of an object that cannot be loaded, as its proof says."""
     loaded = any(check.measured for check in result.checks)
     return draw_variant(library, result.asset, result.variant, folder) if loaded else []

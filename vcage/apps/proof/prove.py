@@ -165,7 +165,7 @@ def validate(
         folder: for ``proof.json`` and ``objects/<name>.json``.
         trial: how they are tried.
         workers: processes.
-        force: prove again what was proven.
+        force: repeat finished proofs.
 
     Raises:
         UnknownName: there is no such object.
@@ -224,7 +224,7 @@ def _kept(prover: Prover, names: Sequence[str], folder: Path) -> dict[str, Objec
 
 def _proven(prover: Prover, names: Sequence[str], workers: int) -> Iterator[tuple[str, ObjectProof]]:
     """Yield proofs as they are finished."""
-    if workers <= 1 or len(names) < 2:  # with what is loaded here
+    if workers <= 1 or len(names) < 2:  # with the modules loaded here
         yield from ((name, proof_or_failure(prover, name)) for name in names)
         return
     yield from map_in_processes(partial(_prove_in_worker, prover.trial), names, workers)

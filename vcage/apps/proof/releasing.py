@@ -63,7 +63,7 @@ def check_rest(asset: Asset, table: Table, yaw: float) -> ProofCheck:
     """Stand an asset on the table and watch it.
 
     Args:
-        asset: what is tried.
+        asset: the tested asset.
         table: that it stands on.
         yaw: its heading, radians.
     """
@@ -96,7 +96,7 @@ def check_functional(asset: Asset, point: FunctionalPoint, table: Table, tries: 
     """Release probes over a functional point; the parts that cover it are opened first.
 
     Args:
-        asset: what is tried.
+        asset: the tested asset.
         point: of the asset.
         table: that it stands on.
         tries: how often.

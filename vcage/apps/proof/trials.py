@@ -87,7 +87,7 @@ class TrialPlaces:
         stands.
 
         Args:
-            asset: what is tried.
+            asset: the tested asset.
             contact: by which it is picked up.
             rng: of place and heading.
 
@@ -139,7 +139,7 @@ def scene_object(asset: Asset, pose: Pose, object_id: str = OBJECT, role: Role =
     """Make the planner's object of an asset.
 
     Args:
-        asset: what it is.
+        asset: the asset.
         pose: object frame in the world.
         object_id: its name.
         role: in the scene.
@@ -160,7 +160,7 @@ def world_with(asset: Asset, pose: Pose, places: TrialPlaces) -> World:
     """Make a world of table, robot and asset, for physics only.
 
     Args:
-        asset: what stands there.
+        asset: the asset.
         pose: object frame in the world.
         places: table and robot.
     """

@@ -1,6 +1,6 @@
 """One self-contained HTML page per run, made from the files of the stages.
 
-The page marks stages that have not run as missing, and computes no result of its own.
+The page marks unfinished stages as missing, and computes no result of its own.
 """
 
 from __future__ import annotations
@@ -127,7 +127,7 @@ def _context(run: RunFolder) -> dict[str, Any]:
 
 
 def _attempts(run: RunFolder, episodes: Episodes | None) -> dict[str, Any]:
-    """Attempts that were not accepted, and cards of the verdicts that refused them or that the state contradicts."""
+    """Attempts not accepted, and cards of the verdicts that refused them or that the state contradicts."""
     attempts = read_log(run.episodes.parent) if episodes else []
     rejections = [attempt for attempt in attempts if not attempt.accepted]
     disputed = [attempt for attempt in attempts if attempt.disputed]
@@ -164,8 +164,8 @@ def _world_ranges(episodes: Episodes) -> WorldRanges:
         return WorldRanges.model_validate(episodes.provenance.options["randomise"]["world"])
     except (KeyError, TypeError, ValidationError) as error:
         raise DamagedFile(
-            "episodes.json: field provenance.options.randomise does not say what differed between the episodes",
-            hint="put back what was written",
+            "episodes.json: field provenance.options.randomise does not state the randomisation of the episodes",
+            hint="restore the written file",
             maker="collect",
         ) from error
 
@@ -202,7 +202,7 @@ def _episode_cards(run: RunFolder, episodes: Episodes | None) -> list[dict[str, 
 
 
 def _refused_by_verify(run: RunFolder) -> dict[str, str]:
-    """Return the reason for each episode file that verify refuses; verdicts on episodes that are gone do not count."""
+    """Return the reason for each episode file refused by verify; verdicts on vanished episodes do not count."""
     try:
         return refusals(run)
     except StaleStage:

@@ -23,7 +23,7 @@ class Contents:
         frames: how many.
         cameras: name → entity of its pictures.
         plots: curves.
-        scene: whether there is a 3D scene.
+        scene: True if there is a 3D scene.
         segments: how many sub-tasks there are.
     """
 

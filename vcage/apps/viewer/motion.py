@@ -21,13 +21,13 @@ PALE = 0.5
 
 @dataclass(frozen=True)
 class Plot:
-    """Curves that are looked at together.
+    """Curves shown together.
 
     Args:
         name: title.
         entities: paths of the curves, each with all below it.
-        bounds: lower and upper end of the axis; by what is seen when not given.
-        legend: whether there is room for the names of all curves.
+        bounds: lower and upper end of the axis; from the visible data when not given.
+        legend: True if there is room for the names of all curves.
     """
 
     name: str

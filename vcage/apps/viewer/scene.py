@@ -71,7 +71,7 @@ def log_objects(log: RerunLog, clock: Clock, episode: EpisodeData, scene: Scene 
         log: where it is written.
         clock: when the episode's frames are.
         episode: whose objects.
-        scene: what is known of them; None for no more than their poses.
+        scene: the known facts about them; None for their poses only.
     """
     known = [] if scene is None else [one for one in scene.objects if one.id in episode.object_poses]
     records = {record.id: record for record in known}
@@ -130,12 +130,12 @@ def _box(record: ObjectRecord, first: Pose) -> rr.Boxes3D:
 
 
 def log_robot(log: RerunLog, clock: Clock, episode: EpisodeData, name: str) -> None:
-    """The arms of the robot of that name; one that is not here, or not the one that was recorded, is left out.
+    """The arms of the robot of that name; a missing or different robot is left out.
 
     Args:
         log: where it is written.
         clock: when the episode's frames are.
-        episode: what its joints measured.
+        episode: with measured joints.
         name: of the robot, as :func:`vcage.sim.robots.load_robot` takes it.
     """
     try:

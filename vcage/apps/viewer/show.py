@@ -41,7 +41,7 @@ class Shown:
     """An episode that was shown.
 
     Args:
-        number: of the episode, among those there are at its path.
+        number: of the episode, among those at its path.
         of: how many there are.
         contents: of the Rerun recording.
     """
@@ -70,7 +70,7 @@ def view(
         fps: frames per second of a recording that does not say.
 
     Raises:
-        InputFileError: the path holds nothing that is known, or what it holds is damaged.
+        InputFileError: the path holds nothing known, or its content is damaged.
         MissingStage, UnknownName: there is no episode, or none of that number.
         UsageError: ``save`` has another suffix; ``footage`` cannot be had.
         ConfigurationError: there is no screen for the viewer.
@@ -78,14 +78,16 @@ def view(
     """
     path = Path(path)
     if save is not None and save.suffix != SUFFIX:
-        raise UsageError(f"{save} is no name of a Rerun recording", hint=f"end it in {SUFFIX}")
+        raise UsageError(f"{save} is not a Rerun recording (*.rrd)", hint=f"end it in {SUFFIX}")
     if save is None:
         _require_viewer(footage)
     found = find_episodes(path)
     number = choose(found, number, path)
     one = found[number]
     if isinstance(one, Recording) and footage == "compressed":
-        raise UsageError(f"{path} is no episode of a run, and has no compressed videos", hint="leave out --pictures")
+        raise UsageError(
+            f"{path} is not an episode of a run, and has no compressed videos", hint="leave out --pictures"
+        )
 
     def write(stream: rr.RecordingStream) -> Contents:
         stream.send_recording_name(f"{path.name} {number}" if len(found) > 1 else path.name)
@@ -107,7 +109,7 @@ def _stream() -> Iterator[rr.RecordingStream]:
     try:
         yield stream
     finally:
-        stream.disconnect()  # sends what is still in memory
+        stream.disconnect()  # sends buffered data
 
 
 def _to_file(write: Callable[[rr.RecordingStream], Contents], save: Path) -> Contents:
@@ -117,7 +119,7 @@ def _to_file(write: Callable[[rr.RecordingStream], Contents], save: Path) -> Con
         try:
             contents = write(stream)
         finally:
-            data = sink.read() or b""  # what is dropped unread is warned of
+            data = sink.read() or b""  # the viewer warns of dropped data
     write_bytes(save, data)
     return contents
 
@@ -141,7 +143,7 @@ def _require_still_open() -> None:
 
 
 def _spawn(stream: rr.RecordingStream) -> None:
-    """Open the viewer, or connect to one that is open; it is a program beside this interpreter."""
+    """Open the viewer, or connect to an open one; it is a program beside this interpreter."""
     path = os.environ.get("PATH", "")
     os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), path])
     try:
@@ -157,7 +159,7 @@ def _spawn(stream: rr.RecordingStream) -> None:
 
 
 def _require_viewer(footage: PictureSource) -> None:
-    """Refuse what the viewer here cannot show.
+    """Refuse an episode that the viewer here cannot show.
 
     That of rerun-sdk 0.23 decodes no HEVC; those from 0.25 on do by ffmpeg: https://github.com/rerun-io/rerun/pull/10994.
     """
@@ -168,7 +170,7 @@ def _require_viewer(footage: PictureSource) -> None:
         )
     if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         raise ConfigurationError(
-            "there is no screen to open the viewer on",
+            "the viewer needs a screen",
             hint=f"write a file with --save {FILE} and open it where there is one: rerun {FILE}",
         )
 
@@ -180,7 +182,7 @@ def find_episodes(path: Path) -> dict[int, Path | Recording]:
     ours whose pictures were moved to videos counts as a recording.
 
     Raises:
-        InputFileError: there is nothing at the path, or nothing that is known.
+        InputFileError: the path holds nothing, or nothing known.
         DamagedFile, SchemaMismatch: a file is damaged, or in no layout that is known; names it.
     """
     path = Path(path)

@@ -163,7 +163,7 @@ def with_language(frames: pa.Table, spans: Sequence[SubtaskSpan], timestamps: ND
     Args:
         frames: T rows.
         spans: recorded sub-tasks in order; if there is none, no frame has a row.
-        timestamps: (T,) those of the frames: readers compare them with those of the rows, to the bit.
+        timestamps: (T,) of the frames: readers compare them with those of the rows, to the bit.
     """
     starts = span_starts(spans)
     rows = [

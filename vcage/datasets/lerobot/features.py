@@ -94,7 +94,7 @@ def agreed_info(episode: int, described: Mapping[str, Any], data_set: Mapping[st
         episode: its number in the data set, for the message.
         described: :func:`features_of` it.
         data_set: ``meta/info.json`` of a finished data set, or :func:`features_of` the first episode of a new one;
-            facts that it does not state (None, or no such entry) may be anything.
+            facts it leaves open (None, or no such entry) may be anything.
 
     Raises:
         UsageError: another fact differs; names it.
@@ -174,7 +174,7 @@ def number_names(names: Any) -> list[str]:
 def video_info(path: Path, frames: int, fps: float) -> dict[str, Any]:
     """Return the ``info`` of a video feature, as in ``meta/info.json``.
 
-    All packets are read, none is decoded: a file that is cut off is found, and one whose pictures come at other times.
+    All packets are read, none is decoded: a truncated file is found, and one with pictures at other times.
 
     Args:
         path: an MP4 file.
@@ -182,7 +182,7 @@ def video_info(path: Path, frames: int, fps: float) -> dict[str, Any]:
         fps: one every ``1 / fps`` seconds, the first at 0.
 
     Raises:
-        DamagedFile: it is no MP4 video, is cut off, or shows other frames; says which.
+        DamagedFile: it is no MP4 video, is truncated, or shows other frames; names it.
     """
     times = np.array(frame_times(path))
     with open_video(path) as container:
@@ -223,7 +223,7 @@ def _stream_info(container: av.container.InputContainer, path: Path) -> dict[str
 
 
 def require_rgb(key: str, feature: Mapping[str, Any]) -> None:
-    """Raise UsageError where a camera's feature says that it shows depth or grey, which a video in RGB cannot keep."""
+    """Raise UsageError where a camera's feature is depth or grey, which an RGB video cannot keep."""
     facts = video_facts(feature)
     depth = facts.get("video.is_depth_map") or facts.get("is_depth_map")
     shape = feature["shape"]

@@ -29,7 +29,7 @@ def open_writer(
 ) -> Iterator[LeRobotWriter]:
     """Open a writer of episodes; the data set appears when the block ends, whole or not at all.
 
-    Memory is that of one episode, however many there are; a v3.0 set is read again at the end for its quantiles.
+    Memory is that of one episode, for any number of them; a v3.0 set is read again at the end for its quantiles.
 
     Args:
         version: one of :data:`FORMATS`.
@@ -60,7 +60,7 @@ def open_writer(
     if append and not there:
         raise UsageError(f"{out} holds no LeRobot data set to add to", hint="check the path, or write a new data set")
     if out.exists() and not there and not is_empty_folder(out):
-        raise OutputFolderError(f"{out} is in the way: it is no LeRobot data set", hint="give another folder")
+        raise OutputFolderError(f"{out} is in the way: it is not a LeRobot data set", hint="give another folder")
     with atomic_folder(out) as folder, closing(FORMATS[version](folder, encodings or {})) as writer:
         if append:
             writer.resume(out)

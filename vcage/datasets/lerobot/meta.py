@@ -123,7 +123,7 @@ def _require_feature(path: Path, name: str, feature: Any) -> None:
         return
     shape = feature["shape"]
     if "/" in name or "\0" in name or not name.strip("."):
-        raise DamagedFile(f"{path}: the feature {name!r} is no name of a camera", hint="rename it, without a slash")
+        raise DamagedFile(f"{path}: the feature {name!r} is not a camera name", hint="rename it, without a slash")
     _require(min(shape) >= 1, f"{path} says that pictures of {name} have the shape {shape}")
     numbers = math.prod(shape)
     _require_at_most(numbers, LIMITS.max_picture_numbers, f"{path}: {name} has the shape {shape}, {numbers:,} numbers")
@@ -232,7 +232,7 @@ def read_lines(path: Path) -> Iterator[dict[str, Any]]:
     """Yield the objects of a file; only a line feed ends a line, no other line break of Unicode.
 
     Raises:
-        DamagedFile: it cannot be read, or a line is no JSON object; names the line.
+        DamagedFile: it cannot be read, or a line is not a JSON object; names the line.
     """
     require_fetched(path)
     try:

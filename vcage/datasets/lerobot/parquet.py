@@ -58,7 +58,7 @@ class ParquetSeries:
     Args:
         pattern: path with the fields ``chunk_index`` and ``file_index``.
         per_chunk: files in a folder.
-        full_bytes: size from which a file takes no more.
+        full_bytes: size from which a file is full.
         first: number of the first file, counted over all chunks.
     """
 
@@ -167,7 +167,7 @@ def rewrite(source: Path, target: Path, *, without: Collection[str] = (), change
     Args:
         source: a Parquet file.
         target: the file to write, in an existing folder.
-        without: columns that are left out and not read.
+        without: columns to leave out unread.
         change: makes the new rows; also called with an empty table, for the types of its columns.
 
     Raises:
@@ -244,7 +244,7 @@ def _row_groups(
     for number in range(file.num_row_groups):
         _require_modest(source, file.metadata, leaves or names, [number], LIMITS)
         with _damage(source):
-            # a name also stands for columns that begin with it and a dot
+            # a name also stands for its sub-columns, after a dot
             yield file.read_row_group(number, columns=leaves or names).select(names)
 
 

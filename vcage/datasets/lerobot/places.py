@@ -2,7 +2,7 @@
 
 Links in the folder are followed to its own files, to the store of the tool that fetched it (the cache of Hugging
 Face, git-annex), and from a file of the format to another of that kind, as where videos lie on another disk. A link
-that leads anywhere else is refused: a data set from elsewhere could name any file by it.
+that leads elsewhere is refused: a foreign data set could name any file by it.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ def _filled(pattern: Any, where: str, names: Mapping[str, int | str]) -> str:
 
 
 def inside(path: str, where: str) -> Path:
-    """Return a path that stays in the data set that names it.
+    """Return a path that stays in its data set.
 
     Args:
         path: relative to the data set.
@@ -93,7 +93,7 @@ def own_file(root: Path, file: Path, where: str = "") -> Path:
     try:
         real = path.resolve()
     except (OSError, RuntimeError) as error:  # a link to itself
-        raise DamagedFile(f"{path} cannot be followed: {error}", hint="mend the link, or remove it") from error
+        raise DamagedFile(f"{path} cannot be followed: {error}", hint="fix the link, or remove it") from error
     alike = real.suffix == file.suffix and (file.suffix in SUFFIXES or real.name == file.name in DESCRIPTIONS)
     if alike or any(real.is_relative_to(folder) for folder in (home, *_stores(home))):
         return path
@@ -104,7 +104,7 @@ def own_file(root: Path, file: Path, where: str = "") -> Path:
 
 
 def _stores(home: Path) -> list[Path]:
-    """Return the stores of tools that fetched a data set, to which its files are links."""
+    """Return the stores of download tools, to which a data set's files are links."""
     around = (home, *home.parents)
     return [folder.parent / "blobs" for folder in around if folder.name == "snapshots"] + [
         folder / ".git/annex/objects" for folder in around

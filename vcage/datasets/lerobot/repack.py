@@ -37,7 +37,7 @@ Videos = Mapping[str, Mapping[int, Path]]
 
 
 def require_whole(root: Path, episodes: Collection[int]) -> None:
-    """Raise UsageError unless these are all episodes of a data set; names those that are missing.
+    """Raise UsageError unless these are all episodes of a data set; names the missing ones.
 
     Raises:
         DamagedFile: its list of episodes cannot be read.
@@ -127,7 +127,7 @@ class _Repacking:
 
     @property
     def _in_tables(self) -> list[str]:
-        """Changed cameras whose pictures are no videos yet."""
+        """Changed cameras with pictures not in videos yet."""
         return [key for key in self.videos if self.info["features"][key]["dtype"] == "image"]
 
     @property
@@ -140,7 +140,7 @@ class _Repacking:
         return placed(self.root, "video_path", self._video_pattern, video_key=key, **names).relative_to(self.root)
 
     def _changing(self) -> set[Path]:
-        """Return all files that are written anew, or removed."""
+        """Return all rewritten or removed files."""
         frames = self._frame_tables()
         gone = {Path(text) for file in frames for key in self._in_tables for text in self._named_in(file, key)}
         old = {file for key in self.videos for file in self._matching("video_path", self._video_pattern, key)}
@@ -171,7 +171,7 @@ def _require_all(root: Path, info: Mapping[str, Any], there: Collection[int], gi
         other = "v2.1" if info["codebase_version"] == "v3.0" else "v3.0"
         raise UsageError(
             f"{root} keeps the numbers of its episodes, so none can be left out; missing: {listed(missing, most=5)}",
-            hint=f"mend or fetch them, or give --to lerobot-{other}, which numbers those that are left anew",
+            hint=f"repair or fetch them, or give --to lerobot-{other}, which renumbers the others",
             details={"missing": missing},
         )
 
@@ -192,7 +192,7 @@ def _made(path: Path) -> Path:
 
 
 def place_videos(rows: pa.Table, info: Mapping[str, Any], keys: Collection[str]) -> pa.Table:
-    """Return rows of a v3.0 list in which each episode has a video of its own, numbered like the episode.
+    """Return rows of a v3.0 list with a video for each episode, numbered like the episode.
 
     Args:
         rows: with ``episode_index`` and ``length``; columns ``videos/<key>/…`` keep their types, or come.

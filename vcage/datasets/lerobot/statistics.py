@@ -43,10 +43,10 @@ def vector_statistics(values: NDArray[Any]) -> Statistics:
 
 
 class Moments:
-    """Running ``min, max, mean, std, count``, merged from those of parts.
+    """Running ``min, max, mean, std, count``, merged from parts.
 
     Merged as in Chan, Golub and LeVeque, "Updating formulae and a pairwise algorithm for computing sample variances"
-    (1979): https://doi.org/10.1007/978-3-642-51461-6_3, which is exact but for rounding.
+    (1979): https://doi.org/10.1007/978-3-642-51461-6_3, which is exact up to rounding.
     """
 
     def __init__(self) -> None:
@@ -119,9 +119,9 @@ def picture_statistics(histogram: NDArray[np.int64], frames: int) -> Statistics:
 
 
 class Totals:
-    """``min, max, mean, std, count`` by merging those of the episodes; quantiles by counting.
+    """``min, max, mean, std, count`` merged from the episodes; quantiles by counting.
 
-    The quantiles of columns are exact: the written files are read again when the set is finished. Those of pictures
+    The quantiles of columns are exact: the written files are read again at the end. Those of pictures
     come from the added histograms.
     """
 
@@ -142,7 +142,7 @@ class Totals:
         """Add a finished data set.
 
         A set that was not written here has no counts of levels, or old ones: the quantiles of its pictures are then
-        averaged with those of the new ones, weighted by numbers of pictures, as LeRobot does.
+        averaged with the new ones, weighted by numbers of pictures, as LeRobot does.
 
         Raises:
             DamagedFile: its statistics are missing or incomplete.
@@ -212,7 +212,7 @@ def column_quantiles(
         files: Parquet files, with at least one row.
         name: of the column.
         feature: its entry of ``info.json``.
-        max_bytes: of numbers at once; as many again are needed to put them in order.
+        max_bytes: of numbers in memory; as many again are needed to sort them.
 
     Returns:
         (Q, D).

@@ -1,7 +1,7 @@
 """Write a LeRobot v3.0 data set (read by lerobot 0.4 and later).
 
 https://huggingface.co/docs/lerobot/lerobot-dataset-v3. Frames of many episodes share a Parquet file; each episode keeps
-a video file of its own, which the format allows and which leaves the encoded streams as they were judged, byte for
+a video file of its own, which the format allows and which leaves the judged encoded streams unchanged, byte for
 byte.
 """
 

@@ -78,14 +78,14 @@ class LeRobotWriter(ABC):
         return {"episode_index": self.episodes, "tasks": [episode.task], "length": episode.length, **drawn}
 
     def add(self, episode: LeRobotEpisode) -> None:
-        """Write an episode. One that is refused leaves the data set as it was, so others can follow.
+        """Write an episode. A refused one leaves the data set unchanged, so others can follow.
 
         Raises:
-            UsageError: it is empty, holds NaN, or does not fit those before; names its number and what differs.
+            UsageError: it is empty, holds NaN, or does not fit earlier ones; names its number and the difference.
             DamagedFile: a video is unreadable, or does not show the episode's frames.
         """
         for complaint in episode.complaints():
-            raise UsageError(f"episode {self.episodes}: {complaint}", hint="mend the episode, or leave it out")
+            raise UsageError(f"episode {self.episodes}: {complaint}", hint="fix the episode, or leave it out")
         described = features_of(episode, self._encodings, language=self.IN_WORDS)
         self._info = agreed_info(self.episodes, described, self._info) if self._info else described
         columns = self._columns(episode)
@@ -177,7 +177,7 @@ class LeRobotWriter(ABC):
 
     @property
     def _counted(self) -> dict[str, dict[str, Any]]:
-        """The features that have statistics: all but those in words."""
+        """The features with statistics: all but texts."""
         return {key: feature for key, feature in self._features.items() if key not in LANGUAGE}
 
     @property
@@ -230,7 +230,7 @@ def link_files(source: Path, target: Path, but: Collection[Path]) -> None:
     """Give all files of a folder a second place in another one, without copying them where the disk allows it.
 
     Args:
-        source: the folder; it is left as it is.
+        source: the folder; it is left unchanged.
         target: the other folder.
         but: files to leave out, relative to ``source``. Files that are written later belong here, as a linked file
             would change in both places.

@@ -1,1 +1,1 @@
-"""Recordings made small: a search for each camera, in processes of their own, and what is written of it."""
+"""Recordings made small: a search for each camera, in processes of their own, and its output."""

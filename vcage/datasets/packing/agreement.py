@@ -1,7 +1,7 @@
 """Agreement of a camera's episodes on pixel format, GOP and CRF, in few encodings.
 
 The episode that is likely to allow the least loss chooses. The others are encoded with its choice at its CRF, in
-growing batches, each at most at the CRF that those before it allow. Episodes encoded above the final CRF are encoded
+growing batches, each at most at the CRF that earlier ones allow. Episodes encoded above the final CRF are encoded
 again. The steps do not depend on the number of processes, so neither does the result.
 """
 
@@ -56,8 +56,8 @@ class Agreement:
     """One camera's episodes on the way to their agreement.
 
     Args:
-        episodes: their names, those that are likely to allow least first; at least one.
-        choices: of the first one's search: of pixel formats those that all episodes can have, the best first.
+        episodes: their names, those likely to allow least first; at least one.
+        choices: of the first one's search: the pixel formats possible for all episodes, the best first.
         bound: the agreement so far; at first, that of other episodes before.
         apart: true where they need not agree: each is searched for itself, or all have a CRF that was given.
         batch_growth: episodes that have been encoded after a batch, for each before it. More keep more processes busy,

@@ -107,7 +107,7 @@ class SearchTask:
 
     @cached_property
     def made_from(self) -> str:
-        """Hash of everything that the result depends on, as it was at the first access."""
+        """Hash of everything the result depends on, as of the first access."""
         recording, encoder = self.clip.recording, self.choices.settings()
         facts = (
             str(recording.path.resolve()),
@@ -129,7 +129,7 @@ class SearchTask:
 
     @property
     def record(self) -> Path:
-        """Path of its :class:`ClipRecord`; those of one clip with other choices lie beside each other."""
+        """Path of its :class:`ClipRecord`; records of one clip with other choices are neighbours."""
         return self.folder / f"{self.clip.video.removesuffix('.mp4')}.{self.made_from[:12]}.json"
 
     @property

@@ -39,8 +39,8 @@ def search_data_set(
         clips: every camera of every recording.
         settings: of the search.
         folder: for the videos and their records.
-        agreed: camera → the agreement of other episodes, which stay as they are.
-        workers: processes at most, no more than there are clips; None takes as many as there are cores and memory for.
+        agreed: camera → the agreement of other episodes, which stay unchanged.
+        workers: largest number of processes, up to one per clip; None for as many as cores and memory allow.
         progress: called for each encoded clip; its number falls where clips must be encoded again.
 
     Returns:
@@ -69,7 +69,7 @@ def require_tools(settings: CompressionSettings) -> None:
 def workers_for(
     clips: Sequence[Clip], most: int | None = None, clip_copies: int = 3, process_bytes: int = 1_500_000_000
 ) -> int:
-    """Return the number of useful processes: no more than there are clips, at least one.
+    """Return the number of useful processes: at least one, at most one per clip.
 
     Args:
         clips: the work.

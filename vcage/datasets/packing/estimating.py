@@ -51,7 +51,7 @@ def estimate(order: Order, *, workers: int | None = None, progress: Progress = s
         progress: called for each clip of the sample.
 
     Returns:
-        JSON-serialisable: the figures of :func:`estimate_clips`, the recordings that are left, notes, and omissions.
+        JSON-serialisable: the figures of :func:`estimate_clips`, the remaining recordings, notes, and omissions.
 
     Raises:
         VcageError: see :func:`vcage.datasets.packing.pack.pack`.
@@ -86,7 +86,7 @@ def estimate_clips(
 
     Returns:
         JSON-serialisable: per camera the CRFs of the sample, and bytes of all frames; the sums of these, and seconds,
-        rather too many, as the one clip of each camera that is searched weighs more among few.
+        rather too many, as the one searched clip of each camera weighs more among few.
 
     Raises:
         VcageError: see :func:`vcage.datasets.packing.dataset_search.search_data_set`.

@@ -31,7 +31,7 @@ FRAMES = "frames.png"
 
 
 def write_frames(path: Path, recordings: Sequence[Recording], most_cameras: int = 8) -> Path | None:
-    """Write a frame of each camera whose colours are not sure, as it is read and with red and blue changed.
+    """Write a frame of each camera with unsure colours, as read and with red and blue swapped.
 
     Args:
         path: the PNG file.
@@ -84,7 +84,7 @@ class Inspected:
         name: the path, and the episode where a path holds several.
         recording: None where the file is damaged.
         damaged: the error; empty where there is none.
-        passed_over: description of a file that is no recording and is not read; empty otherwise.
+        passed_over: description of a skipped file that is no recording; empty otherwise.
         notes: for the user, on how it was understood.
         left_out: data that a LeRobot data set does not get: key → reason.
         failed: why it is no demonstration of its task, if it says so.

@@ -49,9 +49,9 @@ def resolve_output(wanted: OutputSpec, sources: Sequence[SourceRecording]) -> Ou
     """Return the requested output with a target that every recording can be written as.
 
     Raises:
-        UsageError: one cannot; names it, and the option that is missing. Or episodes of a LeRobot data set are left out
+        UsageError: one cannot; names it, and the missing option. Or episodes of a LeRobot data set are left out
             that is to keep its version, and with it the numbers of its episodes.
-        DamagedFile: the times of one are not those of evenly spaced frames, as a LeRobot data set has them.
+        DamagedFile: the times of one are not evenly spaced, as a LeRobot data set needs them.
     """
     output = replace(wanted, target=wanted.target or sources[0].recording.TARGET)
     if keeps := keeps_version(sources, output):
@@ -66,10 +66,10 @@ def resolve_output(wanted: OutputSpec, sources: Sequence[SourceRecording]) -> Ou
 
 
 def _require_writable(recording: Recording, output: OutputSpec, *, keeps: bool) -> None:
-    """Require that a recording can be written so; ``keeps`` says that a data set keeps its version."""
+    """Require that a recording can be written so; ``keeps`` means that a data set keeps its version."""
     if output.target == HDF5 != recording.TARGET:
         raise UsageError(
-            f"{recording} is no HDF5 file, so none can be written with its videos beside it",
+            f"{recording} is not an HDF5 file, so none can be written with videos beside it",
             hint=f"give --to {recording.TARGET}",
         )
     if not output.lerobot:
@@ -77,14 +77,14 @@ def _require_writable(recording: Recording, output: OutputSpec, *, keeps: bool) 
     if not (keeps or task_of(recording, output)):
         raise UsageError(
             f"{recording} does not state its task, which LeRobot requires",
-            hint='give --task "what the robot was told"',
+            hint='give --task "the instruction to the robot"',
         )
     rate = rate_of(recording, output.fps)
     fault = None if rate is None else recording.time_fault(str(output.target), rate)
     if fault is not None:
         other = "hdf5" if recording.TARGET == HDF5 else "lerobot-v2.1" if "v3" in recording.TARGET else "lerobot-v3.0"
         does = "keeps the times as they are" if other == "hdf5" else "counts time by frames"
-        raise DamagedFile(f"{recording}: {fault}", hint=f"give --to {other}, which {does}; or mend the times")
+        raise DamagedFile(f"{recording}: {fault}", hint=f"give --to {other}, which {does}; or correct the times")
 
 
 def task_of(recording: Recording, output: OutputSpec) -> str:
@@ -108,12 +108,12 @@ def output_notes(sources: Sequence[SourceRecording], output: OutputSpec) -> dict
 
 
 def stays_or_not(sources: Sequence[SourceRecording], output: OutputSpec) -> Literal["left as it was", "left out"]:
-    """Return what is done with streams that 8-bit videos cannot hold."""
+    """Return the treatment of streams that 8-bit videos cannot hold."""
     return "left as it was" if output.target == HDF5 or keeps_version(sources, output) else "left out"
 
 
 def other_streams(sources: Sequence[SourceRecording], output: OutputSpec) -> list[OtherStream]:
-    """Return depth, labels and the like of all recordings, and what becomes of them."""
+    """Return depth, labels and the like of all recordings, and their treatment."""
     done = stays_or_not(sources, output)
     counts = stream_counts(source.recording.other_streams for source in sources)
     return [OtherStream(**counted, done=done) for counted in counts]
@@ -151,7 +151,7 @@ def left_out(sources: Sequence[SourceRecording], output: OutputSpec) -> dict[str
 
 
 def omitted(left_out: Mapping[str, str], failed: Mapping[str, str]) -> dict[str, Any]:
-    """Return what an output leaves out and which demonstrations failed, JSON-serialisable; no entry if none."""
+    """Return the omissions of an output and the failed demonstrations, JSON-serialisable; no entry if none."""
     found = {"left_out": left_out, "failed": failures(failed)}
     return {name: value for name, value in found.items() if value}
 
@@ -167,7 +167,7 @@ def require_alike(clips: Sequence[Clip], output: OutputSpec) -> None:
     Raises:
         UsageError: one differs from the first in its cameras, their sizes, its frame rate or its numbers; names both.
             Or a camera of a LeRobot data set shows depth or grey, whatever is written.
-        DamagedFile: the state of one holds NaN, or has not as many rows as there are pictures; or a number of its state
+        DamagedFile: the state of one holds NaN, or has another number of rows than pictures; or a number of its state
             or its commands is too large for 32 bits.
     """
     episodes = [list(group) for _, group in groupby(clips, key=lambda clip: clip.name)]
@@ -196,7 +196,7 @@ def _require_float32(recording: Recording) -> None:
             row, column = np.argwhere(beyond)[0]
             raise DamagedFile(
                 f"{recording}: the {what} of frame {row} holds {values[row, column]:g}, which float32 cannot hold",
-                hint=f"mend the {what}, leave the episode out, or give --to hdf5, which keeps it as it is",
+                hint=f"fix the {what}, leave the episode out, or give --to hdf5, which keeps it as it is",
             )
 
 

@@ -1,4 +1,4 @@
-"""Compression of somebody's recordings: find, check, search, and write as a whole."""
+"""Compression of any recordings: find, check, search, and write the whole."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ class Order:
 
 @dataclass(frozen=True)
 class Prepared:
-    """An order that can be carried out, as far as that is known without decoding.
+    """An order that can be executed, as far as is known without decoding.
 
     Args:
         order: the order.
@@ -95,7 +95,7 @@ class Prepared:
     def without_damaged(self, work: Callable[[Prepared], T]) -> tuple[Prepared, T]:
         """Do some work on the recordings, and return the result and the recordings that it took.
 
-        Recordings that only the work shows to be damaged are left out if the order allows it, and it is done again.
+        Recordings found damaged during the work are left out if the order allows it, and the work is repeated.
 
         Raises:
             DamagedFile: the order does not allow it, or none is left.
@@ -176,14 +176,14 @@ def prepare(order: Order) -> Prepared:
 def pack(order: Order, *, workers: int | None = None, force: bool = False, progress: Progress = silent) -> Packed:
     """Compress recordings into a new folder, which appears whole or not at all.
 
-    Videos gather in a folder beside it. When the work is interrupted they stay there, and the same call goes on.
+    Videos gather in a folder beside it. After an interruption they stay there, and the same call resumes.
 
     Example:
         >>> pack(Order(Path("robotwin"), Path("small"), CompressionSettings(max_loss=0.05))).record.reduction_stored
 
     Args:
         order: of the work.
-        workers: processes at most; None takes as many as there are cores and memory for.
+        workers: largest number of processes; None for as many as cores and memory allow.
         force: replace an output of other settings or inputs.
         progress: called for every step.
 
@@ -232,7 +232,7 @@ def _move(whole: Path, out: Path) -> None:
 
 
 def _clear(working: Path) -> None:
-    """Remove the leftovers of a call that was ended after the output appeared, unless another one works there."""
+    """Remove the leftovers of a call that ended after the output appeared, unless another one works there."""
     if working.exists():
         with suppress(FolderInUse), held(working):
             shutil.rmtree(working)

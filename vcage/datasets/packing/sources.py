@@ -39,7 +39,7 @@ class SourceRecording:
         recording: the recording.
         notes: for the user, on how it was understood.
         failed: why it is no demonstration of its task, if it says so.
-        unclear: the error of a label that says neither that it failed nor that it did not.
+        unclear: the error of a label that tells neither failure nor success.
     """
 
     name: str
@@ -57,8 +57,8 @@ class Sources:
     Args:
         root: the path.
         sources: the usable recordings, in order; at least one.
-        damaged: name → error of those that were left out.
-        failed: name → why those that were left out are no demonstrations of their task.
+        damaged: name → error of the damaged ones left out.
+        failed: name → why the ones left out are no demonstrations of their task.
         passed_over: file or folder at the path that is not read → description.
     """
 
@@ -78,8 +78,7 @@ class Sources:
 
         Raises:
             UnknownName: a recording has no such camera.
-            UsageError: it has one that shows depth or labels; or neither the recording nor ``fps`` says how fast the
-                pictures follow each other.
+            UsageError: it has depth or labels; or neither the recording nor ``fps`` states the frame rate.
         """
         clips = []
         for source in self.sources:
@@ -107,7 +106,7 @@ class Sources:
         return found
 
     def missing_cameras(self) -> dict[str, list[str]]:
-        """Return name → cameras that it lacks and another has, of those that lack any."""
+        """Return name → cameras it lacks and another has, of recordings that lack any."""
         cameras = {source.name: {camera.name for camera in source.recording.cameras} for source in self.sources}
         every = set().union(*cameras.values())
         return {name: sorted(every - own, key=natural_key) for name, own in cameras.items() if own != every}
@@ -125,14 +124,14 @@ class Sources:
         return replace(self, sources=left, damaged=damaged)
 
     def failures(self) -> dict[str, str]:
-        """Return name → why a recording is no demonstration of its task, of those that say so."""
+        """Return name → why a recording is no demonstration of its task, for those marked so."""
         return self.failed or {source.name: source.failed for source in self.sources if source.failed is not None}
 
     def without_failed(self, *, skip_damaged: bool = False) -> Sources:
-        """Return the recordings that do not say that they failed.
+        """Return the recordings not marked as failed.
 
         Args:
-            skip_damaged: leave out those whose label is unclear, too, instead of refusing all.
+            skip_damaged: leave out those with an unclear label, too, instead of refusing all.
 
         Raises:
             DamagedFile: a label is unclear.
@@ -147,7 +146,7 @@ class Sources:
         if not left:
             raise InputFileError(
                 f"{self.root} holds failed demonstrations only ({len(failed)}: {next(iter(failed.values()))})",
-                hint=f"give --to {self.sources[0].recording.TARGET}, which keeps them as they are and marked so",
+                hint=f"give --to {self.sources[0].recording.TARGET}, which keeps them unchanged and marked as failed",
                 details={"failed": failed},
             )
         damaged = self.damaged | {name: error.message for name, error in unclear.items()}
@@ -162,12 +161,12 @@ def rate_of(recording: Recording, fps: float | None) -> float | None:
 def find_sources(
     root: Path, settings: CompressionSettings, *, skip_damaged: bool = False, colours: str = AUTO
 ) -> Sources:
-    """Open all recordings at a path, and check them as far as that is possible without decoding.
+    """Open all recordings at a path, and check them as far as possible without decoding.
 
     Args:
         root: a file or a folder.
         settings: of the encoding.
-        skip_damaged: leave out those that are damaged, and say so, instead of refusing all.
+        skip_damaged: leave out damaged ones, with a note, instead of refusing all.
         colours: see :func:`vcage.datasets.recordings.opening.open_all`.
 
     Raises:
@@ -246,7 +245,7 @@ def _require_encodable(recording: Recording, settings: CompressionSettings) -> N
     if not recording.cameras and recording.other_streams:
         raise InputFileError(
             f"{recording} holds no camera's pictures, only {', '.join(map(str, recording.other_streams))}",
-            hint="leave it as it is: videos are for colours, and would change these numbers",
+            hint="leave it unchanged: videos are for colours, and would change these numbers",
         )
     if not recording.cameras:
         raise UsageError(f"{recording} holds no pictures", hint="leave it out: there is nothing to compress")
@@ -258,7 +257,7 @@ def _require_encodable(recording: Recording, settings: CompressionSettings) -> N
 
 
 def _require_memory(recording: Recording, free: int) -> None:
-    """Raise OversizedFile where the pictures of a camera, which are all read at once, take more bytes than are free."""
+    """Raise OversizedFile where the pictures of a camera, which are all read together, exceed the free memory."""
     for camera in recording.cameras:
         if camera.raw_bytes > free > 0:
             raise OversizedFile(
@@ -273,7 +272,7 @@ def _no_camera(recording: Recording, name: str) -> UsageError:
         if name == stream.key.rpartition("/")[2]:
             return UsageError(
                 f"{recording}: {stream} is no camera, and no 8-bit video keeps it",
-                hint="leave it out of --cameras: in HDF5 it stays as it is",
+                hint="leave it out of --cameras: in HDF5 it stays unchanged",
             )
     return UnknownName(f"camera of {recording}", name, [camera.name for camera in recording.cameras])
 
@@ -284,5 +283,5 @@ def _refusal(complaints: Mapping[str, DamagedFile], left: int) -> DamagedFile:
     every = list(dict.fromkeys(messages.values()))  # many may complain of one file that describes them
     hint = next(iter(complaints.values())).hint
     if left:
-        hint = f"mend or remove what is damaged, or go on without it: --skip-damaged (sound: {left})"
+        hint = f"fix or remove what is damaged, or go on without it: --skip-damaged (sound: {left})"
     return DamagedFile(listed(every, most=5, between="; "), hint=hint, details={"damaged": messages})

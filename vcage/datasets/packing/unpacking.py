@@ -32,7 +32,7 @@ def unpack_all(
         root: a file, or a folder; only read.
         out: the folder to write.
         storage: see :func:`vcage.datasets.packed.unpack`.
-        force: replace a folder that is there and holds nothing but files of these names.
+        force: replace an existing folder that holds only files of these names.
         progress: called for each file.
 
     Returns:
@@ -46,13 +46,13 @@ def unpack_all(
     root, out = Path(root).expanduser().resolve(), Path(out).expanduser().resolve()
     require_apart(root, out)
     if not root.exists():
-        raise InputFileError(f"{root} does not exist", hint="give an HDF5 file that compress wrote, or a folder")
+        raise InputFileError(f"{root} does not exist", hint="give an HDF5 output of compress, or a folder")
     if not root.is_dir():
         require_fetched(root)
     folder = root.parent if root.is_file() else root
     files = [root] if root.is_file() else hdf5_files(root)
     if not files:
-        raise InputFileError(f"{root} holds no HDF5 file", hint="give a folder that compress wrote")
+        raise InputFileError(f"{root} holds no HDF5 file", hint="give an output folder of compress")
     names = [file.relative_to(folder) for file in files]
     described = _companions(files, folder)
     _require_replaceable(out, [*names, *described], force=force)
@@ -71,7 +71,7 @@ def _companions(files: Sequence[Path], folder: Path) -> set[Path]:
     """Return files beside recordings in a folder that describe them, relative to it."""
     found: set[Path] = set()
     for file in files:
-        with suppress(DamagedFile):  # any packed HDF5 is unpacked, of whatever layout
+        with suppress(DamagedFile):  # any packed HDF5 is unpacked, of any layout
             found.update(open_hdf5(file).companions)
     return {file.relative_to(folder) for file in found if file.is_relative_to(folder)}
 
@@ -87,4 +87,4 @@ def _require_replaceable(out: Path, names: Collection[Path], *, force: bool) -> 
     if foreign:
         raise OutputFolderError(f"{out} holds {foreign[0]}, which is not written here", hint="give another --out")
     if there and not force:
-        raise OutputFolderError(f"{out} is there already", hint="give another --out, or --force to replace it")
+        raise OutputFolderError(f"{out} exists already", hint="give another --out, or --force to replace it")

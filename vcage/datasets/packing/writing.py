@@ -63,7 +63,7 @@ class Compressed:
 
 
 def write_output(compressed: Compressed, output: OutputSpec, out: Path, progress: Progress) -> None:
-    """Write recordings with their videos into the folder ``out``, which is new.
+    """Write recordings with their videos into the new folder ``out``.
 
     Args:
         compressed: the recordings.
@@ -93,7 +93,7 @@ def _copy(file: Path, target: Path) -> None:
 
 
 def _write_hdf5(compressed: Compressed, out: Path, progress: Progress) -> None:
-    """Write the files, with links to the videos that lie there."""
+    """Write the files, with links to the videos there."""
     links: dict[str, list[Stream]] = {}
     for source in compressed.sources:
         own = [link_to(source.recording, video.stream) for video in compressed.by_recording[source.name].values()]
@@ -113,9 +113,9 @@ def _write_hdf5(compressed: Compressed, out: Path, progress: Progress) -> None:
 
 
 def _kept_videos(path: Path, replaced: Sequence[Stream]) -> list[Path]:
-    """Return videos of a file that was compressed before, of pictures that are not compressed now.
+    """Return videos of a file compressed before, of pictures not compressed now.
 
-    Those of a demonstration that is left out may be missing, and stay so.
+    Videos of an omitted demonstration may be missing, and stay so.
     """
     keys = {stream.key for stream in replaced}
     with read_hdf5(path) as file:

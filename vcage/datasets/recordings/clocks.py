@@ -22,7 +22,7 @@ class ClockSettings:
     """Limits by which numbers are times, and times agree with evenly spaced frames.
 
     Args:
-        within_frames: distance from the even grid that still leaves no doubt which frame is meant.
+        within_frames: distance from the even grid up to which the frame is certain.
         shortest_period_s, longest_period_s: of a recording; they tell the unit of times.
     """
 
@@ -50,7 +50,7 @@ class Clock:
 
     @cached_property
     def nominal_rate(self) -> float | None:
-        """Frames per second to 3 digits after the point, as a whole number where the times agree with that too; None
+        """Frames per second to 3 digits after the point, as a whole number if the times agree with it; None
         where frames are not evenly spaced, or the unit is not certain."""
         if len(self.units) != 1:
             return None
@@ -62,7 +62,7 @@ class Clock:
     def fault(self, fps: float) -> str | None:
         """Return why these are not the times of frames at a rate; None if each is within half a frame of the even grid.
 
-        Where several units are plausible, the one that is nearest to the rate counts.
+        Of several plausible units, the one nearest to the rate counts.
         """
         if not np.all(np.isfinite(self.ticks)):
             return f"{self.key} holds NaN or infinity"
@@ -161,7 +161,7 @@ class Clocks:
 
     Args:
         found: the clocks, in natural order of their keys.
-        unknown: key → shape and type of what is named like a clock, and is not understood.
+        unknown: key → shape and type of a dataset named like a clock, but not understood.
     """
 
     found: tuple[Clock, ...]
@@ -191,7 +191,7 @@ def find_clocks(part: h5py.Group, frames: int, cameras: Collection[str] = (), sp
 
     Args:
         part: of the file.
-        frames: pictures of a camera; a clock has as many times, or those of the commands.
+        frames: pictures of a camera; a clock has that many times, or one per command.
         cameras: keys of pictures, from the root of the file.
         spare: pictures after the last command.
     """

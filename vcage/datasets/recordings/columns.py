@@ -69,7 +69,7 @@ def numbers_of(part: h5py.Group, key: str, names: tuple[str, ...] = ()) -> Colum
     if not _are_numbers(found):
         raise DamagedFile(
             f"{found.file.filename}:{found.name} is {found.shape} {found.dtype}, no row of numbers for each picture",
-            hint="leave the episode out, or mend it",
+            hint="leave the episode out, or fix it",
         )
     return Columns(_rows(found), names, sources=(found.name.lstrip("/"),))
 

@@ -35,7 +35,7 @@ class Hdf5Colours(Recording):
 
     def with_colours(self, colours: Colours) -> Self:
         other = super().with_colours(colours)
-        other.__dict__.pop("colours", None)  # what the copy remembers
+        other.__dict__.pop("colours", None)  # for the copy's memory
         return other
 
     def swapped(self, camera: str) -> bool:
@@ -102,7 +102,7 @@ class Hdf5Colours(Recording):
 
     @cached_property
     def _marks(self) -> dict[str, list[bool]]:
-        """Key of a camera with JPEG → true for each picture that states that red and blue are where they belong."""
+        """Key of a camera with JPEG → true for each picture that declares red and blue in the right order."""
         keys = {camera.key: camera.frames for camera in self._encoded if camera.storage == "jpeg"}
         with self._file() as file:
             return {
@@ -115,7 +115,7 @@ class Hdf5Colours(Recording):
         if asked and not any(camera.storage in STORED for camera in self.cameras):
             raise UsageError(
                 f"the pictures of {self} lie in videos, whose colours are settled",
-                hint="leave --colours out; or compress the recording that they were made of again, with --colours",
+                hint="leave --colours out; or compress the original recording again, with --colours",
             )
         note = None if self.colours is None else self.colours.note
         return super()._camera_notes() + ([] if note is None else [note])

@@ -224,7 +224,7 @@ class Hdf5Recording(Hdf5Colours):
 
     @cached_property
     def _attributes(self) -> dict[str, Any]:
-        """Those attributes of the file that are understood, if they are one number or text."""
+        """The understood attributes of the file, if they are one number or text."""
         with self._file() as file:
             values = {name: file.attrs[name] for name in ATTRIBUTES if name in file.attrs}
             for name, value in values.items():
@@ -272,7 +272,7 @@ def read_beside(path: Path, max_bytes: int = 64 << 20) -> Any:
     """Return the content of a JSON file beside a recording; None where there is none, or a link in its place.
 
     Raises:
-        DamagedFile: it was not fetched, is no regular file, or is no JSON.
+        DamagedFile: it was not fetched, is no regular file, or is not JSON.
         OversizedFile: it is too large.
         InputFileError: it may not be read.
     """
@@ -287,11 +287,11 @@ def read_beside(path: Path, max_bytes: int = 64 << 20) -> Any:
     try:
         return _cached_content(path, stat.st_size, stat.st_mtime_ns)
     except DamagedFile as error:
-        hint = "mend the file, or remove it and give with options what it says"
+        hint = "fix the file, or remove it and give with options what it says"
         raise DamagedFile(error.message, hint=hint, details=error.details) from error
 
 
 @lru_cache(maxsize=8)
 def _cached_content(path: Path, _size: int, _changed: int) -> Any:
-    """Return the content of a file that describes many recordings, each of which asks for it."""
+    """Return the content of a file that describes many recordings, each of which reads it."""
     return read_json(path, nan=True)

@@ -91,11 +91,11 @@ class LeRobotRecording(Recording):
         return f"its {OUTCOME} is never true" if never else None
 
     def set_unlabelled(self) -> None:
-        """Note that no episode of its data set succeeds, so that nobody recorded outcomes."""
+        """Note that no episode of its data set succeeds, so that outcomes were not recorded."""
         self._labelled = False
 
     def succeeds(self) -> bool:
-        """True for a true outcome, and for one that cannot be read, which is named where the episode is read."""
+        """True for a true outcome, and for an unreadable one, which is named where the episode is read."""
         with suppress(InputFileError):
             return True in self._files.labels()
         return True
@@ -117,7 +117,7 @@ class LeRobotRecording(Recording):
         if colours.swapped:
             raise UsageError(
                 f"{self.path} is a LeRobot data set, whose pictures and their statistics are RGB",
-                hint="leave --colours out, or change the recordings that it was made of",
+                hint="leave --colours out, or change the original recordings",
             )
         return self
 

@@ -145,7 +145,7 @@ class EpisodeFiles:
         """Return a column of the episode's rows.
 
         Raises:
-            DamagedFile: there is no row, or other than the list of episodes says.
+            DamagedFile: there is no row, or another number than the list of episodes states.
         """
         table = self.table
         found = read_table(table, [key], pc.field("episode_index") == self.number)[key]

@@ -30,7 +30,7 @@ class LookupSettings:
     Args:
         tolerance_s: of LeRobot's own lookup.
         counted_frames: in frames, where the rows of all episodes in a video are as many as its frames.
-        alone_frames: in frames, where only the times say at which frame of a video an episode begins.
+        alone_frames: in frames, where only the times show the frame of a video at which an episode begins.
         rounding_share: share of a limit by which double precision may exceed it.
     """
 
@@ -44,7 +44,7 @@ SETTINGS = LookupSettings()
 
 
 class Unclear(Exception):
-    """Times that leave it open which frame is meant.
+    """Times that leave the frame in doubt.
 
     Args:
         message: the deviation.
@@ -135,7 +135,7 @@ class Share:
     Args:
         start: frames of the episodes before it.
         total: frames of all episodes.
-        overlaps: an episode that begins before it and has not ended when it begins, by their times; None without.
+        overlaps: an earlier episode that has not ended when it begins, by their times; None without.
     """
 
     start: int
@@ -250,7 +250,7 @@ def shares(rows: Sequence[Mapping[str, Any]], key: str, fps: float) -> dict[int,
         key: feature of the camera.
         fps: of the data set.
 
-    Episodes whose video, or place in it, the list does not state are left out.
+    Episodes without a stated video, or place in it, are left out.
     """
     files: dict[tuple[Any, Any], list[tuple[Any, int, int]]] = {}
     for row in rows:

@@ -24,7 +24,7 @@ from vcage.datasets.recordings.success import FAIL, SUCCESS, label_of, stated_fa
 
 TRAJECTORY = r"traj_(\d+)"
 
-MEND = "mend the file, or remove it and give with options what it says"
+MEND = "fix the file, or remove it and give with options what it says"
 
 STATE, FLAT = "obs/agent/qpos", "obs/state"
 """The robot's joints; or all numbers of the simulation in one row."""
@@ -202,7 +202,7 @@ def words_of(environment: str) -> str:
 
 
 def _succeeds(part: h5py.Group) -> bool:
-    """True for a label of success, and for one that is not understood, which is named where the trajectory is read."""
+    """True for a label of success, and for one not understood, which is named where the trajectory is read."""
     with suppress(DamagedFile):
         return bool(stored_label(part, SUCCESS))
     return True

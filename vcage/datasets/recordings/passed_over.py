@@ -42,7 +42,7 @@ def data_sets_in(root: Path, files: Iterable[Path]) -> list[Path]:
 def passed_over(
     root: Path, files: Collection[Path], *, whole: bool = False, folders: Collection[Path] = ()
 ) -> dict[str, str]:
-    """Return what lies below a folder and is not read: data sets, folders of pictures, HDF5 files of other names.
+    """Return the skipped parts below a folder: data sets, folders of pictures, HDF5 files of other names.
 
     Args:
         root: the folder.
@@ -84,7 +84,7 @@ def _format(file: Path) -> str | None:
     try:
         with file.open("rb") as data:
             head = data.read(8)
-    except OSError:  # which is complained of where it is read
+    except OSError:  # its reader complains of it
         return None
     return next((kind for magic, kind in SIGNATURES.items() if head.startswith(magic)), None)
 
@@ -110,7 +110,7 @@ REASONS: Mapping[str, str] = {
 def leftovers(part: h5py.Group, taken: Collection[str], reasons: Mapping[str, str] | None = None) -> dict[str, str]:
     """Return key relative to ``part`` → reason, of all non-empty datasets in it that are not taken.
 
-    A group of which nothing is taken is one entry.
+    A group without any used part is one entry.
 
     Args:
         part: of an open file.

@@ -120,7 +120,7 @@ def _measured(name: str, files: Sequence[Path]) -> MeasuredStream | None:
 
 
 def _header(file: Path) -> tuple[tuple[int, int], int]:
-    """Return width and height of a picture file, which is not decoded, and bits a channel where they exceed 8.
+    """Return width and height of a picture file without decoding it, and bits a channel above 8.
 
     Raises:
         DamagedFile: it is no picture, or several.
@@ -179,7 +179,7 @@ def _require_one_series(files: Sequence[Path]) -> None:
             if numbers and other != name:
                 raise DamagedFile(
                     f"{files[0].parent} holds the frames of several cameras: {other} and {name}",
-                    hint="put those of each camera into a folder of its own",
+                    hint="put the pictures of each camera into a folder of its own",
                 )
 
 

@@ -29,7 +29,7 @@ def relative_name(path: Path, root: Path) -> str:
 
 
 class Recording(ABC):
-    """One episode of somebody's data set; nothing is read before it is asked for.
+    """One episode of a foreign data set; nothing is read before it is requested.
 
     A recording can be pickled and read in another process. A property is None or empty where it does not say.
 
@@ -48,7 +48,7 @@ class Recording(ABC):
     """Pictures after the last command: simulators also record the state after it."""
 
     _settled: Colours | None = None
-    """The order of colours that a user states, or that recordings in one folder share."""
+    """The order of colours stated by a user, or shared by recordings in one folder."""
 
     def __init__(self, path: Path, number: int = 0):
         self.path = Path(path)
@@ -74,7 +74,7 @@ class Recording(ABC):
 
     @property
     def state_notes(self) -> list[str]:
-        """Notes for the user on how the state was understood, which is read for it."""
+        """Notes for the user on the interpretation of the state, which is read for it."""
         found = self._checked("state", self._read_state())
         return [] if found is None else list(found.notes)
 
@@ -148,7 +148,7 @@ class Recording(ABC):
         return "give --fps N"
 
     def time_fault(self, target: str, fps: float) -> str | None:
-        """Return why its times are not those that a data set of the version ``target`` states for ``fps``."""
+        """Return why its times are not those a data set of the version ``target`` states for ``fps``."""
         del target, fps
         return None
 
@@ -284,7 +284,7 @@ class Recording(ABC):
         if len(bad):
             raise DamagedFile(
                 f"{self}: the {what} of frame {bad[0][0]} holds NaN or infinity",
-                hint=f"leave the episode out, or mend the {what}",
+                hint=f"leave the episode out, or fix the {what}",
             )
         rows, spare = len(found.values), self.SPARE_PICTURES
         for camera in self.cameras:

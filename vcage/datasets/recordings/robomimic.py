@@ -1,6 +1,6 @@
 """HDF5 files in robomimic's layout, which hold many demonstrations: ``data/demo_0``, ``data/demo_1``, …
 
-Each holds ``actions`` and, in ``obs``, pictures as ``<camera>_image`` beside what was measured of the robot. The
+Each holds ``actions`` and, in ``obs``, pictures as ``<camera>_image`` beside measurements of the robot. The
 attribute ``env_args`` of ``data`` describes the simulation as JSON. ``next_obs``, where it is, repeats the pictures of
 ``obs`` one step later.
 
@@ -66,7 +66,7 @@ class RobomimicDemo(Hdf5Recording):
 
     @classmethod
     def wrote(cls, data: h5py.Group, demos: Collection[str]) -> bool:
-        """True if the group of these demonstrations is of this layout, of those that share the tree."""
+        """True if the group of these demonstrations is of this layout, among those that share the tree."""
         del data, demos
         return True
 

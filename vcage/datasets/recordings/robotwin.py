@@ -56,7 +56,7 @@ FREQUENCY = "additional_info/frequency"
 
 
 class _Instructed(Hdf5Recording):
-    """Common part of both layouts: instructions, of which the first for training is the task."""
+    """Common part of both layouts: instructions, the first for training being the task."""
 
     @property
     def task(self) -> str | None:
@@ -64,7 +64,7 @@ class _Instructed(Hdf5Recording):
 
     @property
     def subtasks(self) -> list[SubtaskSpan]:
-        """One of all frames that carries the other wordings, where there are any."""
+        """A note for all frames with the other wordings, if there are any."""
         own, task = self._wordings, self.task
         return [SubtaskSpan(task, 0, self.frames, own)] if task is not None and len(own) > 1 else []
 
@@ -80,7 +80,7 @@ class _Instructed(Hdf5Recording):
         return super().left_out() | kept
 
     def _instructions(self) -> Any:
-        """Return the content that holds the wordings of the episode's task; None if there is none."""
+        """Return the content with the wordings of the episode's task; None without one."""
         raise NotImplementedError
 
 
@@ -114,7 +114,7 @@ class RoboTwinEpisode(_Instructed):
         found = read_beside(file)
         if not wordings_of(found):
             raise DamagedFile(
-                f'{file} names no instruction in "seen"', hint="mend the file, or remove it and give --task"
+                f'{file} names no instruction in "seen"', hint="fix the file, or remove it and give --task"
             )
         return found
 
@@ -250,7 +250,7 @@ def _arm_parts(state_names: list[str]) -> dict[str, list[int]]:
         part = f"{name.split('_')[0]}_{'gripper' if name.endswith('_gripper') else 'arm'}"
         if part not in parts:
             raise UsageError(
-                f"{name} belongs to no arm that RoboTwin knows",
+                f"{name} belongs to no arm known to RoboTwin",
                 hint="its arms are left and right; export to LeRobot instead",
             )
         parts[part].append(column)

@@ -140,7 +140,7 @@ def measured_file(name: str, data: bytes) -> MeasuredStream | None:
 
 
 def _first_file(dataset: h5py.Dataset) -> bytes:
-    """Return the first picture file of a dataset; nothing where it holds no such file, or none that can be read."""
+    """Return the first picture file of a dataset; nothing without one, or without a readable one."""
     try:
         require_pictures_fit(dataset)
         data = encoded_bytes(dataset, 0)

@@ -61,7 +61,7 @@ class Arrangement:
         return free_region(plane.bounds, stance.half, self._boxes[taken], plane.margin, unions)
 
     def related(self, k: int, yaw: float, centres: np.ndarray) -> np.ndarray:
-        """(c, 2) those of some centres of item ``k`` at ``yaw`` that keep all relations to the others."""
+        """(c, 2) the centres of item ``k`` at ``yaw`` that satisfy all relations to the others."""
         related = self.plane.related
         if related is None or not len(centres):
             return centres

@@ -1,6 +1,6 @@
 """Objects that lie in containers from the start.
 
-What lies in a container is placed first, in the container's own frame, where the opening is an axis-aligned plane at
+Contents of a container are placed first, in the container's own frame, where the opening is an axis-aligned plane at
 any heading. The container is then placed as a rigid body, so contents take no room of the table; where they must be
 reached or seen limits where the container may stand.
 """

@@ -26,7 +26,7 @@ class ProofSettings:
     Args:
         passes: orders that are packed to prove a way out.
         largest: how many times longer the workspace is tried, at most.
-        halvings: steps in which the smallest growth is looked for, between none and one that suffices.
+        halvings: bisection steps for the smallest sufficient growth.
         slack_share: the workspace is made longer than the smallest growth by this, so that the next search does not
             need luck.
         area_tolerance_m2: area that may be missing by rounding.
@@ -43,7 +43,7 @@ SETTINGS = ProofSettings()
 
 
 def require_room(plane: Plane) -> None:
-    """Refuse an item that fits nowhere even alone, and more area than there is.
+    """Refuse an item that fits nowhere even alone, and a total area above the free area.
 
     Raises:
         InfeasibleScene: names the item, the missing area and a way out.

@@ -1,8 +1,8 @@
 """Collision-free placement (paper, section III-A1): every object gets a place, or the answer says why not.
 
-Free regions are exact (:mod:`~vcage.layout.placement.free_region`); where the arms reach and what the camera sees are
-unions of rectangles of the same calculation. How places are found is :mod:`~vcage.layout.placement.search`'s, what is
-said when there are none :mod:`~vcage.layout.placement.infeasible`'s.
+Free regions are exact (:mod:`~vcage.layout.placement.free_region`); the arms' reach and the camera's view are
+unions of rectangles of the same calculation. :mod:`~vcage.layout.placement.search` finds the places, and
+:mod:`~vcage.layout.placement.infeasible` explains failures.
 """
 
 from __future__ import annotations
@@ -41,9 +41,9 @@ def place(
         workspace: (2, 2) lower and upper corner; every box stays within.
         rng: the only source of randomness.
         margin: smallest gap between two boxes, metres.
-        obstacles: (n, 2, 2) rectangles that are taken already.
-        relations: that are kept, between the items and to the table; those of what lies in something are kept between
-            what carries them.
+        obstacles: (n, 2, 2) occupied rectangles.
+        relations: to satisfy, between the items and to the table; those of contents are kept between
+            their containers.
 
     Returns:
         Placement by id, in the order of ``items``.
@@ -71,7 +71,7 @@ def place(
 def require_possible(
     items: Sequence[TableItem], workspace: ArrayLike, margin: float = 0.01, obstacles: ArrayLike = ()
 ) -> None:
-    """Refuse at once an object that fits nowhere even alone, or more area than there is.
+    """Refuse an object that fits nowhere even alone, or a total area above the free area.
 
     Raises:
         InfeasibleScene, UsageError: as :func:`place`.

@@ -92,7 +92,7 @@ class Plane:
 
     @cached_property
     def compact(self) -> list[list[Stance]]:
-        """Stances of each item that packing tries: the smallest two, along and across, that are possible alone."""
+        """Stances of each item for packing: the smallest two possible alone, along and across."""
         return [list(islice((s for s in stances if not self.alone(s).is_empty), 2)) for stances in self.stances]
 
     def alone(self, stance: Stance) -> FreeRegion:

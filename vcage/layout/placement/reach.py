@@ -31,7 +31,7 @@ def robot_reach(
 ) -> np.ndarray:
     """Rectangles (m, 2, 2) of the plane in which some arm reaches straight down at all heights and headings.
 
-    Where none does, arms that can reach a grasp with the hand tilted, and lift what it holds clear of the table, do as
+    Where none does, arms that can reach a grasp with the hand tilted, and lift the object clear of the table, do as
     well. A cell of the grid counts when one arm reaches all of its corners, so no point of a rectangle is a guess
     between two that work; and when the robot's overview (:func:`~vcage.sim.cameras.overview`) sees all of them at the
     lowest height. They are cut to the workspace.
@@ -41,8 +41,8 @@ def robot_reach(
     Args:
         workspace: (2, 2) lower and upper corner, metres.
         heights: z of the gripper frame's origin that must be reached, metres.
-        folder: where maps are kept, the user's cache if None.
-        every: True for what all arms reach, each by itself.
+        folder: of the maps, the user's cache if None.
+        every: True for the common reach of all arms, each by itself.
         tilted: demands on a tilted hand; a grasp at the lowest height, at all headings, if None.
 
     Raises:
@@ -68,10 +68,10 @@ def robot_reach(
 
 
 def reach_for(asset: Asset, role: Role, reach: np.ndarray) -> np.ndarray | None:
-    """Rectangles in which an object may stand at any heading so that all points its role needs are reached.
+    """Rectangles in which an object may stand at any heading with all points of its role in reach.
 
-    Of what is moved those are the contact points, of what receives it the functional points, of a tool those that it
-    has. What has moving parts is operated at its handles, which its middle says nothing about.
+    A moved object has contact points, a receptacle functional points, a tool the points it
+    has. An articulated object is operated at its handles, which its middle says nothing about.
 
     Args:
         reach: (m, 2, 2) rectangles where an arm reaches, metres.
@@ -101,14 +101,14 @@ def _axis(lower: float, upper: float) -> range:
 
 
 def _seen(camera: Camera | None, columns: range, rows: range, height: float) -> np.ndarray:
-    """(nx, ny) bool: the cells of which a camera sees all corners at a height; all where there is none."""
+    """(nx, ny) bool: the cells with all corners in view of a camera at a height; all without one."""
     x, y = np.meshgrid(SETTINGS.cell_m * np.array(columns), SETTINGS.cell_m * np.array(rows), indexing="ij")
     points = np.stack([x, y, np.full_like(x, height)], axis=-1)
     return _whole(np.ones(x.shape, dtype=bool) if camera is None else camera.sees(points))
 
 
 def _whole(nodes: np.ndarray) -> np.ndarray:
-    """(nx, ny) bool: the cells all corners (nx + 1, ny + 1) of which are true."""
+    """(nx, ny) bool: the cells with all corners (nx + 1, ny + 1) true."""
     return nodes[:-1, :-1] & nodes[1:, :-1] & nodes[:-1, 1:] & nodes[1:, 1:]
 
 

@@ -63,7 +63,7 @@ class Tilted:
 
     Args:
         headings: sets of numbers of :data:`YAWS`; all headings of one of the sets.
-        higher: how much higher than the lowest grasp it lets go of what it brings, metres.
+        higher: height above the lowest grasp at which it lets go of its object, metres.
     """
 
     headings: tuple[tuple[int, ...], ...] = (tuple(range(len(YAWS))),)
@@ -71,9 +71,9 @@ class Tilted:
 
     @classmethod
     def of(cls, asset: Asset, role: Role, yaw: float | None = None) -> Tilted:
-        """Return what it takes to move an object, or to put something into it.
+        """Return the demands of moving an object, or of putting something into it.
 
-        A hand may choose its heading where it puts something down, and where it takes what it can close on in two
+        A hand may choose its heading where it puts an object down, and where it takes an object with two closing
         directions, such as a block.
 
         Args:
@@ -94,7 +94,7 @@ class Tilted:
 
 
 def _beside(heading: float) -> tuple[int, ...]:
-    """Numbers of the :data:`YAWS` to both sides of where the fingers close along, or of the one that it is."""
+    """Numbers of the :data:`YAWS` on both sides of the fingers' closing direction, or the exact one."""
     turns = (heading - np.pi / 2) % np.pi / (np.pi / len(YAWS))  # at heading 0 they close along y
     sides = {int(np.floor(turns + 1e-6)), int(np.ceil(turns - 1e-6))}
     return tuple(sorted(side % len(YAWS) for side in sides))
@@ -169,7 +169,7 @@ class ReachMap:
         return self._known[node]
 
     def save(self) -> None:
-        """Write new answers to the cache; a map that cannot be written is reported and does without."""
+        """Write new answers to the cache; a map that cannot be written is reported and skipped."""
         if not self._changed:
             return
         nodes = [[*node, int(reached)] for node, reached in sorted(self._known.items())]
@@ -194,7 +194,7 @@ def _key(arm: Arm, asked: Question) -> str:
 
 
 def _read(path: Path) -> dict[Node, bool]:
-    """The nodes of a map; none when there is no map, or one that is damaged."""
+    """The nodes of a map; empty for a missing or damaged one."""
     try:
         nodes = read_json(path)["nodes"]
         return {(int(i), int(j)): bool(reached) for i, j, reached in nodes}

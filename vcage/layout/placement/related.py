@@ -1,7 +1,7 @@
 """Relations that a placement keeps: an object is drawn where they hold between it and the placed objects.
 
-To the table they are thirds of it, which limit where an object may be at all. To another object they cut what is free
-by a rectangle, beside or around that object's, and a point of it is judged by :mod:`vcage.plans.relations`.
+Relations to the table are thirds of it, which limit where an object may be. Relations to another object cut the free
+area by a rectangle, beside or around that object's, and :mod:`vcage.plans.relations` judges its points.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class Placed(Protocol):
 
 @dataclass(frozen=True)
 class _Bond:
-    """A relation of an item on the plane, or of what it carries, to another or to what that carries.
+    """A relation of an item on the plane, or of its contents, to another item or that one's contents.
 
     Args:
         relation: between the objects.
@@ -49,7 +49,7 @@ class Related:
     """The relations between the items of a table, and to the table.
 
     Args:
-        relations: of a plan; those between objects that move as one are passed over.
+        relations: of a plan; those within a rigid group are skipped.
         items: all objects.
         carried: their contents.
         bounds: (2, 2) of the workspace.
@@ -78,7 +78,7 @@ class Related:
         return name in self._bonds
 
     def thirds(self, item: TableItem, yaw: float) -> list[np.ndarray]:
-        """(1, 2, 2) each: rectangles in all of which the item's centre must be at a yaw."""
+        """(1, 2, 2) each: rectangles, all of which must contain the item's centre at a yaw."""
         found = []
         for number, r in enumerate(self._on_table.get(item.id, ())):
             x, y = self._body(item, yaw, r.subject).mean(axis=0).round(9)
@@ -89,7 +89,7 @@ class Related:
         return found
 
     def cuts(self, name: str, yaw: float, placed: Mapping[str, Placed]) -> list[np.ndarray]:
-        """(1, 2, 2) each: rectangles outside of which the centre of an item breaks a relation to a placed item."""
+        """(1, 2, 2) each: rectangles outside which the centre of an item breaks a relation to a placed item."""
         found = []
         for own, other, bond in self._boxes(name, yaw, placed):
             word = bond.relation.relation
@@ -136,7 +136,7 @@ class Related:
 
 
 def _beyond(box: np.ndarray, word: str, against: bool = False) -> np.ndarray:
-    """(2, 2) all that is beyond a rectangle's edge on the side that a direction word names.
+    """(2, 2) everything beyond a rectangle's edge on the side of a direction word.
 
     Args:
         box: (2, 2) the rectangle.

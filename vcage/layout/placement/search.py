@@ -1,11 +1,11 @@
 """Finds a place for every item of a plane.
 
 1. *Scattering*: the items, largest first, each at a random heading and at a point drawn uniformly from its exact free
-   region. What finds no room goes where the least is in its way, and that is taken back and scattered again.
+   region. An item without room goes where it displaces least, and the displaced items are scattered again.
 2. *Packing*, when that fails: every item at a corner of its free region, at one of its smallest headings; by turns at
-   the corner furthest into one corner of the plane, and where most of its border touches something. What was left over
+   the corner furthest into one corner of the plane, and where most of its border touches something. A leftover item
    is placed earlier in the next pass (Joslin and Clements, "Squeaky wheel optimization", 1999).
-3. *Shaking* of what was packed: every item is drawn again from what is free around it (Gibbs sampling), so that a
+3. *Shaking* of the packed items: each is drawn again from the free region around it (Gibbs sampling), so that a
    full plane looks as random as its room allows.
 
 All of it is bounded by counts, never by time.
@@ -51,8 +51,8 @@ class SearchSettings:
         sweeps: times that every item of a packed plane is drawn again.
         candidates: random points, for each heading, at which an item without room may push others away.
         size_jitter: relative noise of an item's size in the order of packing.
-        blame: what a leftover's size rises by; the largest size is 1.
-        corners: furthest into the plane's corner that are examined for contact.
+        blame: growth of a leftover's size; the largest size is 1.
+        corners: number of corners furthest into the plane's corner examined for contact.
         tie_weight: of the criterion between corners that are equally good.
     """
 
@@ -78,7 +78,7 @@ class Outcome:
     """The result of a search.
 
     Args:
-        spots: by index of the item; of all items, or of as many as there was room for.
+        spots: by index of the item; of all items, or of those with room.
         left: indices of the items without a place, largest first.
     """
 
@@ -155,11 +155,11 @@ def _draw(arrangement: Arrangement, k: int, stances: Sequence[Stance], rng: np.r
 def _push_in(arrangement: Arrangement, k: int, pushed: np.ndarray, rng: np.random.Generator) -> list[int] | None:
     """Place item ``k`` where the least is in its way, and take that away; its indices, or None when it fits nowhere.
 
-    What was pushed away before counts for more, so that two items do not push each other for ever.
+    Items pushed away before count for more, so that two items do not push each other for ever.
     """
     plane, best = arrangement.plane, None
     if plane.related is not None and plane.related.binds(plane.items[k].id):
-        return None  # an item in its way may be the one that it must stand by
+        return None  # an item in its way may be its partner in a relation
     for stance in plane.compact[k]:
         region = plane.alone(stance)
         centres = np.concatenate([region.samples(rng, SETTINGS.candidates), region.corners()])
@@ -211,7 +211,7 @@ def _cost(plane: Plane, left: Sequence[int]) -> tuple[int, float]:
 
 
 def _pack_once(arrangement: Arrangement, order: Sequence[int], first: int, signs: np.ndarray, snug: bool) -> list[int]:
-    """Place the items one by one in corners, where most touches if ``snug``; the indices of those that found none."""
+    """Place the items one by one in corners, with most contact if ``snug``; the indices of items without a place."""
     arrangement.restore({})
     left = []
     for k in order:

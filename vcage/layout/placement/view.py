@@ -50,7 +50,7 @@ def view_rectangles(
     lines = np.unique(np.concatenate([lines, _turns(normals, limits, lower, upper)]))
     left, right = _spans(normals, limits, lines, lower[0], upper[0])
     a, b = np.triu_indices(len(lines), 1)
-    # What is seen is convex: a rectangle belongs to it when its upper and its lower edge do.
+    # The visible area is convex: a rectangle belongs to it when its upper and its lower edge do.
     lower = np.stack([np.maximum(left[a], left[b]), lines[a]], axis=1)
     upper = np.stack([np.minimum(right[a], right[b]), lines[b]], axis=1)
     return _maximal(np.stack([lower, upper], axis=1)[upper[:, 0] > lower[:, 0]])
@@ -60,7 +60,7 @@ def _sides(camera: Camera, support: float, height: float, border: float) -> tupl
     """Half planes ``normal · point >= limit``, (n, 2) and (n,), of the view at both heights."""
     u = max(camera.width / 2 - border, 0.0) / camera.focal
     v = max(camera.height / 2 - border, 0.0) / camera.focal
-    # Camera frame: x forward, y left, z up; the sides of the view point inwards, and so does what lies in front.
+    # Camera frame: x forward, y left, z up; the sides of the view point inwards, and so does the front.
     inwards = np.array([[u, 1, 0], [u, -1, 0], [v, 0, 1], [v, 0, -1]]) @ camera.pose.rotation().T  # (4, 3)
     at_zero = inwards @ camera.pose.p
     limits = np.concatenate([at_zero - inwards[:, 2] * z for z in (support, support + height)])

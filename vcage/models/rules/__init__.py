@@ -1,6 +1,6 @@
 """Deterministic stand-ins that need no key, no weights and no network: each does its real job in a simpler way.
 
-Which module answers what is asked in :mod:`vcage.models.protocols`:
+Modules for the questions of :mod:`vcage.models.protocols`:
 
 - ``Reasoner`` (``reasoner``): ``select_assets`` in ``selection``, ``plan_layout`` in ``layout``, ``judge_pairs`` in
   ``pairs``, ``read_goals`` in ``goals``;

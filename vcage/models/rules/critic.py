@@ -25,9 +25,9 @@ class OthersSettings:
     """Limits from which on another object counts as moved.
 
     Args:
-        nudged_m: what was moved less than this counts as left where it was; the state calls it disturbed from 5 cm on.
-        vanished_share: share of what was seen of an object that must show the bare table for it to have been moved.
-        fewest_px: so many pixels of an object must have been seen to tell that it is gone.
+        nudged_m: an object moved by less counts as left in place; the state calls it disturbed from 5 cm on.
+        vanished_share: share of the object's visible area that must show the bare table for it to have been moved.
+        fewest_px: visible pixels of an object needed to tell that it is gone.
         patch_m2: largest patch of the table that may change where nothing should.
     """
 
@@ -73,8 +73,8 @@ def judge_others(area_m2: float, vanished: Sequence[str]) -> Verdict:
     """Judge whether nothing else was moved.
 
     Args:
-        area_m2: of the largest patch of the table that changed where nothing should.
-        vanished: objects that are no longer where they were, in words.
+        area_m2: largest tolerated change of the table outside the sub-task.
+        vanished: objects that left their place, in words.
     """
     if vanished:
         return refused(f"no longer where it stood: the {' and the '.join(vanished)}", 0.8, "disturbed")
@@ -84,7 +84,7 @@ def judge_others(area_m2: float, vanished: Sequence[str]) -> Verdict:
 
 
 def _vanished(view: CriticView, explained: np.ndarray) -> Iterator[str]:
-    """Objects that no goal is about and that no longer stand where the layout put them, in words."""
+    """Objects outside the goals that left their place in the layout, in words."""
     question = view.question
     if question.background is None:
         return
@@ -105,6 +105,6 @@ def _vanished(view: CriticView, explained: np.ndarray) -> Iterator[str]:
 
 
 def _to_stay(question: CriticQuestion) -> set[str]:
-    """Objects that are said to be unmoved and that no goal moves, a receptacle too."""
+    """Objects declared unmoved and not moved by a goal, receptacles included."""
     moved = {*(goal.subject for goal in question.goals), question.grasped}
     return {s.subject for s in question.statements if s.word == "unmoved"} - moved

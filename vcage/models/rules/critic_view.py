@@ -1,4 +1,4 @@
-"""The one view of a question that all judgements of the offline critic share."""
+"""The one view of a question shared by all judgements of the offline critic."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class CriticView:
     """Pictures, cameras and references of a question, and what of them several judgements need.
 
     Args:
-        question: what is asked.
+        question: to the critic.
 
     Attributes:
         question: as given.
@@ -109,7 +109,7 @@ class CriticView:
         return Sought(self.look(name), draw, asked.background, asked.table_height, tops, planned)
 
     def once(self, key: Hashable, find: Callable[[], Found]) -> Found:
-        """Return what ``find`` returns, which is called once for a key: several goals may be about one object."""
+        """Return the result of ``find``, called once for a key: several goals may be about one object."""
         if key not in self._found:
             self._found[key] = find()
         return self._found[key]  # pyrefly: ignore[bad-return]

@@ -107,8 +107,8 @@ class Sight:
         camera, window: that see it.
         picture: (side, side, 3) uint8.
         lab: the same, smoothed.
-        outline: (side, side) bool, what a drawing should fill.
-        hidden: (side, side) bool, where something hides what is behind it.
+        outline: (side, side) bool, the area for a drawing to fill.
+        hidden: (side, side) bool, the area hidden by something else.
     """
 
     camera: Camera
@@ -127,7 +127,7 @@ class Sight:
         outline: np.ndarray | None,
         hidden: np.ndarray | None = None,
     ) -> Sight:
-        """Cut what an object of a size (3,) may cover out of a view, its middle (3,) in the world.
+        """Cut the possible area of an object of a size (3,) out of a view, its middle (3,) in the world.
 
         Args:
             view: of the place.

@@ -35,7 +35,7 @@ class OfflineEditor:
     provider = PROVIDER
 
     def rearrange(self, request: EditRequest) -> np.ndarray:
-        """The target picture, in the size of the source. An object that the source does not show is left out.
+        """The target picture, in the size of the source. An object missing in the source is left out.
 
         Raises:
             InputFileError: the pictures do not belong together.

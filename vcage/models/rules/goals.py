@@ -29,7 +29,7 @@ def read_goals(instruction: str, things: Things, lying: Mapping[str, str] | None
     Args:
         instruction: a sentence of one of the forms of docs/instructions.md.
         things: catalogue's entries by object id, each with the object's own look only.
-        lying: object id → id of what it lies in or on.
+        lying: object id → id of its container or support.
 
     Raises:
         UnreadInstruction: the sentence is of no form that is read, or its readings differ in this scene.
@@ -42,8 +42,8 @@ def agreed(instruction: str, ground: Callable[[tuple[Command, ...]], Any], told:
 
     Args:
         instruction: the sentence.
-        ground: makes something of the commands of one reading; a :class:`Doubt` drops it.
-        told: the same in plain words, which differ where the readings do.
+        ground: turns the commands of one reading into goals; a :class:`Doubt` drops the reading.
+        told: the goals in plain words, which differ where the readings do.
 
     Raises:
         UnreadInstruction: the readings differ, or there is none.
@@ -74,11 +74,11 @@ def in_words(reading: Reading) -> str:
 
 
 def resolved(commands: tuple[Command, ...], done: tuple[Command, ...] = ()) -> Iterator[tuple[Command, ...]]:
-    """Every way in which pronouns and "the red one" can stand for what was named before.
+    """Every way in which pronouns and "the red one" can refer to earlier nouns.
 
     Args:
-        commands: those that are left.
-        done: those before them, resolved.
+        commands: the remaining ones.
+        done: the resolved commands before them.
     """
     if not commands:
         yield done
@@ -91,7 +91,7 @@ def resolved(commands: tuple[Command, ...], done: tuple[Command, ...] = ()) -> I
 
 
 def _things_for(noun: Noun, done: tuple[Command, ...], command: Command) -> list[tuple[Noun, ...]]:
-    """Referents of a noun for things: itself, those of a pronoun, or of the kind that "the red one" leans on."""
+    """Referents of a noun for things: itself, those of a pronoun, or of the kind meant by "the red one"."""
     if noun.pronoun:
         return [tuple(o.without(noun.but) for o in nouns) for nouns in _referents(noun, done, command.verb)]
     heads = _heads((*done, command))
@@ -102,7 +102,7 @@ def _things_for(noun: Noun, done: tuple[Command, ...], command: Command) -> list
 
 
 def _places_for(command: Command, done: tuple[Command, ...]) -> list[Noun | None]:
-    """Referents of a noun for a place: of a pronoun what was named last, of "the blue one" a kind."""
+    """Referents of a noun for a place: for a pronoun the last one named, for "the blue one" a kind."""
     place = command.place
     if place is None or not (place.pronoun or place.headless):
         return [place]
@@ -121,7 +121,7 @@ def _places(*commands: Command) -> list[Noun]:
 
 
 def _referents(pronoun: Noun, done: tuple[Command, ...], verb: str) -> list[tuple[Noun, ...]]:
-    """Meanings of a pronoun: "it" is the thing of the command before, its place, or what is to be closed.
+    """Meanings of a pronoun: "it" is the object of the command before, its place, or a part to close.
 
     "Them" are the things of the command before, or, where that is one, of all commands.
     """
@@ -211,7 +211,7 @@ class Goals:
         self._arms |= {name: command.arm for name in self._named(command) if command.arm is not None}
 
     def _put(self, command: Command, most: int | None = None) -> None:
-        """So many things in, on or beside what is there; of several drawers each gets one in turn."""
+        """The counted objects in, on or beside their target; of several drawers each gets one in turn."""
         assert command.place is not None
         if command.place.but and command.place.definite:
             raise Doubt(command.place.text, "nothing can be left out of it")

@@ -35,8 +35,8 @@ CLEARANCE_BEHIND_M = 0.06
 def plan_layout(scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator) -> LayoutPlan:
     """Receptacles in the middle, contents left, right and in front of them, everything else behind those.
 
-    Contents are not put inside: to move them there is the task. What lies in another object at the start stays
-    there, and that object stands where a hand comes to it. The relations form a tree that starts at the table, so
+    Contents are not put inside: moving them there is the task. Contents of another object at the start stay
+    there, and their container stands in reach of a hand. The relations form a tree that starts at the table, so
     they cannot contradict each other. Which object goes to which side is a random choice. Descriptions of the
     instruction come before all that.
     """
@@ -53,8 +53,8 @@ def plan_layout(scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.rando
 
 
 def _as_described(relations: Sequence[Relation], scene: Scene) -> list[Relation]:
-    """Descriptions, and the relations that leave them room: of things that are described by each other one alone is
-    planned, the others stand as they are described."""
+    """Descriptions, and the relations that leave them room: of objects described by each other only one is
+    planned, the others follow from the descriptions."""
     described = described_relations(scene.descriptions)
     if not described:
         return list(relations)
@@ -70,7 +70,7 @@ def _as_described(relations: Sequence[Relation], scene: Scene) -> list[Relation]
 
 
 def _groups_of(described: Sequence[Relation]) -> dict[str, str]:
-    """Of each thing that is described by another, or is what another is described by, one of those it hangs with."""
+    """One of each group of objects linked by descriptions."""
     found: dict[str, str] = {}
     for r in described:
         if r.reference != TABLE and r.relation not in HOLDING:
@@ -80,7 +80,7 @@ def _groups_of(described: Sequence[Relation]) -> dict[str, str]:
 
 
 def _groups(scene: Scene, holders: Collection[str], rng: np.random.Generator) -> tuple[list[ObjectRecord], ...]:
-    """Objects on the table: those in the middle, those around them, and those out of the way."""
+    """Objects on the table: in the middle, around it, and out of the way."""
     standing = [o for o in scene.objects if o.container is None]
     contents = _shuffled([o for o in standing if o.role in ("content", "tool")], rng)
     context = _shuffled([o for o in standing if o.role == "context"], rng)
@@ -120,7 +120,7 @@ def _around(
 ) -> list[Relation]:
     """Contents in turn to the left, to the right and in front; later ones next to the one before them there.
 
-    What is to be brought to one side, as ``asked``, starts on another.
+    An object to be brought to one side, as in ``asked``, starts on another.
     """
     relations = []
     last: dict[tuple[str, str], ObjectRecord] = {}
@@ -142,8 +142,8 @@ def _around(
 def _out_of_the_way(
     context: Sequence[ObjectRecord], anchors: Sequence[ObjectRecord], planned: Sequence[Relation], scene: Scene
 ) -> list[Relation]:
-    """Behind a receptacle or behind what stands beside one, as a hand that reaches for that comes from the front; never
-    where the instruction wants something else to be put."""
+    """Behind a receptacle or behind its neighbour, as a hand that reaches for that comes from the front; never
+    at the target of another object."""
     wanted = {(a.goal.reference, a.goal.relation) for a in scene.goals}
     sides = [side for side in _SIDES if (anchors[0].id, side) not in wanted] or ["in_front_of"]
     beside = [scene.object(r.subject) for r in planned if r.relation in ("left_of", "right_of")]
@@ -184,10 +184,10 @@ _Spot = tuple[RelationWord, ObjectRecord]
 
 
 def plan_scene(scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator) -> LayoutPlan:
-    """A plan for all that the scene's objects can be used for; which stands left and which right is a random choice.
+    """A plan for all uses of the scene's objects; left and right are a random choice.
 
     Args:
-        scene: its objects stand on the table.
+        scene: with its objects on the table.
         catalogue: tells which have moving parts, and of what kind they are.
         rng: of all choices.
     """

@@ -19,11 +19,11 @@ class LightSettings:
     Args:
         headings: directions that are tried.
         lengths: lengths of a shadow for each metre of height that are tried.
-        finer: steps in which the best of these is improved, metres for each metre of height.
-        length_costs: of two fits that are nearly as good the shorter shadow is the likelier: correlation per
+        finer: steps for improving the best of these, metres for each metre of height.
+        length_costs: the shorter shadow is the likelier of two similar fits: correlation per
             metre for each metre.
-        least_fit: correlation with the picture's darkening below which there is no light to speak of.
-        near_px: side of the square around an object's pixels where its shadow is looked for.
+        least_fit: correlation with the picture's darkening below which no light is assumed.
+        near_px: side of the square around an object's pixels in which its shadow is searched.
         top_share: how wide the top of an object is, as a share of its outline: most are rounded.
         fewest_px: pixels of shadow that are needed to say how dark it is.
         faintest_share: a shadow that leaves more of the light is none.
@@ -49,7 +49,7 @@ SETTINGS = LightSettings()
 
 @dataclass(frozen=True)
 class Light:
-    """A distant light and what is left where it does not reach.
+    """A distant light and the share of light in its shadow.
 
     Args:
         offset: (2,) where a shadow falls, metres on the table for each metre of height.
@@ -68,7 +68,7 @@ class Light:
 def find_light(
     picture: np.ndarray, background: np.ndarray, items: Sequence[Cutout], camera: Camera, table: float
 ) -> Light | None:
-    """The light of a picture whose objects stand on a table of that height; None where no shadow is seen."""
+    """The light of a picture with objects on a table of that height; None where no shadow is seen."""
     objects = np.any([item.mask for item in items], axis=0).astype(np.uint8)
     if not objects.any():
         return None

@@ -38,8 +38,8 @@ class Meanings:
 
     Args:
         things: catalogue's entries by object id, each with the object's own look only.
-        lying: object id → id of what it lies in or on.
-        nouns: all of the sentence, in its order.
+        lying: object id → id of its container or support.
+        nouns: all of the sentence, in order.
     """
 
     things: Things
@@ -59,10 +59,10 @@ class Meanings:
         """The objects that a noun means.
 
         Args:
-            besides: what it does not mean.
+            besides: objects it does not mean.
 
         Raises:
-            Doubt: there are none, or nobody can tell which.
+            Doubt: there are none, or it is ambiguous.
         """
         if noun not in self._meant:
             self.excepted += [name for but in noun.but for name in self.objects(but)]
@@ -75,7 +75,7 @@ class Meanings:
         return self._meant[noun]
 
     def _relate(self, noun: Noun) -> None:
-        """Describe what a noun means by where it stands."""
+        """Describe a noun's object by its place."""
         if noun.relation is not None:
             how, other = noun.relation
             if noun.several:  # everything in the bowl, but for the bowl
@@ -87,25 +87,25 @@ class Meanings:
         return {*self.tools, *(n for names in self._meant.values() for n in names), *(n for n, _ in self._parts_named)}
 
     def _called(self, noun: Noun, besides: Collection[str] = ()) -> list[str]:
-        """All objects that the words of a noun fit: those that they name best; of several those that can be carried."""
+        """All objects that fit a noun's words: the best matches; of several the portable ones."""
         found = list(noun.named({name: e for name, e in self.things.items() if name not in besides}, short=True))
         return [name for name in found if self.things[name].can_be_carried or not noun.several] or found
 
     def _chosen(self, noun: Noun, found: list[Any], used: Collection[Any]) -> list[Any]:
-        """As many of those that fit as the noun asks for."""
+        """As many of the matching objects as the noun asks for."""
         if noun.quantifier in ("other", "rest"):
             chosen = [one for one in found if one not in used]
-            chosen = chosen if len(chosen) < len(found) else []  # there must be one besides
+            chosen = chosen if len(chosen) < len(found) else []  # there must be another one
         elif not noun.definite:
             chosen = [one for one in found if one not in used and one not in self._claimed][: noun.count]
         else:
-            chosen = found if noun.relation is None else found[: noun.number]  # which says which one
+            chosen = found if noun.relation is None else found[: noun.number]  # identifying which one
         if not chosen or noun.number not in (None, len(chosen)):
             raise Doubt(noun.text, f"nobody can tell which of {listed(found)} is meant, and how many")
         return chosen
 
     def _at_position(self, noun: Noun, found: list[str]) -> str:
-        """The left one of several, which is described against the others; of one, against the table."""
+        """The left one of several, described against the others; of one, against the table."""
         position = str(noun.position)
         if len(found) == 1 and position in _AT_TABLE:
             self._describe(found[0], _AT_TABLE[position], TABLE, noun)
@@ -122,7 +122,7 @@ class Meanings:
         return order[position]
 
     def lies(self, name: str, how: str, other: Noun) -> None:
-        """Describe an object by another: where it stands, or what it lies in or on at the start.
+        """Describe an object by another: by its place, or by its container at the start.
 
         Raises:
             Doubt: it lies somewhere else.
@@ -140,13 +140,13 @@ class Meanings:
         self.descriptions[str(found)] = found
 
     def parts(self, noun: Noun, good: Callable[[str, str], bool]) -> list[tuple[str, str]]:
-        """The moving parts that a noun means, or that the things have which it means: (object, part).
+        """The moving parts meant by a noun, or belonging to its objects: (object, part).
 
         Args:
             good: tells of an object and a part if the part will do.
 
         Raises:
-            Doubt: there are none, or nobody can tell which.
+            Doubt: there are none, or it is ambiguous.
         """
         found = [pair for pair in self._parts(noun) if good(*pair)]
         found = self._named_before(noun, found) or found
@@ -157,15 +157,15 @@ class Meanings:
         return chosen
 
     def _named_before(self, noun: Noun, found: list[tuple[str, str]]) -> list[tuple[str, str]]:
-        """Those of some parts that were named before, as "the drawer" means one of them, or else whose thing was."""
+        """The parts named before, as "the drawer" means one of them, or else parts of objects named before."""
         again = self._parts_named if noun.quantifier == "the" and not noun.several else []
         return [pair for pair in found if pair in again] or [pair for pair in found if pair[0] in self._used()]
 
     def spots(self, noun: Noun, how: str, besides: Collection[str] = ()) -> list[Spot]:
-        """Targets of what is put in, on, to or beside what a noun means.
+        """Targets of objects put in, on, to or beside a noun's objects.
 
         Raises:
-            Doubt: nothing is put there, or nobody can tell where.
+            Doubt: nothing is put there, or the place is ambiguous.
         """
         if noun.of_table and how == "on":
             return [Spot(TABLE, "on")]
@@ -184,7 +184,7 @@ class Meanings:
         return self._called(noun)
 
     def spot_of(self, name: str, how: str, noun: Noun) -> Spot:
-        """The target of what is put in, on, to or beside an object.
+        """The target of objects put in, on, to or beside an object.
 
         Raises:
             Doubt: nothing is put there.

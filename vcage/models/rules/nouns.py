@@ -19,11 +19,11 @@ _QUANTIFIERS = {
 
 
 class Doubt(Exception):
-    """Words that mean nothing or too much in a scene, and why; of the whole sentence where there are no words."""
+    """Words that mean nothing or too much in a scene, and why; of the whole sentence if empty."""
 
 
 class Conflict(Doubt):
-    """A reading that makes sense word by word and contradicts itself: the sentence may have been meant so."""
+    """A reading that is sound word by word but contradicts itself: the sentence may have been meant so."""
 
 
 @dataclass(frozen=True)
@@ -31,15 +31,15 @@ class Noun:
     """A noun phrase for a thing.
 
     Args:
-        words: lemmas, the head last, without colours and what the other fields say; empty where it has no head.
-        colour: that is asked for.
-        quantifier: the, a, all, other, rest, or "" where it has none.
-        count: how many, if that is said.
-        plural: whether its form says several.
+        words: lemmas, the head last, without colours and the words of other fields; empty without a head.
+        colour: the requested one.
+        quantifier: the, a, all, other, rest, or "" without one.
+        count: the number, if given.
+        plural: True for a plural form.
         position: left, right, middle, front or back among several, or on the table; of parts top, middle or bottom.
-        relation: (preposition, noun) that says which one is meant, or where it lies at the start.
-        but: what is excepted.
-        pronoun: it or them, where it is one.
+        relation: (preposition, noun) that identifies the object, or gives its place at the start.
+        but: the exceptions.
+        pronoun: it or them, if it is one.
         text, at: as typed, and where in the sentence.
     """
 
@@ -57,7 +57,7 @@ class Noun:
 
     @property
     def part(self) -> str | None:
-        """First word of the name of a moving part that it may mean; the words before the head say what has it."""
+        """First word of the name of a moving part that it may mean; the words before the head name the owner."""
         return PART_WORDS.get(self.words[-1]) if self.words else None
 
     @property
@@ -78,12 +78,12 @@ class Noun:
 
     @property
     def number(self) -> int | None:
-        """The number that it means; None for several or all that are left."""
+        """The number of objects it means; None for several or all the rest."""
         return self.count or (None if self.several or self.quantifier == "rest" else 1)
 
     @property
     def definite(self) -> bool:
-        """True if it names known things, and not any that are alike."""
+        """True if it names known objects, and not just any similar ones."""
         return self.quantifier not in ("a", "other") and (self.count is None or self.quantifier in ("the", "all"))
 
     def positions(self, nouns: Sequence[Noun]) -> list[str]:
@@ -110,7 +110,7 @@ class Noun:
         return self.part is not None and named
 
     def named(self, entries: Mapping[str, CatalogueEntry], short: bool = False) -> dict[str, list[Variant]]:
-        """Those of some kinds that it names best, or whose part it means, by name, with the looks that it fits.
+        """The kinds that match its name best, or whose part it means, by name, with the matching looks.
 
         Args:
             entries: by any name.

@@ -49,7 +49,7 @@ class Painting:
         return min(self.visible.values(), default=1.0)
 
     def hidden(self, least: float) -> list[str]:
-        """Objects of which less than this share is seen."""
+        """Objects with less than this share visible."""
         return [name for name, share in self.visible.items() if share < least]
 
 
@@ -138,7 +138,7 @@ def _move(item: Cutout, pose: Pose) -> _Move:
 
 
 def _depth(item: Cutout, move: _Move, camera: Camera) -> tuple[float, float]:
-    """Sorts what may be hidden before what may hide it: far from the camera first, and low before what lies on it."""
+    """Sorts hidden objects before hiding ones: far from the camera first, and supports before their contents."""
     away = move.centre - camera.pose.p[:2]
     return round(item.box[0, 2], 2), -float(np.linalg.norm(away))
 
@@ -176,7 +176,7 @@ def _sprite(item: Cutout, items: Sequence[Cutout], move: _Move, picture: np.ndar
 
 
 def _with_contents(item: Cutout, items: Sequence[Cutout]) -> Cutout:
-    """The object with the pixels that what lies in or on it takes from it."""
+    """The object with its pixels hidden by its own contents."""
     contents = [other.mask for other in items if other.record.container == item.record.id]
     return replace(item, mask=np.any([item.mask, *contents], axis=0)) if contents else item
 
@@ -228,7 +228,7 @@ def _unseen(prism: Prism, index: int, camera: Camera) -> np.ndarray:
 def _side_shading(prism: Prism, index: int, turn: float, light: Light, unseen: np.ndarray) -> np.ndarray:
     """(rows, columns) factor of the picture's brightness for the rim of a slice that is turned in the light.
 
-    A side that the source shows was lit as it stood there; for one that it does not show the opposite side stands in.
+    A side visible in the source was lit as it stood there; for a hidden one the opposite side stands in.
     """
     normals = prism.normals(index)
     strength = np.linalg.norm(normals, axis=-1)

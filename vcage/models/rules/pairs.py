@@ -47,8 +47,8 @@ class _Named:
     """An object by its words.
 
     Args:
-        phrase: what it is called in the scene: 'red marker pens'.
-        name: the lemmas of that: 'red marker pen'.
+        phrase: its name in the scene: 'red marker pens'.
+        name: the lemmas of the phrase: 'red marker pen'.
         head: the last of them: 'pen'.
     """
 

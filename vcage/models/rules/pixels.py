@@ -27,9 +27,9 @@ class PixelSettings:
             pictures, but no farther.
         headings: headings around the circle that are tried where something stands.
         starts: how many more poses than things are refined.
-        good_fit: goodness of fit where something stands that makes a search of the whole picture needless.
-        filled_share: a place of which less stands out of the table is empty, though a thing may have its colour.
-        steps: first steps along x, y (metres), angle (radians) and log scale with which a place is refined.
+        good_fit: goodness of fit at an occupied place that makes a search of the whole picture needless.
+        filled_share: a place with a smaller share of object pixels is empty, though an object may have its colour.
+        steps: first steps along x, y (metres), angle (radians) and log scale for refining a place.
         rounds: how often it is refined.
         alike_lab: colour distance to the palette of an object below which a pixel may be the object's.
         main_share: share of an object's pixels that a colour of its palette needs.
@@ -56,7 +56,7 @@ PIXELS = PixelSettings()
 
 
 def salience(picture: np.ndarray, background: np.ndarray | None) -> np.ndarray:
-    """(H, W) in [0, 1], how surely a pixel is no table. Beside the empty table in the same light, what is merely darker
+    """(H, W) in [0, 1], confidence that a pixel is not table. Beside the empty table in the same light, a darker pixel
     counts in full: a grey basket on a grey table is."""
     if background is None:
         return fit_table(picture).salience
@@ -69,7 +69,7 @@ def middles(masks: Sequence[np.ndarray]) -> np.ndarray:
 
 
 def places(image: LabImage, template: ObjectTemplate, standing: np.ndarray) -> Fit:
-    """Poses at which an object may be, the best first: where something stands; anywhere, if it does not fit there."""
+    """Possible poses of an object, best first: at occupied places; anywhere, if it does not fit there."""
     headings = np.linspace(0, 2 * np.pi, PIXELS.headings, endpoint=False)
     there = [(u, v, heading, 0.0) for u, v in standing for heading in headings]
     seen = fit(image, template, from_pixels(template, np.reshape(there, (-1, 4))))
@@ -124,7 +124,7 @@ class ShadowSettings:
         darkest: light, of 1 for white, that is added to all, for black has no logarithm; more of it tints shadows on
             dark wood.
         speck_px, strip_px: narrower strips than this are the edges of shadows; and where there should be none.
-        blob_px: what is nowhere as wide as this may be the edge of what was nudged.
+        blob_px: a patch nowhere as wide as this may be the edge of a nudged object.
     """
 
     grey: float = 0.16
@@ -146,7 +146,7 @@ class Change:
 
     Args:
         all: (H, W) bool.
-        things: (H, W) bool, what is no shadow.
+        things: (H, W) bool, changes other than shadows.
     """
 
     all: np.ndarray
@@ -176,7 +176,7 @@ def _square(side: int) -> np.ndarray:
 
 
 def grown(mask: np.ndarray, pixels: float) -> np.ndarray:
-    """(H, W) bool: a mask and what is around it."""
+    """(H, W) bool: a mask and its surroundings."""
     side = 2 * max(1, round(pixels)) + 1
     return cv2.dilate(mask.astype(np.uint8), cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (side, side))).astype(bool)
 
@@ -197,7 +197,7 @@ def displaced(change: Change, explained: np.ndarray, before: np.ndarray, after: 
     most = 0
     for number in range(1, count):
         here = labels == number
-        near = grown(here, far)  # the strip that a thing left and the one that it came to are both of it
+        near = grown(here, far)  # the strips at the old and the new place of an object both belong to it
         was, now = (np.argwhere(np.isin(there, np.setdiff1d(there[near], 0))) for there in stood)
         stays = len(was) and len(now) and np.linalg.norm(was.mean(axis=0) - now.mean(axis=0)) <= far
         thin = not cv2.morphologyEx(here.astype(np.uint8), cv2.MORPH_OPEN, _square(SHADOW.blob_px)).any()

@@ -1,8 +1,8 @@
 """The shape of an object as far as its picture from above and its box tell it: a stack of slices of its outline.
 
-A slice holds the points of a height that the picture can show as the object, that lie in the object's box, and whose
-opposite points do so too: most things are alike on the side that the camera does not see. So a bottle keeps its
-narrow neck and a bowl its narrow foot. Pixels that this leaves out (a handle) stand at the middle height.
+A slice holds the points of one height that the picture can show as the object, that are in the object's box, and whose
+opposite points are too: most objects look alike on the side hidden from the camera. So a bottle keeps its
+narrow neck and a bowl its narrow foot. The remaining pixels (a handle) stand at the middle height.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class PrismSettings:
         cell_m: edge of a cell of a slice.
         brim_m: margin of slices around the object's box; masks end between pixels.
         symmetry_gain: factor by which more of the object must have an opposite about another centre than the box's.
-        lopsided_share: an object of which more has no opposite is taken as it looks (a banana).
+        lopsided_share: an object with more pixels without an opposite is taken as seen (a banana).
         min_slices, max_slices: number of slices.
     """
 
@@ -142,7 +142,7 @@ def _opposite(cells: np.ndarray, about: np.ndarray) -> np.ndarray:
 
 
 def _covered(prism: Prism, camera: Camera, mask: np.ndarray) -> np.ndarray:
-    """(H, W) which of the mask's pixels, and those around, the prism covers in the picture that it was made of."""
+    """(H, W) pixels of the mask, and around it, that the prism covers in its own picture."""
     covered = np.zeros(mask.shape, np.float32)
     u, v, width, height = cv2.boundingRect((mask > 0).astype(np.uint8))
     rows, columns = np.mgrid[v : v + height, u : u + width]

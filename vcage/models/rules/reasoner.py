@@ -83,7 +83,7 @@ def _drawn(what: str, draw: Callable[[], Drawn], check: Callable[[Drawn], list[s
         if not complaints:
             return drawn
         seen.add(tuple(complaints))
-    chance = "another --seed, " if len(seen) > 1 else ""  # what every draw has is no matter of chance
+    chance = "another --seed, " if len(seen) > 1 else ""  # a fault of every draw is no matter of chance
     raise ModelRefused(
         f"no {what} of {PROVIDER} can be used: {'; '.join(complaints)}",
         hint=f"try {chance}other words, or --models with an online model",

@@ -1,4 +1,4 @@
-"""Chooses objects of the catalogue for a sentence, such that it is read with what was chosen."""
+"""Chooses objects of the catalogue for a sentence so that it can be read with them."""
 
 from __future__ import annotations
 
@@ -39,13 +39,13 @@ def select_assets(
 
     Args:
         instruction: a sentence of one of the forms of docs/instructions.md.
-        catalogue: what there is.
+        catalogue: all kinds.
         rng: of all choices.
-        scene: name of the scene template: kinds that belong there are preferred.
+        scene: name of the scene template: its kinds are preferred.
 
     Raises:
-        UnreadInstruction: the sentence is of no form that is read, or can mean two things.
-        NoAssetFits: nothing is called what it names, or comes in that colour.
+        UnreadInstruction: the sentence has no known form, or is ambiguous.
+        NoAssetFits: nothing has a requested name, or comes in that colour.
     """
     seed = int(rng.integers(2**32))
     entries = {entry.name: entry for entry in sorted(catalogue, key=lambda entry: entry.name)}
@@ -86,7 +86,7 @@ class _Selector:
         return Selection(objects=sorted(self._chosen, key=lambda chosen: _ROLES.index(chosen.role)))
 
     def _occasion(self) -> Occasion:
-        """Scene tags of what was chosen; those that the sentence names, where it names one."""
+        """Scene tags of the chosen objects; those named by the sentence, if any."""
         tags = {tag for c in self._chosen if c.role != "context" for tag in self.entries[c.asset].words.scene_tags}
         return Occasion(self.scene, frozenset({t for t in tags if t in tokens(self.instruction)} or tags))
 
@@ -124,7 +124,7 @@ class _Selector:
         return roomy
 
     def _take(self, noun: Noun, role: Role, good: Good = lambda e: True, place: CatalogueEntry | None = None) -> None:
-        """Choose what a noun means, unless it was chosen before."""
+        """Choose objects for a noun, unless they were chosen before."""
         again = [entry for other, entry in self._of.items() if (other.at, other.words) == (noun.at, noun.words)]
         known = [*again, *(entry for entry in self._there if self._same(noun, entry)), None][0]
         self._of[noun] = known or self._draw(noun, role, good, place)
@@ -138,11 +138,11 @@ class _Selector:
         return (noun.part is not None and not noun.words[1:] and noun.owns(entry)[0] > 0) or noun.fit(entry)[0] >= HEAD
 
     def _kinds(self, noun: Noun) -> list[tuple[CatalogueEntry, list[Variant]]]:
-        """The kinds that a noun means, with the looks that it fits."""
+        """The kinds that a noun means, with the matching looks."""
         return [(self.entries[name], looks) for name, looks in noun.named(self.entries).items()]
 
     def _draw(self, noun: Noun, role: Role, good: Good, place: CatalogueEntry | None) -> CatalogueEntry:
-        """Choose what a noun means; the first of its kinds."""
+        """Choose objects for a noun; the first of its kinds."""
         taken = [(entry.name, entry.variants) for entry in self._there]
         told_apart = noun.positions(self._nouns)
         count = self._count(noun, told_apart)
@@ -165,7 +165,7 @@ class _Selector:
     def _able(
         self, noun: Noun, good: Good, place: CatalogueEntry | None, count: int | None
     ) -> list[tuple[CatalogueEntry, list[Variant]]]:
-        """The kinds to draw from: the plainest, or, where several things are asked for, all that suit."""
+        """The kinds to draw from: the plainest, or, for several objects, all suitable ones."""
         kinds = noun.named(self.entries)
         able = [entry for entry, _ in self._kinds(noun) if good(entry)] or [self.entries[name] for name in kinds]
         if not able:

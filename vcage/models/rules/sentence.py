@@ -64,8 +64,8 @@ class Command:
 
     Args:
         verb: a rule of the grammar: put, pick, open, close, turn, press, weigh, scan, show, hand, stack, tower, row.
-        things: what it is done to.
-        how: in, on, left_of, right_of, in_front_of, behind, beside, near or to; for ``hand`` the arm that gets it.
+        things: its objects.
+        how: in, on, left_of, right_of, in_front_of, behind, beside, near or to; for ``hand`` the receiving arm.
         place: where things go, or the tool.
         source: where they are taken from.
         arm: left or right, where one is named.
@@ -109,7 +109,7 @@ def parse(instruction: str) -> list[tuple[Command, ...]]:
 
 
 def not_read(instruction: str, words: str, why: str) -> UnreadInstruction:
-    """The error about words that are not read: the nearest form that is, and how a model can read them."""
+    """The error for unread words: the nearest known form, and the models that can read them."""
     same = [form for form in FORMS if form.split()[0].lower() in instruction.lower()] or FORMS
     near, *_ = difflib.get_close_matches(instruction, same, n=1, cutoff=0)
     words = words or instruction
@@ -122,7 +122,7 @@ def not_read(instruction: str, words: str, why: str) -> UnreadInstruction:
 
 
 def _normal(typed: str) -> str:
-    """The sentence as the grammar takes it: of the same length, so that places in it stay what they are."""
+    """The sentence in the grammar's form: of the same length, so that places in it are preserved."""
     count = len(tokens(typed))
     if not 0 < count <= LIMITS.words:
         raise not_read(typed, typed[:60], f"it has {count} words; 1 to {LIMITS.words} are read")
@@ -140,7 +140,7 @@ def _normal(typed: str) -> str:
 
 
 def _misfit(typed: str, text: str, at: int) -> str:
-    """The first word that does not fit: where parsing ends, or the word that begins this clause, if that is no verb."""
+    """The first word that does not fit: where parsing ends, or the first word of the clause, if that is no verb."""
     begins = max((found.end() for found in _CLAUSE_ENDS.finditer(text, 0, at)), default=0)
     clause = text[begins:].lstrip()
     known = any(re.match(t.pattern.to_regexp(), clause) for t in _grammar().terminals if t.name not in ("WORD", "_AND"))

@@ -29,21 +29,21 @@ from vcage.vision.protocols import Reference, View
 
 @dataclass(frozen=True)
 class StandingSettings:
-    """Places where an object is looked for, and limits from which on it is there.
+    """Places to search for an object, and limits for finding it there.
 
     Args:
-        flips_deg: headings besides that at which an object seems to stand: a plain box looks the same from several
+        flips_deg: alternative headings: a plain box looks the same from several
             sides.
-        rounds, rounds_near: how often a pose is refined; and one that is known to be nearly right.
-        candidates, refined: places that are drawn, and poses of those that are refined.
-        headings_deg: headings that are tried besides, where something stands that nothing fits at first sight.
-        near_px: so far from what has been seen to stand or change an object is looked for.
-        clearly_lab: so much more like the object another place must be than that where the layout put it.
-        surely_lab: so unlike at most is what is not looked for elsewhere.
+        rounds, rounds_near: refinements of a pose; and of a nearly right one.
+        candidates, refined: number of drawn places, and of refined poses.
+        headings_deg: further headings tried at an occupied place where nothing fits at first.
+        near_px: search radius around occupied or changed places.
+        clearly_lab: margin by which another place must match better than the planned one.
+        surely_lab: an object this similar at its place is not searched elsewhere.
         gone_share: share of what tells an object from the bare table below which it is not there; more of it may lie in
             shadow.
-        apart_m: poses that are nearer to each other than this are at one place.
-        unlike_lab: mean colour distance to drawings of an object from which on what stands there is another.
+        apart_m: poses closer than this are at one place.
+        unlike_lab: mean colour distance to drawings of an object from which on the thing there is another.
     """
 
     flips_deg: tuple[float, ...] = (0.0, 90.0, 180.0, 270.0)
@@ -99,8 +99,8 @@ class Sought:
         draw: draws it.
         background: the top view of the empty table.
         table_height: metres.
-        tops: z of what it may stand on besides the table, metres.
-        planned: where the layout put it: it is looked for there too.
+        tops: z of its possible supports besides the table, metres.
+        planned: its place in the layout, which is searched too.
     """
 
     look: Reference
@@ -138,7 +138,7 @@ class Sought:
         """Find it on something of a height; None where no patch shows a place for it.
 
         Args:
-            outline: (H, W) bool, what it should fill from above.
+            outline: (H, W) bool, the area for it to fill from above.
         """
         camera = views["top"].camera
         template, standing = template_from_reference(self.look, camera, height), middles(patches)
@@ -200,7 +200,7 @@ class Sought:
         Args:
             starts: those poses.
             views: of the same moment.
-            hidden: (H, W) bool by view, where something hides what is behind it.
+            hidden: (H, W) bool by view, the area hidden by something else.
         """
         height, tries = float(starts[0].p[2]), []
         for start in starts:
@@ -213,7 +213,7 @@ class Sought:
         return self._seen_at(pose, height, sights, views["top"].camera)
 
     def found(self, views: Mapping[str, View], among: np.ndarray | None = None) -> Standing | None:
-        """Find the object where the layout put it, or elsewhere if nothing stands there or another place fits better.
+        """Find the object at its planned place, or elsewhere if that is empty or another place fits better.
 
         Args:
             views, among: see :meth:`standing`.
@@ -241,14 +241,14 @@ class Sought:
     def speaks(
         self, there: Standing, view: View, without: np.ndarray, hidden: np.ndarray | None = None
     ) -> tuple[float, int]:
-        """Share of the pixels that tell a drawing of the object from a picture without it that a view shows as drawn,
+        """Share of the pixels that distinguish the object from a picture without it and look as drawn in a view,
         and the number of these pixels; the share is 1 where there are none.
 
         Args:
             there: where the object would stand.
             view: that may show it.
-            without: (H, W, 3) a picture of the same camera that does not show it there.
-            hidden: (H, W) bool, where something else hides it.
+            without: (H, W, 3) a picture of the same camera without it there.
+            hidden: (H, W) bool, the area hidden by something else.
         """
         window = window_around(there.pose.p + [0, 0, self.look.size[2] / 2], self.look.size, view.camera)
         drawing, picture = self.draw(there.pose, view.camera, window), cut(view.picture, window)

@@ -15,7 +15,7 @@ class Imported:
     Args:
         name: of the object in our library.
         folder: where its annotation lies; where it would lie when it was refused.
-        warnings: what was left out or assumed, each naming file and field.
+        warnings: omissions and assumptions, each naming file and field.
         error: why it was refused; None when it was imported.
     """
 

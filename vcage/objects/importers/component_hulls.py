@@ -37,7 +37,7 @@ def joined(surfaces: Sequence[trimesh.Trimesh]) -> tuple[np.ndarray, np.ndarray]
 
 
 def component_hulls(vertices: np.ndarray, faces: np.ndarray) -> list[trimesh.Trimesh]:
-    """The convex hulls of the connected components of a surface; what is thinner than a sheet is left out.
+    """The convex hulls of the connected components of a surface; parts thinner than a sheet are left out.
 
     To SAPIEN, solids that touch in a corner are one component, whose hull fills every container that is put together
     of boards. Where the file keeps such solids apart, each closed in itself, each gets a hull of its own instead.
@@ -49,7 +49,7 @@ def component_hulls(vertices: np.ndarray, faces: np.ndarray) -> list[trimesh.Tri
     places, index = np.unique(np.asarray(vertices).round(SETTINGS.weld_decimals), axis=0, return_inverse=True)
     welded = index.ravel()[faces]
     solids = _labels(faces, len(vertices))
-    corners: dict[bytes, np.ndarray] = {}  # what is drawn from both sides has the same corners twice
+    corners: dict[bytes, np.ndarray] = {}  # double-sided surfaces have the same corners twice
     for component in _groups(_labels(welded, len(places))):
         pieces = [component[group] for group in _groups(solids[component])]
         apart = len(pieces) > 1 and all(_is_closed(welded[piece]) for piece in pieces)

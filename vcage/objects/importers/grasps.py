@@ -92,7 +92,7 @@ def grasps_along(pieces: Sequence[Convex], surface: np.ndarray, name: str, gripp
 
     Args:
         pieces: the shape.
-        surface: (n, 3) points all over the pieces, for what is in the way.
+        surface: (n, 3) points all over the pieces, for detecting obstacles.
         name: of the axis.
         gripper: what grasps.
     """

@@ -45,7 +45,7 @@ def load_surfaces(path: Path, root: Path | None = None) -> list[trimesh.Trimesh]
     if not meshes:
         raise DamagedFile(f"{path} holds no triangle", hint="export it again")
     if not all(np.isfinite(mesh.vertices).all() for mesh in meshes):
-        raise DamagedFile(f"{path} has vertices that are no numbers", hint="export it again")
+        raise DamagedFile(f"{path} has vertices that are not finite numbers", hint="export it again")
     return meshes
 
 
@@ -62,7 +62,7 @@ def _placed(scene: trimesh.Scene, node: str) -> trimesh.Trimesh | None:
 
 
 def parts_of(meshes: Sequence[trimesh.Trimesh], linear: np.ndarray, shift: np.ndarray) -> list[Part]:
-    """Surfaces as they are seen, mapped by ``linear @ x + shift``; what is too small to be seen is left out.
+    """Surfaces as seen, mapped by ``linear @ x + shift``; parts too small to be seen are left out.
 
     Args:
         meshes: of :func:`load_surfaces`.
@@ -88,7 +88,7 @@ def _part(mesh: trimesh.Trimesh, linear: np.ndarray, shift: np.ndarray, min_area
     if not kept.any():
         return None
     if normals is None or not np.linalg.norm(normals[kept], axis=2).all():
-        # The file says nothing of its edges: those that turn much are sharp.
+        # The file has no edges: those with a large angle are sharp.
         return paint(sheet, texture, lambda _corners, _normals: uv[kept], roughness=roughness, metallic=metallic)
     normals = normals[kept] / np.linalg.norm(normals[kept], axis=2, keepdims=True)
     rows = np.concatenate([corners[kept], normals, uv[kept]], axis=2).reshape(-1, 8)
@@ -117,7 +117,7 @@ def _picture(material: Any) -> np.ndarray | None:
     image = getattr(material, "baseColorTexture", None) or getattr(material, "image", None)
     if not isinstance(image, Image.Image):
         return None
-    if getattr(material, "alphaMode", None) in ("BLEND", "MASK"):  # what is seen through is drawn white
+    if getattr(material, "alphaMode", None) in ("BLEND", "MASK"):  # transparent parts are drawn white
         white = Image.new("RGBA", image.size, (255, 255, 255, 255))
         image = Image.alpha_composite(white, image.convert("RGBA"))
     return np.asarray(image.convert("RGB"))

@@ -42,7 +42,7 @@ def import_robotwin(
         force: replace objects that were imported before.
 
     Returns:
-        One entry per object, also for those that were refused.
+        One entry per object, including refused ones.
 
     Raises:
         InputFileError: the folder is missing, or holds no object.
@@ -62,7 +62,7 @@ def import_robotwin(
 
 
 def robotwin_folders(folder: Path) -> list[Path]:
-    """The folders of the objects that lie in a folder, or that folder itself.
+    """The object folders in a folder, or that folder itself.
 
     Raises:
         InputFileError: there is none.
@@ -99,7 +99,7 @@ def _import(source: Path, into: Path, names: TakenNames, report: Callable[[str],
         source: the folder.
         into: where the objects go.
         names: that are taken.
-        report: called with a sentence about each part that is left out or assumed.
+        report: called with a sentence about each omission or assumption.
     """
     name = identifier(source)
     names.claim(name, source)
@@ -120,7 +120,7 @@ def _import(source: Path, into: Path, names: TakenNames, report: Callable[[str],
 
 
 def _variants(source: Path, report: Callable[[str], None]) -> list[Converted]:
-    """All variants that can be used, with different ids; the others are told of."""
+    """All usable variants, with different ids; the others are reported."""
     info = _points_info(source, report)
     done: dict[str, Converted] = {}
     errors = []
@@ -149,7 +149,7 @@ def _variants(source: Path, report: Callable[[str], None]) -> list[Converted]:
 def _converters(
     source: Path, info: dict[str, Any], report: Callable[[str], None]
 ) -> list[tuple[Path, Callable[[], Converted]]]:
-    """For each variant the file that annotates it, and what converts it."""
+    """For each variant its annotation file and its converter."""
     folders = sorted((path.parent for path in source.glob("*/mobility.urdf")), key=lambda p: (len(p.name), p.name))
     if folders:  # base{K}.glb beside them are pictures of the same thing
         return [
@@ -204,7 +204,7 @@ def _annotation(name: str, source: Path, group: Sequence[Converted]) -> Annotati
 
 
 def _write(annotations: Mapping[str, Annotation], groups: Mapping[str, Sequence[Converted]], into: Path) -> None:
-    """Write all objects of a folder, or none; what is written is checked as the library will check it."""
+    """Write all objects of a folder, or none; the output is checked as the library will check it."""
     with ExitStack() as finishing:  # folders get their names when the last of them has passed
         for name, annotation in annotations.items():
             part = finishing.enter_context(atomic_folder(into / name))

@@ -46,7 +46,7 @@ class RestPose:
     Args:
         frames: (4, 4) of each link, scaled, in our orientation.
         rest: joint positions by joint, metres and radians.
-        bodies: the link that leads the body of each link: the root, or the child of a joint that moves.
+        bodies: the leading link of each link's body: the root, or the child of a moving joint.
         names: of the moving parts by leading link; the root's body has none.
     """
 
@@ -62,7 +62,7 @@ def convert(folder: Path, info: dict[str, Any], report: Callable[[str], None]) -
     Args:
         folder: that holds ``mobility.urdf``.
         info: of ``points_info.json``.
-        report: called with a sentence about each part that is left out or assumed.
+        report: called with a sentence about each omission or assumption.
 
     Raises:
         InputFileError: the URDF or a mesh cannot be used, or a field that nothing works without is wrong.

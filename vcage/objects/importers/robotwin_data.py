@@ -37,7 +37,7 @@ class RawPoint:
         index: its place in the list, which RoboTwin's tasks call it by.
         matrix: (4, 4), translation unscaled.
         base: the link whose frame it is in; None for the mesh's.
-        text: what is said about it; may be empty.
+        text: its description; may be empty.
         field: where it stands in the file.
     """
 
@@ -50,11 +50,11 @@ class RawPoint:
 
 @dataclass(frozen=True)
 class AnnotationFile:
-    """A file of RoboTwin's, and who hears what is wrong with it.
+    """A file of RoboTwin's, and the receiver of its faults.
 
     Args:
         path: of the file.
-        report: called with a sentence about each part that is left out or assumed.
+        report: called with a sentence about each omission or assumption.
         data: its fields; none when it is missing.
     """
 
@@ -63,7 +63,7 @@ class AnnotationFile:
     data: dict[str, Any] = field(default_factory=dict)
 
     def warn(self, name: str, message: str) -> None:
-        """Tell what is wrong with a field."""
+        """Report a fault of a field."""
         self.report(f"{self.path}: field {name}: {message}")
 
 
@@ -74,7 +74,7 @@ class ModelData:
     Args:
         file: that it is from.
         scale: (3,) mesh units to metres.
-        scale_assumed: whether nobody says the scale, so that it is 1.
+        scale_assumed: True if no scale is given, so that it is 1.
         contacts, functionals: points.
         transform: (3, 3) extra rotation of an articulated object.
         init_qpos: joint positions to start from; empty for zeros.
@@ -101,12 +101,12 @@ def read_object(path: Path) -> dict[str, Any]:
     """
     require_fetched(path)
     try:
-        data = read_json(path, nan=True)  # a point of NaN is left out by itself
+        data = read_json(path, nan=True)  # a point of NaN is left out alone
     except InputFileError as error:
         why = error.message.replace("is not valid JSON", "is not JSON that can be read")
-        raise DamagedFile(why, hint="mend it, or download the object again", details=error.details) from error
+        raise DamagedFile(why, hint="fix it, or download the object again", details=error.details) from error
     if not isinstance(data, dict):
-        raise DamagedFile(f"{path}: expected an object with fields, got {type(data).__name__}", hint="mend the file")
+        raise DamagedFile(f"{path}: expected an object with fields, got {type(data).__name__}", hint="fix the file")
     return data
 
 
@@ -116,18 +116,18 @@ def read_model_data(path: Path, info: dict[str, Any], report: Callable[[str], No
     Args:
         path: of the file.
         info: of ``points_info.json``; its texts stand in for missing ones.
-        report: called with a sentence about each part that is left out or assumed.
+        report: called with a sentence about each omission or assumption.
 
     Raises:
         DamagedFile: the file is not JSON.
-        SchemaMismatch: the scale, or another field that nothing works without, is not what it should be.
+        SchemaMismatch: the scale, or another essential field, is invalid.
     """
     if not os.path.lexists(path):
         report(f"{path}: missing; expected scale and points: scale 1 is assumed, and there are no points")
         return ModelData(AnnotationFile(path, report), np.ones(3), scale_assumed=True)
     data = read_object(path)
     file = AnnotationFile(path, report, data)
-    scale, init_qpos = read_scale(path, data), _numbers(file, "init_qpos")  # what is refused comes before warnings
+    scale, init_qpos = read_scale(path, data), _numbers(file, "init_qpos")  # refusals come before warnings
     _warn_about_unknown(file)
     contacts = "contact_points_pose" if "contact_points_pose" in data else "contact_points"
     functionals = "functional_matrix" if "functional_matrix" in data else "functional_points"
@@ -228,7 +228,7 @@ def not_a_frame(value: Any, max_error: float = 0.02) -> str:
 
 
 def _masked(file: AnnotationFile, count: int) -> set[int]:
-    """Contact points that the mask of their group keeps out; warns of indices that there are no points for."""
+    """Contact points excluded by the mask of their group; warns of indices without points."""
     groups, mask = (file.data.get(f"contact_points_{name}") or [] for name in ("group", "mask"))
     if not isinstance(groups, list) or not isinstance(mask, list):
         file.warn("contact_points_group", "expected a list of lists, and a mask with one entry for each: not used")

@@ -32,10 +32,10 @@ class SurfaceSettings:
         max_below_m: how far below the point its surface may lie.
         max_above_m: how far above the point its surface may lie.
         min_headroom_m: free height over the floor of a receptacle.
-        wall_heights_m: heights over the floor at which walls are looked for.
+        wall_heights_m: heights over the floor to search for walls.
         deep_m: objects lie 'in' a receptacle with walls of this height, 'on' others;
         steep_share: or with walls of this share of its width.
-        directions: in which walls are looked for.
+        directions: to search for walls.
     """
 
     vertical_cosine: float = 0.9
@@ -110,7 +110,7 @@ def converted_variant(
 
 
 def contact_points(points: Sequence[Placed], bounds: np.ndarray, model: ModelData) -> list[ContactPoint]:
-    """Grasps; one that lies outside the object, or that no hand reaches over the table, is left out with a warning.
+    """Grasps; one outside the object, or out of a hand's reach over the table, is left out with a warning.
 
     Args:
         bounds: (2, 3) of the object.
@@ -155,7 +155,7 @@ def _through_table(point: Placed, table: float, min_finger_length_m: float = 0.0
 def functional_points(
     points: Sequence[Placed], pieces: Mapping[str | None, Sequence[Convex]], bounds: np.ndarray, model: ModelData
 ) -> list[FunctionalPoint]:
-    """Receptacles, each put on the surface that it belongs to; other frames are left out with a warning.
+    """Receptacles, each put on its surface; other frames are left out with a warning.
 
     Args:
         pieces: collision shape by moving part.
@@ -183,7 +183,7 @@ def functional_points(
 
 
 def _floor(point: Placed, pieces: Sequence[Convex], bounds: np.ndarray) -> tuple[float, str]:
-    """Height of the surface that a functional point belongs to, or why it is no receptacle."""
+    """Height of the surface of a functional point, or why it is no receptacle."""
     under = point.position[2] < bounds[0, 2] - POINTS.max_below_m
     if under or outside_by(bounds, point.position) > POINTS.max_outside_m:
         return 0.0, f"lies under or outside the object: {range_text(bounds, point.position)}"

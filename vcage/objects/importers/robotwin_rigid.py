@@ -41,7 +41,7 @@ def convert(folder: Path, number: str, info: dict[str, Any], report: Callable[[s
     Args:
         number: its K.
         info: of ``points_info.json``.
-        report: called with a sentence about each part that is left out or assumed.
+        report: called with a sentence about each omission or assumption.
 
     Raises:
         InputFileError: no mesh can be read, or a field that nothing works without is wrong.

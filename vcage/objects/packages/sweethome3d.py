@@ -34,7 +34,7 @@ def _download(work: Path) -> Path:
     if version.split("-")[0] != VERSION:
         raise FetchFailed(
             f"the mirror holds {_DEBIAN_NAME} {version}; our annotations are of {VERSION}",
-            hint="take a mirror of a release that has it: Debian 11 to 13",
+            hint="use a mirror of a release that has it: Debian 11 to 13",
         )
     return package
 

@@ -42,7 +42,7 @@ T = TypeVar("T")
 
 
 def _entries(single: Callable[[Any], bool]) -> BeforeValidator:
-    """One or two entries; a value that is ``single`` by itself serves for both arms."""
+    """One or two entries; a ``single`` value serves for both arms."""
     return BeforeValidator(lambda value: [value] if single(value) else value)
 
 
@@ -131,7 +131,7 @@ class FixedCamera(BaseModel):
 
 
 class Fingers(BaseModel):
-    """The joints of a gripper: the first finger's, and (joint, factor, offset) of those that follow it."""
+    """The joints of a gripper: the first finger's, and (joint, factor, offset) of its followers."""
 
     base: str
     mimic: list[Annotated[tuple[str, Number, Number], AfterValidator(_unshifted)]] = []
@@ -262,7 +262,7 @@ def read_embodiment(folder: Path) -> Embodiment:
         )
     data = read_yaml(path)
     if not isinstance(data, dict):
-        raise DamagedFile(f"{path}: expected fields, got {type(data).__name__}", hint="mend the file")
+        raise DamagedFile(f"{path}: expected fields, got {type(data).__name__}", hint="fix the file")
     data = {name: value for name, value in data.items() if value is not None and value != ""}
     assumed = {name: f"missing; {value} is assumed" for name, value in DEFAULTS.items() if name not in data}
     warnings = [str(Problem(path, name, text)) for name, text in assumed.items()]

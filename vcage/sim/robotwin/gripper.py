@@ -94,7 +94,7 @@ def _loaded(urdf: Path, field: str) -> tuple[sapien.physx.PhysxArticulation, sap
         return loader.load(str(urdf)), scene
     except Exception as error:  # SAPIEN and its readers raise errors of many types
         raise DamagedFile(
-            f"{field}: SAPIEN cannot load the URDF: {type(error).__name__}: {error}", hint="mend the URDF"
+            f"{field}: SAPIEN cannot load the URDF: {type(error).__name__}: {error}", hint="fix the URDF"
         ) from error
 
 
@@ -107,7 +107,7 @@ def _within_limits(
     reached = [round(float(np.clip(x, lower, upper)), 6) for x in (arm.closed, arm.open)]
     if reached[0] == reached[1]:
         text = f"got {arm.closed:g}, {arm.open:g}; expected different positions within {lower:g} … {upper:g}"
-        raise SchemaMismatch(f"{field}.gripper_scale: {text}", hint="mend the field, or the limits in the URDF")
+        raise SchemaMismatch(f"{field}.gripper_scale: {text}", hint="fix the field, or the limits in the URDF")
     if np.allclose(reached, (arm.closed, arm.open), atol=1e-6):
         return reached[0], reached[1], []
     warning = (
@@ -171,7 +171,7 @@ def _corners(shape: sapien.physx.PhysxCollisionShape) -> np.ndarray:
 
 
 def _axis(articulation: sapien.physx.PhysxArticulation, name: str, frame: Pose) -> np.ndarray:
-    """Direction in which a sliding finger moves, in the gripper's frame; zeros for one that turns."""
+    """Direction of a sliding finger's motion, in the gripper's frame; zeros for a turning one."""
     joint = articulation.find_joint_by_name(name)
     axis = from_sapien(joint.global_pose).rotation()[:, 0]
     return frame.rotation().T @ axis * (joint.type == "prismatic")
@@ -202,7 +202,7 @@ def _lengths(fingers: Sequence[np.ndarray], palm: np.ndarray) -> dict[str, float
 
 
 def _force(root: ElementTree.Element, joint: str) -> float | None:
-    """The limit of the finger's effort, newtons, if the URDF has one that can hold an object."""
+    """The limit of the finger's effort, newtons, if the URDF has one strong enough to hold an object."""
     limit = next(x for x in root.findall("joint") if x.get("name") == joint).find("limit")
     try:
         effort = float("nan" if limit is None else limit.get("effort", "nan"))

@@ -58,11 +58,11 @@ def import_robot(folder: Path, distance: float | None = None, *, force: bool = F
     Args:
         folder: that holds ``config.yml``.
         distance: between the bases of two single arms, metres; :data:`ARM_DISTANCE_M` when not given.
-        force: replace a robot of that name that was imported before.
+        force: replace an earlier import of that name.
 
     Raises:
         UsageError: the name is taken or too long, or a distance is given for a robot whose arms are on one body.
-        InputFileError: a file is missing or damaged, or fields are not what they should be: one error names all of the
+        InputFileError: a file is missing or damaged, or fields are invalid: one error names all of the
             config, or, where that is whole, all of the URDF.
     """
     folder = Path(folder).resolve()

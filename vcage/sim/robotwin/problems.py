@@ -23,7 +23,7 @@ class Problem:
     path: Path
     field: str
     text: str
-    hint: str = "mend the field"
+    hint: str = "fix the field"
 
     def __str__(self) -> str:
         return f"{self.path}: field {self.field}: {self.text}"
@@ -41,6 +41,6 @@ def require_none(problems: Sequence[Problem]) -> None:
     if problems:
         raise SchemaMismatch(
             f"{len(problems)} fields are wrong: {'; '.join(map(str, problems))}",
-            hint="mend them",
+            hint="fix them",
             details={"path": str(problems[0].path), "fields": [problem.field for problem in problems]},
         )

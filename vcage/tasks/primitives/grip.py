@@ -1,4 +1,4 @@
-"""Grip: an object in a hand, how it hangs there, and a check that the fingers still hold it."""
+"""Grip: an object in a hand, its pose there, and a check that the fingers still hold it."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ class CarrySettings:
     Args:
         swing_lever_m: an object that is held farther from its middle than this, seen from above, turns between the
             fingers: bowls and plates, held by their rim, do so by 30 degrees, and by 50 with an apple in them.
-        sag_share: by so much of that distance it then hangs lower: the sine of 35 degrees.
-        hanging_speed: share of the speed limit at which what hangs so is carried: faster it slips out of the fingers.
-        clearance_m: what stays free below a carried object, which sways between the fingers.
-        every_steps: physics steps between two looks at whether the fingers still hold what is carried.
+        sag_share: share of that distance by which it then sags: the sine of 35 degrees.
+        hanging_speed: share of the speed limit for carrying a sagging object: faster it slips out of the fingers.
+        clearance_m: free height below a carried object, which sways between the fingers.
+        every_steps: physics steps between two checks that the fingers still hold the object.
     """
 
     swing_lever_m: float = 0.03
@@ -45,10 +45,10 @@ class Grip:
 
     Args:
         arm: its name.
-        object_id: what it holds.
-        load: how that is held now.
-        grasped: how it was held before it was lifted, where it hangs otherwise since.
-        contents: ids of what lies in or on it.
+        object_id: the held object.
+        load: its present hold.
+        grasped: its hold before lifting, if it has sagged since.
+        contents: ids of its contents.
     """
 
     arm: str
@@ -75,12 +75,12 @@ def lever(target: SceneObject, at: np.ndarray) -> float:
 
 
 def sag(target: SceneObject, contact: ContactPoint) -> float:
-    """Height by which an object sags that is lifted at a contact point, metres."""
+    """Sag of an object lifted at a contact point, metres."""
     return SETTINGS.sag_share * lever(target, target.pose.apply([contact.position])[0])
 
 
 def stays_level(target: SceneObject) -> bool:
-    """Check if an object can be held so that it does not turn between the fingers, and its contents stay in it."""
+    """Check if an object can be held without turning between the fingers, so that its contents stay in it."""
     return any(sag(target, contact) == 0 for contact in target.asset.annotation.carrying_points)
 
 
@@ -101,7 +101,7 @@ def minding(cell: Workcell, grip: Grip) -> Iterator[None]:
     """Check all the time, also during the lift, that the fingers hold something.
 
     Raises:
-        TaskFailed: they do not any more; what was being done ends there.
+        TaskFailed: they lost it; the motion ends there.
     """
 
     def mind(world: World) -> None:

@@ -1,4 +1,4 @@
-"""Hand over: what one arm holds is brought between the arms, taken by another beside its hand, and let go."""
+"""Hand over: an object held by one arm is brought between the arms, taken by another beside its hand, and let go."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ class HandOver:
     """The hand-over of an object to an arm.
 
     Args:
-        cell: as it stands.
-        object_id: what is handed over.
-        to: the arm that takes it.
-        suits: whether a hold does for what comes next.
+        cell: in its present state.
+        object_id: the handed-over object.
+        to: the taking arm.
+        suits: True for a hold that suits the next step.
     """
 
     cell: Workcell
@@ -55,7 +55,7 @@ class HandOver:
         next(self._meetings(target, given, planner.kinematics))
 
     def run(self, grip: Grip) -> tuple[Grip, WorldState]:
-        """Carry it out, the giving arm ends at home: what the other holds then, and the world when both held it.
+        """Execute it, the giving arm ends at home: the taking arm's hold, and the world when both held it.
 
         Raises:
             TaskFailed: no way can be planned, the fingers close on nothing, or the object is lost.
@@ -130,7 +130,7 @@ class HandOver:
         raise TaskFailed("plan", message)
 
     def _check(self, giver: str, meeting: Meeting, giving: np.ndarray, given: Hold) -> None:
-        """Check that the second arm gets to the object, and the first, which holds it at joints ``giving`` (n,), away.
+        """Check that the second arm reaches the object, and the first, holding it at joints ``giving`` (n,), gets away.
 
         Raises:
             MotionFailed: it does not.

@@ -1,7 +1,7 @@
 """From a contact point on a moving part to the gripper's ways of operating it: along a drawer's slide, around a hinge.
 
-A part is operated by a *grasp*, the fingers around a handle that they take along, or by a *press*, the closed fingers
-pushing it. Geometry only: what an arm can reach and what stands in the way is for the planner to say.
+A part is operated by a *grasp*, the fingers closing around a handle, or by a *press*, the closed fingers
+pushing it. Geometry only: reach and obstacles are for the planner.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ class OperatingWay:
         before: on the way to the handle.
         grasp: at the handle.
         motion: from there along the joint's motion; for a press, there and back again.
-        pushed: how many poses of ``motion`` there are until the joint is at its target.
+        pushed: number of poses of ``motion`` until the joint is at its target.
         after: where the hand is drawn back to.
         opening: of the fingers on the way to the handle and away, metres; 0 for a press.
     """
@@ -98,7 +98,7 @@ def operating_ways(handle: Handle, target: float, gripper: Gripper, support: flo
 
     Args:
         target: position of the joint, metres or radians.
-        support: z of what the object stands on, metres.
+        support: z of the object's support, metres.
     """
     turns = handle.link.joint.kind == "turn"
     for share in TURNS_ALONG if turns else (1.0,):

@@ -1,4 +1,4 @@
-"""Operate: open, close or press a moving part: plan its ways, take the first that is free, feel whether it moved."""
+"""Operate: open, close or press a moving part: plan its paths, take the first free one, measure its motion."""
 
 from __future__ import annotations
 
@@ -51,8 +51,8 @@ class Operation:
     Args:
         cell: as it stands.
         thing: the object at its present pose.
-        contact: where to take hold of the part; its ``link`` is the part.
-        target: position that its joint shall have, metres or radians.
+        contact: the grasp point of the part; its ``link`` is the part.
+        target: final position of its joint, metres or radians.
 
     Attributes:
         moment: state of the world at the end of a press.
@@ -82,13 +82,13 @@ class Operation:
         along = [name for key in self._riding for name in cell.parts(key)]
         self._own += along
         self._allowed = [Allowance("hand", frozenset([thing.id, *self._riding]))]
-        # What counts as closed; of what is opened or pressed the truth allows more to be missing.
+        # Tolerance for closed; for opening or pressing the simulator's truth tolerates more.
         self._tolerance = THRESHOLDS.closed_share * (joint.upper - joint.lower)
         width = thing.asset.grasp_width(contact)
         self._handle = Handle(contact, model, thing.pose, world.object_joints(thing.id), width)
 
     def choose(self, arms: Sequence[str], failed: int) -> tuple[OperatePlan, bool]:
-        """A way that can be planned, and whether it is the first of them.
+        """A plannable path, and True if it is the first.
 
         Args:
             arms: that may do it, best first.
@@ -134,7 +134,7 @@ class Operation:
         if plan.back is not None:
             self._cell.carry_out(plan.arm, plan.back, self._allowed)
         self._let_go(plan, control)
-        # A spring takes what was pressed back: there, only the end of the push counts.
+        # A spring returns a pressed part: there, only the end of the push counts.
         if self._contact.use == "press":
             self._check(reached)
         self.confirm()
@@ -177,7 +177,7 @@ class Operation:
             arm: that takes it.
             way: poses of the gripper.
             start: (n,) joints before it, rad.
-            now, then: planners around everything as it is, and as it shall be.
+            now, then: planners around the present and the final state.
 
         Raises:
             MotionFailed: one of them is not free.
@@ -192,7 +192,7 @@ class Operation:
         rest = way.motion[way.pushed :]
         back = now.follow(push.end, rest, moving) if rest else None
         away = then.line((back or push).end, way.after, near)
-        # The hand must get there, and home again: that it does is worth nothing if it then stands in a corner.
+        # The hand must get there, and home again: reaching it is useless if it then stands in a corner.
         begun = self._cell.begun(arm)
         reach = begun.then(now.move(begun.end, start, Load(opening))).then(down)
         then.move(away.end, np.array(record.home), Load(opening))
@@ -201,7 +201,7 @@ class Operation:
         return OperatePlan(arm, way, reach, push, back, clear)
 
     def at_target(self) -> dict[str, Body]:
-        """The object, and what rides on its part, as they are when the part is where it shall be, by id."""
+        """The object, and the contents of its part, in the final state of the part, by id."""
         joints = tuple(self._handle.joints_at(self._target).tolist())
         there = replace(self._world.body(self._thing.id), joints=joints)
         link, model = str(self._contact.link), there.model
@@ -213,7 +213,7 @@ class Operation:
     # --- execution -------------------------------------------------------------------------------------
 
     def _let_go(self, plan: OperatePlan, control: ArmControl) -> None:
-        """Open the fingers; drawing the hand back begins what the arm does next."""
+        """Open the fingers; the arm's next motion starts with the retreat of the hand."""
         opened = command_of(plan.way.opening, control.arm.gripper)
         control.release(opened)
         planner, here = self._cell.planner(plan.arm), self._cell.begun(plan.arm).end

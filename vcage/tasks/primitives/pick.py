@@ -38,7 +38,7 @@ class PickPlan:
     """A pick that an arm can do.
 
     Args:
-        target: what is picked, where it stands.
+        target: the object to pick, at its place.
         contact: id of the contact point.
         arm: that takes it.
         opening: command of the gripper on the way, 0 closed to 1 open.
@@ -88,7 +88,7 @@ def transfer_heights(
 
 
 def lift_heights(target: SceneObject, others: Sequence[SceneObject], table_height: float) -> tuple[float, ...]:
-    """:func:`transfer_heights` of an object that is lifted out of what it lies in."""
+    """:func:`transfer_heights` of an object lifted out of a container."""
     held_in = ((o, resting_point(target, o)) for o in others)
     rims = [o.rim(point.id) for o, point in held_in if point is not None]
     return transfer_heights(others, table_height, rims)
@@ -98,8 +98,8 @@ def pick_way(target: SceneObject, grasp: GraspPose, gripper: Gripper, height: fl
     """From above the contact point down to it, and straight up until the object's bottom is at ``height``.
 
     Args:
-        target: what is picked.
-        grasp: where it is held.
+        target: the object to pick.
+        grasp: the hold.
         gripper: how far from the grasp its approach begins.
         height: z, metres.
     """
@@ -114,8 +114,8 @@ def pick_way(target: SceneObject, grasp: GraspPose, gripper: Gripper, height: fl
 def reached_lift(
     kinematics: ArmKinematics, target: SceneObject, grasp: GraspPose, heights: Sequence[float]
 ) -> tuple[float, list[np.ndarray] | None]:
-    """The highest of some heights that an arm lifts an object to with a grasp, and its joints on the way there; the
-    first and None where it does not grasp or lift it.
+    """The highest of some heights to which an arm lifts an object with a grasp, and its joints on the way there; the
+    first and None if it cannot grasp or lift it.
 
     Args:
         kinematics: of the arm.
@@ -133,12 +133,12 @@ def reached_lift(
 def plan_pick(
     cell: Workcell, target: SceneObject, grasps: Sequence[tuple[int, str]], leads_on: LeadsOn = lambda *_: None
 ) -> PickPlan:
-    """The first of ``grasps`` (contact point, arm) that has a free way, and from which the task can go on.
+    """The first of ``grasps`` (contact point, arm) with a free path, and a possible continuation of the task.
 
     Args:
-        cell: as it stands.
-        target: what is picked, where it stands.
-        grasps: in the order in which they are tried.
+        cell: in its present state.
+        target: the object to pick, at its place.
+        grasps: in the order to try.
         leads_on: whether a grasp does; all do when not given.
 
     Raises:
@@ -201,17 +201,17 @@ def _lifting(held: Held, opening: float) -> Load:
 
 
 def carry_out_pick(cell: Workcell, plan: PickPlan) -> Grip:
-    """Reach and close the fingers; the lift begins what the arm does next.
+    """Reach and close the fingers; the arm's next motion starts with the lift.
 
-    What is held far from its middle turns between the fingers when it is lifted. Its lift ends before anything else
-    is planned, so that what follows is planned with the object as it hangs.
+    An object held far from its middle turns between the fingers when lifted. Its lift ends before anything else
+    is planned, so that the following motions are planned with the sagging object.
 
     Raises:
         TaskFailed: the fingers closed on nothing, the object cannot be lifted, or something else is touched.
     """
     control, target = cell.world.arms[plan.arm], plan.target
     allowed = at_rest(plan.way.grasp, target.id, cell.beside(target.id))
-    cell.take(target.id)  # what the fingers push aside does not seem to lie there any more
+    cell.take(target.id)  # an object pushed aside by the fingers no longer counts as contents
     control.command_gripper(plan.opening)
     cell.carry_out(plan.arm, plan.path, allowed)
     control.grip(0.0)
@@ -226,7 +226,7 @@ def carry_out_pick(cell: Workcell, plan: PickPlan) -> Grip:
 
 
 def _hanging(cell: Workcell, grip: Grip) -> Grip:
-    """Lift what is held now, and look at how it hangs."""
+    """Lift the held object now, and measure its sag."""
     with minding(cell, grip):
         cell.carry_out(grip.arm, cell.begun(grip.arm))
     feel(cell, grip)

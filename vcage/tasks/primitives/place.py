@@ -1,4 +1,4 @@
-"""Place: bring what is held over its place, set it down, and draw the hand back."""
+"""Place: bring the held object over its place, set it down, and retreat the hand."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ from vcage.tasks.workcell import CAREFUL_SPEED_SHARE, TaskFailed, Workcell, fail
 
 @dataclass(frozen=True)
 class PlaceSettings:
-    """Margins with which an object is let go.
+    """Margins for letting go of an object.
 
     Args:
-        slack_m: what is held comes to lie otherwise between the fingers by up to so much: a place must not be
+        slack_m: the held object may shift between the fingers by up to this: a place must not be
             at the very end of an arm's reach.
         raises_m: how much higher an object is let go where the hand meets something at the lowest height.
     """
@@ -45,10 +45,10 @@ class PlacePlan:
     """A place that the holding arm can do.
 
     Args:
-        grip: what is held.
-        receptacle: id of what receives it, or ``table``.
+        grip: the held object.
+        receptacle: id of the receptacle, or ``table``.
         way: poses of the gripper.
-        path: the lift, the way to the first pose, and from there to where the object is let go.
+        path: the lift, the path to the first pose, and from there to the release.
     """
 
     grip: Grip
@@ -69,15 +69,15 @@ Choice = TypeVar("Choice")
 def plan_place(
     cell: Workcell, grip: Grip, around: Surroundings, choices: Iterable[tuple[Choice, Sequence[Pose]]]
 ) -> tuple[PlacePlan, Choice]:
-    """The first free way to bring what is held to one of the places to choose from, and which.
+    """The first free path for the held object to one of the places to choose from, and the place.
 
-    The nearer of the poses of a place is tried first; what is held is let go ever higher where the hand has no room.
+    The nearer of the poses of a place is tried first; the release height rises where the hand has no room.
 
     Args:
-        cell: as it stands.
-        grip: what is held.
-        around: what receives it, where it stands, and what stands there besides.
-        choices: places in the order in which they are tried, each with the poses that the object may have there, in
+        cell: in its present state.
+        grip: the held object.
+        around: the receptacle at its place, and the other objects there.
+        choices: places in the order to try, each with the possible poses of the object, in
             the world.
 
     Raises:
@@ -107,7 +107,7 @@ def plan_place(
 
 
 def _holds(cell: Workcell, grip: Grip, around: Surroundings) -> Iterator[tuple[Held, Surroundings]]:
-    """Ways to put down what is held, each with what it is carried above: with the hand as it took the object, which
+    """Ways to put down the held object, each with the obstacles below it: with the hand as it took the object, which
     turns back when it meets its support; and as it hangs, the hand turned so that the object stands."""
     thing, gripper = cell.object(grip.object_id), cell.world.arms[grip.arm].tool_pose
     if grip.grasped is not None:
@@ -121,7 +121,7 @@ class Surroundings:
     """Surroundings of a place where an object is put down, as they stand.
 
     Args:
-        receptacle: id of what receives the object, or ``table``.
+        receptacle: id of the object's receptacle, or ``table``.
         obstacles: its walls and contents, and the neighbours.
         heights: z's that the object's bottom may keep on the way, the highest first, metres.
         raises: how much higher it may come to where the hand meets something, metres.
@@ -137,9 +137,9 @@ class Surroundings:
         """Everything but the object itself and its contents is in its way.
 
         Args:
-            cell: as it stands.
-            object_id: what is put down.
-            receptacle: id of what receives it, or ``table``.
+            cell: in its present state.
+            object_id: the object to put down.
+            receptacle: id of its receptacle, or ``table``.
             point: id of the receptacle's functional point; None on the table.
         """
         others = cell.objects_but(object_id, receptacle, *cell.contents(object_id))
@@ -153,7 +153,7 @@ class Surroundings:
     def ways(
         self, kinematics: ArmKinematics, held: Pose, width: float, poses: Sequence[Pose], start: np.ndarray
     ) -> list[PlaceWay]:
-        """Ways within reach to let go of an object at one of some poses: each as low as it can be, then higher.
+        """Ways within reach to release an object at one of some poses: each as low as possible, then higher.
 
         Each begins as high as the arm reaches.
 
@@ -188,9 +188,9 @@ class Surroundings:
         Args:
             planner: of the arm.
             start: (n,) its joints before, rad.
-            held: what is then between the fingers.
-            width: of it, metres.
-            poses: that the object may have there, in the world.
+            held: the object between the fingers then.
+            width: of the object, metres.
+            poses: possible ones of the object there, in the world.
 
         Raises:
             MotionFailed: it does not.
@@ -202,7 +202,7 @@ class Surroundings:
         for way in self.ways(planner.kinematics, held.in_gripper.inverse(), width, poses, start):
             try:
                 above = planner.kinematics.ik(way.above, start)
-                if above is None:  # the ways that let go higher begin higher too
+                if above is None:  # paths with a higher release start higher too
                     raise MotionFailed("its place is out of reach")
                 released = planner.line(above, way.release, carrying).end
                 if planner.kinematics.ik(_farther(planner.kinematics, way.release), released, attempts=0) is None:
@@ -217,7 +217,7 @@ class Surroundings:
 
 
 def carry_out_place(cell: Workcell, plan: PlacePlan) -> None:
-    """Carry and let go; drawing the hand back begins what the arm does next.
+    """Carry and release; the arm's next motion starts with the retreat of the hand.
 
     Raises:
         TaskFailed: the object was lost on the way, or the hand cannot be drawn back.
@@ -239,8 +239,8 @@ def carry_out_place(cell: Workcell, plan: PlacePlan) -> None:
 
 
 def _around_place(cell: Workcell, plan: PlacePlan) -> set[str]:
-    """Name what an object and the fingers may touch where it is put down: ids of its contents, of what receives it, and
-    of what lies there besides."""
+    """Name the allowed contacts of an object and the fingers at its place: ids of its contents, its receptacle, and
+    the other objects there."""
     if plan.receptacle == TABLE:
         return {TABLE, *plan.grip.contents}
     return {plan.receptacle, TABLE, *plan.grip.contents} | (cell.beside(plan.receptacle) - {plan.grip.object_id})

@@ -63,7 +63,7 @@ def reached_place(
 
     Args:
         kinematics: of the arm.
-        way: which may end where it begins, if it does not reach higher.
+        way: it may end where it starts, if it does not reach higher.
         start: (n,) joints before, rad.
     """
     for after in (way.after, way.above):
@@ -74,7 +74,7 @@ def reached_place(
 
 
 def _rise_to_clear(pose: Pose, obstacles: Obstacles, hand: Sequence[np.ndarray]) -> float:
-    """Height by which the hand must go up so that none of its boxes touches an obstacle below it."""
+    """Height by which the hand must rise so that none of its boxes touches an obstacle below it."""
     rise = 0.0
     for part, below in obstacles.under([SolidBox(bounds, pose) for bounds in hand]):
         rise = max(rise, obstacles.tops[below].max(initial=-np.inf) + SET_DOWN - part.bottom)

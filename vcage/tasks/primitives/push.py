@@ -37,9 +37,9 @@ class PushSettings:
         spread_share: share of the face's width that the fingers are apart, where they open so wide.
         away_m: how far behind the face the hand is drawn back before it goes up.
         over_object_m: between the tips and the top of the object when the hand comes and goes.
-        corrections: how often the hand goes on along the line where the object did not come far enough.
-        position_tolerance_m: what is missing of a push that is not made up for.
-        off_m: an object farther from where it was pushed to got out of hand,
+        corrections: further pushes along the line where the object did not come far enough.
+        position_tolerance_m: shortfall of a push that is not corrected.
+        off_m: an object farther from its target than this got out of control,
         turned_rad: or that was turned by more,
         tipped_rad: or tipped.
     """
@@ -180,7 +180,7 @@ def _pushing(thing: SceneObject, hand: Pose, opening: float) -> Load:
 
 
 def carry_out_push(cell: Workcell, thing: SceneObject, plan: PushPlan) -> None:
-    """Push, and go on where the object did not come far enough; drawing the hand back begins what the arm does next.
+    """Push, with corrections where the object did not come far enough; the next motion starts with the retreat.
 
     Args:
         cell: as it stands.
@@ -223,7 +223,7 @@ def carry_out_push(cell: Workcell, thing: SceneObject, plan: PushPlan) -> None:
 
 
 def _confirm(now: SceneObject, before: SceneObject, goal: Pose, stopped: str) -> None:
-    """Check that an object is where it was pushed to, and stands as it stood.
+    """Check that an object is at the end of its push, and stands upright as before.
 
     Args:
         now, before: the object after the push and before it.

@@ -1,4 +1,4 @@
-"""Templates of sub-tasks, one file each: what it pairs, what it asks the reasoner, what makes it feasible, its script.
+"""Templates of sub-tasks, one file each: its objects, its question to the reasoner, its feasibility, its script.
 
 A new template is a file here, and its name in :data:`TEMPLATES`.
 """
@@ -37,11 +37,11 @@ class SubtaskTemplate(Protocol):
     def proposals(
         self, objects: Sequence[SceneObject], asked: Collection[Goal]
     ) -> tuple[Sequence[Proposal], list[Refusal]]:
-        """Proposals for a scene, and refusals of what the preconditions exclude.
+        """Proposals for a scene, and refusals by the preconditions.
 
         Args:
             objects: all of the scene.
-            asked: goals that are asked for; some are tried only then.
+            asked: the requested goals; some are tried only then.
         """
         ...
 

@@ -1,4 +1,4 @@
-"""Close: what is open is closed, along the true arc or line of its joint."""
+"""Close: an open part is closed, along the true arc or line of its joint."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Hand over: one arm takes an object, another takes it from that in the air and puts it down.
 
-It is tried where it is asked for. What goes into or onto another object, where no arm reaches both, changes hands too:
+It is tried on request. An object for another one, where no arm reaches both, changes hands too:
 see :mod:`~vcage.tasks.templates.place`.
 """
 
@@ -22,7 +22,7 @@ from vcage.tasks.workplace import Workplace
 
 
 def examine_passing(transfer: Transfer, to: str, workplace: Workplace) -> Feasibility:
-    """All checks of a transfer in which the object changes hands, with the grasps of the arms that can give it.
+    """All checks of a transfer with a hand-over, with the grasps of the arms that can give it.
 
     Args:
         transfer: to try; its contact point is the giving arm's.
@@ -40,7 +40,7 @@ def examine_passing(transfer: Transfer, to: str, workplace: Workplace) -> Feasib
 def examine_detour(transfers: Sequence[Transfer], workplace: Workplace) -> tuple[str | None, list[Feasibility]]:
     """The arm that can bring an object to its place after another has given it to it, and the findings.
 
-    Where none can, the arm is None, and the findings are those of the last.
+    If none can, the arm is None, and the findings are of the last one.
 
     Args:
         transfers: of one object to one place, by each of its contact points.
@@ -58,7 +58,7 @@ def examine_detour(transfers: Sequence[Transfer], workplace: Workplace) -> tuple
 
 
 def _examine_giver(transfer: Transfer, arm: str, to: str, workplace: Workplace) -> Report:
-    """The checks of the grasp that came furthest, and the score of the first that does."""
+    """The checks of the grasp that got furthest, and the score of the first success."""
     target, table_height = transfer.target, workplace.ground.height
     giver, taker = workplace.kinematics[arm], workplace.kinematics[to]
     width = target.asset.grasp_width(transfer.contact)
@@ -105,7 +105,7 @@ class HandOver:
     name = NAME
 
     def proposals(self, objects: Sequence[SceneObject], asked: Collection[Goal]) -> tuple[list[Handing], list[Refusal]]:
-        """Each object that shall be handed to an arm."""
+        """Each object to hand to an arm."""
         by_id = {o.id: o for o in objects}
         goals = sorted((g for g in asked if g.relation == "handed" and g.subject in by_id), key=str)
         return [Handing(NAME, by_id[goal.subject], goal) for goal in goals], []
@@ -125,7 +125,7 @@ class HandOver:
 
 @dataclass(frozen=True)
 class Handing(Move):
-    """An object and the arm that shall have it: that arm puts it down."""
+    """An object and its receiving arm, which puts it down."""
 
     def impossible(self) -> Refusal | None:
         """Refuse an object that cannot be carried."""
@@ -140,7 +140,7 @@ class Handing(Move):
 
     @property
     def hand_to(self) -> str:
-        """The arm that shall have it."""
+        """The receiving arm."""
         return str(self.goal.reference)
 
     @property

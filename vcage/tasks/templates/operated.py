@@ -51,7 +51,7 @@ def _examine_ways(
     arm: str,
     kinematics: ArmKinematics,
 ) -> Report:
-    """The checks of the way that came furthest, and the score of the first that an arm can follow."""
+    """The checks of the path that got furthest, and the score of the first that an arm can follow."""
     gripper = kinematics.arm.gripper
     where = f"{handle.contact.name!r} of {thing.record.phrase}"
     furthest: list[Check] = []
@@ -71,7 +71,7 @@ def _examine_ways(
 
 
 def _part_meets(thing: SceneObject, link: str, others: Sequence[SceneObject]) -> str | None:
-    """The phrase of the first object that a part, or another that moves with it, would touch where it is now.
+    """The phrase of the first object that a part, or another one moving with it, would touch at its present position.
 
     The contents of the object move with it.
     """

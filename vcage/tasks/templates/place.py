@@ -1,4 +1,4 @@
-"""Place: an object that can be carried is put in or on another that has a place for it, an open drawer too.
+"""Place: a portable object is put in or on another with a place for it, including an open drawer.
 
 Stacking and weighing are placing with a further demand: see :mod:`~vcage.tasks.templates.stack` and
 :mod:`~vcage.tasks.templates.weigh`.
@@ -35,9 +35,9 @@ class Placing:
 
     Args:
         name: of the template.
-        takes: True for a pair of objects with a functional point that belongs to this template.
-        word: the goal that it brings about besides that the object lies there; None for no other.
-        waits: how long the object then stays there alone, seconds.
+        takes: True for a pair of objects with a functional point of this template.
+        word: the goal it achieves besides the placing; None for no other.
+        waits: time the object then stays there alone, seconds.
     """
 
     name: TemplateName
@@ -46,7 +46,7 @@ class Placing:
     waits: float = 0.0
 
     def proposals(self, objects: Sequence[SceneObject], asked: Collection[Goal]) -> tuple[list[Pair], list[Refusal]]:
-        """Pairs with one functional point each, and those that lack the points for it."""
+        """Pairs with one functional point each, and pairs without the needed points."""
         pairs, refused = [], []
         for target, receptacle in permutations(objects, 2):
             points = receptacle.asset.annotation.functional_points
@@ -100,7 +100,7 @@ def _out_of_reach(refusal: Refusal) -> bool:
 
 
 class _AtSlot(NamedTuple):
-    """Transfers to one slot by contact point, those that are feasible, and refusals of the others."""
+    """Transfers to one slot by contact point, the feasible ones, and refusals of the others."""
 
     transfers: dict[int, Transfer]
     feasible: list[Feasibility]
@@ -111,7 +111,7 @@ class _AtSlot(NamedTuple):
 class Pair(Proposal):
     """An ordered pair, the object that is put first, with one functional point.
 
-    Where no arm reaches both ends it changes hands on its way, if that is among the goals that are ``asked`` for.
+    Where no arm reaches both ends it changes hands on its way, if that is among the goals in ``asked``.
     """
 
     template: Placing
@@ -121,12 +121,12 @@ class Pair(Proposal):
 
     @cached_property
     def _opened(self) -> SceneObject:
-        """The receptacle as it must be before something is put there: the drawer or lid that keeps it in is open."""
+        """The receptacle as required for putting something there: its drawer or lid is open."""
         return opened_for(self.receptacle, self.point.id)
 
     @property
     def goals(self) -> list[Goal]:
-        """Goals that it would bring about, its own first."""
+        """Goals it would achieve, its own first."""
         return list(dict.fromkeys([self.goal, lying(self.thing, self.receptacle, self.point)]))
 
     @property

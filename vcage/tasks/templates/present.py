@@ -10,7 +10,7 @@ from vcage.tasks.templates.set_down import SetDown
 
 
 def _shown(thing: SceneObject, asked: Collection[Goal]) -> list[Goal]:
-    """The goal where it is asked for; a sign is there to be shown."""
+    """The goal on request; a sign exists to be shown."""
     shown = Goal(subject=thing.id, relation="presented")
     return [shown] if shown in asked or thing.asset.annotation.words.category == "sign" else []
 

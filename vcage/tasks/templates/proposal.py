@@ -1,4 +1,4 @@
-"""Objects of a scene in the slots of a template: what the search looks into as one."""
+"""Objects of a scene in the slots of a template: one unit of the search."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from vcage.tasks.workplace import Workplace
 
 @dataclass(frozen=True)
 class Proposal(ABC):
-    """An object, and what shall become true of it.
+    """An object, and its wanted goal.
 
     Args:
         name: of the template.
-        thing: the object that it is about.
-        goal: what it would bring about.
+        thing: its object.
+        goal: the goal it would achieve.
     """
 
     name: TemplateName
@@ -38,16 +38,16 @@ class Proposal(ABC):
 
     @property
     def goals(self) -> list[Goal]:
-        """Goals that it would bring about, its own first."""
+        """Goals it would achieve, its own first."""
         return [self.goal]
 
     @property
     def hand_to(self) -> str | None:
-        """The arm that puts it down, where that is another than the one that takes it."""
+        """The arm that puts it down, if another one takes it."""
         return None
 
     def impossible(self) -> Refusal | None:
-        """The refusal of what can be ruled out without asking anyone; None for what cannot."""
+        """The refusal of a proposal that can be ruled out without asking; None for the others."""
         return None
 
     def question(self) -> PairQuestion | None:
@@ -65,10 +65,10 @@ class Proposal(ABC):
         return told and subtask.object == self.thing.id and subtask.receptacle in (None, TABLE)
 
     def examine_for(self, arms: Mapping[Goal, str], workplace: Workplace) -> tuple[Subtask | None, list[Refusal]]:
-        """As :meth:`examine`, with the arm alone that one of its goals is asked of, if one is.
+        """As :meth:`examine`, restricted to the arm that one of its goals requires, if any.
 
         Args:
-            arms: that are asked for, by goal.
+            arms: the required ones, by goal.
             workplace: see :meth:`examine`.
         """
         arm, why = arm_for(self.goals, arms, self.hand_to)
@@ -101,7 +101,7 @@ class Proposal(ABC):
         return self.refusal(f"{self.thing.record.phrase} has no contact point to carry it by")
 
     def judged(self, findings: Mapping[int, Feasibility]) -> tuple[list[Feasibility], list[Refusal]]:
-        """Those of some findings, by contact point, that are feasible, and the refusals of the others."""
+        """The feasible ones of some findings, by contact point, and the refusals of the others."""
         refused = [self.refusal(f.reason, contact, f.checks) for contact, f in findings.items() if not f.feasible]
         return [finding for finding in findings.values() if finding.feasible], refused
 

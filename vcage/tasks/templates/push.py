@@ -35,11 +35,11 @@ class PushSettings:
     """Limits of what can be pushed, and settings of the search for pushes.
 
     Args:
-        flattest_m: what is lower slips under the finger tips.
+        flattest_m: a lower object slips under the finger tips.
         gravity_m_per_s2: acceleration.
         strongest_n: friction on the table against which an arm still pushes exactly.
         round_share: an object whose widths differ by no more than this is pushed in any direction.
-        shortest_m, longest_m, step_m: distances that are tried.
+        shortest_m, longest_m, step_m: distances to try.
         margin_m: how far an object may end up from where it was pushed to so that the goal still holds.
         room_m: room that the object keeps beside it and before it.
         distances: examined for each direction, from the shortest to the longest that would do.
@@ -78,7 +78,7 @@ class Push:
 
 
 def examine_pushes(thing: SceneObject, goal: Goal, workplace: Workplace) -> tuple[list[Push], dict[int, str]]:
-    """For each direction a push that brings about the goal, the best first; of the other directions why there is none.
+    """For each direction a push that achieves the goal, the best first; for the others the reason for none.
 
     Args:
         thing: where it stands.
@@ -208,12 +208,12 @@ _RELATIONS = ("left_of", "right_of", "in_front_of", "behind", "beside", "near")
 
 
 class Pushing:
-    """The template: every object that shall stand in a relation to another."""
+    """The template: every object with a requested relation to another."""
 
     name = NAME
 
     def proposals(self, objects: Sequence[SceneObject], asked: Collection[Goal]) -> tuple[list[Shove], list[Refusal]]:
-        """Every object with each relation that is asked for of it."""
+        """Every object with each of its requested relations."""
         by_id = {o.id: o for o in objects}
         goals = [g for g in asked if g.relation in _RELATIONS and g.subject in by_id and g.reference in by_id]
         return [Shove(NAME, by_id[goal.subject], goal) for goal in goals], []
@@ -225,7 +225,7 @@ class Pushing:
 
 @dataclass(frozen=True)
 class Shove(Proposal):
-    """An object and the relation that it shall stand in: it may be pushed against its faces."""
+    """An object and its wanted relation: it may be pushed against its faces."""
 
     @property
     def goals(self) -> list[Goal]:

@@ -24,7 +24,7 @@ class Scan:
     name = NAME
 
     def proposals(self, objects: Sequence[SceneObject], asked: Collection[Goal]) -> tuple[list[Reading], list[Refusal]]:
-        """Each code with each scanner, and what shall be scanned but has no code."""
+        """Each code with each scanner, and objects to scan without a code."""
         scanners = [o for o in objects if o.asset.annotation.faces_of("reader")]
         found, refused = [], []
         for thing in objects:
@@ -54,7 +54,7 @@ class Reading(Proposal):
 
     @cached_property
     def _ways(self) -> list[tuple[SceneObject, SceneObject]]:
-        """(what is moved, what stays)."""
+        """(moved object, resting object)."""
         both = [(self.scanner, self.thing), (self.thing, self.scanner)]
         return [(mover, still) for mover, still in both if mover.asset.annotation.carrying_points]
 
@@ -69,7 +69,7 @@ class Reading(Proposal):
         return super().offers(subtask) and subtask.tool == self.scanner.id and subtask.grasped in carried
 
     def impossible(self) -> Refusal | None:
-        """One of the two must be one that can be carried."""
+        """One of the two must be portable."""
         if self._ways:
             return None
         return self.refusal(f"neither {self.thing.record.phrase} nor {self.scanner.record.phrase} can be carried")

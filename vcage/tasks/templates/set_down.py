@@ -1,4 +1,4 @@
-"""Set down: an object that can be carried is put on the table: beside another, back where it was, or out of the way."""
+"""Set down: a portable object is put on the table: beside another, back at its place, or out of the way."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ class SetDown:
 
     Args:
         name: of the template.
-        wants: the goals about an object that are worth trying, of those that are asked for and others.
+        wants: selects the goals about an object worth trying, of the requested ones and others.
     """
 
     name: TemplateName
     wants: Callable[[SceneObject, Collection[Goal]], Iterable[Goal]]
 
     def proposals(self, objects: Sequence[SceneObject], asked: Collection[Goal]) -> tuple[list[Move], list[Refusal]]:
-        """Every object with each goal that is wanted of it, and those that cannot be carried."""
+        """Every object with each goal wanted of it, and the objects that cannot be carried."""
         found, refused = [], []
         for thing in objects:
             moves = [Move(self.name, thing, goal) for goal in dict.fromkeys(self.wants(thing, asked))]
@@ -53,7 +53,7 @@ class SetDown:
 
 
 def _aside(thing: SceneObject, asked: Collection[Goal]) -> list[Goal]:
-    """Beside, back…, where it is asked for; out of the way, where it lies in something or will."""
+    """Beside, back…, on request; out of the way, for an object inside another now or later."""
     about = [goal for goal in asked if goal.subject == thing.id]
     on_table = [Goal(subject=thing.id, relation="on", reference=TABLE)]
     return [g for g in about if g.relation in _RELATIONS] + (on_table if about or thing.record.container else [])
@@ -64,7 +64,7 @@ SET_DOWN = SetDown("set_down", _aside)
 
 @dataclass(frozen=True)
 class Move(Proposal):
-    """An object and what is true once it is put down."""
+    """An object and its goal after it is put down."""
 
     @property
     def goals(self) -> list[Goal]:
@@ -72,7 +72,7 @@ class Move(Proposal):
         return list(dict.fromkeys([self.goal, Goal(subject=self.thing.id, relation="on", reference=TABLE)]))
 
     def impossible(self) -> Refusal | None:
-        """Refuse to put back on the table an object that did not stand there."""
+        """Refuse to put an object back on the table that did not stand there."""
         if self.goal.relation == "back" and self.thing.record.container is not None:
             return self.refusal(f"{self.thing.record.phrase} did not stand on the table at the start")
         return None

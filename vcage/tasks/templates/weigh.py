@@ -1,4 +1,4 @@
-"""Weigh: an object is put on a scale that bears nothing else, and lies still there for a second."""
+"""Weigh: an object is put on an otherwise empty scale, and lies still there for a second."""
 
 from __future__ import annotations
 

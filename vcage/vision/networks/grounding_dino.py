@@ -1,4 +1,4 @@
-"""Grounding DINO: finds what the names say, in any picture, without knowing the empty table.
+"""Grounding DINO: finds named objects, in any picture, without knowing the empty table.
 
 S. Liu et al., Grounding DINO: Marrying DINO with Grounded Pre-Training for Open-Set Object Detection, ECCV 2024.
 """
@@ -33,7 +33,7 @@ class BoxLimits:
     Args:
         box_probability: least probability of the word that fits a box best.
         text_probability: least probability of a name's best word for the box to be labelled with the name.
-        same_object_iou: boxes that overlap by more (intersection over union) are one object, whatever their names.
+        same_object_iou: boxes that overlap by more (intersection over union) are one object, under any names.
         largest_share: a box that covers more of the picture is the table.
     """
 
@@ -64,7 +64,7 @@ class GroundingDinoDetector:
         return distinct(sorted(found, key=lambda d: (-d.score, d.box)), self._limits.same_object_iou)
 
     def _prompts(self, names: Sequence[str]) -> Iterator[list[str]]:
-        """The distinct names in groups whose tokens the text encoder can take at once."""
+        """The distinct names in groups whose tokens fit into the text encoder together."""
         limit = self._network.config.max_text_len - 2  # Beside the words stand a first and a last token.
         group: list[str] = []
         for name in dict.fromkeys(names):
@@ -74,7 +74,7 @@ class GroundingDinoDetector:
                 yield group
                 group = []
             if self._tokens([name]) > limit:
-                logger.warning("the name %r is longer than the detector can read; it is left out", name)
+                logger.warning("the name %r is too long for the detector; it is left out", name)
                 continue
             group.append(name)
         if group:

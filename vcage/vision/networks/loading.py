@@ -1,7 +1,7 @@
 """Weights from a hub id or a folder, through ``transformers``; and the device that they run on.
 
 Nothing that comes with weights is executed: code beside them is refused, and only safetensors are read, never a
-pickle. A run folder from someone else may name weights in the command that goes on.
+pickle. A run folder from someone else may name weights in its resuming command.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class Weights:
 
     Raises:
         MissingDependency: ``transformers`` is not installed.
-        InputFileError: ``where`` is no hub id, and no folder that holds a model.
+        InputFileError: ``where`` is no hub id, and no folder with a model.
     """
 
     def __init__(self, where: str, kinds: tuple[str, ...]):
@@ -105,7 +105,7 @@ def require(module: str, what: str, command: str = "") -> None:
 
 
 def device() -> str:
-    """``cuda`` where there is a GPU that torch can use, else ``cpu``."""
+    """``cuda`` where there is a GPU usable by torch, else ``cpu``."""
     import torch
 
     return "cuda" if torch.cuda.is_available() else "cpu"

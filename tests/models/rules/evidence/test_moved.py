@@ -1,4 +1,4 @@
-"""What the offline critic says of things that were put down on the table, shown, scanned, weighed or put back."""
+"""Verdicts of the offline critic on objects set down on the table, shown, scanned, weighed or put back."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ def test_an_apple_is_left_of_a_plate_or_not(x: float, left: bool) -> None:
 
 
 @pytest.mark.parametrize(("at", "bare"), [((0.0, -0.1, 0.0), True), ((0.15, 0.05, 0.01), False)])
-def test_what_is_set_down_stands_on_the_bare_table(at: tuple[float, float, float], bare: bool) -> None:
+def test_an_object_set_down_stands_on_the_bare_table(at: tuple[float, float, float], bare: bool) -> None:
     goal = Goal(subject=APPLE.id, relation="on", reference=TABLE)
     after = {APPLE.id: Pose(np.array(at) + [0, 0, TABLE_TOP])}
     told = judged([goal], {"before": {}, "after": after}, APPLE.id, PLATE.id)
@@ -107,7 +107,7 @@ def test_what_is_set_down_stands_on_the_bare_table(at: tuple[float, float, float
 
 
 @pytest.mark.parametrize(("pushed", "moved"), [(0.05, True), (0.005, False)])
-def test_what_is_pushed_by_less_than_its_size_is_seen_to_move(pushed: float, moved: bool) -> None:
+def test_a_push_shorter_than_the_object_is_seen(pushed: float, moved: bool) -> None:
     goal = Goal(subject=PLATE.id, relation="on", reference=TABLE)
     after = {PLATE.id: Pose(PLATE.pose.p + [pushed, 0, 0], PLATE.pose.q)}
     told = judged([goal], {"before": {}, "after": after}, APPLE.id, PLATE.id)
@@ -115,7 +115,7 @@ def test_what_is_pushed_by_less_than_its_size_is_seen_to_move(pushed: float, mov
 
 
 @pytest.mark.parametrize(("away", "back"), [(0.0, True), (0.08, False)])
-def test_what_is_back_stands_where_it_stood_at_the_start(away: float, back: bool) -> None:
+def test_a_returned_object_stands_at_its_start(away: float, back: bool) -> None:
     goal = Goal(subject=APPLE.id, relation="back")
     states = {"start": {}, "before": {APPLE.id: Pose([0.1, -0.1, TABLE_TOP])}}
     after = {APPLE.id: Pose(APPLE.pose.p + [away, 0, 0], APPLE.pose.q)}
@@ -124,7 +124,7 @@ def test_what_is_back_stands_where_it_stood_at_the_start(away: float, back: bool
 
 
 @pytest.mark.parametrize(("slid", "weighed"), [(0.0, True), (0.04, False)])
-def test_what_is_weighed_lies_still_on_the_scale(slid: float, weighed: bool) -> None:
+def test_a_weighed_object_lies_still_on_the_scale(slid: float, weighed: bool) -> None:
     goals = [Goal(subject=APPLE.id, relation="weighed"), Goal(subject=APPLE.id, relation="on", reference=SCALE.id)]
     top = SCALE.pose.apply(np.array(SCALE.asset.annotation.functional_point(0).position))
     states = {when: {APPLE.id: Pose(top + [away, 0, 0])} for when, away in (("moment", slid), ("after", 0.0))}
@@ -137,13 +137,13 @@ def scanned(pose: Pose) -> Verdict:
     return judged([Goal(subject=BOX.id, relation="scanned")], states, BOX.id, SCANNER.id, grasped=SCANNER.id)
 
 
-def test_a_scanner_that_is_seen_before_a_code_reads_it() -> None:
+def test_a_scanner_seen_before_a_code_reads_it() -> None:
     told = scanned(next(iter(reading_poses(SCANNER, BOX, TABLE_TOP))))
     assert told.accepted, told.reason
 
 
 @pytest.mark.parametrize("away", [(0.12, 0.0), (0.0, 0.12), (-0.12, 0.0), (0.0, -0.12)])
-def test_a_scanner_that_is_seen_elsewhere_reads_nothing(away: tuple[float, float]) -> None:
+def test_a_scanner_seen_elsewhere_reads_nothing(away: tuple[float, float]) -> None:
     there = next(iter(reading_poses(SCANNER, BOX, TABLE_TOP)))
     assert not scanned(Pose(there.p + [*away, 0.0], there.q)).accepted
 

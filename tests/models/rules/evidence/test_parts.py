@@ -61,7 +61,7 @@ def test_a_part_that_stayed_or_stopped_half_way_is_seen(context: StageContext, n
     assert not verdict.accepted, verdict.reason
 
 
-def test_a_drawer_that_is_shut_and_one_that_is_not_quite(context: StageContext) -> None:
+def test_a_shut_drawer_differs_from_one_not_quite_shut(context: StageContext) -> None:
     cabinet = thing("cabinet_one_drawer", (-0.05, 0.05), 0.2)
     assert judged(context, cabinet, "closed", 1.0, 0.0).accepted
     verdict = judged(context, cabinet, "closed", 1.0, 0.4)
@@ -69,7 +69,7 @@ def test_a_drawer_that_is_shut_and_one_that_is_not_quite(context: StageContext) 
     assert "looks" in verdict.reason and "% open" in verdict.reason
 
 
-def test_what_is_seen_is_close_to_what_is(context: StageContext) -> None:
+def test_seen_positions_are_close_to_the_true_ones(context: StageContext) -> None:
     cabinet = thing("cabinet_one_drawer", (-0.05, 0.05), 0.2)
     for share in (0.3, 0.8):
         reason = judged(context, cabinet, "open", 0.0, share).reason
@@ -84,7 +84,7 @@ def test_a_drawer_is_not_taken_for_the_one_above_or_below(context: StageContext,
     assert not judged(context, cabinet, "open", 0.0, 1.0, part, moved).accepted
 
 
-def test_a_door_that_is_left_ajar_is_not_shut(context: StageContext) -> None:
+def test_a_door_left_ajar_is_not_shut(context: StageContext) -> None:
     cabinet = thing("hinged_cabinet", (-0.05, 0.05), 0.1)
     assert judged(context, cabinet, "closed", 1.0, 0.0).accepted
     assert not judged(context, cabinet, "closed", 1.0, 0.33).accepted

@@ -16,7 +16,7 @@ POSE = Pose.from_yaw((0.1, 0.05, HEIGHT), 0.4)
 
 
 @pytest.mark.parametrize("shift", [(0.012, 0.0), (-0.01, 0.008)])
-def test_what_was_only_shifted_is_no_change(shift: tuple[float, float]) -> None:
+def test_a_shift_alone_is_no_change(shift: tuple[float, float]) -> None:
     nudged = BOX.moved(at=(BOX.at[0] + shift[0], BOX.at[1] + shift[1]))
     was, now = view([BOX]), view([nudged])
     change = Change.between(was, now).all
@@ -24,7 +24,7 @@ def test_what_was_only_shifted_is_no_change(shift: tuple[float, float]) -> None:
     assert left.sum() <= 0.3 * change.sum()
 
 
-def test_what_came_is_seen_beside_what_was_shifted() -> None:
+def test_an_arrival_is_seen_beside_a_shifted_object() -> None:
     nudged, block = BOX.moved(at=(BOX.at[0] + 0.01, BOX.at[1])), BLOCKS[0].moved(at=BOX.at, base=0.005)
     was, now = view([BOX]), view([nudged, block])
     left = besides_shift(was.picture, now.picture, Change.between(was, now).all)
@@ -40,5 +40,5 @@ def test_the_margin_is_how_far_the_middle_is_from_the_edge(local: tuple[float, f
     assert margin_of(blob.astype(bool), ROOM, POSE, CAMERA) == pytest.approx(margin, abs=0.003)
 
 
-def test_what_is_not_seen_is_nowhere() -> None:
+def test_an_unseen_object_has_no_position() -> None:
     assert margin_of(np.zeros((CAMERA.height, CAMERA.width), bool), ROOM, POSE, CAMERA) == -np.inf

@@ -47,12 +47,12 @@ def test_a_block_that_hides_the_one_below_is_on_it(lower: Thing) -> None:
     assert verdict.accepted, verdict.reason
 
 
-def test_whether_a_block_is_on_one_that_it_hides_is_not_told_from_above_alone() -> None:
+def test_a_view_from_above_does_not_tell_a_block_on_a_hidden_one() -> None:
     hidden = RED.moved(at=BLUE.at, yaw=BLUE.yaw)
     assert not judge([BLUE, RED, ERASER], [hidden, ERASER], RED, BLUE, side=False).accepted
 
 
-def test_a_third_block_is_on_one_that_was_put_on_another_before() -> None:
+def test_a_third_block_is_on_a_block_stacked_before() -> None:
     second, third = upon(RED, BLUE), BLOCKS[1]
     asked = question([BLUE, second, third], [BLUE, second, upon(third, second)], third, second)
     laid_out = {**asked.planned, RED.id: Pose.from_yaw((*RED.at, HEIGHT), RED.yaw)}
@@ -62,7 +62,7 @@ def test_a_third_block_is_on_one_that_was_put_on_another_before() -> None:
 
 @pytest.mark.parametrize("lower", [BLUE, ANOTHER], ids=["blue", "same colour"])
 @pytest.mark.parametrize("away", [(0.05, 0.0), (-0.12, 0.05), None], ids=["near", "far", "gone"])
-def test_a_block_in_the_place_of_the_one_that_should_be_below_is_not_on_it(lower: Thing, away: tuple | None) -> None:
+def test_a_block_in_place_of_the_lower_one_is_not_on_it(lower: Thing, away: tuple | None) -> None:
     pushed = [] if away is None else [lower.moved(at=(lower.at[0] + away[0], lower.at[1] + away[1]))]
     after = [RED.moved(at=lower.at, yaw=lower.yaw), *pushed, ERASER]
     assert not judge([lower, RED, ERASER], after, RED, lower).accepted
@@ -73,7 +73,7 @@ def test_a_block_beside_the_one_below_is_not_on_it() -> None:
     assert not judge([BLUE, RED, ERASER], after, RED, BLUE).accepted
 
 
-def test_blocks_that_are_nudged_together_are_still_a_stack() -> None:
+def test_nudged_blocks_are_still_a_stack() -> None:
     nudged = BLUE.moved(at=(BLUE.at[0] + 0.015, BLUE.at[1] - 0.01))
     verdict = judge([BLUE, RED, ERASER], [nudged, upon(RED, nudged), ERASER], RED, BLUE)
     assert verdict.accepted, verdict.reason

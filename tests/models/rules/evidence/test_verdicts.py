@@ -72,7 +72,7 @@ def test_a_lift_needs_one_arm(arms: tuple[float, float], accepted: bool):
         ({"alike": 0.0}, None),
     ],
 )
-def test_a_no_about_what_was_put_somewhere_says_what_went_wrong(changed: dict[str, float], failure: Failure | None):
+def test_a_no_about_a_placement_says_what_went_wrong(changed: dict[str, float], failure: Failure | None):
     goal = Goal(subject="block", relation="inside", reference="box")
     verdict = replace(IN, **changed).verdict(goal, "red block", "brown box")
     assert (verdict.accepted, verdict.failure) == (not changed, failure)
@@ -81,14 +81,14 @@ def test_a_no_about_what_was_put_somewhere_says_what_went_wrong(changed: dict[st
 @pytest.mark.parametrize(
     ("area", "vanished", "failure"), [(0.0, [], None), (0.01, [], "disturbed"), (0.0, ["white bowl"], "disturbed")]
 )
-def test_what_was_moved_besides_is_told(area: float, vanished: list[str], failure: Failure | None):
+def test_another_moved_object_is_reported(area: float, vanished: list[str], failure: Failure | None):
     assert judge_others(area, vanished).failure == failure
 
 
 @pytest.mark.parametrize(
     ("rest", "accepted"), [(8.0, True), (2.05, False)], ids=["others are unlike", "another is as like"]
 )
-def test_a_part_counts_as_open_only_where_the_picture_tells_it_from_a_part_that_is_not(rest: float, accepted: bool):
+def test_a_part_counts_as_open_only_where_the_picture_sets_it_apart_from_a_shut_one(rest: float, accepted: bool):
     costs = np.array([rest, *[9.0] * 12, 6.0, 5.0, 3.0, 2.0])
     evidence = PartEvidence(500, 0.0, 1.0, costs, np.inf, 0.0, np.zeros((2, 2), bool))
     told = evidence.moved(Goal(subject="laptop", relation="open", part="screen"), "laptop")

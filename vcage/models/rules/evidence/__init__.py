@@ -1,4 +1,4 @@
-"""Judgements of the offline critic, one file each: what is measured in pictures, and what makes a yes of it.
+"""Judgements of the offline critic, one file each: the measurements in pictures, and the conditions of a yes.
 
 A kind of goal names its judgement (``evidence`` of :class:`vcage.goals.kind.GoalKind`).
 """

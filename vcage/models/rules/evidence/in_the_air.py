@@ -76,7 +76,7 @@ class InTheAir:
 
 
 def held_by(hands: int, when: str) -> Judgement:
-    """The judgement whether an object was in so many hands at the moment; ``when`` names that in a reason."""
+    """Judge if an object was in that many hands at the moment; ``when`` names the moment in a reason."""
 
     def judge(view: CriticView, goal: Goal) -> Told:
         thing = view.phrase(goal.subject)

@@ -25,10 +25,10 @@ class MovedSettings:
     """Limits for a yes about where an object was and is.
 
     Args:
-        slid_m: an object seen farther than this from where it stood was moved, though it may cover part of that place.
-        greyish_lab: what is less like an object than this may only be its edges.
-        bare_share: share of the outline of what stands on the table that must have been empty table before.
-        facing_rad: largest angle between where a front is seen to face and the customer.
+        slid_m: an object seen farther than this from its old place was moved, though it may cover part of that place.
+        greyish_lab: an area less like an object than this may only be its edges.
+        bare_share: share of the outline of an object on the table that must have been empty table before.
+        facing_rad: largest angle between the seen direction of a front and the customer.
     """
 
     slid_m: float = 0.02
@@ -45,11 +45,11 @@ class Moved:
     """Measurements of an object that was moved, all from pixels.
 
     Args:
-        left: share of its old outline that has changed; of what was only pushed along, of the part that it left.
-        old, new: where it stood and stands; None where it is not found.
+        left: share of its old outline that has changed; for a push, of the part it left.
+        old, new: its old and new place; None where it is not found.
         bare: share of its new outline that was empty table before.
         alike: share of what came to be seen there that looks like it; of what has the table's colour the share of
-            what tells a drawing of it from the table.
+            the evidence for a drawing of it.
     """
 
     left: float
@@ -96,7 +96,7 @@ def judge_moved(view: CriticView, goal: Goal) -> Told:
 
 
 def judge_related(view: CriticView, goal: Goal) -> Told:
-    """Judge whether an object was put down or pushed to stand as it should beside another."""
+    """Judge if an object was put down or pushed to its intended place beside another."""
     moved, thing = Moved.of(view, goal.subject), view.phrase(goal.subject)
     verdict, explained = judge_moved(view, goal)
     if not verdict.accepted or moved.new is None:
@@ -127,7 +127,7 @@ def judge_presented(view: CriticView, goal: Goal) -> Told:
 
 
 def _alike(view: CriticView, thing: Sought, new: Standing | None, came: np.ndarray) -> float:
-    """Share of what came to be seen (H, W) where an object stands that looks like it."""
+    """Share of the newly visible area (H, W) at an object's place that looks like it."""
     after = view.after["top"]
     seen = smoothed(after.picture)[came]
     if new is not None and len(seen) < SUPPORT.fewest_px:  # what has the table's colour changes it as a shadow does
@@ -147,8 +147,8 @@ def _come(thing: Sought, after: Mapping[str, View], came: np.ndarray, changed: n
 
 
 def _slid(thing: Sought, old: Standing, after: Mapping[str, View], change: np.ndarray) -> Standing | None:
-    """Find an object that was pushed by less than its size, and still covers a part of where it stood; None
-    for one that stands where it stood."""
+    """Find an object pushed by less than its size, which still covers a part of its old place; None
+    for one at its old place."""
     new = thing.standing(after, change | old.covered)
     return new if new is not None and np.linalg.norm(new.pose.p - old.pose.p) > SETTINGS.slid_m else None
 

@@ -1,6 +1,6 @@
-"""Evidence of a moving part: of drawings of it at many positions the likeliest is told from above.
+"""Evidence of a moving part: the likeliest of drawings of it at many positions, seen from above.
 
-Drawings have no shadows, while a drawer that comes out lies in that of its cabinet: a grey drawer in the sun looks like
+Drawings have no shadows, while an open drawer lies in that of its cabinet: a grey drawer in the sun looks like
 a grey table in the shade. So pictures and drawings are compared by their edges and hues, which a shadow leaves.
 """
 
@@ -42,7 +42,7 @@ class PartSettings:
             turned; at most, to count as closed.
         stirred_share: share of its range by which a part must be seen to have moved.
         margin_share: share of the range of costs by which the positions that a goal allows must beat all others.
-        touched_share: share of what is seen of a button that the hand covers while it presses it.
+        touched_share: share of a button's visible area that the hand covers while it presses it.
     """
 
     blur_px: float = 1.3
@@ -72,8 +72,8 @@ class PartEvidence:
         costs: (17,) how unlike the picture afterwards the drawing at each of :data:`POSITIONS` is, in edges and hues.
         rival: by how much less unlike the best of them is than the best drawing in which another part of the object
             moved instead; inf where it has no other.
-        touched: share of what is seen of the part that has changed in the picture of the moment; 0 without one.
-        covered: (H, W) bool, where the object is with its part anywhere.
+        touched: changed share of the part's visible area in the picture of the moment; 0 without one.
+        covered: (H, W) bool, the area of the object with its part anywhere.
     """
 
     told_by: int
@@ -95,7 +95,7 @@ class PartEvidence:
         if question.draw is None or question.background is None:
             raise InputFileError(
                 f"whether the {part_words(part)} of {name!r} moved is told beside the empty table",
-                hint="give pictures that lie in episodes/critic, as collect keeps them",
+                hint="give pictures from episodes/critic, as stored by collect",
             )
         before, after, background = view.before["top"], view.after["top"], question.background
         start = float(goal.relation == "closed")  # share of its range that the part is at before, by the plan
@@ -119,7 +119,7 @@ class PartEvidence:
         least: dict[str, float] = {}
         for moving, one in sights.items():
             costs = one.costs(after.picture, where)
-            # Drawers look so much alike that a step between two positions hides which of them moved.
+            # Drawers look so similar that a step between two positions hides which of them moved.
             between = _Sight(drawings(moving, [likeliest(costs)]), gain, background).costs(after.picture, where)
             least[moving] = float(min(costs.min(), between.min()))
         first, then = sight.costs(before.picture), sight.costs(after.picture)
@@ -183,7 +183,7 @@ def _judged(view: CriticView, goal: Goal, decide: Callable[[PartEvidence, Goal, 
 
 
 def _touched(sight: _Sight, view: CriticView) -> float:
-    """Share of what is seen of a part that has changed in the picture of the moment; 0 without one."""
+    """Changed share of a part's visible area in the picture of the moment; 0 without one."""
     if "top" not in view.moment:
         return 0.0
     part = sight.telling if sight.telling.any() else sight.covered

@@ -31,16 +31,16 @@ class Placed:
         left: share of the object's old outline that has changed.
         shifted: how far the receptacle moved, metres; inf where it is not found again.
         stirred: share of the receptacle that changed and does not look like the object.
-        inside: what came to be seen where it should be, over the object's area.
-        share: of what looks like the object around the receptacle, how much is where it should be.
-        alike: share of what is there, or of as much as the object covers, that looks like it.
-        beside: what came to be seen around the receptacle, far from where the object was, over the object's area.
-        margin: how far inside the edge of where it should be the middle of what looks like it is, metres.
-        explained: (H, W) bool, where the sub-task changes the picture.
+        inside: newly visible area at the target, over the object's area.
+        share: share at the target of the area around the receptacle that looks like the object.
+        alike: share of the area there, or of the object's own area, that looks like it.
+        beside: newly visible area around the receptacle, far from the object's old place, over the object's area.
+        margin: distance of the middle of the look-alike area inside the edge of the target, metres.
+        explained: (H, W) bool, changes by the sub-task.
         support_seen: the receptacle is seen; or it is thin, and the object hides it.
-        plain: enough came to be seen that looks like the object; or else a drawing of it there is seen.
-        aloft: share of what views from the side tell of the object at the height of its place that shows it there; None
-            where none can tell.
+        plain: enough newly visible area looks like the object; or else a drawing of it there is seen.
+        aloft: share of the evidence in side views that shows the object at the height of its place; None
+            without evidence.
     """
 
     left: float
@@ -107,7 +107,7 @@ class Placed:
         return None
 
     def _doubtful(self, thing: str, place: str, word: str) -> Verdict | None:
-        """A no where what came to be there is another object, hides all that could bear it, or lies across the edge."""
+        """A no where the new object is another one, hides all possible supports, or lies across the edge."""
         if self.alike < LOOKS_SHARE or not self.plain:
             return refused(f"what came to be {word} the {place} does not look like the {thing}", 0.7)
         if not self.support_seen:
@@ -134,8 +134,8 @@ class _Putting:
     Args:
         view: of the question.
         thing, place: the object and the receptacle, parts open as they are.
-        rooms: (n, 8, 3) corners of where the object may be, in the receptacle's frame.
-        others: what else stands there, by the plan.
+        rooms: (n, 8, 3) corners of the object's possible places, in the receptacle's frame.
+        others: the other planned objects there.
     """
 
     view: CriticView
@@ -207,7 +207,7 @@ STILL_SHARE = 0.25
 
 
 def judge_weighed(view: CriticView, goal: Goal) -> Told:
-    """Judge whether an object came to lie on a scale, and lay there still."""
+    """Judge if an object came to lie on a scale, and lay still there."""
     on = next((g for g in view.question.goals if g.subject == goal.subject and g.relation == "on"), None)
     thing = view.phrase(goal.subject)
     if on is None or "top" not in view.moment:
@@ -221,7 +221,7 @@ def judge_weighed(view: CriticView, goal: Goal) -> Told:
 
 
 def _restless(view: CriticView) -> float:
-    """Share of what came or went since before that changed after the moment."""
+    """Share of the change since before that came after the moment."""
     before, moment, after = view.before["top"], view.moment["top"], view.after["top"]
     change = changed_between(before, after)
     return float(changed_between(moment, after)[change].mean()) if change.any() else 1.0

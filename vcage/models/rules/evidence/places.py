@@ -23,22 +23,22 @@ class PlacedSettings:
     """Measures of a receptacle and its surroundings, and limits for a yes.
 
     Args:
-        edge_px: so much around where an object may be it may be seen.
-        border_px: what changed so near to what looks like the object is of it.
-        nearby_px: so near to a receptacle lies what was brought to it and is not in or on it.
-        moving: where more than so many times the object's area changed in its receptacle, that may have moved a little.
+        edge_px: margin around the possible places of an object in which it may be seen.
+        border_px: a change this near to the look-alike area belongs to it.
+        nearby_px: an object this near to its receptacle was brought to it and is not in or on it.
+        moving: a receptacle may have moved a little if more than this many times the object's area changed in it.
         farthest_px: by so much at most, along each side of the picture.
         plain_share: share of the object's area that came to be seen, and of that looks like it, below which a drawing
             must be seen.
-        hardly_share: share of the object's area that must be seen at once; where less is, and as much changed, it is
+        hardly_share: share of the object's area that must be seen at first; with less, and as much change, it is
             looked for.
-        like_lab: largest colour distance to a drawing of an object that has the colours of what it lies on.
+        like_lab: largest colour distance to a drawing of an object with the colours of its support.
         inside_share, on_share: share of the object's area that must be seen in, or on, the receptacle; walls and other
             contents hide some.
-        mostly_share: share of what looks like an object around its receptacle that must be seen where it should be.
-        nearly_all_share, well_in_m: that share of what has its middle nearer to the edge than this: it may well balance
+        mostly_share: share of the look-alike area around the receptacle that must be at the target.
+        nearly_all_share, well_in_m: that share if the middle is nearer to the edge than this: it may well balance
             there.
-        stirred_share: a receptacle of which more than this share changed, and shows no more of the object, was knocked
+        stirred_share: a receptacle with more change than this share, and no more of the object visible, was knocked
             over.
         shifted_m: a receptacle that moved farther was knocked away.
         beside_share: share of an object's area that must be seen beside a receptacle for it to have been brought there.
@@ -67,7 +67,7 @@ SETTINGS = PlacedSettings()
 
 @dataclass(frozen=True)
 class Places:
-    """The places of an object and its receptacle, in views in which the receptacle was there all the time.
+    """The places of an object and its receptacle, in views with the receptacle in all of them.
 
     Args:
         old: the object before.
@@ -103,7 +103,7 @@ class Places:
 
     @cached_property
     def wide(self) -> np.ndarray:
-        """(H, W) bool, the receptacle before and after, and what is around it."""
+        """(H, W) bool, the receptacle before and after, and its surroundings."""
         return grown(self.room | self.stands.covered | self.now.covered, AROUND_PX)
 
     @property
@@ -113,8 +113,8 @@ class Places:
 
 
 def came_to(places: Places, before: View, after: View, thing: Sought) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Tell apart what came to be seen around a receptacle, what of it looks like an object, and what changed there and
-    does not: (H, W) bool each."""
+    """Divide the newly visible area around a receptacle into look-alikes of an object and other changes:
+    (H, W) bool each."""
     change, here = places.change, places.here
     came = change.things & ~grown(places.old.covered, AROUND_PX) & places.wide
     alike = np.zeros_like(came)
@@ -124,7 +124,7 @@ def came_to(places: Places, before: View, after: View, thing: Sought) -> tuple[n
         came = besides_shift(before.picture, after.picture, came)
         alike &= came
     if (alike & here).sum() < SETTINGS.hardly_share * places.area:
-        # What has the colours of what it lies on changes as little as a shadow does: only a drawing tells.
+        # An object of its support's colours changes the picture as little as a shadow: only a drawing tells.
         lies = places.lies
         if lies is None and faintly_changed(before, after, here, SETTINGS.hardly_share * places.area):
             lies = places.drawn
@@ -135,7 +135,7 @@ def came_to(places: Places, before: View, after: View, thing: Sought) -> tuple[n
 
 
 def about(mask: np.ndarray) -> np.ndarray:
-    """(H, W) bool: a mask and what is beside it, in a square, which is a hundred times as fast as a circle."""
+    """(H, W) bool: a mask and its surroundings, in a square, which is a hundred times as fast as a circle."""
     side = 2 * SETTINGS.nearby_px + 1
     return cv2.dilate(mask.astype(np.uint8), np.ones((side, side), np.uint8)).astype(bool)
 
@@ -167,7 +167,7 @@ def margin_of(alike: np.ndarray, rooms: np.ndarray, pose: Pose, camera: Camera) 
 
 
 def reaching(mask: np.ndarray, room: np.ndarray) -> np.ndarray:
-    """(H, W) bool: the patches of a mask that reach into a room: what lies there may hang out of it."""
+    """(H, W) bool: the patches of a mask that reach into a room: contents may hang out of it."""
     labels = cv2.connectedComponents(mask.astype(np.uint8), connectivity=8)[1]
     return np.isin(labels, np.setdiff1d(labels[room], 0))
 

@@ -25,12 +25,12 @@ class ScanSettings:
 
     Args:
         alike_lab: colour distance below which a pixel is like the drawing of an object.
-        away_m, directions, headings: how far from where a code is read, in how many directions and at how many headings
-            it may be seen instead.
-        hidden_weight: how much a pixel that shows something else, such as the hand, speaks against what is drawn there.
+        away_m, directions, headings: distances, directions and headings of alternatives at which no code is read
+            and the object may be seen instead.
+        hidden_weight: weight against a drawing of a pixel that shows something else, such as the hand.
         in_front_m: an object nearer to the camera by less than this hides nothing.
         held_share: share of its drawing that must be found at the moment; the hand hides some.
-        put_back_px: so near to where it was what was held up is put back.
+        put_back_px: a held object this near to its old place was put back.
     """
 
     alike_lab: float = 14.0
@@ -51,10 +51,10 @@ class Shown:
     """Measurements of a scan.
 
     Args:
-        left: share of the old outline of what was moved that has changed at the moment, where least of it did: a hand
+        left: changed share of the moved object's old outline at the moment, in the view with the least change: a hand
             before it hides it from one side.
-        seen: share of what tells of a drawing of it, held so that the code is read, that speaks for it at the moment.
-        elsewhere: the same where it is likeliest among places too far away and headings at which nothing is read.
+        seen: share of the evidence for a drawing of it in reading position at the moment.
+        elsewhere: the same at the likeliest alternative, too far away or turned so that nothing is read.
     """
 
     left: float
@@ -63,7 +63,7 @@ class Shown:
 
     @classmethod
     def gather(cls, view: CriticView, moved: str, still: str, held: Standing, stands: Standing) -> Shown:
-        """Measure whether one object is held so before another that a code is read.
+        """Measure if one object is held before another so that a code is read.
 
         Args:
             view: of the question.
@@ -89,7 +89,7 @@ class Shown:
         return cls(left, 1 - nearby, 1 - min(map(hidden, others)))
 
     def verdict(self, moved: str, still: str) -> Verdict:
-        """Judge whether the one was held before the other so that a code was read."""
+        """Judge if one object was held before the other so that a code was read."""
         if self.left < LEFT_SHARE:
             return refused(f"the {moved} lies where it was at the moment of the scan", 1 - self.left, "lost")
         seen = f"{100 * self.seen:.0f} % of the {moved} is seen before the {still} at the moment of the scan"
@@ -154,7 +154,7 @@ class _Held:
 
 
 def _depth(draw: Draw, pose: Pose, camera: Camera) -> np.ndarray:
-    """(H, W) how far what an object covers is away along a camera's axis, metres; inf elsewhere."""
+    """(H, W) distance of an object's pixels along a camera's axis, metres; inf elsewhere."""
     drawing = drawn_whole(draw, pose, camera)
     return np.where(drawing.covered, drawing.depth, np.inf).astype(np.float32)
 
@@ -165,8 +165,8 @@ def _shifted(pose: Pose, shift: np.ndarray) -> Pose:
 
 
 def _seen(pose: Pose, moved: Standing, sights: Sequence[_Held], draw: Draw) -> float:
-    """Share of what tells of the drawing of an object at a pose that speaks for it: pixels that have come to look like
-    it, beside those that still show what was there before; what something else hides tells little."""
+    """Share of the evidence for the drawing of an object at a pose: pixels that have come to look like
+    it, beside those still as before; hidden pixels tell little."""
     found, against, drawn = 0, 0, 0
     for sight in sights:
         middle = pose.p + np.array([0.0, 0.0, moved.size[2] / 2])

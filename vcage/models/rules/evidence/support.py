@@ -1,4 +1,4 @@
-"""Find a support in pictures after something was put on it, and what lies on it: either may hide the other."""
+"""Find a support in pictures after something was put on it, and its contents: either may hide the other."""
 
 from __future__ import annotations
 
@@ -19,23 +19,23 @@ from vcage.vision.protocols import View
 
 @dataclass(frozen=True)
 class SupportSettings:
-    """Limits of what counts as seen of a support and of what lies on it.
+    """Limits for seeing a support and its contents.
 
     Args:
-        faint_lab: least colour distance of a change where an object has the colours of what it lies on.
+        faint_lab: least colour distance of a change for an object with the colours of its support.
         border_px: width of the strip along a support's outline that shows whether it moved.
         border_changed: share of that strip from which on the support may have moved.
         bare_share: share of the support's outline that may come to show the empty table.
-        fewest_px: pixels of a thing that must be seen to tell anything of it.
-        visible_share: share of a support's outline that must be seen beside what lies on it to tell by it alone.
-        hidden_margin_px: so much around what lies on a support hides it too.
-        nudge_m, nudges: how far from where it stood a support is looked for that was nudged, in how many directions.
-        still_m, still_deg: what seems to have moved and turned by less stands where it stood.
-        stays_share: share of what was seen of a support before that must be seen of it where it now stands.
-        aloft_share: share of what the side view tells of an object at the height of the top that must show it there.
-        outline_share: share of an object's outline that must have changed, be it faintly, so that its place is plain.
-        shown_share, shown_share_changed: share of what tells an object from what was there before that the view from
-            above must show; where its outline changed.
+        fewest_px: visible pixels of an object needed to say anything about it.
+        visible_share: share of a support's outline that must be visible beside its contents to judge by it alone.
+        hidden_margin_px: margin around the contents of a support that hides it too.
+        nudge_m, nudges: distance from its old place at which a nudged support is searched, and number of directions.
+        still_m, still_deg: an apparent move and turn below these count as none.
+        stays_share: share of a support's visible area before that must be visible at its new place.
+        aloft_share: share of the side view's evidence for an object at the height of the top that must show it there.
+        outline_share: share of an object's outline that must have changed, even faintly, for a clear place.
+        shown_share, shown_share_changed: share of the pixels unlike the earlier picture that the view from
+            above must show; the second if its outline changed.
     """
 
     faint_lab: float = 1.5
@@ -65,10 +65,10 @@ class Lying:
 
     Args:
         standing: its likeliest pose there.
-        shown: share of what tells it from what was there before that the view from above shows.
-        outline: share of its outline that changed, be it faintly.
-        aloft: the same share as ``shown`` in views from the side; None where none can tell.
-        hides: (H, W) bool by view, what it hides there.
+        shown: share of the pixels unlike the earlier picture that the view from above shows.
+        outline: share of its outline that changed, even faintly.
+        aloft: the same share as ``shown`` in views from the side; None without evidence.
+        hides: (H, W) bool by view, the area it hides there.
     """
 
     standing: Standing
@@ -79,7 +79,7 @@ class Lying:
 
     @property
     def seen(self) -> bool:
-        """True when it is seen there: from the side where that can tell, else from above."""
+        """True when it is seen there: from the side if possible, else from above."""
         if self.aloft is not None:
             return self.aloft >= SETTINGS.aloft_share
         changed = self.outline >= SETTINGS.outline_share
@@ -101,15 +101,15 @@ def find_lying(
     room: np.ndarray,
     others: Sequence[tuple[Draw, Pose]] = (),
 ) -> Lying | None:
-    """The likeliest place of an object in or on its support; None where that has no room.
+    """The likeliest place of an object in or on its support; None without room there.
 
     Args:
         thing: the object.
         rooms: (n, 8, 3) corners of where it may be, in the support's frame.
         pose: of the support.
         before, after: views of one moment each, by camera.
-        room: (H, W) bool, where the view from above shows the rooms.
-        others: what else stands there, by the plan: it may hide the object from the side.
+        room: (H, W) bool, the rooms in the view from above.
+        others: the other planned objects there, which may hide the object from the side.
     """
     was, now = (smoothed(views["top"].picture) for views in (before, after))
     faint = changed(was, now, least=SETTINGS.faint_lab)
@@ -138,7 +138,7 @@ def _aloft(
     after: Mapping[str, View],
     others: Sequence[tuple[Draw, Pose]],
 ) -> float | None:
-    """Share of what tells an object at a height from what was there before that views from the side show."""
+    """Share of the pixels unlike the earlier picture that side views show of an object at a height."""
     shares = []
     for name in sorted(before.keys() & after.keys() - {"top"}):
         hidden = _in_front(lies.pose, others, after[name])
@@ -148,7 +148,7 @@ def _aloft(
 
 
 def _in_front(pose: Pose, others: Sequence[tuple[Draw, Pose]], view: View) -> np.ndarray:
-    """(H, W) bool: what a view shows of things that are nearer to its camera than a pose."""
+    """(H, W) bool: pixels of things nearer to a view's camera than a pose."""
     camera = view.camera
     away = np.linalg.norm(pose.p - camera.pose.p)
     nearer = [(draw, at) for draw, at in others if np.linalg.norm(at.p - camera.pose.p) < away]
@@ -163,8 +163,8 @@ class Support:
     """A support afterwards.
 
     Args:
-        now: where it stands; None where it is not found.
-        seen: enough of it is seen from above, or from the side what lies on it at its height.
+        now: its place; None where it is not found.
+        seen: enough of it is seen from above, or its contents from the side at their height.
     """
 
     now: Standing | None
@@ -179,7 +179,7 @@ def find_support(
     before: Mapping[str, View],
     after: Mapping[str, View],
 ) -> Support:
-    """Find a support afterwards: what hides it cannot show that it moved.
+    """Find a support afterwards: hidden parts cannot show that it moved.
 
     Args:
         place: the support.
@@ -195,7 +195,7 @@ def find_support(
     enough = _enough_visible(stands, hidden)
     if enough and stays(place, stands, change, before["top"], after["top"], hidden):
         return Support(stands)
-    borne = lies is not None and lies.aloft is not None  # something bears what lies there
+    borne = lies is not None and lies.aloft is not None  # something bears the object there
     by_itself = enough or not borne
     best = place.near(_starts(stands, lies, around=by_itself), after, hides)
     least = SETTINGS.stays_share * _shown(place, stands, before["top"], hidden) if by_itself else 0.0
@@ -205,7 +205,7 @@ def find_support(
 
 
 def _enough_visible(stands: Standing, hidden: np.ndarray) -> bool:
-    """True when enough of a support is beside what hides it to tell by that alone."""
+    """True when enough of a support is visible beside its contents to judge by that alone."""
     visible = int((stands.covered & ~hidden).sum())
     return visible >= SETTINGS.fewest_px and visible >= SETTINGS.visible_share * max(1, int(stands.covered.sum()))
 
@@ -217,7 +217,7 @@ def _elsewhere(place: Sought, top: View, change: Change) -> Standing | None:
 
 
 def _starts(stands: Standing, lies: Lying | None, *, around: bool) -> list[Pose]:
-    """Places to look for a support: where it stood, under what lies on it, and nudged ``around``."""
+    """Places to search for a support: its old one, under its contents, and nudged ``around``."""
     starts = [stands.pose]
     if lies is not None:
         under = lies.standing.pose.p
@@ -237,7 +237,7 @@ def _settled(found: Standing, stood: Standing) -> Standing:
 
 
 def _shown(place: Sought, there: Standing, top: View, hidden: np.ndarray) -> float:
-    """Share of what a view from above can show of a support that it shows."""
+    """Visible share of a support in a view from above, of all that the view can show."""
     if place.background is None:
         return 1.0
     share, pixels = place.speaks(there, top, place.background, hidden)
@@ -260,7 +260,7 @@ def stays(
 
 
 def _bared(place: Sought, stands: Standing, before: View, after: View, hidden: np.ndarray) -> float:
-    """Share of what was seen of a support that has come to show the empty table."""
+    """Share of a support's earlier visible area that now shows the empty table."""
     if place.background is None or not stands.covered.any():
         return 0.0
     v, u = (slice(axis.min(), axis.max() + 1) for axis in np.nonzero(stands.covered))
@@ -273,7 +273,7 @@ def _bared(place: Sought, stands: Standing, before: View, after: View, hidden: n
 
 
 def redrawn(before: View, background: np.ndarray | None, stands: Standing, now: Standing) -> View:
-    """A view from above with a support where it stands by now, and all else as it was.
+    """A view from above with a support at its present place, and all else unchanged.
 
     Args:
         before: the view.

@@ -47,7 +47,7 @@ def decided(accepted: bool | np.bool_, reason: str, confidence: float, failure: 
 
 
 def refused(reason: str, confidence: float, failure: Failure | None = None) -> Verdict:
-    """A no, and what went wrong where that can be told."""
+    """A no, with the failure if it is known."""
     return decided(False, reason, confidence, failure)
 
 
