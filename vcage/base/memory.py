@@ -26,8 +26,8 @@ def free_memory() -> int:
     found = re.search(r"^MemAvailable:\s+(\d+) kB$", MEMINFO.read_text(), re.MULTILINE)
     free = [int(found[1]) * 1024] if found else []
     for folder in _groups():
-        free += _left(folder, "memory.max", "memory.current")
-        free += _left(folder, "memory.limit_in_bytes", "memory.usage_in_bytes")
+        free += _free_bytes(folder, "memory.max", "memory.current")
+        free += _free_bytes(folder, "memory.limit_in_bytes", "memory.usage_in_bytes")
     return max(0, min(free, default=0))
 
 
@@ -47,7 +47,7 @@ def _groups() -> list[Path]:
     return folders
 
 
-def _left(folder: Path, limit: str, usage: str) -> list[int]:
+def _free_bytes(folder: Path, limit: str, usage: str) -> list[int]:
     """Bytes left under a group's limit, if it has one."""
     try:
         most = (folder / limit).read_text().strip()

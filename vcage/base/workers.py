@@ -157,7 +157,7 @@ class Processes(Generic[T, R]):
             Exception: raised by a task.
         """
         while self._busy:
-            for process in self._that_answered():
+            for process in self._answered_processes():
                 self._busy.remove(process)
                 try:
                     kind, value = process.connection.recv()
@@ -199,7 +199,7 @@ class Processes(Generic[T, R]):
             ours.send(self._work)
         return _Process(process, ours, None, 0.0)
 
-    def _that_answered(self) -> list[_Process]:
+    def _answered_processes(self) -> list[_Process]:
         patience = None
         if self._limit_s is not None:
             patience = max(0.0, min(p.since for p in self._busy) + self._limit_s - time.monotonic())

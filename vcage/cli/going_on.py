@@ -37,7 +37,7 @@ def words_of(name: str, run: RunFolder, instead: Mapping[str, list[str]] | None 
     from vcage.runs.running import stage_of  # imported late: `vcage setup` works where no stage does
 
     takes = list(options_of(stage_of(name).Options()))
-    given, before = dict(instead or {}), _given(run)
+    given, before = dict(instead or {}), _last_options(run)
     given |= {o.key: before[o.key] for o in takes if o.key in before.keys() - given and o.is_said_by(before[o.key])}
     words = [word for option in takes for word in given.get(option.key, [])]
     return ["--out" if name == "select_place" else "--run", str(run), *words]
@@ -63,11 +63,11 @@ def _remember(run: RunFolder, options: StageOptions, *, instead: bool = False) -
         return  # it has not begun
     own = [option for option in options_of(options) if option.key not in NOT_STORED]
     others = {option.key for option in own} if instead else set()
-    stored = {key: words for key, words in _given(run).items() if key not in others}
+    stored = {key: words for key, words in _last_options(run).items() if key not in others}
     write_json(run.options, stored | {option.key: option.words() for option in own if option.is_said})
 
 
-def _given(run: RunFolder) -> dict[str, list[str]]:
+def _last_options(run: RunFolder) -> dict[str, list[str]]:
     """Return option → the words that gave it last."""
     from vcage.runs.by_products import read_by_product
 
@@ -101,7 +101,9 @@ def _name_stage(error: VcageError, run: RunFolder) -> None:
         return
     again = stage_command(error.maker, run)
     folder = next(folder for folder, stage in PRODUCERS.items() if stage == error.maker)
-    can_begin = error.maker != "select_place" or {"instruction", "goals"} & _given(run).keys()  # which needs a task
+    can_begin = (
+        error.maker != "select_place" or {"instruction", "goals"} & _last_options(run).keys()
+    )  # which needs a task
     if isinstance(error, StaleStage):
         error.command = again if isinstance(error, NotJudged) else f"{again} --force"
     elif (run.root / folder).is_dir():

@@ -52,7 +52,7 @@ class Run(BeginCommand[chain.ChainOptions], Command):
             select_place.job(run, options, context)
             return Result(output=run.root, summary={"would_run": list(STAGES)}, next=not_dry())
         with remembered(run, options):
-            done = chain.run_chain(run, options, context, _shown)
+            done = chain.run_chain(run, options, context, _stage_progress)
         page = run.report if report_is_current(run) else _report(run)
         facts = {
             name: {"fresh": done[name].fresh, **STAGES[name].summary(done[name].record)}
@@ -75,7 +75,7 @@ def _report(run: RunFolder) -> Path:
 
 
 @contextlib.contextmanager
-def _shown(stage: str) -> Iterator[Progress]:
+def _stage_progress(stage: str) -> Iterator[Progress]:
     stop_if_interrupted()
     logger.info("[%d/%d] %s", list(STAGES).index(stage) + 1, len(STAGES), stage)
     with progress(stage) as show:

@@ -242,10 +242,10 @@ def update_lengths(file: h5py.File, places: Mapping[str, Iterable[LengthsPlace]]
             values[place] = np.maximum(values[place], new) if place in values and not new.ndim else new
             logger.info("%s holds the lengths of the new pictures of %s", place.label, key)
     for place, new in values.items():
-        _put(file, place, new)
+        _write_values(file, place, new)
 
 
-def _put(file: h5py.File, place: LengthsPlace, new: NDArray) -> None:
+def _write_values(file: h5py.File, place: LengthsPlace, new: NDArray) -> None:
     """Write values in the old type, or in a wider one where they do not fit: PNG is longer than JPEG."""
     owner = file.get(place.key)
     old = owner if place.attribute is None or owner is None else owner.attrs.get(place.attribute)

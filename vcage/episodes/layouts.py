@@ -127,7 +127,7 @@ class Layouts:
             NoLayout: none of them was taken.
         """
         try:
-            found = first_accepted(repeat(partial(self._one, rng, clutter), draws))
+            found = first_accepted(repeat(partial(self._draw_one, rng, clutter), draws))
         except GaveUp as error:
             reason, count = error.reasons.most_common(1)[0]
             raise NoLayout(
@@ -137,7 +137,7 @@ class Layouts:
             ) from None
         return replace(found.value, refused=found.reasons)
 
-    def _one(self, rng: np.random.Generator, clutter: Sequence[SceneObject]) -> Layout:
+    def _draw_one(self, rng: np.random.Generator, clutter: Sequence[SceneObject]) -> Layout:
         """Draw a layout and verify it.
 
         Raises:
@@ -148,8 +148,8 @@ class Layouts:
         except InfeasibleScene:
             raise Refused("there is no room") from None
         boxes = self._boxes(poses)
-        self._require_as_asked(poses, boxes)
-        poses |= self._in_what_is_left(clutter, boxes, rng)
+        self._require_described(poses, boxes)
+        poses |= self._poses_of_clutter(clutter, boxes, rng)
         objects = [o.moved(poses[o.id]) for o in (*self._objects.values(), *clutter) if o.id in poses]
         workplace = Workplace.of(self._scene, objects, rng)
         chain = [self._examined(subtask, workplace) for subtask in self._chain]
@@ -165,7 +165,7 @@ class Layouts:
                 raise Refused(f"{subtask.id} is not feasible with {subtask.grasped} in the hand")
         return Layout(poses, {subtask.id: subtask.grasps for subtask in chain}, slots)
 
-    def _require_as_asked(self, poses: Mapping[str, Pose], boxes: Mapping[str, np.ndarray]) -> None:
+    def _require_described(self, poses: Mapping[str, Pose], boxes: Mapping[str, np.ndarray]) -> None:
         """Refuse poses and boxes (2, 3) that break a description or relation, or that make a goal true at the start."""
         if false := complaints(self._scene, [o.moved(poses[o.id]) for o in self._objects.values()]):
             raise Refused(false[0])
@@ -194,7 +194,7 @@ class Layouts:
     def _solved(self, rng: np.random.Generator) -> dict[str, Pose]:
         """The layout that keeps the plan and is nearest to a random one."""
         upright = least_costly(
-            (self._drawn(rng) for _ in range(LIMITS.compared_starts)),
+            (self._random_poses(rng) for _ in range(LIMITS.compared_starts)),
             cost=lambda poses: len(self._broken(self._boxes(self._with_contents(poses)))),
         )
         targets = Targets(self._with_contents(upright), self._inside, self._relations)
@@ -203,12 +203,12 @@ class Layouts:
         solved = {name: Pose([*found.positions[name][:2], pose.p[2]], pose.q) for name, pose in upright.items()}
         return self._with_contents(solved)
 
-    def _drawn(self, rng: np.random.Generator) -> dict[str, Pose]:
+    def _random_poses(self, rng: np.random.Generator) -> dict[str, Pose]:
         """Poses of the objects on the table, drawn at random within reach."""
         drawn = place(self._standing, self._workspace, rng, self._margin, relations=self._between)
         return {item.id: item.pose(drawn[item.id], self._objects[item.id].pose.p[2]) for item in self._standing}
 
-    def _in_what_is_left(
+    def _poses_of_clutter(
         self, clutter: Sequence[SceneObject], boxes: Mapping[str, np.ndarray], rng: np.random.Generator
     ) -> dict[str, Pose]:
         """Poses of as many of the clutter as have room beside objects with these boxes (2, 3), the first ones."""

@@ -179,7 +179,7 @@ def _clearest(world: World, face: _Seen) -> Camera:
     """The first camera that sees enough of a face, else the one that sees most of it."""
     best: tuple[float, Camera] | None = None
     for camera in face.cameras():
-        share = _share_seen(world, camera, face.points())
+        share = _visible_share(world, camera, face.points())
         if best is None or share > best[0]:
             best = share, camera
         if share >= SETTINGS.enough_share:
@@ -188,7 +188,7 @@ def _clearest(world: World, face: _Seen) -> Camera:
     return best[1]
 
 
-def _share_seen(world: World, camera: Camera, points: np.ndarray) -> float:
+def _visible_share(world: World, camera: Camera, points: np.ndarray) -> float:
     """Share of points (n, 3) that nothing hides from a camera."""
     depth = observe(world, camera).depth
     u, v = np.clip(camera.project(points).astype(int), 0, np.array([camera.width, camera.height]) - 1).T

@@ -151,7 +151,7 @@ def _swept(run: RunFolder, folder: Path) -> list[Render]:
 
     found = []
     for path in sorted(folder.glob("episode_*-look_*.hdf5")):
-        render, digest = _made(path)
+        render, digest = _render_record(path)
         if render is None:
             path.unlink()
         elif now(render.episode) != digest:
@@ -162,7 +162,7 @@ def _swept(run: RunFolder, folder: Path) -> list[Render]:
     return found
 
 
-def _made(path: Path) -> tuple[Render | None, str]:
+def _render_record(path: Path) -> tuple[Render | None, str]:
     """Return the record of a render, and the digest of its episode; None for a killed call's file, or none of ours."""
     with suppress(DamagedFile, OSError, KeyError, ValueError, TypeError), open_hdf5_file(path) as file:
         made = json.loads(file["meta/render"][()])
@@ -185,7 +185,7 @@ def _render(task: _Task) -> Render:
     rng = np.random.default_rng([task.order.seed, task.episode, task.look])
     look = draw_look(task.order.ranges.look, recorded.scene, recorded.models, recorded.robot, rng)
     meta = _drawn_meta(recorded, task, look)
-    if not _is_there(task.out, meta):
+    if not _is_rendered(task.out, meta):
         _write(task.out, recorded, look, meta)
     return _record(task.out, meta["render"], episode.frames)
 
@@ -212,7 +212,7 @@ def _drawn_meta(recorded: Recorded, task: _Task, look: Look) -> dict[str, Any]:
     return {**recorded.episode.meta, **world_facts(recorded.scene, drawn), "render": made}
 
 
-def _is_there(path: Path, meta: Mapping[str, Any]) -> bool:
+def _is_rendered(path: Path, meta: Mapping[str, Any]) -> bool:
     """True if a file was drawn from the same states under the same look."""
     with suppress(DamagedFile, OSError, KeyError, ValueError), open_hdf5_file(path) as file:
         return all(json.loads(file["meta"][name][()]) == meta[name] for name in (DRAWN, "render"))

@@ -134,7 +134,7 @@ class _Starts:
         taken = np.array([other.rectangle() + other.target for other in others]).reshape(-1, 2, 2)
         hiding = np.concatenate([taken, self._hiding(item, others, taken)])
         gaps, none = np.full(len(others), self._gap), np.zeros(len(others))
-        room, seen = hand_gaps([item, *others], self._gap), self._seen(item, half)
+        room, seen = hand_gaps([item, *others], self._gap), self._centres_in_view(item, half)
         wide = gaps if room is None else gaps + room[0, 1:]
         tries = (
             (hiding, np.concatenate([wide, none]), seen),
@@ -157,7 +157,7 @@ class _Starts:
         # The item's own rectangle is stretched likewise: it meets visible objects where the unstretched one meets this.
         return _around(shown, eye + (shown - eye) * max(above - item.size[2], 1e-6) / above)
 
-    def _seen(self, item: TableItem, half: np.ndarray) -> tuple[np.ndarray, ...]:
+    def _centres_in_view(self, item: TableItem, half: np.ndarray) -> tuple[np.ndarray, ...]:
         """Unions of rectangles, each of which must contain the middle for the picture to show all of the item."""
         (x0, y0), (x1, y1) = self._workspace
         top = self._height + item.size[2]
@@ -199,9 +199,9 @@ class _Wish:
     def costs(self, at: np.ndarray) -> np.ndarray:
         """(n,) costs of origins (n, 2): metres from the nearest best one, more where the relation breaks."""
         away = np.linalg.norm(at[:, None] - self.points, axis=2).min(axis=1)
-        return away + np.where(self._held(self.body + at[:, None]), 0.0, SETTINGS.broken_cost_m)
+        return away + np.where(self._relation_holds(self.body + at[:, None]), 0.0, SETTINGS.broken_cost_m)
 
-    def _held(self, boxes: np.ndarray) -> np.ndarray:
+    def _relation_holds(self, boxes: np.ndarray) -> np.ndarray:
         """(n,) bool: the relation holds of the object with rectangles (n, 2, 2)."""
         other = self.other[None]
         return hold(self.word, boxes, other) if self.sign == 1 else hold(self.word, other, boxes)
@@ -228,7 +228,7 @@ class _TableWish(_Wish):
             at = (lower + upper) / 2 + third + np.outer((-1, 0, 1), along)
         return at - self.body.mean(axis=0)
 
-    def _held(self, boxes: np.ndarray) -> np.ndarray:
+    def _relation_holds(self, boxes: np.ndarray) -> np.ndarray:
         return hold_on_table(self.word, boxes, self.other)
 
 

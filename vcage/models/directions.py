@@ -115,12 +115,12 @@ def wrong_sides(read: CheckedReading) -> list[str]:
         if not _on_side(side, read.reading)
     ]
     if "scanned" not in relations:  # in front of the scanner
-        found += _unsaid_sides(text, relations, read.relations)
+        found += _side_complaints(text, relations, read.relations)
         found += _of_another(read)
     return found
 
 
-def _unsaid_sides(text: str, relations: Collection[str], goals: Collection[str]) -> list[str]:
+def _side_complaints(text: str, relations: Collection[str], goals: Collection[str]) -> list[str]:
     """Words for a side without a relation, and goals for the opposite of the only side in the text."""
     found, asked = list[str](), sides(text).values()
     for pattern, word, opposite in SIDES:
@@ -142,7 +142,7 @@ def _of_another(read: CheckedReading) -> list[str]:
         for match in pattern.finditer(text)
         if any(one.relation == word for one in stated)
         and (noun := _side_of(text.count(" ", 0, match.end()), text, read.said))
-        and not any(_is_said(one, word, opposite, noun, read.things) for one in stated)
+        and not any(_is_relation_of(one, word, opposite, noun, read.things) for one in stated)
     ]
 
 
@@ -160,7 +160,7 @@ def _side_of(at: int, text: str, said: Sequence[Noun]) -> Noun | None:
     return near[0] if near else None
 
 
-def _is_said(
+def _is_relation_of(
     one: Goal | Description, word: str, opposite: str, noun: Noun, things: Mapping[str, CatalogueEntry]
 ) -> bool:
     """Check if a relation puts a noun's object on a side, in either direction."""

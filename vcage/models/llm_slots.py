@@ -67,10 +67,10 @@ def _about(step: _Step, question: SlotQuestion) -> Iterator[str]:
 
 def meaning(answer: StepsAnswer, questions: Sequence[SlotQuestion]) -> list[SlotAnswer]:
     """The answer in the records of the engine, one for each question; of an answer without complaints."""
-    return [_meant(step, question) for step, question in zip(answer.steps, questions, strict=True)]
+    return [_slot_answer(step, question) for step, question in zip(answer.steps, questions, strict=True)]
 
 
-def _meant(step: _Step, question: SlotQuestion) -> SlotAnswer:
+def _slot_answer(step: _Step, question: SlotQuestion) -> SlotAnswer:
     grasps = [option for option in _grasps_at(question, step.place) if str(option) == step.grasp]
     return SlotAnswer(
         subtask=question.subtask,

@@ -18,7 +18,7 @@ from vcage.schema.asset import CatalogueEntry
 
 _EVERYTHING = frozenset(("everything", "anything", "whatever"))
 _EVERY = frozenset(("all", "every", "each", "rest", "remaining"))
-_OF_WHAT_WAS_NAMED = frozenset(("all", "every", "each"))
+_DEFINITE_QUANTIFIERS = frozenset(("all", "every", "each"))
 """Without a noun these mean what was named before: "the cups and the plates, put them all away"."""
 _MAX_BEGINNING_WORDS = 2
 """Words that may stand before such a word where nothing was named: "please put all"."""
@@ -75,7 +75,7 @@ def quantified(instruction: str) -> list[Quantified]:
             one = _quantified(words, at)
             of_parts = PARTS.intersection(one.noun)
             if not of_parts and (
-                one.noun or one.colour or word not in _OF_WHAT_WAS_NAMED or at <= _MAX_BEGINNING_WORDS
+                one.noun or one.colour or word not in _DEFINITE_QUANTIFIERS or at <= _MAX_BEGINNING_WORDS
             ):
                 found.append(one)
     return found

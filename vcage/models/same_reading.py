@@ -58,14 +58,14 @@ def differences(reading: Reading, other: Reading, things: Mapping[str, Catalogue
         told.setdefault(_goal(asked, looks), f"{asked.goal}{f' by the {asked.arm} arm' if asked.arm else ''}")
     missing = [told[goal] for goal in (theirs - mine).elements()]
     more = [told[goal] for goal in (mine - theirs).elements()]
-    missing += _unsaid(other, reading, looks)
-    more += _unsaid(reading, other, looks)
+    missing += _missing_statements(other, reading, looks)
+    more += _missing_statements(reading, other, looks)
     if not missing and not more:
         missing += _out_of_order(reading, other, looks)
     return missing, more
 
 
-def _unsaid(reading: Reading, other: Reading, looks: Mapping[str, str]) -> list[str]:
+def _missing_statements(reading: Reading, other: Reading, looks: Mapping[str, str]) -> list[str]:
     """Descriptions and untouched objects that one reading has and the other lacks."""
     stated = {_description(one, looks) for one in other.descriptions}
     alone = {looks.get(name, name) for name in other.untouched}

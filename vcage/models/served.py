@@ -56,7 +56,7 @@ class Served:
                 raise ConfigurationError(f"{transport.base_url}/{path} lists no models", hint="check the base URL")
             served = [item for item in items if isinstance(item, dict) and _is_served(item)]
             found |= dict(map(_entry, served))
-            modalities |= {_entry(item)[0]: taken for item in served if (taken := _taken(item)) is not None}
+            modalities |= {_entry(item)[0]: taken for item in served if (taken := _input_types(item)) is not None}
         return cls(found, modalities)
 
     def has(self, model: str) -> bool:
@@ -107,7 +107,7 @@ def _entry(item: dict[str, Any]) -> tuple[str, date | None]:
         return name, None
 
 
-def _taken(item: dict[str, Any]) -> list[str] | None:
+def _input_types(item: dict[str, Any]) -> list[str] | None:
     """Inputs of a model, as llama.cpp and OpenRouter list them."""
     stated = item.get("architecture")
     taken = stated.get("input_modalities") if isinstance(stated, dict) else None

@@ -156,7 +156,7 @@ def _complaint(problems: Sequence[str]) -> str:
     return f"That answer cannot be used:\n{listed}\nAnswer again with the whole corrected JSON object and nothing else."
 
 
-_SENT = ("type", "items", "required", "additionalProperties", "enum", "anyOf")
+_SCHEMA_KEYWORDS = ("type", "items", "required", "additionalProperties", "enum", "anyOf")
 """Keywords that all providers take; bounds of texts and numbers, which Anthropic refuses, are checked here alone."""
 
 MAX_ENUM_NAMES = 60
@@ -182,7 +182,7 @@ def _flatten(node: Any, definitions: dict[str, Any]) -> Any:
             flat[key] = {name: _flatten(inner, definitions) for name, inner in value.items()}
         elif key == "const":
             flat["enum"] = [value]
-        elif key in _SENT:
+        elif key in _SCHEMA_KEYWORDS:
             flat[key] = _flatten(value, definitions)
     if len(flat.get("enum", ())) > MAX_ENUM_NAMES:
         del flat["enum"]

@@ -74,7 +74,7 @@ class Review:
         for name in find_names(self._said, self._task.strangers, self._taken):
             yield f"there is no {name!r}"
         for asked in self._task.goals:
-            yield from self._unsaid(asked)
+            yield from self._missing_requests(asked)
         yield from self._unsourced()
         yield from self._extra()
         yield from self._out_of_order()
@@ -94,7 +94,7 @@ class Review:
 
     # --- requests of the task --------------------------------------------------------------------------
 
-    def _unsaid(self, asked: AskedGoal) -> Iterator[str]:
+    def _missing_requests(self, asked: AskedGoal) -> Iterator[str]:
         goal, words = asked.goal, says(asked.goal)
         if not self._mentions_of(goal.subject):
             yield f"names no {self._task.phrases[goal.subject]}, of which {str(goal)!r} is asked"

@@ -20,7 +20,7 @@ from vcage.schema.asset import Annotation, CatalogueEntry, Variant
 
 logger = logging.getLogger(__name__)
 
-A_FEW = 8
+MAX_MODELS_IN_PROCESS = 8
 """Models that are built sooner than processes that build them are started."""
 
 
@@ -192,13 +192,13 @@ class Library:
     def _make(self, wanted: Sequence[tuple[str, str]], progress: Progress = silent) -> None:
         """Make models into the cache, by as many processes as there are cores when it takes long. One that cannot be
         made is left for :meth:`asset` to complain about."""
-        if len(wanted) > A_FEW:
+        if len(wanted) > MAX_MODELS_IN_PROCESS:
             logger.info("building %d models of objects, once for all runs", len(wanted))
         tasks = []
         for name, variant in wanted:
             annotation = self._annotations[name]
             tasks.append((annotation, next(v for v in annotation.variants if v.id == variant), self._folders[name]))
-        made = map_in_processes(_make_one, tasks, cores() if len(tasks) > A_FEW else 1)
+        made = map_in_processes(_make_one, tasks, cores() if len(tasks) > MAX_MODELS_IN_PROCESS else 1)
         for number, name in enumerate(made):
             progress(name, number, len(tasks))
 

@@ -83,7 +83,7 @@ class Noun:
             return True
         if len(self.name) == 1:
             return head_may_mean(head, entry)
-        return _all_said(self.name[:-1], entry) and any(same_word(head, name[-1]) for name in names.all)
+        return _contains_all(self.name[:-1], entry) and any(same_word(head, name[-1]) for name in names.all)
 
 
 def nouns(sentence: str, entries: Iterable[CatalogueEntry]) -> list[Noun]:
@@ -220,7 +220,7 @@ def _number(before: Sequence[str]) -> int | None:
     return number
 
 
-def _all_said(words: Name, entry: CatalogueEntry) -> bool:
+def _contains_all(words: Name, entry: CatalogueEntry) -> bool:
     """True if the texts of an entry contain all words."""
     said = [word for text in texts_of(entry) for word in lemmas(text)]
     return all(any(_akin(word, other) for other in said) for word in words)

@@ -79,7 +79,7 @@ class SceneNames:
             if mention is not None:
                 found.append(mention)
             at = mention.end if mention else at + 1
-        return [self._lying_there(said, m, found[n + 1]) if n + 1 < len(found) else m for n, m in enumerate(found)]
+        return [self._contents_of(said, m, found[n + 1]) if n + 1 < len(found) else m for n, m in enumerate(found)]
 
     def means(self, name: str, ids: Collection[str]) -> bool:
         """True if a name means exactly these objects of the scene."""
@@ -160,7 +160,7 @@ class SceneNames:
             )
         return any(others == placed[word] for word, at in _SIDE_OF.items() if at == side and word in placed)
 
-    def _lying_there(self, said: Sequence[str], mention: Mention, after: Mention) -> Mention:
+    def _contents_of(self, said: Sequence[str], mention: Mention, after: Mention) -> Mention:
         """Keep of a mention the objects in or on the next mention: the mug on the tray."""
         between = said[mention.end : after.start]
         if len(mention.ids) < 2 or len(after.ids) != 1 or not between or not _WHERE.issuperset(between):

@@ -62,11 +62,11 @@ class Action:
             return set()
         lying = {g.subject: g for g in state if g.relation in HOLDING}
         found: set[str] = set()
-        while more := {name for name, g in lying.items() if name not in found and self._goes_along(g, found)}:
+        while more := {name for name, g in lying.items() if name not in found and self._is_within_group(g, found)}:
             found |= more
         return found
 
-    def _goes_along(self, lies: Goal, carried: set[str]) -> bool:
+    def _is_within_group(self, lies: Goal, carried: set[str]) -> bool:
         inside = lies.reference == self.moves and lies.relation == "inside" and lies.part is None
         return inside or lies.reference in carried
 

@@ -56,10 +56,10 @@ def reading_in_words(reading: Reading, phrases: Mapping[str, str]) -> list[str]:
     steps = sorted({asked.step for asked in reading.goals})
     for number, step in enumerate(steps, 1):
         order = f"Step {number}: " if len(steps) > 1 else ""
-        found += [f"{order}{_asked(asked, phrases)}." for asked in reading.goals if asked.step == step]
+        found += [f"{order}{_goal_in_words(asked, phrases)}." for asked in reading.goals if asked.step == step]
     return found + [f"The {phrases.get(name, name)} is left alone." for name in reading.untouched]
 
 
-def _asked(asked: AskedGoal, phrases: Mapping[str, str]) -> str:
+def _goal_in_words(asked: AskedGoal, phrases: Mapping[str, str]) -> str:
     arm = f", by the {asked.arm} arm" if asked.arm else ""
     return f"{goal_in_words(asked.goal, phrases)}{arm}"

@@ -58,7 +58,7 @@ class StageOptions:
         return StageContext(Choice(run=run.root))
 
 
-WHO = arg(metavar="WHO", help_behavior_hint="")
+PROVIDER = arg(metavar="WHO", help_behavior_hint="")
 """The metavar of options whose choices are spelled out at --models."""
 
 
@@ -69,11 +69,11 @@ class ModelOptions(StageOptions):
     models: Annotated[str, choice(CHOICES), UNSAID] = "auto"
     """who answers (default: auto, that is the first provider with a key, else Ollama where it answers, else offline:
     rules without a network)"""
-    reasoner: Annotated[str | None, choice(CHOICES), WHO] = None
+    reasoner: Annotated[str | None, choice(CHOICES), PROVIDER] = None
     """who selects, reads goals, plans and judges pairs, of the same choices"""
-    editor: Annotated[str | None, choice(CHOICES), WHO] = None
+    editor: Annotated[str | None, choice(CHOICES), PROVIDER] = None
     """who draws the target picture"""
-    critic: Annotated[str | None, choice(CHOICES), WHO] = None
+    critic: Annotated[str | None, choice(CHOICES), PROVIDER] = None
     """who verifies"""
     replay: Annotated[Path | None, FOLDER, UNSAID] = None
     """the run whose exchanges --models replay reads (default: this one)"""

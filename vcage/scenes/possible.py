@@ -77,11 +77,11 @@ def accepted_scene(edit: Edit[Scene]) -> Scene:
         InputFileError: it is impossible, or its goals or descriptions contradict the instruction.
     """
     found = possible_scene(edit.path, edit.record, edit.context)
-    require_none(edit.path, _unsaid(edit))
+    require_none(edit.path, _reading_complaints(edit))
     return found
 
 
-def _unsaid(edit: Edit[Scene]) -> Iterator[Complaint]:
+def _reading_complaints(edit: Edit[Scene]) -> Iterator[Complaint]:
     """Complaints about edited goals and descriptions, by the check of a reading."""
     scene, edited = edit.record, edit.changes("goals", "descriptions", "untouched")
     if not edited or scene.instruction is None:

@@ -30,7 +30,7 @@ class ContactPoint(Record):
     use: Use = Field(default="grasp", description="'grasp': fingers close around it; 'press': they push it, closed")
 
     @model_validator(mode="after")
-    def _presses_what_moves(self) -> ContactPoint:
+    def _check_pressed_part(self) -> ContactPoint:
         if self.use == "press" and self.link is None:
             raise ValueError("expected a 'link' for the use 'press': only a moving part can be pressed")
         return self

@@ -150,7 +150,7 @@ class Compression(StageDocument):
     reduction_stored: Finite = Field(description="1 − bytes / bytes before")
 
     @model_validator(mode="after")
-    def _packs_what_it_read(self) -> Compression:
+    def _check_packed_inputs(self) -> Compression:
         if unknown := sorted(self.packed.keys() - self.provenance.inputs):
             raise ValueError(f"expected packed episodes among the inputs, got {unknown[0]!r}")
         return self

@@ -50,7 +50,7 @@ class Goal(Record):
     part: Identifier | None = Field(default=None, description="moving part of the subject, or of the reference")
 
     @model_validator(mode="after")
-    def _has_what_its_word_needs(self) -> Goal:
+    def _check_fields_of_word(self) -> Goal:
         takes = KINDS[self.relation].refers_to is not None
         if (self.reference is not None) != takes:
             raise ValueError(f"{self.relation!r} takes {'a' if takes else 'no'} reference")

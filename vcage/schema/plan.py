@@ -32,7 +32,7 @@ class Selection(Record):
     notes: list[str] = Field(default=[], description="what a person should know about the choice")
 
     @model_validator(mode="after")
-    def _starts_in_what_was_chosen(self) -> Selection:
+    def _check_starting_containers(self) -> Selection:
         complaints = starting_complaints((o.asset, o.starts_in) for o in self.objects)
         if complaints:
             raise ValueError("; ".join(complaints))

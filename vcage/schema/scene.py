@@ -90,7 +90,7 @@ class Contents(Record):
     role: Role = "content"
 
     @model_validator(mode="after")
-    def _says_what_and_how_many(self) -> Contents:
+    def _check_kinds_and_counts(self) -> Contents:
         least, most = self.count
         if bool(self.tags) == bool(self.assets):
             raise ValueError(f"expected either tags or assets, got {self.tags} and {self.assets}")

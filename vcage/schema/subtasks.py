@@ -54,7 +54,7 @@ class Statement(Record):
     part: Identifier | None = Field(default=None, description="moving part of the subject, or of the reference")
 
     @model_validator(mode="after")
-    def _has_what_its_word_needs(self) -> Statement:
+    def _check_fields_of_word(self) -> Statement:
         if (self.reference is not None) != (self.word in ("inside", "on")):
             raise ValueError(f"{self.word!r} takes {'no' if self.reference else 'a'} reference")
         if self.word in ("open", "closed") and self.part is None:
@@ -140,7 +140,7 @@ class Subtasks(StageDocument):
 
     @field_validator("chains")
     @classmethod
-    def _are_of_what_is_kept(cls, chains: list[Chain], info: ValidationInfo) -> list[Chain]:
+    def _check_chain_ids(cls, chains: list[Chain], info: ValidationInfo) -> list[Chain]:
         ids = [subtask.id for subtask in info.data.get("kept", [])]
         unknown = [name for chain in chains for name in chain.subtasks if name not in ids]
         if unknown and ids:

@@ -124,7 +124,7 @@ def execute(
             Recogniser(context.models.detector, context.models.embedder, options.threshold),
             Looks(symmetries, ModelDrawer(context.physical_models(scene))),
         )
-        shown = _shown(scene, plan, found.matches, context)
+        shown = _plan_in_picture(scene, plan, found.matches, context)
         notes = found.notes + _doubts(found.matches, shown)
         for note in notes:
             logger.warning("%s", note)
@@ -146,7 +146,7 @@ def _accept(edit: Edit[Matches]) -> Matches:
     """Check edited matches and measure them by the plan. The overlay shows the found matches, not the edits."""
     scene = Scene.read(edit.run.scene)
     matches = read_matches(edit.run, scene)
-    shown = _shown(scene, read_plan(edit.run, scene, edit.context), matches.matches, edit.context)
+    shown = _plan_in_picture(scene, read_plan(edit.run, scene, edit.context), matches.matches, edit.context)
     return matches.model_copy(update={"checks": _checks(shown)})
 
 
@@ -155,7 +155,7 @@ EDITABLE = Editable(
 )
 
 
-def _shown(scene: Scene, plan: Plan, matches: list[Match], context: StageContext) -> Kept:
+def _plan_in_picture(scene: Scene, plan: Plan, matches: list[Match], context: StageContext) -> Kept:
     """Return the part of the plan that is true of the objects where they were matched."""
     boxes = {}
     for m in matches:

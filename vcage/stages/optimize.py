@@ -159,7 +159,7 @@ def _accept(edit: Edit[Scene]) -> Scene:
     poses = {o.id: o.pose.pose() for o in settled.objects}
     write_picture(edit.folder / "layout.png", _drawing(settled, context, targets, poses))
     kept = relations_kept_in(settled, read_plan(run, settled, context).relations)
-    return settled.model_copy(update={"checks": {**settled.checks, **_kept(kept)}})
+    return settled.model_copy(update={"checks": {**settled.checks, **_plan_figures(kept)}})
 
 
 EDITABLE = Editable(Scene, fields=SCENE_FIELDS, pictures=True, accept=_accept)
@@ -255,14 +255,14 @@ class _NearestFeasible:
         return _LaidOut(replace(result, displaced=displaced), laid_out, round(shift_m, 3))
 
 
-def _kept(kept: Kept) -> dict[str, Any]:
+def _plan_figures(kept: Kept) -> dict[str, Any]:
     return {"relations_kept": round(kept.share, 4), "relations_broken": kept.sentences}
 
 
 def _checks(kept: Kept, result: LayoutResult) -> dict[str, Any]:
     """Figures of the optimisation for the scene's record."""
     return {
-        **_kept(kept),
+        **_plan_figures(kept),
         "displacement": displacement_summary(result.displaced),
         "cost_before": result.cost_before.total,
         "cost_after": result.cost_after.total,
@@ -317,10 +317,10 @@ def _rebuild(scene: Scene, context: StageContext) -> tuple[Scene, np.ndarray]:
 
 
 def _drawing(scene: Scene, context: StageContext, before: dict[str, Pose], after: dict[str, Pose]) -> np.ndarray:
-    was, becomes = ([_drawn(o) for o in context.objects(scene, poses)] for poses in (before, after))
+    was, becomes = ([_table_item(o) for o in context.objects(scene, poses)] for poses in (before, after))
     return draw_layout(was, becomes, {o.id: o.phrase for o in scene.objects}, scene.workspace, scene.table)
 
 
-def _drawn(o: SceneObject) -> TableItem:
+def _table_item(o: SceneObject) -> TableItem:
     (x, y), (width, depth, height) = o.pose.p[:2].tolist(), o.asset.size.tolist()
     return TableItem(o.id, (width, depth, height), (o.pose.yaw,), (x, y), inside=o.record.container)

@@ -131,7 +131,7 @@ def _judged(
     collected = Episodes.read(run.episodes)
     accepted = [episode for episode in collected.episodes if episode.accepted]
     steps = [JudgedStep(e.index, *step) for e in accepted for step in judged_steps(run, e)]
-    tried = _tried(run, None if refused else steps)
+    tried = _judged_attempts(run, None if refused else steps)
     counted = _countable(tried, judge)
     said = judge.judge_all([*steps, *(step for _, step in counted)], progress)
     return Verdicts(
@@ -146,7 +146,7 @@ def _judged(
     )
 
 
-def _tried(run: RunFolder, verified: Iterable[JudgedStep] | None) -> list[_Tried]:
+def _judged_attempts(run: RunFolder, verified: Iterable[JudgedStep] | None) -> list[_Tried]:
     """Return every judged attempt; with ``verified`` only those of these steps."""
     tried = [(a, JudgedStep(a.episode, a.subtask, a.verdict)) for a in read_log(run.episodes.parent) if a.verdict]
     if verified is None:

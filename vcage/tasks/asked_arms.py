@@ -94,11 +94,11 @@ def bound_to(subtask: Subtask, arm: str | None) -> Subtask:
     """
     if arm is None:
         return subtask
-    text, *others = _said_with(arm, [subtask.text, *subtask.texts], subtask.goals[0], subtask.hand_to)
+    text, *others = _with_arm(arm, [subtask.text, *subtask.texts], subtask.goals[0], subtask.hand_to)
     return subtask.model_copy(update={"arm": arm, "text": text, "texts": others})
 
 
-def _said_with(arm: str, texts: Sequence[str], goal: Goal, hand_to: str | None) -> list[str]:
+def _with_arm(arm: str, texts: Sequence[str], goal: Goal, hand_to: str | None) -> list[str]:
     if goal.relation == "handed":
         first = texts[0].replace(f" to the {hand_to} arm", f" from the {arm} arm to the {hand_to} arm")
         return [first, *(text.replace("Hand ", f"{verb} ", 1) for verb in ("Pass", "Give") for text in [first])]

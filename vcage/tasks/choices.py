@@ -42,7 +42,7 @@ BLAMED_FOR: Mapping[Failure, frozenset[Choice]] = {
 }
 """Choices to blame for a failure that the critic reports."""
 
-BLAMED_AT: Mapping[AttemptStage, frozenset[Choice]] = {
+CHOICES_BLAMED_BY_STAGE: Mapping[AttemptStage, frozenset[Choice]] = {
     "plan": frozenset({"arm"}),
     "grasp": frozenset({"grasp"}),
     "place": frozenset({"slot"}),
@@ -69,7 +69,7 @@ def blamed(stage: AttemptStage, failure: Failure | None) -> frozenset[Choice]:
         stage: how far it came.
         failure: the critic's reason, if it was asked and gave one.
     """
-    return BLAMED_AT.get(stage, UNKNOWN) if failure is None else BLAMED_FOR[failure]
+    return CHOICES_BLAMED_BY_STAGE.get(stage, UNKNOWN) if failure is None else BLAMED_FOR[failure]
 
 
 @dataclass(frozen=True)

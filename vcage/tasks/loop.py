@@ -190,7 +190,7 @@ class _Step:
             return _Trial(record, slot=task.slot, exhausted=error.exhausted)
         finally:
             watch.stop()
-        seen = self._seen(before, world, task)
+        seen = self._critic_pictures(before, world, task)
         pictures = self._named(attempt, seen)
         verdict = self.setting.judge(asked, self.subtask, seen)
         verdict = verdict.model_copy(update={"pictures": list(pictures)})
@@ -214,7 +214,7 @@ class _Step:
         )
         return _Trial(record, pictures, segment)
 
-    def _seen(self, before: PicturesByCamera, world: World, task: Task) -> Seen:
+    def _critic_pictures(self, before: PicturesByCamera, world: World, task: Task) -> Seen:
         """The pictures for the critic."""
         goals, photograph = self.subtask.goals, self.setting.photograph
         seen = {"before": before, "after": photograph(world.state(), goals, None)}

@@ -25,7 +25,7 @@ from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Grasp, Subtask
 from vcage.tasks.templates import TEMPLATES
 
-SAID_ELSEWHERE = {"id", "text", "texts", "grasps", "requires", "goals", "statements", "script", "checks"}
+FIELDS_ELSEWHERE = {"id", "text", "texts", "grasps", "requires", "goals", "statements", "script", "checks"}
 """Fields that a script's SUBTASK leaves out: those with names of their own, and those that follow from the script."""
 
 
@@ -34,8 +34,8 @@ def render_script(subtask: Subtask, scene: Scene) -> str:
     text = _page().render(
         subtask=subtask,
         scene=scene,
-        fields=subtask.model_dump(exclude=SAID_ELSEWHERE, exclude_none=True),
-        grasps=_told(subtask.grasps),
+        fields=subtask.model_dump(exclude=FIELDS_ELSEWHERE, exclude_none=True),
+        grasps=_grasp_rows(subtask.grasps),
         goals=[(g.subject, g.relation, g.reference, g.part) for g in subtask.goals],
         requires=[(g.subject, g.relation, g.reference, g.part) for g in subtask.requires],
         statements=[(s.subject, s.word, s.reference, s.part) for s in subtask.statements],
@@ -82,20 +82,20 @@ class Script:
 
     def try_grasps(self, grasps: Sequence[Grasp]) -> None:
         """Let the script try these, best first, in place of its own."""
-        self.values["GRASPS"][:] = _told(grasps)
+        self.values["GRASPS"][:] = _grasp_rows(grasps)
 
     def tries(self, grasps: Sequence[Grasp]) -> bool:
         """Check if it tries just these grasps."""
-        return self.values.get("GRASPS") == _told(grasps)
+        return self.values.get("GRASPS") == _grasp_rows(grasps)
 
 
-def _told(grasps: Sequence[Grasp]) -> list[tuple[int, str, float]]:
+def _grasp_rows(grasps: Sequence[Grasp]) -> list[tuple[int, str, float]]:
     return [(grasp.contact, grasp.arm, grasp.score) for grasp in grasps]
 
 
 def script_of(subtask: Subtask) -> Script:
     """The script of a sub-task, generated from its validated slots; no file is executed."""
-    values = {"GRASPS": _told(subtask.grasps)}
+    values = {"GRASPS": _grasp_rows(subtask.grasps)}
     goals = [(g.subject, g.relation, g.reference, g.part) for g in subtask.goals]
     calls = compile("\n".join(TEMPLATES[subtask.template].calls(subtask)), f"{subtask.id}.py", "exec")
     return Script(

@@ -83,7 +83,7 @@ def others_stay(subtask: Subtask, watch: Watch) -> Truth:
     """
     handled = [watch.began[name] for name in (subtask.object, subtask.tool, subtask.grasped) if name is not None]
     for name, thing in watch.began.items():
-        if any(thing is other or _bears(other, thing) for other in handled):
+        if any(thing is other or _is_below(other, thing) for other in handled):
             continue
         complaint = _moved(name, watch)
         if complaint is not None:
@@ -108,7 +108,7 @@ def _changed(statement: Statement, watch: Watch) -> str | None:
     return None if complaint is None else f"not {statement} any more: {complaint}"
 
 
-def _bears(below: SceneObject, thing: SceneObject) -> bool:
+def _is_below(below: SceneObject, thing: SceneObject) -> bool:
     """True where an object stands within the outline of another, and not lower."""
     middle = thing.aabb.mean(axis=0)[:2]
     (lower, upper), bottom = below.around_boxes[:, :2], below.around_boxes[0, 2]

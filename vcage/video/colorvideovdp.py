@@ -135,13 +135,13 @@ class Pairs:
 
     def get_test_frame(self, _frame: int, device: torch.device, colorspace: str) -> Tensor:
         """(N, 3, 1, H, W) in a linear colour space."""
-        return self._seen(self._test, device, colorspace)
+        return self._displayed(self._test, device, colorspace)
 
     def get_reference_frame(self, _frame: int, device: torch.device, colorspace: str) -> Tensor:
         """(N, 3, 1, H, W) in a linear colour space."""
-        return self._seen(self._reference, device, colorspace)
+        return self._displayed(self._reference, device, colorspace)
 
-    def _seen(self, pictures: NDArray[np.uint8], device: torch.device, colorspace: str) -> Tensor:
+    def _displayed(self, pictures: NDArray[np.uint8], device: torch.device, colorspace: str) -> Tensor:
         count, height, width, channels = pictures.shape
         light = cv2.LUT(pictures.reshape(count * height, width, channels), self._shown).reshape(pictures.shape)
         axes = torch.eye(channels, device=device).view(channels, channels, 1, 1, 1)

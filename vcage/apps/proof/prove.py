@@ -177,7 +177,7 @@ def validate(
         library.annotation(name)
     RunFolder(folder).make()
     prover = Prover(library, trial)
-    proofs = {} if force else _kept(prover, names, folder)
+    proofs = {} if force else _stored_proofs(prover, names, folder)
     wanted = [name for name in names if name not in proofs]
     done = len(proofs)
     for name, proof in _proven(prover, wanted, workers):
@@ -211,7 +211,7 @@ def summary_of(results: list[VariantProof], prover: Prover) -> Proof:
     )
 
 
-def _kept(prover: Prover, names: Sequence[str], folder: Path) -> dict[str, ObjectProof]:
+def _stored_proofs(prover: Prover, names: Sequence[str], folder: Path) -> dict[str, ObjectProof]:
     """Return earlier proofs that still hold."""
     kept = {}
     for name in names:

@@ -95,7 +95,7 @@ class TrialPlaces:
             InfeasibleScene: no arm reaches the contact point anywhere.
         """
         for _ in range(SETTINGS.max_draws):
-            pose = self._drawn(asset, contact, rng)
+            pose = self._random_pose(asset, contact, rng)
             if self._reached(pose, contact):
                 return pose
         places = f"{SETTINGS.max_draws} places"
@@ -110,7 +110,7 @@ class TrialPlaces:
                     return True
         return False
 
-    def _drawn(self, asset: Asset, contact: ContactPoint, rng: np.random.Generator) -> Pose:
+    def _random_pose(self, asset: Asset, contact: ContactPoint, rng: np.random.Generator) -> Pose:
         yaw = float(rng.uniform(-np.pi, np.pi))
         x, y, z = contact.approach
         if -z < SETTINGS.min_down_share:

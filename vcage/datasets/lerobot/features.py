@@ -104,7 +104,7 @@ def agreed_info(episode: int, described: Mapping[str, Any], data_set: Mapping[st
     for what, value in theirs.items():
         if value is not None and mine.get(what) != value:
             raise UsageError(
-                f"episode {episode} has other {what} ({_shown(mine.get(what))}) than the data set ({_shown(value)})",
+                f"episode {episode} has other {what} ({_text(mine.get(what))}) than the data set ({_text(value)})",
                 hint=_way_out(what, value),
                 details={"episode": episode, "what": what},
             )
@@ -135,7 +135,7 @@ def _way_out(what: str, value: Any) -> str:
     return "put episodes of one robot, one set of cameras and one codec together"
 
 
-def _shown(value: Any) -> str:
+def _text(value: Any) -> str:
     return "unknown" if value is None else str(value)
 
 

@@ -107,15 +107,17 @@ class _Repacking:
         changing = self._changing()
         for file in own_files(self.root):
             if file not in changing:
-                shutil.copyfile(self.root / file, _made(folder / file))
+                shutil.copyfile(self.root / file, _with_folder(folder / file))
 
     def write_tables(self, folder: Path) -> None:
         """Write the tables that held pictures, or hold the places of videos."""
         for file in self._frame_tables():
-            rewrite(self.root / file, _made(folder / file), without=self._in_tables)
+            rewrite(self.root / file, _with_folder(folder / file), without=self._in_tables)
         for file in self._episode_tables():
             rewrite(
-                self.root / file, _made(folder / file), change=partial(place_videos, info=self.info, keys=self.videos)
+                self.root / file,
+                _with_folder(folder / file),
+                change=partial(place_videos, info=self.info, keys=self.videos),
             )
 
     def write_videos(self, folder: Path, progress: Progress) -> None:
@@ -123,7 +125,7 @@ class _Repacking:
         for key, own in self.videos.items():
             for number, (episode, video) in enumerate(sorted(own.items())):
                 progress(f"writing {key}", number, len(own))
-                shutil.copyfile(video, _made(folder / self._video_place(key, episode)))
+                shutil.copyfile(video, _with_folder(folder / self._video_place(key, episode)))
 
     @property
     def _in_tables(self) -> list[str]:
@@ -185,7 +187,7 @@ def _video_feature(feature: Mapping[str, Any], facts: Mapping[str, Any]) -> dict
     return {**rest, "dtype": "video", where: {**facts, **others}}
 
 
-def _made(path: Path) -> Path:
+def _with_folder(path: Path) -> Path:
     """Return a path after making its folder."""
     path.parent.mkdir(parents=True, exist_ok=True)
     return path

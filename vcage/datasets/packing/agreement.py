@@ -80,7 +80,7 @@ class Agreement:
             return self.episodes[:1], self.choices
         if encoded < len(self.episodes) and bound.crf != LOSSLESS:
             return self.episodes[encoded : max(1, self.batch_growth * encoded)], self._below(bound)
-        waiting = [name for name in self.episodes if not self._kept(name, bound)]
+        waiting = [name for name in self.episodes if not self._is_stored(name, bound)]
         return (waiting, self._below(bound)) if waiting else None
 
     def take(self, found: Mapping[str, VideoStream]) -> None:
@@ -121,5 +121,5 @@ class Agreement:
         pixel_format = self.choices.pixel_formats[0] if bound.crf == LOSSLESS else bound.pixel_format
         return replace(self.choices, pixel_formats=(pixel_format,), gops=(bound.gop,), upper=bound.crf)
 
-    def _kept(self, name: str, bound: Bound) -> bool:
+    def _is_stored(self, name: str, bound: Bound) -> bool:
         return name in self._streams and bound.kept_by(self._streams[name])

@@ -175,9 +175,9 @@ class Hdf5Recording(Hdf5Colours):
 
     def left_out(self) -> dict[str, str]:
         with self._file() as file:
-            return leftovers(self._part(file), self._taken(), self.LEFT_OUT)
+            return leftovers(self._part(file), self._used_keys(), self.LEFT_OUT)
 
-    def _taken(self) -> set[str]:
+    def _used_keys(self) -> set[str]:
         """Return keys of the datasets that an export uses: pictures, commands and state, from the root of the file."""
         numbers = (self._read_commands(), self._read_state())
         used = {source for found in numbers if found is not None for source in found.sources}

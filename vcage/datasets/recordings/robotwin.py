@@ -155,8 +155,8 @@ class RoboTwinVisionEpisode(_Instructed):
         note = f"its {FREQUENCY}, {steps}, counts steps of the simulation between frames and is no frame rate"
         return super().notes + [note] * (steps is not None)
 
-    def _taken(self) -> set[str]:
-        return super()._taken() | {INSTRUCTIONS}
+    def _used_keys(self) -> set[str]:
+        return super()._used_keys() | {INSTRUCTIONS}
 
     def _instructions(self) -> Any:
         with self._file() as file:

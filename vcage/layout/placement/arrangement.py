@@ -57,7 +57,7 @@ class Arrangement:
         taken[self._first + k] = False
         plane, unions = self.plane, stance.unions
         if plane.related is not None:
-            unions = (*unions, *plane.related.cuts(plane.items[k].id, yaw, self._others(k)))
+            unions = (*unions, *plane.related.cuts(plane.items[k].id, yaw, self._other_spots(k)))
         return free_region(plane.bounds, stance.half, self._boxes[taken], plane.margin, unions)
 
     def related(self, k: int, yaw: float, centres: np.ndarray) -> np.ndarray:
@@ -65,7 +65,7 @@ class Arrangement:
         related = self.plane.related
         if related is None or not len(centres):
             return centres
-        return centres[related.kept(self.plane.items[k].id, yaw, centres, self._others(k))]
+        return centres[related.kept(self.plane.items[k].id, yaw, centres, self._other_spots(k))]
 
     def draw(self, k: int, stance: Stance, yaw: float, rng: np.random.Generator) -> np.ndarray | None:
         """(2,) a random one of the points where the centre of item ``k`` may be; None where none is found."""
@@ -76,7 +76,7 @@ class Arrangement:
             return region.sample(rng)
         return next(iter(self.related(k, yaw, region.samples(rng, RELATED_POINTS))), None)
 
-    def _others(self, k: int) -> dict[str, Spot]:
+    def _other_spots(self, k: int) -> dict[str, Spot]:
         return {self.plane.items[j].id: spot for j, spot in self._spots.items() if j != k}
 
     def conflicts(self, k: int, stance: Stance, centres: np.ndarray) -> np.ndarray:

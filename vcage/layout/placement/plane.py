@@ -133,11 +133,13 @@ def _stances(item: TableItem, unions: Unions) -> list[Stance]:
     for half, yaw, (x, y) in zip(halves, item.yaws, equal, strict=True):
         where = unions(item, yaw)
         found.setdefault((x, y, *map(id, where)), (half, [], where))[1].append(float(yaw))
-    stances = [Stance(half, tuple(yaws), (*where, *_seen(item, half))) for half, yaws, where in found.values()]
+    stances = [
+        Stance(half, tuple(yaws), (*where, *_centres_in_view(item, half))) for half, yaws, where in found.values()
+    ]
     return sorted(stances, key=lambda stance: stance.area)
 
 
-def _seen(item: TableItem, half: np.ndarray) -> tuple[np.ndarray, ...]:
+def _centres_in_view(item: TableItem, half: np.ndarray) -> tuple[np.ndarray, ...]:
     """Rectangles of the centre for which the whole rectangle lies in one of the item's ``within``."""
     if item.within is None:
         return ()

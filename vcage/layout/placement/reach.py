@@ -57,7 +57,7 @@ def robot_reach(
         for arm in robot.arms.values()
     ]
     columns, rows = (_axis(*bounds[:, k]) for k in range(2))
-    seen = _seen(overview(robot), columns, rows, min(heights))
+    seen = _visible_cells(overview(robot), columns, rows, min(heights))
     reached = _cells(straight, columns, rows, seen, every=False)
     cells = _cells(leaning, columns, rows, seen & ~reached, every)
     cells |= _cells(straight, columns, rows, reached, every=True) if every else reached
@@ -100,7 +100,7 @@ def _axis(lower: float, upper: float) -> range:
     return range(first, max(int(np.ceil(upper / SETTINGS.cell_m - 1e-9)), first + 1) + 1)
 
 
-def _seen(camera: Camera | None, columns: range, rows: range, height: float) -> np.ndarray:
+def _visible_cells(camera: Camera | None, columns: range, rows: range, height: float) -> np.ndarray:
     """(nx, ny) bool: the cells with all corners in view of a camera at a height; all without one."""
     x, y = np.meshgrid(SETTINGS.cell_m * np.array(columns), SETTINGS.cell_m * np.array(rows), indexing="ij")
     points = np.stack([x, y, np.full_like(x, height)], axis=-1)

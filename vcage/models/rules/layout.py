@@ -47,7 +47,7 @@ def plan_layout(scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.rando
     asked = {(a.goal.subject, a.goal.reference): a.goal.relation for a in scene.goals}
     relations += _around(contents, anchors, asked)
     relations += _out_of_the_way(context, anchors, relations, scene)
-    relations += [relation(o, _lies(o, holder, catalogue), holder) for o, holder in carried]
+    relations += [relation(o, _containment_word(o, holder, catalogue), holder) for o, holder in carried]
     relations = _as_described(relations, scene)
     return LayoutPlan(text=as_sentences(relations, scene), relations=relations)
 
@@ -101,7 +101,7 @@ def relation(subject: ObjectRecord, word: RelationWord, reference: ObjectRecord)
     return Relation(subject=subject.id, relation=word, reference=reference.id)
 
 
-def _lies(item: ObjectRecord, holder: ObjectRecord, catalogue: Sequence[CatalogueEntry]) -> RelationWord:
+def _containment_word(item: ObjectRecord, holder: ObjectRecord, catalogue: Sequence[CatalogueEntry]) -> RelationWord:
     """Tell ``inside`` from ``on`` its container: a plate has a rim, but things lie on it."""
     points = next((e.functional_points for e in catalogue if e.name == holder.asset), [])
     fixed = [point.holds for point in points if point.link is None]

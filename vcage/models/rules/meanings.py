@@ -17,7 +17,13 @@ from vcage.schema.plan import TABLE
 Things = Mapping[str, CatalogueEntry]
 
 _ORDERS = {"x": ("left", "middle", "right"), "y": ("front", "middle", "back")}
-_AT_TABLE = {"left": "left_of", "right": "right_of", "front": "in_front_of", "back": "behind", "middle": "center"}
+_TABLE_RELATIONS = {
+    "left": "left_of",
+    "right": "right_of",
+    "front": "in_front_of",
+    "back": "behind",
+    "middle": "center",
+}
 BESIDE = ("left_of", "right_of", "in_front_of", "behind", "beside", "near")
 _RELATION = {"in": "inside", "on": "on"}
 _BEFORE = {"x": ("left_of", "right_of"), "y": ("in_front_of", "behind")}
@@ -107,8 +113,8 @@ class Meanings:
     def _at_position(self, noun: Noun, found: list[str]) -> str:
         """The left one of several, described against the others; of one, against the table."""
         position = str(noun.position)
-        if len(found) == 1 and position in _AT_TABLE:
-            self._describe(found[0], _AT_TABLE[position], TABLE, noun)
+        if len(found) == 1 and position in _TABLE_RELATIONS:
+            self._describe(found[0], _TABLE_RELATIONS[position], TABLE, noun)
             return found[0]
         asked = noun.positions(self.nouns)
         axis = "x" if {"front", "back"}.isdisjoint(asked) else "y"

@@ -42,7 +42,7 @@ class OfflineReasoner:
         scene: str = PLAIN,
     ) -> Selection:
         """See :func:`vcage.models.rules.selection.select_assets`."""
-        return _drawn("selection", lambda: select_assets(instruction, catalogue, rng, scene), check)
+        return _first_valid_draw("selection", lambda: select_assets(instruction, catalogue, rng, scene), check)
 
     def plan_layout(
         self, scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator, check: PlanCheck
@@ -50,7 +50,7 @@ class OfflineReasoner:
         """See :func:`vcage.models.rules.layout.plan_layout`; without an instruction
         :func:`vcage.models.rules.layout.plan_scene`."""
         plan = plan_layout if scene.instruction is not None else plan_scene
-        return _drawn("layout plan", lambda: plan(scene, catalogue, rng), check)
+        return _first_valid_draw("layout plan", lambda: plan(scene, catalogue, rng), check)
 
     def judge_pairs(self, questions: Sequence[PairQuestion], instruction: str | None = None) -> list[PairAnswer]:
         """See :func:`vcage.models.rules.pairs.judge_object_and_place`; the instruction changes nothing."""
@@ -69,7 +69,7 @@ class OfflineReasoner:
         return TaskWordings(list(plain))
 
 
-def _drawn(what: str, draw: Callable[[], Drawn], check: Callable[[Drawn], list[str]]) -> Drawn:
+def _first_valid_draw(what: str, draw: Callable[[], Drawn], check: Callable[[Drawn], list[str]]) -> Drawn:
     """The first of :data:`MAX_DRAWS` draws that the check has no complaint about.
 
     Raises:

@@ -91,7 +91,7 @@ class _Selector:
         return Occasion(self.scene, frozenset({t for t in tags if t in tokens(self.instruction)} or tags))
 
     def _things(self, command: Command) -> None:
-        role, good = _wanted(command)
+        role, good = _role_and_test(command)
         place = self._of.get(command.place) if command.place is not None else None
         for noun in command.things:
             how, source = noun.relation or ("to", command.source)
@@ -176,7 +176,7 @@ class _Selector:
         return [(entry, kinds[entry.name]) for entry in able]
 
 
-def _wanted(command: Command) -> tuple[Role, Good]:
+def _role_and_test(command: Command) -> tuple[Role, Good]:
     """The role of the things of a command, and the test that they must pass."""
     if command.verb in ACTS:
         return "receptacle", lambda e: any(part_that(ACTS[command.verb], part) for part in e.moving_parts)

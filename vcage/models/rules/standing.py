@@ -145,7 +145,7 @@ class Sought:
         roughs = [*_apart(places(image, template, standing).poses), *_upon(patches, camera, height)]
         if self.planned is not None:
             roughs.append(np.array([*self.planned.p[:2], self.planned.yaw]))
-        shown = [rough for rough in roughs if _shown(rough, patches, camera, height)]
+        shown = [rough for rough in roughs if _is_shown(rough, patches, camera, height)]
         return self._likeliest(shown, height, views, outline)
 
     def lying(self, views: Mapping[str, View], floor: Pose, among: np.ndarray) -> Standing:
@@ -182,7 +182,7 @@ class Sought:
             here = partial(unlikeness, height=height, sights=sights, draw=draw)
             nearby = refined(np.array(start), least, here, SETTINGS.rounds)
             best = min(best, (*nearby, sights), key=lambda found: found[0])
-        return self._seen_at(best[1], height, best[2], views["top"].camera)
+        return self._standing_at(best[1], height, best[2], views["top"].camera)
 
     def where_planned(self, views: Mapping[str, View]) -> Standing | None:
         """Find the object about where the layout put it; None where that is not known.
@@ -210,7 +210,7 @@ class Sought:
         least, at, sights = min(tries, key=lambda tried: tried[0])
         rounds = SETTINGS.rounds_near if len(starts) == 1 else SETTINGS.rounds
         _, pose = refined(np.array(at), least, lambda p: unlikeness(p, height, sights, self.draw), rounds)
-        return self._seen_at(pose, height, sights, views["top"].camera)
+        return self._standing_at(pose, height, sights, views["top"].camera)
 
     def found(self, views: Mapping[str, View], among: np.ndarray | None = None) -> Standing | None:
         """Find the object at its planned place, or elsewhere if that is empty or another place fits better.
@@ -266,7 +266,7 @@ class Sought:
             return 0.0
         return 1.0 if self.gone(there, top) else float(change[there.covered].mean())
 
-    def _seen_at(self, pose: np.ndarray, height: float, sights: Sequence[Sight], camera: Camera) -> Standing:
+    def _standing_at(self, pose: np.ndarray, height: float, sights: Sequence[Sight], camera: Camera) -> Standing:
         unlike = unlikeness(pose, height, [replace(s, outline=np.zeros_like(s.outline)) for s in sights], self.draw)
         at = Pose.from_yaw([pose[0], pose[1], height], float(pose[2]))
         return Standing(at, self.look.size, unlike, drawn_whole(self.draw, at, camera).covered)
@@ -290,7 +290,7 @@ def _upon(patches: Sequence[np.ndarray], camera: Camera, height: float) -> list[
     return [np.array([x, y, heading]) for x, y, _ in at for heading in np.radians(SETTINGS.headings_deg)]
 
 
-def _shown(pose: np.ndarray, patches: Sequence[np.ndarray], camera: Camera, height: float) -> bool:
+def _is_shown(pose: np.ndarray, patches: Sequence[np.ndarray], camera: Camera, height: float) -> bool:
     """True where one of the patches, or its surroundings, shows the place of a pose (3,)."""
     u, v = np.round(camera.project(np.array([[pose[0], pose[1], height]]))[0]).astype(int)
     around = np.s_[

@@ -9,10 +9,10 @@ from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.templates.set_down import SetDown
 
 
-def _shown(thing: SceneObject, asked: Collection[Goal]) -> list[Goal]:
+def _presented_goals(thing: SceneObject, asked: Collection[Goal]) -> list[Goal]:
     """The goal on request; a sign exists to be shown."""
     shown = Goal(subject=thing.id, relation="presented")
     return [shown] if shown in asked or thing.asset.annotation.words.category == "sign" else []
 
 
-PRESENT = SetDown("present", _shown)
+PRESENT = SetDown("present", _presented_goals)

@@ -86,9 +86,9 @@ class Placed:
         if refusal is not None:
             return refusal
         sure = 0.5 + 0.5 * min(1.0, self.inside / 0.8)
-        return decided(True, f"the {thing} left its place, and {self._seen(word, place)}", sure)
+        return decided(True, f"the {thing} left its place, and {self._placement_in_words(word, place)}", sure)
 
-    def _seen(self, word: str, place: str) -> str:
+    def _placement_in_words(self, word: str, place: str) -> str:
         return f"{100 * min(1.0, self.inside):.0f} % of it is seen {word} the {place}"
 
     def _missing(self, goal: Goal, thing: str, place: str, word: str) -> Verdict | None:
@@ -99,7 +99,7 @@ class Placed:
             return refused(f"the {place} was moved away or tipped over", 0.8, "astray")
         if self.inside < (SETTINGS.inside_share if goal.relation == "inside" else SETTINGS.on_share):
             failure: Failure = "astray" if self.beside >= SETTINGS.beside_share else "lost"
-            seen = self._seen(word, place)
+            seen = self._placement_in_words(word, place)
             return refused(f"the {thing} left its place and is not found {word} the {place}: {seen}", 0.8, failure)
         if self.aloft is not None and self.aloft < SUPPORT.aloft_share:
             seen = f"{100 * self.aloft:.0f} % of it is seen there from the side"

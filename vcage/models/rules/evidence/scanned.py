@@ -79,7 +79,7 @@ class Shown:
             return cls(left, 0.0, 0.0)
 
         def hidden(pose: Pose) -> float:
-            return 1 - _seen(pose, held, sights, draw)
+            return 1 - _visible_share(pose, held, sights, draw)
 
         found = [(hidden(pose), pose) for pose in view.question.readings(moved, held.pose, still, stands.pose)]
         least, pose = min(found, key=lambda one: one[0], default=(1.0, held.pose))
@@ -164,7 +164,7 @@ def _shifted(pose: Pose, shift: np.ndarray) -> Pose:
     return Pose(pose.p + [shift[0], shift[1], 0.0], (Pose.from_yaw([0, 0, 0], float(shift[2])) * Pose(q=pose.q)).q)
 
 
-def _seen(pose: Pose, moved: Standing, sights: Sequence[_Held], draw: Draw) -> float:
+def _visible_share(pose: Pose, moved: Standing, sights: Sequence[_Held], draw: Draw) -> float:
     """Share of the evidence for the drawing of an object at a pose: pixels that have come to look like
     it, beside those still as before; hidden pixels tell little."""
     found, against, drawn = 0, 0, 0

@@ -198,8 +198,8 @@ def find_support(
     borne = lies is not None and lies.aloft is not None  # something bears the object there
     by_itself = enough or not borne
     best = place.near(_starts(stands, lies, around=by_itself), after, hides)
-    least = SETTINGS.stays_share * _shown(place, stands, before["top"], hidden) if by_itself else 0.0
-    there = best.unlike < STANDING.unlike_lab and _shown(place, best, after["top"], hidden) >= least
+    least = SETTINGS.stays_share * _visible_part(place, stands, before["top"], hidden) if by_itself else 0.0
+    there = best.unlike < STANDING.unlike_lab and _visible_part(place, best, after["top"], hidden) >= least
     now = _settled(best, stands) if there else _elsewhere(place, after["top"], change)
     return Support(now, enough or borne)
 
@@ -236,7 +236,7 @@ def _settled(found: Standing, stood: Standing) -> Standing:
     return stood if near and abs(np.degrees(turn)) < SETTINGS.still_deg else found
 
 
-def _shown(place: Sought, there: Standing, top: View, hidden: np.ndarray) -> float:
+def _visible_part(place: Sought, there: Standing, top: View, hidden: np.ndarray) -> float:
     """Visible share of a support in a view from above, of all that the view can show."""
     if place.background is None:
         return 1.0
