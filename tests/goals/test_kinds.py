@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from vcage.goals import KINDS, PROMPT_WIDTH, forms, kind_of, meanings, words
+from vcage.goals import KINDS, PROMPT_WIDTH, forms, kind_of, meanings, words, written_forms
 from vcage.goals.kind import GoalKind
 from vcage.goals.thresholds import THRESHOLDS
 from vcage.models.rules.evidence import EVIDENCE
@@ -69,3 +69,9 @@ def test_a_meaning_shared_by_two_kinds_is_given_once() -> None:
     assert [lines[0].split(":")[0] for lines in meanings(goals, THRESHOLDS)] == [
         "Inside or on an object", "Left of, right of, in front of, behind",
     ]  # fmt: skip
+
+
+def test_every_word_stands_in_one_form_for_people() -> None:
+    found = [word for form in written_forms().split("; ") for word in form.split(" ")[1].split("|")]
+    assert sorted(found) == sorted(KINDS)
+    assert "SUBJECT inside|on REFERENCE[/PART]" in written_forms()

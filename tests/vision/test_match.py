@@ -1,16 +1,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import cv2
 import numpy as np
 import pytest
 
+from vcage.base.errors import UnknownName
 from vcage.base.geometry import wrap_angle
 from vcage.schema.plan import LayoutPlan, Relation
 from vcage.vision.detector import BackgroundDetector
 from vcage.vision.embedder import ClassicalEmbedder
-from vcage.vision.match import Looks, Recogniser, match_picture
+from vcage.vision.match import Looks, Recogniser, match_picture, stored_matches
 from vcage.vision.observation import ScenePictures
 from vcage.vision.protocols import Detection
 
@@ -183,3 +185,12 @@ def test_pictures_of_a_scene_that_differ_in_size_are_refused(things, paint, back
     source, segmentation = paint(things)
     with pytest.raises(ValueError, match="differ in size"):
         ScenePictures(source[:100], segmentation, background)
+
+
+def test_an_unknown_robot_is_an_error_if_the_plan_gives_a_place(things, make_scene):
+    scene = make_scene(things).model_copy(update={"robot": "dual_panado"})
+    relation = Relation(subject="marker_red", relation="right_of", reference="box")
+    plan = LayoutPlan(text="The red marker goes to the right of the box.", relations=[relation])
+    with pytest.raises(UnknownName, match="dual_panado"):
+        observation = SimpleNamespace(scene=scene, shown={"marker_red"})
+        stored_matches(observation, plan, {}, {"marker_red": "not found"})

@@ -64,3 +64,11 @@ def forms() -> list[list[str]]:
         of_form.setdefault(kind.listed, []).append(f"`{kind.word}`{kind.gloss}")
     texts = [f"{', '.join(named)}: {fields}" for fields, named in of_form.items()]
     return [textwrap.wrap(text, PROMPT_WIDTH, break_long_words=False, break_on_hyphens=False) for text in texts]
+
+
+def written_forms() -> str:
+    """The forms in which a person states goals, as in ``SUBJECT inside|on REFERENCE[/PART]``; a form lists its words."""
+    of_form: dict[str, list[str]] = {}
+    for word in words():
+        of_form.setdefault(KINDS[word].form, []).append(word)
+    return "; ".join(form.format("|".join(named)) for form, named in of_form.items())

@@ -169,6 +169,14 @@ class GoalKind:
     tool: Literal["reads_codes", "weighs"] | None = None
     shown: Shown = field(default_factory=Shown)
 
+    @property
+    def form(self) -> str:
+        """The form in which a person states such a goal; {} is the word."""
+        part = "/PART" if self.acts_on else ""
+        place = "[/PART]" if self.part_of == "reference" else ""
+        reference = {"object": f" REFERENCE{place}", "arm": " ARM", None: ""}[self.refers_to]
+        return f"SUBJECT{part} {{}}{reference}"
+
 
 def too_short(goal: Stated, state: State, least_s: float) -> str | None:
     """Why an event did not last, or None when it did."""

@@ -23,6 +23,9 @@ logger = logging.getLogger(__name__)
 MAX_MODELS_IN_PROCESS = 8
 """Models that are built sooner than processes that build them are started."""
 
+OWN_OBJECTS = "take one of those listed, or name the folder of yours in VCAGE_ASSETS"
+"""The way out where no object has a name."""
+
 
 class Library:
     """All assets by name; get one with :meth:`load`.
@@ -90,7 +93,7 @@ class Library:
         if name in self.left_out:
             raise AssetLeftOut(f"the object {name!r} is not here", hint=self.left_out[name])
         if name not in self._annotations:
-            raise UnknownName("asset", name, self._annotations)
+            raise UnknownName("asset", name, self._annotations, hint=OWN_OBJECTS)
         return self._annotations[name]
 
     def variants(self, names: Iterable[str] | None = None) -> list[tuple[str, str]]:

@@ -11,16 +11,13 @@ examples:
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, replace
-from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
 
-from vcage.base.attempts import LIMITS, GaveUp, Refused, first_accepted
-from vcage.base.errors import InfeasibleScene, NoFeasibleTask
+from vcage.base.errors import InfeasibleScene
 from vcage.base.files import RunFolder
 from vcage.base.geometry import Pose, wrap_angle
 from vcage.base.options import NATURAL, between, number_between, value
@@ -37,15 +34,14 @@ from vcage.runs.context import StageContext
 from vcage.runs.edits import Edit, Editable
 from vcage.runs.inputs import read_matches, read_plan
 from vcage.runs.stage import Job, StageOptions, StageResult, stage_seed
-from vcage.scenes.layout_items import Targets, nearest_layout
-from vcage.scenes.possible import SCENE_FIELDS, accepted_scene, moved_objects, settle_checks, settled_record
+from vcage.scenes.feasible_layout import NearestFeasible, with_poses
+from vcage.scenes.layout_items import Targets
+from vcage.scenes.possible import SCENE_FIELDS, accepted_scene, moved_objects, settle_checks
 from vcage.schema.base import Provenance
 from vcage.schema.matches import Matches
 from vcage.schema.plan import TABLE
 from vcage.schema.scene import ObjectRecord, Scene, Workspace
 from vcage.sim.cameras import shoot
-from vcage.tasks.described import require_settled
-from vcage.tasks.rehearsal import require_chain
 from vcage.tasks.scene_objects import SceneObject
 
 logger = logging.getLogger(__name__)
@@ -53,9 +49,6 @@ logger = logging.getLogger(__name__)
 
 LARGEST_WEIGHT = 1e6
 """Beyond it the optimiser's own precision would be the result."""
-
-SHIFT_STEP_M = 0.03
-"""Standard deviation by which the targets of each layout are shifted more than those of the one before it."""
 
 
 def layout_weights(text: str) -> CostWeights:
@@ -129,7 +122,7 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
         turned = {key: Pose.from_yaw(target.p, yaws[key]) for key, target in targets.items() if key in own}
         how = LayoutOptions(options.weights, options.margin, options.restarts)
         wanted = Targets(turned, inside, plan.relations)
-        found = _NearestFeasible(scene, wanted, stage.rng, how, context).layout()
+        found = NearestFeasible(scene, wanted, stage.rng, how, context).layout()
         laid_out, result = found.scene, found.result
         poses = {o.id: o.pose.pose() for o in laid_out.objects}
         write_picture(folder / "layout.png", _drawing(scene, context, with_stowed(scene, targets), poses))
@@ -170,91 +163,6 @@ def _targets(scene: Scene, matches: Matches) -> dict[str, Pose]:
     return {m.object: Pose.from_yaw([*m.position, scene.table.height], m.yaw) for m in matches.matches}
 
 
-@dataclass(frozen=True)
-class _LaidOut:
-    """A layout, its scene, and the standard deviation of the shift of its targets."""
-
-    result: LayoutResult
-    scene: Scene
-    shift_m: float
-
-
-@dataclass(frozen=True)
-class _NearestFeasible:
-    """Search for the nearest layout in which the instruction can be carried out.
-
-    Args:
-        scene: as it was placed.
-        targets: the layout that is wanted.
-        rng: makes the same random numbers again.
-        options: of the optimisation.
-        context: the library, and the reach of the robots.
-    """
-
-    scene: Scene
-    targets: Targets
-    rng: Callable[[], np.random.Generator]
-    options: LayoutOptions
-    context: StageContext
-
-    def layout(self) -> _LaidOut:
-        """The layout nearest to the targets in which the instruction can be carried out.
-
-        Layouts near targets that are shifted further and further are tried. If none does, the nearest is taken in
-        which all descriptions are true, and the search for sub-tasks reports its faults.
-
-        Raises:
-            InfeasibleScene: there is no layout, or none in which all descriptions are true; names the fault.
-        """
-        shifting = self.rng()
-        try:
-            return first_accepted(partial(self._proven, number, shifting) for number in range(LIMITS.layouts)).value
-        except GaveUp as error:
-            laid_out = [refusal.about for refusal in error.refusals if isinstance(refusal, Refused)]
-            nearest = next((one for one in laid_out if isinstance(one, _LaidOut)), None)
-            if nearest is None:
-                raise laid_out[0] from None
-            return nearest
-
-    def _proven(self, number: int, shifting: np.random.Generator) -> _LaidOut:
-        """A layout near shifted targets in which the instruction can be carried out.
-
-        Raises:
-            Refused: it cannot, or there is no layout in which all descriptions are true; about the layout or the error.
-            InfeasibleScene: there is no layout at the targets themselves, and no description asks for another.
-        """
-        try:
-            found = self._near(number * SHIFT_STEP_M, shifting)
-        except InfeasibleScene as error:
-            if number == 0 and not self.scene.descriptions:
-                raise
-            raise Refused(error.message, error) from None
-        if self.scene.instruction is not None:
-            try:
-                require_chain(found.scene, self.context.objects(found.scene), self.rng())
-            except (NoFeasibleTask, InfeasibleScene) as error:
-                logger.info("another layout is tried: %s", error.message)
-                raise Refused(error.message, found) from None
-        return found
-
-    def _near(self, shift_m: float, shifting: np.random.Generator) -> _LaidOut:
-        """The layout nearest to targets that are shifted at random.
-
-        Raises:
-            InfeasibleScene: there is none, or not all descriptions are true in it.
-        """
-        targets, scene = self.targets.poses, self.scene
-        shifts = shifting.normal(0.0, shift_m, (len(targets), 2))
-        asked = {key: Pose([*(t.p[:2] + s), t.p[2]], t.q) for (key, t), s in zip(targets.items(), shifts, strict=True)}
-        result = nearest_layout(scene, replace(self.targets, poses=asked), self.rng, self.options, self.context)
-        poses = {key: Pose.from_yaw(at, targets[key].yaw) for key, at in result.positions.items()}
-        laid_out = _with_poses(scene, self.context, with_stowed(scene, poses), result)
-        models, objects = self.context.physical_models(laid_out), self.context.objects(laid_out)
-        require_settled(laid_out, models, objects, "the nearest layout without collisions", None)
-        displaced = {key: float(np.hypot(*(poses[key].p - target.p)[:2])) for key, target in targets.items()}
-        return _LaidOut(replace(result, displaced=displaced), laid_out, round(shift_m, 3))
-
-
 def _plan_figures(kept: Kept) -> dict[str, Any]:
     return {"relations_kept": round(kept.share, 4), "relations_broken": kept.sentences}
 
@@ -291,16 +199,6 @@ def _heading(record: ObjectRecord, yaw: float, workspace: Workspace, context: St
     return turned
 
 
-def _with_poses(
-    scene: Scene, context: StageContext, poses: dict[str, Pose], result: LayoutResult | None = None
-) -> Scene:
-    """The scene with its objects at other poses, and in the containers that the optimisation found."""
-    records = [settled_record(o, poses[o.id], context) for o in scene.objects]
-    if result is not None:
-        records = [o.model_copy(update={"container": result.containers.get(o.id, o.container)}) for o in records]
-    return scene.model_copy(update={"objects": records, "segmentation_ids": {}, "checks": {}})
-
-
 def _rebuild(scene: Scene, context: StageContext) -> tuple[Scene, np.ndarray]:
     """The layout as it settles in the simulator, where it must stay put, and its (H, W, 3) picture from above."""
     world = context.drawn_world(scene)
@@ -312,7 +210,7 @@ def _rebuild(scene: Scene, context: StageContext) -> tuple[Scene, np.ndarray]:
             hint="try another --seed, or a larger --margin",
             details={"objects": moved, "drift_mm": {k: round(1000 * v, 2) for k, v in report.drift_m.items()}},
         )
-    settled = _with_poses(scene, context, world.object_poses()).model_copy(update={"checks": settle_checks(report)})
+    settled = with_poses(scene, context, world.object_poses()).model_copy(update={"checks": settle_checks(report)})
     return settled, shoot(world, scene.top_camera)
 
 

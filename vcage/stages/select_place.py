@@ -9,16 +9,10 @@ examples:
   vcage select-place "Put the apple into the bowl" --robot dual_panda --out runs/apple
   vcage select-place --goal "marker inside packaging_box" --goal "then sponge inside packaging_box" --out runs/told
 
-Goals can be told in place of an instruction. Nothing is read then, and no reasoner is asked:
-  SUBJECT inside|on REFERENCE[/PART]                  marker inside cabinet_one_drawer/drawer; apple on table
-  SUBJECT left_of|right_of|in_front_of|behind|beside|near REFERENCE
-  SUBJECT/PART open|closed|pressed|turned             lidded_box/lid closed
-  SUBJECT scanned|weighed|presented|back              back: where it stood at the start
-  SUBJECT handed left|right                           the arm that has it then
-Any but the last may end with: with the left|right arm. A goal that begins with "then" comes after those before it.
+Goals can be stated in place of an instruction. Nothing is read then, and no reasoner is asked. All goals but those that
+name an arm may end with "with the left|right arm". A goal that begins with "then" comes after those before it.
 A name is a kind (marker), a kind and look (marker/red), or an id of the scene (marker_red, marker_red_2).
-Without an instruction, the scene's is a plain sentence for the goals; a given one must not say
-otherwise.
+Without an instruction, the scene's is a plain sentence for the goals; a given one must not contradict them.
 """
 
 from __future__ import annotations
@@ -35,6 +29,7 @@ from vcage.base.files import RunFolder
 from vcage.base.options import UNSAID, value
 from vcage.base.progress import Progress, silent
 from vcage.base.text import one_line
+from vcage.goals import written_forms
 from vcage.runs.context import StageContext
 from vcage.runs.edits import Edit, Editable
 from vcage.runs.stage import Job, ModelOptions, StageResult
@@ -60,9 +55,12 @@ class Options(ModelOptions):
     """the task in plain language, in quotes; without one, the objects come from the scene template"""
     template: Annotated[str, arg(name="scene", metavar="TEMPLATE")] = "table"
     """the scene template"""
-    goals: Annotated[tuple[Annotated[str, value(str, "GOAL")], ...], UseAppendAction, arg(name="goal"), UNSAID] = ()
-    """what shall be true, as in "marker/red inside packaging_box", or after what is told before it, "then …"; may be
-    repeated"""
+    goals: Annotated[
+        tuple[Annotated[str, value(str, "GOAL")], ...],
+        UseAppendAction,
+        arg(name="goal", help=f"what shall be true, of the form {written_forms()}; may be repeated"),
+        UNSAID,
+    ] = ()
     starts: Annotated[tuple[Annotated[str, value(str, "GOAL")], ...], UseAppendAction, arg(name="start"), UNSAID] = ()
     """what must be true at the start of every episode, as in "banana inside pot" or "plate/white left_of plate/blue";
     of the table it may be center, left_of, right_of, in_front_of or behind, its middle or outer third; may be repeated
