@@ -75,7 +75,7 @@ def test_the_same_command_again_does_nothing(finished_scene, capsys):
     [
         ({"instruction": None}, "there is no instruction"),
         ({"all_subtasks": True}, "takes no instruction"),
-        ({"instruction": None, "all_subtasks": True, "template": "table"}, "the scene table says nothing of what"),
+        ({"instruction": None, "all_subtasks": True, "template": "table"}, "the scene table has no contents"),
         ({"randomise": "full", "layout": "fixed"}, "full asks for other variants"),
         ({"randomise": "lava"}, "unknown randomisation 'lava'"),
     ],

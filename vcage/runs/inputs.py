@@ -67,7 +67,7 @@ def read_matches(run: RunFolder, scene: Scene) -> Matches:
     """Read ``match/matches.json``: one match for each object of the scene, not far from its table.
 
     Raises:
-        InputFileError: it has other objects, or places nowhere near the table.
+        InputFileError: it has other objects, or places far from the table.
     """
     matches = Matches.read(run.matches)
     ids, found = [o.id for o in scene.objects], [m.object for m in matches.matches]
@@ -81,7 +81,7 @@ def read_matches(run: RunFolder, scene: Scene) -> Matches:
     far = [m.object for m in matches.matches if np.any(m.position < lower) or np.any(m.position > upper)]
     if far:
         raise InputFileError(
-            f"{run.matches} has places that are nowhere near the table: {', '.join(far)}", maker="match"
+            f"{run.matches} has places far from the table: {', '.join(far)}", maker="match"
         )
     return matches
 

@@ -221,7 +221,7 @@ def test_a_data_set_without_episodes_is_refused(version, begun, four):
 
 
 def test_adding_to_nothing_is_refused(version, four, tmp_path):
-    with pytest.raises(UsageError, match="not a LeRobot data set"):
+    with pytest.raises(UsageError, match="no LeRobot data set to add to"):
         write(version, tmp_path / "other", four[2:], append=True)
     assert not (tmp_path / "other").exists()
 
