@@ -80,9 +80,7 @@ def read_matches(run: RunFolder, scene: Scene) -> Matches:
     lower, upper = scene.table.rectangle + np.array([[-FARTHEST_M], [FARTHEST_M]])
     far = [m.object for m in matches.matches if np.any(m.position < lower) or np.any(m.position > upper)]
     if far:
-        raise InputFileError(
-            f"{run.matches} has places far from the table: {', '.join(far)}", maker="match"
-        )
+        raise InputFileError(f"{run.matches} has places far from the table: {', '.join(far)}", maker="match")
     return matches
 
 
