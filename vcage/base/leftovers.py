@@ -1,6 +1,6 @@
 """Partial work and temporary folders: their names, and their removal once the process that made them was killed.
 
-A temporary folder is locked by its process, in every case, so one that can be locked belongs to nobody any more.
+A temporary folder is locked by its process until that ends, in any way: one that can be locked was left behind.
 """
 
 from __future__ import annotations

@@ -81,7 +81,7 @@ def _follow(environment: Mapping[str, str]) -> None:
     A library may tell itself through the environment where its parts lie (SAPIEN does), whether or not the other
     process has imported it too.
     """
-    block = Path("/proc/self/environ").read_bytes()  # as it was for this process, or for its parent of forks
+    block = Path("/proc/self/environ").read_bytes()  # as this process began, or the one that it was forked from
     entries = [os.fsdecode(entry).partition("=") for entry in block.split(b"\0") if entry]
     began = {name: value for name, _, value in entries}
     for name in began.keys() - environment.keys():

@@ -65,8 +65,8 @@ class Compress(Command):
     videos beside it and everything else as it was (`vcage decompress` puts the pictures back), a LeRobot data set, or
     videos; and compression.json. An interrupted call goes on when started again.
 
-    RoboTwin swaps red and blue in its JPEGs, the other layouts do not; where pictures do not show the order, that is
-    said, frames.png (--inspect and --dry-run name one too) shows both, and --colours decides. Depth, labels and
+    RoboTwin swaps red and blue in its JPEGs, the other layouts do not; where pictures do not show the order, a note
+    says so, frames.png (--inspect and --dry-run name one too) shows both, and --colours decides. Depth, labels and
     pictures of more than 8 bits are never encoded: they stay unchanged in HDF5, and are left out of all else;
     `other_streams` of the summary names them.
 

@@ -101,12 +101,10 @@ def _name_stage(error: VcageError, run: RunFolder) -> None:
         return
     again = stage_command(error.maker, run)
     folder = next(folder for folder, stage in PRODUCERS.items() if stage == error.maker)
-    can_begin = (
-        error.maker != "select_place" or {"instruction", "goals"} & _last_options(run).keys()
-    )  # which needs a task
+    has_task = bool({"instruction", "goals"} & _last_options(run).keys())
     if isinstance(error, StaleStage):
         error.command = again if isinstance(error, NotJudged) else f"{again} --force"
     elif (run.root / folder).is_dir():
         error.offer(f"make it again: {again} --force")
-    elif can_begin:
+    elif has_task or error.maker != "select_place":
         error.command = again

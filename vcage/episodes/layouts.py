@@ -66,7 +66,7 @@ class Layout:
         poses: of every object in the world, by id.
         grasps: of each sub-task of the chain, by its id, best first.
         slots: where each sub-task puts its object, by its id.
-        refused: why layouts that were drawn before it were not taken: reason → how many.
+        refused: layouts drawn before it and refused: reason → number.
     """
 
     poses: dict[str, Pose]
@@ -76,7 +76,7 @@ class Layout:
 
 
 class NoLayout(InfeasibleScene):
-    """None of the layouts that were drawn was taken; ``details["refused"]`` counts the reasons."""
+    """All drawn layouts were refused; ``details["refused"]`` counts the reasons."""
 
     code = "no_layout"
 
@@ -119,12 +119,12 @@ class Layouts:
         """Return a layout that is drawn at random.
 
         Args:
-            rng: of all that is drawn.
+            rng: of all draws.
             clutter: objects outside the scene; as many as have room are placed in the remaining space.
-            draws: layouts that are drawn before it is given up.
+            draws: layouts to draw before giving up.
 
         Raises:
-            NoLayout: none of them was taken.
+            NoLayout: all of them were refused.
         """
         try:
             found = first_accepted(repeat(partial(self._draw_one, rng, clutter), draws))
@@ -141,7 +141,7 @@ class Layouts:
         """Draw a layout and verify it.
 
         Raises:
-            Refused: it is not taken.
+            Refused: it fails a check.
         """
         try:
             poses = self._solved(rng)

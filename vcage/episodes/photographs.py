@@ -1,6 +1,6 @@
 """The pictures that a critic gets: states of a scene, drawn in the light of one episode.
 
-Those of a scan are close ones: the bar code and the scanner's window face each other, so each needs its own.
+A scan is shown close up: the bar code and the scanner's window face each other, so each needs its own picture.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from vcage.tasks.scene_objects import SceneObject
 
 
 def light_look(scene: Scene, models: Mapping[str, PhysicalModel], robot: Robot, rng: np.random.Generator) -> Look:
-    """A look drawn from the light ranges: in it a critic sees an episode whose own look is not mild.
+    """A look drawn from the light ranges: the critic sees an episode in it whose own look is not mild.
 
     Args:
         scene, models, robot: of the episode.

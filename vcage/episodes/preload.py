@@ -18,4 +18,4 @@ with suppress(Exception):
     import vcage.datasets.packing.clips
     import vcage.video.colorvideovdp
 
-gc.freeze()  # stays out of the garbage collections of forks, whose memory is so shared
+gc.freeze()  # leaves loaded modules out of garbage collections, so that forked processes share their memory

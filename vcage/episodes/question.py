@@ -100,15 +100,15 @@ class Asking:
     @classmethod
     def of(cls, subtask: Subtask, seen: Seen, background: np.ndarray | None) -> Asking:
         """About a sub-task in its own words."""
-        told = (subtask.requires, subtask.grasped, subtask.statements)
-        return cls(subtask.text, subtask.goals, seen, background, *told)
+        facts = (subtask.requires, subtask.grasped, subtask.statements)
+        return cls(subtask.text, subtask.goals, seen, background, *facts)
 
     @property
     def hash(self) -> str:
         """Hex SHA-256 of all of it."""
         records = [record.model_dump_json() for record in (*self.goals, *self.requires, *self.statements)]
-        told = (self.text, records, self.grasped)
-        digest = hashlib.sha256(repr(told).encode())
+        words = (self.text, records, self.grasped)
+        digest = hashlib.sha256(repr(words).encode())
         shown = [(f"{when} {name}", p) for when, by in sorted(self.seen.items()) for name, p in sorted(by.items())]
         for name, picture in [*shown, *([] if self.background is None else [("background", self.background)])]:
             digest.update(f"{name} {picture.shape}".encode() + np.ascontiguousarray(picture).tobytes())

@@ -40,12 +40,12 @@ def world_facts(scene: Scene, drawn: Drawn) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Recorded:
-    """An episode, and where it begins.
+    """An episode, and its world at the start.
 
     Args:
         episode: all that its file holds but pictures.
         scene, robot: of the episode.
-        models: of the scene's objects, by id, as heavy and as slippery as was drawn.
+        models: of the scene's objects, by id, with their drawn mass and friction.
         drawn: for the episode.
     """
 

@@ -47,9 +47,9 @@ class Start:
         grasps: of each sub-task, by its id, best first.
         slots: where each sub-task puts its object, by its id.
         drawn: True if the layout was drawn; otherwise it is the run's with small shifts.
-        refused: why layouts that were drawn were not taken: reason → how many.
+        refused: drawn layouts that were refused: reason → number.
         world: its differences from the run's scene.
-        models: of the objects, by id, as heavy as was drawn.
+        models: of the objects, by id, with their drawn mass and friction.
         phrases: new phrases by those of the run's scene (:func:`~vcage.episodes.worlds.other_phrases`).
     """
 
@@ -127,7 +127,7 @@ class Starts:
         """A layout of a world, and the world with the clutter that stays put in it.
 
         Raises:
-            NoLayout: none was taken.
+            NoLayout: all were refused.
         """
         assert self._relations is not None, "layouts are drawn by the relations of a plan"
         scene, clutter = self._worlds.changed(world), self._worlds.clutter(world)

@@ -67,7 +67,7 @@ def forms() -> list[list[str]]:
 
 
 def written_forms() -> str:
-    """The forms in which a person states goals, each with its words: ``SUBJECT inside|on REFERENCE[/PART]``."""
+    """The forms of stated goals, each with its words, as in ``SUBJECT inside|on REFERENCE[/PART]``."""
     of_form: dict[str, list[str]] = {}
     for word in words():
         of_form.setdefault(KINDS[word].form, []).append(word)

@@ -10,7 +10,7 @@ A relation is a set of inequalities g(u) ≤ 0 on u (2,), the way from the refer
 - to the table: its box is its middle third; direction words have no cone, and the largest offset is half that box.
 
 They are those of :func:`vcage.plans.relations.holds` and :func:`vcage.plans.relations.holds_on_table`. Each costs
-nothing while it holds, its squared violation up to the knee, and grows linearly from there: an unsatisfiable one pulls
+nothing while it holds, its squared violation up to the knee, and grows linearly from there: one that cannot hold pulls
 with a bounded force, which a collision outweighs.
 ``inside`` and ``on`` are no terms: assigning an object to its container keeps them.
 """

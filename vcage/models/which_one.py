@@ -53,7 +53,7 @@ def unclear(read: CheckedReading) -> Iterator[str]:
     """Complaints about objects of goals that "the mug" means like another one of their kind, with nothing to tell them
     apart."""
     first = {noun.name: noun for noun in reversed(read.said)}.values()
-    bare = [n for n in first if _is_bare(n, read.task.whole.split(" ")) and not _needs_distinction(n, read.said)]
+    bare = [n for n in first if _is_bare(n, read.task.whole.split(" ")) and not _is_told_apart(n, read.said)]
     alike = {noun.words: _alike(noun, read.things, read.reading.in_goals) for noun in bare}
     for words, names in alike.items():
         if len(names) > 1 and not any(_tells(one, names, read) for one in read.reading.descriptions):
@@ -67,8 +67,8 @@ def _alike(noun: Noun, things: Mapping[str, CatalogueEntry], used: Collection[st
     return [name for name in named if things[name].name in kinds]
 
 
-def _needs_distinction(noun: Noun, said: Sequence[Noun]) -> bool:
-    """Check if there is more of the same name: "the red mug"."""
+def _is_told_apart(noun: Noun, said: Sequence[Noun]) -> bool:
+    """Check if the instruction says more of the same name elsewhere: "the red mug"."""
     return any(other.name in (noun.name, ()) and other.words != noun.words for other in said)
 
 

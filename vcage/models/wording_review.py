@@ -1,4 +1,4 @@
-"""Review of a sentence for a task: true of the scene, unambiguous in it, and an exact request?"""
+"""Review of a sentence for a task: it must be true of the scene, unambiguous in it, and ask for exactly the task."""
 
 from __future__ import annotations
 

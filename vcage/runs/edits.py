@@ -1,6 +1,6 @@
 """Edited files as new inputs: found, checked like what the stage makes itself, then used.
 
-What a person changed in a stage's folder since the stage wrote it, :data:`SEAL` beside it says.
+:data:`SEAL` beside the JSON of a stage keeps what the stage wrote, so that later changes are found.
 """
 
 from __future__ import annotations

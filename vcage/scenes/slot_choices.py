@@ -31,8 +31,8 @@ def with_chosen_slots(
 ) -> list[list[Subtask]]:
     """The chains with the reasoner's choices, those of an instruction proven from step to step.
 
-    It is asked once for all of them, and only where it has a choice. Where a chain cannot be done with the places that
-    it chose, it is done as it is ranked.
+    It is asked once for all of them, and only where it has a choice. Where a chain cannot be done with the chosen
+    places, it follows the ranking.
 
     Args:
         chains: the sub-tasks of each, in order.
@@ -68,7 +68,7 @@ def with_chosen_slots(
 def _questions(
     chain: Sequence[Subtask], kept: Mapping[str, Subtask], scene: Scene, objects: Sequence[SceneObject]
 ) -> list[SlotQuestion]:
-    """Choices in a chain; without the place for a sub-task with its own task, as others use the other places."""
+    """Choices in a chain. A sub-task that is a task of its own keeps its place: others use the other places."""
     by_id = {o.id: o for o in objects}
     actions = {subtask.id: action_of(subtask, by_id[subtask.object]) for subtask in chain}
     if scene.goals:

@@ -209,7 +209,7 @@ _Done = tuple[Episode, list[Attempt]]
 
 
 def _fill(store: EpisodeStore, wanted: Wanted, options: Options, context: StageContext, progress: Progress) -> None:
-    """Run episodes until enough of each chain are accepted, or :data:`RUNS_PER_EPISODE` times as many were run.
+    """Run episodes until enough of each chain are accepted, or :class:`~vcage.episodes.quota.Wanted` begins no more.
 
     An episode depends on its number alone, those of a chain are stored in the order of their numbers, and none begins
     that would not be needed if all running ones are accepted: so the number of processes changes no file.

@@ -141,12 +141,12 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
 
 
 def _accept(edit: Edit[Scene]) -> Scene:
-    """Check an edited S*, and draw and measure it as it settles. The figures of the optimisation are not of it."""
+    """Check an edited S*, and draw and measure it as it settles, without the figures of the optimisation."""
     if not edit.changes(*SCENE_FIELDS):
         return edit.record
     settled, run, context = accepted_scene(edit), edit.run, edit.context
     write_picture(edit.folder / "top.png", shoot(context.drawn_world(settled), settled.top_camera))
-    if not run.matches.exists():  # a sub-task with its own task has no plan
+    if not run.matches.exists():  # a sub-task that runs alone has no plan
         return settled
     targets = with_stowed(settled, _targets(settled, read_matches(run, settled)))
     poses = {o.id: o.pose.pose() for o in settled.objects}
@@ -183,9 +183,9 @@ def _checks(kept: Kept, result: LayoutResult) -> dict[str, Any]:
 
 
 def _heading(record: ObjectRecord, yaw: float, workspace: Workspace, context: StageContext) -> float:
-    """The matched heading; an object with a front is turned back until it faces the robot, and straight
-    where the workspace has no room for it and its open parts otherwise. A round object
-    has none, and takes the one at which its box needs the least room."""
+    """The matched heading; an object with a front is turned back until that faces the robot, and straight where the
+    workspace has no room for it and its open parts otherwise. A round object has no heading, and takes one at which its
+    box needs the least room."""
     asset = context.asset(record)
     if not asset.articulated:
         return float(np.round(yaw / (np.pi / 2)) * np.pi / 2) if asset.round else yaw

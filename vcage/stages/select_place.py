@@ -7,7 +7,7 @@ examples:
   vcage select-place "Put the blocks on the plate" --out runs/blocks --seed 7 --force
   vcage select-place --scene office_desk --out runs/office
   vcage select-place "Put the apple into the bowl" --robot dual_panda --out runs/apple
-  vcage select-place --goal "marker inside packaging_box" --goal "then sponge inside packaging_box" --out runs/told
+  vcage select-place --goal "marker inside packaging_box" --goal "then sponge inside packaging_box" --out runs/stated
 
 Goals can be stated in place of an instruction. Nothing is read then, and no reasoner is asked. All goals but those that
 name an arm may end with "with the left|right arm". A goal that begins with "then" comes after those before it.
@@ -71,8 +71,8 @@ class Options(ModelOptions):
     robot: Annotated[str | None, arg(metavar="ROBOT"), UNSAID] = None
     """the robot (default: that of the scene template); ``vcage robots list`` lists them"""
 
-    def told(self) -> StatedTask | None:
-        """The given goals, with everything about them; None without any."""
+    def stated(self) -> StatedTask | None:
+        """The stated goals, with start conditions and objects; None without goals."""
         return StatedTask.of(self.goals, self.starts, self.objects)
 
 
@@ -87,9 +87,9 @@ def job(run: RunFolder, options: Options, context: StageContext) -> Job:
     asked["robot"] = load_template(options.template, options.robot).robot
     if options.instruction is not None:
         asked["instruction"] = _read(options.instruction)
-    told = options.told()
-    if told is not None:
-        asked |= told.record()
+    stated = options.stated()
+    if stated is not None:
+        asked |= stated.record()
     elif options.instruction is None:
         asked["contents"] = [one.model_dump(mode="json") for one in _with_contents(options.template).contents]
     return Job(
@@ -97,7 +97,7 @@ def job(run: RunFolder, options: Options, context: StageContext) -> Job:
         output=run.scene,
         seed=options.seed or 0,
         options=asked,
-        providers=context.models.providers("reasoner") if asked["instruction"] and told is None else {},
+        providers=context.models.providers("reasoner") if asked["instruction"] and stated is None else {},
     )
 
 
@@ -155,11 +155,11 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
         rng = stage.rng()
         template = load_template(options.template, options.robot)
         instruction = stage.options["instruction"]
-        told = options.told()
-        if told is None:
+        stated = options.stated()
+        if stated is None:
             chosen = choose(instruction, template, context, rng)
         else:
-            instruction, chosen = choose_stated(told, instruction, template, context, rng)
+            instruction, chosen = choose_stated(stated, instruction, template, context, rng)
         for note in chosen.notes:
             logger.warning("%s", note)
         scene: dict[str, Any] = {

@@ -49,8 +49,8 @@ def write_script(subtask: Subtask, scene: Scene, path: Path) -> Path:
     """Write the script, executable.
 
     Args:
-        subtask: the script's action.
-        scene: its place.
+        subtask: to be done by the script.
+        scene: its objects, ready for the sub-task.
         path: of the script.
     """
     write_text(path, render_script(subtask, scene))

@@ -26,7 +26,7 @@ class Picture:
     Args:
         path: relative to the page.
         width: pixels.
-        caption: its content.
+        caption: shown below it.
     """
 
     path: str

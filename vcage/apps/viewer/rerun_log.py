@@ -79,7 +79,7 @@ class RerunLog:
         """One row of ``columns`` at each time of ``clock``.
 
         Args:
-            entity: its path.
+            entity: path in the recording.
             clock: N times.
             columns: N rows, of a kind that Rerun knows.
         """
@@ -89,7 +89,7 @@ class RerunLog:
         """A number at each time.
 
         Args:
-            entity: its path.
+            entity: path in the recording.
             clock: N times.
             values: (N,).
         """
@@ -99,7 +99,7 @@ class RerunLog:
         """Log the poses of an entity in its parent's frame.
 
         Args:
-            entity: its path.
+            entity: path in the recording.
             clock: N times.
             positions: (N, 3), metres.
             quaternions: (N, 4) wxyz.
@@ -111,7 +111,7 @@ class RerunLog:
         """:meth:`poses`, of poses.
 
         Args:
-            entity: its path.
+            entity: path in the recording.
             clock: N times.
             poses: N, in the frame of its parent.
         """

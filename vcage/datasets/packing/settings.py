@@ -68,8 +68,7 @@ class CompressionSettings:
     codec: Annotated[str, choice(tuple(CODECS))] = "hevc"
     """video codec"""
     effort: Effort = "default"
-    """of the encoder; for HEVC best takes a sixth fewer bytes and 2.5 times the time, fast half as many more bytes and
-    half the time"""
+    """for HEVC, best takes a sixth fewer bytes and 2.5 times the time, fast half as many bytes more in half the time"""
     pixel_format: Annotated[str, arg(metavar="NAME")] = AUTO
     """FFmpeg's name; auto tries those of the codec"""
     gop: Annotated[int | str, value(_gop, "N"), arg(help=GOP_HELP)] = 10

@@ -35,7 +35,7 @@ class Hdf5Colours(Recording):
 
     def with_colours(self, colours: Colours) -> Self:
         other = super().with_colours(colours)
-        other.__dict__.pop("colours", None)  # for the copy's memory
+        other.__dict__.pop("colours", None)  # cached for the old order
         return other
 
     def swapped(self, camera: str) -> bool:

@@ -42,7 +42,7 @@ def robot_reach(
         workspace: (2, 2) lower and upper corner, metres.
         heights: z of the gripper frame's origin that must be reached, metres.
         folder: of the maps, the user's cache if None.
-        every: True for the common reach of all arms, each by itself.
+        every: True for the area that every arm reaches, not just some arm.
         tilted: demands on a tilted hand; a grasp at the lowest height, at all headings, if None.
 
     Raises:

@@ -13,7 +13,7 @@ from vcage.models.rules import PROVIDER
 from vcage.models.rules.critic_view import CriticView
 from vcage.models.rules.drawings import drawn_whole
 from vcage.models.rules.evidence import EVIDENCE
-from vcage.models.rules.evidence.told import decided, refused
+from vcage.models.rules.evidence.judgement import decided, refused
 from vcage.models.rules.pixels import PIXELS, displaced
 from vcage.models.rules.standing import SETTINGS as STANDING
 from vcage.schema.episodes import Verdict
@@ -58,22 +58,22 @@ class OfflineCritic:
         if not question.goals:
             raise InputFileError("the critic was asked about no goal", hint="give the sub-task's goals")
         view = CriticView(question)
-        told = [EVIDENCE[goal.kind.evidence](view, goal) for goal in question.goals]
-        failed = [verdict for verdict, _ in told if not verdict.accepted]
+        judged = [EVIDENCE[goal.kind.evidence](view, goal) for goal in question.goals]
+        failed = [verdict for verdict, _ in judged if not verdict.accepted]
         if failed:
             return max(failed, key=lambda v: v.confidence)
-        explained = np.any([mask for _, mask in told], axis=0)
+        explained = np.any([mask for _, mask in judged], axis=0)
         far = SETTINGS.nudged_m / view.metres_per_pixel
         pixels = displaced(view.change, explained, view.stood_before, view.stands_after, far)
         others = judge_others(pixels * view.metres_per_pixel**2, sorted(_vanished(view, explained)))
-        return others if not others.accepted else min((verdict for verdict, _ in told), key=lambda v: v.confidence)
+        return others if not others.accepted else min((verdict for verdict, _ in judged), key=lambda v: v.confidence)
 
 
 def judge_others(area_m2: float, vanished: Sequence[str]) -> Verdict:
     """Judge whether nothing else was moved.
 
     Args:
-        area_m2: largest tolerated change of the table outside the sub-task.
+        area_m2: area of the largest patch of the table that changed outside the sub-task.
         vanished: objects that left their place, in words.
     """
     if vanished:

@@ -6,11 +6,11 @@ A kind of goal names its judgement (``evidence`` of :class:`vcage.goals.kind.Goa
 from __future__ import annotations
 
 from vcage.models.rules.evidence.in_the_air import held_by
+from vcage.models.rules.evidence.judgement import Judgement
 from vcage.models.rules.evidence.moved import judge_moved, judge_presented, judge_related, judge_returned
 from vcage.models.rules.evidence.parts import judge_part, judge_pressed
 from vcage.models.rules.evidence.placed import judge_placed, judge_weighed
 from vcage.models.rules.evidence.scanned import judge_scanned
-from vcage.models.rules.evidence.told import Judgement
 
 EVIDENCE: dict[str, Judgement] = {
     "part": judge_part,

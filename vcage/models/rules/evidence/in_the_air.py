@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from vcage.models.rules.critic_view import CriticView
+from vcage.models.rules.evidence.judgement import LEFT_SHARE, Judged, Judgement, decided, refused, unseen
 from vcage.models.rules.evidence.moved import Moved
-from vcage.models.rules.evidence.told import LEFT_SHARE, Judgement, Told, decided, refused, unseen
 from vcage.models.rules.pixels import Change, changed_between, share_of
 from vcage.models.rules.standing import Standing
 from vcage.schema.episodes import Verdict
@@ -78,13 +78,13 @@ class InTheAir:
 def held_by(hands: int, when: str) -> Judgement:
     """Judge if an object was in that many hands at the moment; ``when`` names the moment in a reason."""
 
-    def judge(view: CriticView, goal: Goal) -> Told:
+    def judge(view: CriticView, goal: Goal) -> Judged:
         thing = view.phrase(goal.subject)
         if "top" not in view.moment:
             return unseen(view, f"the moment of {when} of the {thing}")
         evidence = InTheAir.gather(view, goal.subject)
         if evidence is None:
-            return Told(refused(f"the {thing} is not found before and after", 0.6), view.nowhere)
-        return Told(evidence.verdict(thing, hands, when), view.around(evidence.old, evidence.new))
+            return Judged(refused(f"the {thing} is not found before and after", 0.6), view.nowhere)
+        return Judged(evidence.verdict(thing, hands, when), view.around(evidence.old, evidence.new))
 
     return judge

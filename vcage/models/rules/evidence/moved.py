@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from vcage.models.rules.critic_view import CriticView
+from vcage.models.rules.evidence.judgement import LEFT_SHARE, LOOKS_SHARE, Judged, decided, refused, unseen
 from vcage.models.rules.evidence.support import SETTINGS as SUPPORT
-from vcage.models.rules.evidence.told import LEFT_SHARE, LOOKS_SHARE, Told, decided, refused, unseen
 from vcage.models.rules.pixels import changed_between, looks_like, share_of
 from vcage.models.rules.standing import SETTINGS as STANDING
 from vcage.models.rules.standing import Sought, Standing
@@ -89,41 +89,41 @@ class Moved:
         return decided(enough, seen, 0.5 + abs(self.bare - SETTINGS.bare_share), "astray")
 
 
-def judge_moved(view: CriticView, goal: Goal) -> Told:
+def judge_moved(view: CriticView, goal: Goal) -> Judged:
     """Judge whether an object was put down on the table."""
     moved = Moved.of(view, goal.subject)
-    return Told(moved.verdict(view.phrase(goal.subject)), view.around(moved.old, moved.new))
+    return Judged(moved.verdict(view.phrase(goal.subject)), view.around(moved.old, moved.new))
 
 
-def judge_related(view: CriticView, goal: Goal) -> Told:
+def judge_related(view: CriticView, goal: Goal) -> Judged:
     """Judge if an object was put down or pushed to its intended place beside another."""
     moved, thing = Moved.of(view, goal.subject), view.phrase(goal.subject)
     verdict, explained = judge_moved(view, goal)
     if not verdict.accepted or moved.new is None:
-        return Told(verdict, explained)
+        return Judged(verdict, explained)
     other, word = view.sought(str(goal.reference)), goal.relation.replace("_", " ")
     reference = other.found(view.after)
     if reference is None or reference.unlike > STANDING.unlike_lab:
         unfound = f"the {other.look.phrase} is not found, so that nothing is told to be {word} it"
-        return Told(refused(unfound, 0.6), explained)
+        return Judged(refused(unfound, 0.6), explained)
     there = holds(goal.relation, moved.new.aabb, reference.aabb)  # pyrefly: ignore[bad-argument-type]
     seen = f"the {thing} left its place and is {'' if there else 'not '}seen {word} the {other.look.phrase}"
-    return Told(decided(there, seen, 0.8, "astray"), explained)
+    return Judged(decided(there, seen, 0.8, "astray"), explained)
 
 
-def judge_presented(view: CriticView, goal: Goal) -> Told:
+def judge_presented(view: CriticView, goal: Goal) -> Judged:
     """Judge whether an object was put on the customer's half of the table with its front to the customer."""
     moved, thing = Moved.of(view, goal.subject), view.phrase(goal.subject)
     verdict, explained = judge_moved(view, goal)
     if not verdict.accepted or moved.new is None:
-        return Told(verdict, explained)
+        return Judged(verdict, explained)
     stands, towards = moved.new.pose, view.question.towards_customer
     if stands.p @ towards < 0:
-        return Told(refused(f"the {thing} is not on the customer's half of the table", 0.8, "astray"), explained)
+        return Judged(refused(f"the {thing} is not on the customer's half of the table", 0.8, "astray"), explained)
     angle = float(np.arccos(np.clip(-stands.rotation()[:, 1] @ towards, -1, 1)))
     seen = f"the front of the {thing} is seen {np.degrees(angle):.0f}° from the customer"
     limit = SETTINGS.facing_rad
-    return Told(decided(angle <= limit, seen, 0.5 + min(0.5, abs(angle - limit)), "astray"), explained)
+    return Judged(decided(angle <= limit, seen, 0.5 + min(0.5, abs(angle - limit)), "astray"), explained)
 
 
 def _alike(view: CriticView, thing: Sought, new: Standing | None, came: np.ndarray) -> float:
@@ -200,12 +200,12 @@ class Returned:
         return decided(self.same >= same_share, seen, 0.5 + abs(self.same - same_share))
 
 
-def judge_returned(view: CriticView, goal: Goal) -> Told:
+def judge_returned(view: CriticView, goal: Goal) -> Judged:
     """Judge whether an object was put back."""
     thing = view.phrase(goal.subject)
     if "top" not in view.start:
         return unseen(view, f"where the {thing} stood at the start")
     evidence = Returned.gather(view, goal.subject)
     if evidence is None:
-        return Told(refused(f"where the {thing} stood at the start is not found", 0.6), view.nowhere)
-    return Told(evidence.verdict(thing), view.around(evidence.stood, evidence.was))
+        return Judged(refused(f"where the {thing} stood at the start is not found", 0.6), view.nowhere)
+    return Judged(evidence.verdict(thing), view.around(evidence.stood, evidence.was))

@@ -15,7 +15,7 @@ import numpy as np
 from vcage.base.errors import InputFileError
 from vcage.models.rules.critic_view import AROUND_PX, CriticView
 from vcage.models.rules.drawings import brightness, drawn_whole
-from vcage.models.rules.evidence.told import Told, decided, refused
+from vcage.models.rules.evidence.judgement import Judged, decided, refused
 from vcage.models.rules.pixels import changed, grown
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal, part_words
@@ -164,22 +164,22 @@ class PartEvidence:
         return float((self.costs[~meant].min() - self.costs[meant].min()) / max(np.ptp(self.costs), 1e-6))
 
 
-def judge_part(view: CriticView, goal: Goal) -> Told:
+def judge_part(view: CriticView, goal: Goal) -> Judged:
     """Judge whether a part was opened, closed or turned."""
     return _judged(view, goal, PartEvidence.moved)
 
 
-def judge_pressed(view: CriticView, goal: Goal) -> Told:
+def judge_pressed(view: CriticView, goal: Goal) -> Judged:
     """Judge whether a button was pressed."""
     return _judged(view, goal, PartEvidence.pressed)
 
 
-def _judged(view: CriticView, goal: Goal, decide: Callable[[PartEvidence, Goal, str], Verdict]) -> Told:
+def _judged(view: CriticView, goal: Goal, decide: Callable[[PartEvidence, Goal, str], Verdict]) -> Judged:
     evidence = PartEvidence.gather(view, goal)
     phrase = view.question.looks[goal.subject].phrase
     if evidence is None:
-        return Told(refused(f"the {phrase} is not found", 0.5), view.nowhere)
-    return Told(decide(evidence, goal, phrase), grown(evidence.covered, AROUND_PX))
+        return Judged(refused(f"the {phrase} is not found", 0.5), view.nowhere)
+    return Judged(decide(evidence, goal, phrase), grown(evidence.covered, AROUND_PX))
 
 
 def _touched(sight: _Sight, view: CriticView) -> float:

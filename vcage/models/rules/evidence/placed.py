@@ -12,10 +12,10 @@ from vcage.base.geometry import Pose
 from vcage.models.protocols import THIN_SUPPORT_M
 from vcage.models.rules.critic_view import AROUND_PX, CriticView
 from vcage.models.rules.drawings import Draw
+from vcage.models.rules.evidence.judgement import LEFT_SHARE, LOOKS_SHARE, Judged, decided, refused, unseen
 from vcage.models.rules.evidence.places import SETTINGS, Places, about, came_to, covered_by, margin_of, reaching
 from vcage.models.rules.evidence.support import SETTINGS as SUPPORT
 from vcage.models.rules.evidence.support import Lying, Support, find_lying, find_support, redrawn, stays
-from vcage.models.rules.evidence.told import LEFT_SHARE, LOOKS_SHARE, Told, decided, refused, unseen
 from vcage.models.rules.pixels import Change, changed_between, grown
 from vcage.models.rules.standing import Sought, Standing
 from vcage.schema.episodes import Failure, Verdict
@@ -119,12 +119,12 @@ class Placed:
         return None
 
 
-def judge_placed(view: CriticView, goal: Goal) -> Told:
+def judge_placed(view: CriticView, goal: Goal) -> Judged:
     """Judge whether an object was put in or on another."""
     evidence, thing, place = Placed.gather(view, goal), view.phrase(goal.subject), view.phrase(str(goal.reference))
     if evidence is None:
-        return Told(refused(f"the {thing} or the {place} is not found before", 0.5), view.nowhere)
-    return Told(evidence.verdict(goal, thing, place), evidence.explained)
+        return Judged(refused(f"the {thing} or the {place} is not found before", 0.5), view.nowhere)
+    return Judged(evidence.verdict(goal, thing, place), evidence.explained)
 
 
 @dataclass(frozen=True)
@@ -206,7 +206,7 @@ STILL_SHARE = 0.25
 """Share of what came or went since before that may change while an object is weighed."""
 
 
-def judge_weighed(view: CriticView, goal: Goal) -> Told:
+def judge_weighed(view: CriticView, goal: Goal) -> Judged:
     """Judge if an object came to lie on a scale, and lay still there."""
     on = next((g for g in view.question.goals if g.subject == goal.subject and g.relation == "on"), None)
     thing = view.phrase(goal.subject)
@@ -214,10 +214,10 @@ def judge_weighed(view: CriticView, goal: Goal) -> Told:
         return unseen(view, f"the {thing} lying on a scale")
     lies, explained = judge_placed(view, on)
     if not lies.accepted:
-        return Told(lies, explained)
+        return Judged(lies, explained)
     restless = _restless(view)
     seen = f"{100 * restless:.0f} % of the {thing} changed while it was weighed"
-    return Told(decided(restless <= STILL_SHARE, seen, 0.5 + abs(restless - STILL_SHARE)), explained)
+    return Judged(decided(restless <= STILL_SHARE, seen, 0.5 + abs(restless - STILL_SHARE)), explained)
 
 
 def _restless(view: CriticView) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 from vcage.base.geometry import Camera, Pose
 from vcage.models.rules.critic_view import CriticView
 from vcage.models.rules.drawings import Draw, as_bright, cut, drawn_whole, inside, refined, window_around
-from vcage.models.rules.evidence.told import LEFT_SHARE, Told, decided, refused, unseen
+from vcage.models.rules.evidence.judgement import LEFT_SHARE, Judged, decided, refused, unseen
 from vcage.models.rules.pixels import changed_between, grown, share_of
 from vcage.models.rules.standing import Standing
 from vcage.schema.episodes import Verdict
@@ -97,7 +97,7 @@ class Shown:
         return decided(accepted, f"{seen}, {100 * self.elsewhere:.0f} % farther away", 0.5 + sure)
 
 
-def judge_scanned(view: CriticView, goal: Goal) -> Told:
+def judge_scanned(view: CriticView, goal: Goal) -> Judged:
     """Judge whether a scanner was held before the object, or the object before a scanner."""
     question = view.question
     if question.readings is None or "top" not in view.moment:
@@ -105,18 +105,18 @@ def judge_scanned(view: CriticView, goal: Goal) -> Told:
     moved = question.grasped or goal.subject
     others = [goal.subject] if moved in question.readers else question.readers
     told = [_judged(view, moved, still) for still in others]
-    none = Told(refused("there is no scanner", 1.0), view.nowhere)
+    none = Judged(refused("there is no scanner", 1.0), view.nowhere)
     return max(told, key=lambda one: (one.verdict.accepted, one.verdict.confidence), default=none)
 
 
-def _judged(view: CriticView, moved: str, still: str) -> Told:
+def _judged(view: CriticView, moved: str, still: str) -> Judged:
     one, other = (view.sought(name, upon=True) for name in (moved, still))
     held, stands = one.found(view.before), other.found(view.before)
     if held is None or stands is None:
         missing = (one if held is None else other).look.phrase
-        return Told(refused(f"the {missing} is not found", 0.5), view.nowhere)
+        return Judged(refused(f"the {missing} is not found", 0.5), view.nowhere)
     verdict = Shown.gather(view, moved, still, held, stands).verdict(one.look.phrase, other.look.phrase)
-    return Told(verdict, grown(held.covered, SETTINGS.put_back_px))
+    return Judged(verdict, grown(held.covered, SETTINGS.put_back_px))
 
 
 _TURNS = np.linspace(0, 2 * np.pi, SETTINGS.headings, endpoint=False)

@@ -19,7 +19,7 @@ LOOKS_SHARE = 0.2
 """Share of what came to be seen somewhere that must have the object's colours: what leans shows other sides."""
 
 
-class Told(NamedTuple):
+class Judged(NamedTuple):
     """The outcome of a judgement.
 
     Args:
@@ -31,7 +31,7 @@ class Told(NamedTuple):
     explained: np.ndarray
 
 
-Judgement = Callable[[CriticView, Goal], Told]
+Judgement = Callable[[CriticView, Goal], Judged]
 """Measures in pictures whether a goal was brought about, and decides."""
 
 
@@ -51,6 +51,6 @@ def refused(reason: str, confidence: float, failure: Failure | None = None) -> V
     return decided(False, reason, confidence, failure)
 
 
-def unseen(view: CriticView, what: str) -> Told:
+def unseen(view: CriticView, what: str) -> Judged:
     """A no for want of a picture."""
-    return Told(refused(f"no picture shows {what}", 0.5), view.nowhere)
+    return Judged(refused(f"no picture shows {what}", 0.5), view.nowhere)
