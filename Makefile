@@ -4,7 +4,7 @@
 #   make test     the same environment, then lint and the tests
 #   make lint     ruff and the types (pyrefly)
 #   make skills   copy skills/vcage_environment.py, by which scripts find the environment, into every skill
-#   make doctor   what was found, and the command that mends what is missing
+#   make doctor   what was found, and the command that fixes what is missing
 #
 #   make test-lerobot   the real lerobot, in an environment of its own, loads what export writes; DATASET=PATH proves a
 #                       run folder or a LeRobot folder of yours instead of a small run made for it

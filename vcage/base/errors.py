@@ -203,7 +203,7 @@ class SchemaMismatch(InputFileError):
     code = "schema_mismatch"
 
 
-def mismatch(path: Path, field: str, message: str, hint: str = "mend the field", **details: Any) -> SchemaMismatch:
+def mismatch(path: Path, field: str, message: str, hint: str = "fix the field", **details: Any) -> SchemaMismatch:
     """The error about one field of a file.
 
     Args:

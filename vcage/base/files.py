@@ -150,7 +150,7 @@ def read_json(path: Path, *, nan: bool = False) -> Any:
 def atomic_folder(path: Path) -> Iterator[Path]:
     """Yield an empty folder beside ``path`` that replaces ``path`` only if the block succeeds.
 
-    A killed replacement is mended by :func:`vcage.base.leftovers.recover`, which runs on entry.
+    A killed replacement is repaired by :func:`vcage.base.leftovers.recover`, which runs on entry.
     """
     path = Path(path)
     recover(path)

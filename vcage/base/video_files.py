@@ -34,7 +34,7 @@ LIMITS = VideoLimits()
 CONTAINERS = ",".join(("mov", "mp4", "m4a", "3gp", "3g2", "mj2", "matroska", "webm", "avi", "mpegts"))
 """FFmpeg's formats that hold their own pictures; playlists, which it knows too, name other files."""
 
-MEND = "make it again (in a run, by its stage compress), or fetch it again"
+MAKE_AGAIN = "make it again (in a run, by its stage compress), or fetch it again"
 
 
 @contextmanager
@@ -51,11 +51,11 @@ def open_video(video: bytes | Path) -> Iterator[Any]:
     try:
         with av.open(source, options={"format_whitelist": CONTAINERS}) as container:
             if not container.streams.video:
-                raise DamagedFile(f"{video_name(video)} holds no video stream", hint=MEND)
+                raise DamagedFile(f"{video_name(video)} holds no video stream", hint=MAKE_AGAIN)
             _require_modest(container.streams.video[0], video_name(video), LIMITS)
             yield container
     except av.error.FFmpegError as error:
-        raise DamagedFile(f"{video_name(video)} cannot be decoded: {error}", hint=MEND) from error
+        raise DamagedFile(f"{video_name(video)} cannot be decoded: {error}", hint=MAKE_AGAIN) from error
 
 
 def _require_modest(stream: Any, name: str, limits: VideoLimits) -> None:

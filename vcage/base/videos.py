@@ -21,7 +21,7 @@ from av.video.reformatter import VideoReformatter
 from numpy.typing import NDArray
 
 from vcage.base.errors import DamagedFile, UsageError
-from vcage.base.video_files import MEND, open_video, video_name
+from vcage.base.video_files import MAKE_AGAIN, open_video, video_name
 
 
 def decode(
@@ -114,7 +114,7 @@ def frame_rate(video: bytes | Path) -> float:
     with _opened(video) as source:
         rate = source.stream.average_rate
         if not rate:
-            raise DamagedFile(f"{source.name} does not say how fast its frames follow each other", hint=MEND)
+            raise DamagedFile(f"{source.name} does not say how fast its frames follow each other", hint=MAKE_AGAIN)
         return float(rate)
 
 
@@ -187,7 +187,7 @@ def _table(video: bytes | Path) -> _Table:
     try:
         stat = video.stat()
     except OSError as error:
-        raise DamagedFile(f"{video} cannot be read: {error.strerror}", hint=MEND) from error
+        raise DamagedFile(f"{video} cannot be read: {error.strerror}", hint=MAKE_AGAIN) from error
     return _kept_table(video, stat.st_size, stat.st_mtime_ns)
 
 
@@ -235,7 +235,7 @@ class _Source:
             decoded += 1
             yield self._whole(frame)
         if decoded < shown:
-            raise DamagedFile(f"{self.name}: only {decoded} of its {shown} frames can be decoded", hint=MEND)
+            raise DamagedFile(f"{self.name}: only {decoded} of its {shown} frames can be decoded", hint=MAKE_AGAIN)
 
     def picture(self, frame: av.VideoFrame) -> NDArray[np.uint8]:
         """(H, W, 3) uint8 RGB of a frame."""
@@ -253,7 +253,7 @@ class _Source:
             if not packet.is_discard:  # cut off by an edit list, decoded only for the sake of others
                 times.append(packet.pts)
         if not entries or len(set(times)) < len(times):
-            raise DamagedFile(f"{self.name} has no frame to start at, or two at the same time", hint=MEND)
+            raise DamagedFile(f"{self.name} has no frame to start at, or two at the same time", hint=MAKE_AGAIN)
         return _Table(sorted(times), sorted(entries, key=lambda entry: entry.time), self.stream.time_base)
 
     def run(self, run: _Run) -> Iterator[NDArray[np.uint8]]:
@@ -270,24 +270,24 @@ class _Source:
                     left -= 1
             if not left:
                 return
-        raise DamagedFile(f"{self.name}: {left} of the requested frames cannot be decoded", hint=MEND)
+        raise DamagedFile(f"{self.name}: {left} of the requested frames cannot be decoded", hint=MAKE_AGAIN)
 
     def _packets(self) -> Iterator[Any]:
         """All packets, in the order of decoding."""
         count = 0
         for packet in self.container.demux(self.stream):
             if packet.is_corrupt:
-                raise DamagedFile(f"{self.name} is cut off or damaged at frame {count}", hint=MEND)
+                raise DamagedFile(f"{self.name} is cut off or damaged at frame {count}", hint=MAKE_AGAIN)
             if packet.size:
                 count += 1
                 yield packet
         claimed = min(self.stream.frames, len(self.stream.index_entries))
         if count < claimed:
-            raise DamagedFile(f"{self.name} claims {claimed} frames and holds {count}", hint=MEND)
+            raise DamagedFile(f"{self.name} claims {claimed} frames and holds {count}", hint=MAKE_AGAIN)
 
     def _whole(self, frame: av.VideoFrame) -> av.VideoFrame:
         if frame.is_corrupt:
-            raise DamagedFile(f"{self.name} is damaged {frame.time or 0:.3f} s after its start", hint=MEND)
+            raise DamagedFile(f"{self.name} is damaged {frame.time or 0:.3f} s after its start", hint=MAKE_AGAIN)
         return frame
 
 

@@ -147,7 +147,7 @@ def process_context() -> SpawnContext | ForkServerContext:
 
 
 def remove_server_files() -> None:
-    """Remove what a process that is about to end by ``os._exit`` would leave of the one that others are forked from."""
+    """Remove temporary files of the fork server, which a process that ends by ``os._exit`` would leave behind."""
     if process_context.cache_info().currsize:
         shutil.rmtree(get_temp_dir(), ignore_errors=True)
 

@@ -190,7 +190,7 @@ class ValidateAssets(Command):
             few = "; ".join(proof.failed[:5]) + (" …" if len(proof.failed) > 5 else "")
             error = AssetsUnproven(
                 f"{len(proof.failed)} {'check' if len(proof.failed) == 1 else 'checks'} failed: {few}",
-                hint=f"see {output}, then mend these objects or leave them out",
+                hint=f"see {output}, then fix these objects or leave them out",
             )
         return Result(output=output, schema=proof.SCHEMA, facts={name: facts[name] for name in SHOWN}, error=error)
 

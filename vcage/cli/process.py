@@ -147,7 +147,7 @@ def interruption(error: BaseException) -> Interrupted | None:
     """Return the error to report where a command was interrupted; None where it failed by itself.
 
     Args:
-        error: what it ended with.
+        error: the one it ended with.
     """
     if not isinstance(error, KeyboardInterrupt) and not _signalled.is_set():
         return None

@@ -223,10 +223,10 @@ def _busy(path: Path, error: Exception) -> VcageError | None:
         )
     if WRITTEN not in str(error):
         return None
-    mend = f"if its writer is gone: h5clear -s {path}"
+    unlock = f"if its writer is gone: h5clear -s {path}"
     if _marks(path) & SWMR_WRITTEN:
-        return FileInUse(f"{path} is being written by another process (SWMR)", hint=f"wait for its writer; {mend}")
-    return DamagedFile(f"{path} is damaged: it was not closed by the program that wrote it", hint=mend)
+        return FileInUse(f"{path} is being written by another process (SWMR)", hint=f"wait for its writer; {unlock}")
+    return DamagedFile(f"{path} is damaged: it was not closed by the program that wrote it", hint=unlock)
 
 
 def _marks(path: Path) -> int:

@@ -1,4 +1,4 @@
-"""When a goal counts as true, and an object as disturbed: the simulator's state is judged so, and critics are told."""
+"""Limits for a true goal and a disturbed object: used to judge the simulator's state, and given to critics."""
 
 from __future__ import annotations
 

@@ -28,8 +28,8 @@ class StartSettings:
     Args:
         gap_m: free space between neighbours at its best: the picture shows the table between them.
         border_px: width that stays free between an object and the edge of the picture.
-        behind_m: how far behind the middle of the table an object stands at most that the plan wants in the middle:
-            others stand before it.
+        behind_m: largest distance behind the middle of the table for an object planned in the middle: others stand
+            before it.
         broken_cost_m: cost of a broken relation, more than any distance.
         staying_share: cost of a metre from where an object stands now, beside a metre from where a relation looks best.
     """

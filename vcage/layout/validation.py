@@ -106,7 +106,7 @@ def _check_chain(item: TableItem, by_id: Mapping[str, TableItem]) -> None:
             raise UnknownName("container", name, [other.id for other in by_id.values() if other.opening is not None])
         if name in chain:
             circle = f"containers in a circle: {' in '.join([*chain, name])}"
-            raise UsageError(circle, hint="a container cannot lie inside itself; mend the plan")
+            raise UsageError(circle, hint="a container cannot lie inside itself; fix the plan")
         if by_id[name].opening is None:
             words = f"{chain[-1]} lies in {name}, which has no room for contents"
             raise UsageError(words, hint="give the container an opening")

@@ -1,4 +1,4 @@
-"""Goals against the verbs and the order of an instruction: what is said together, and what is said to come first."""
+"""Check goals against the verbs of an instruction, its pairs of object and place, and its order."""
 
 from __future__ import annotations
 

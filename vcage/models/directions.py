@@ -1,4 +1,4 @@
-"""Sides, arms and drawers that an instruction names, by the place of their words, and what a reading says otherwise."""
+"""Check a reading against the sides, arms and drawers that an instruction names, by the place of their words."""
 
 from __future__ import annotations
 

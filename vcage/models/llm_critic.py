@@ -1,4 +1,4 @@
-"""The critic behind whatever answers questions and sees pictures."""
+"""The critic behind any answerer with vision."""
 
 from __future__ import annotations
 

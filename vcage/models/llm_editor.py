@@ -21,7 +21,7 @@ class LlmEditor:
         self.provider = who.provider
 
     def rearrange(self, request: EditRequest) -> np.ndarray:
-        """The edited picture, in whatever size it came.
+        """The edited picture, in the size it came in.
 
         Raises:
             ModelRefused: the last round's picture is no edit of the source either.

@@ -146,7 +146,7 @@ class LlmReasoner:
         return read_goals(self._ask, asked, self._reviewer, self._third)
 
     def word_task(self, task: TaskToWord, plain: Sequence[str], examples: int = 3) -> TaskWordings:
-        """Ask once for sentences; once more, with what is wrong with them, where none holds against the review.
+        """Ask once for sentences; where none passes the review, once more, with their faults.
 
         Args:
             task, plain: see :meth:`vcage.models.protocols.Reasoner.word_task`.

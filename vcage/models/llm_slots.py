@@ -23,7 +23,7 @@ class StepsAnswer(Answer):
 
 
 def answer_type(questions: Sequence[SlotQuestion]) -> type[StepsAnswer]:
-    """The type of an answer whose names are those that occur in the questions."""
+    """The type of an answer with names from the questions only."""
     grasps = {str(option): None for question in questions for option in _all_grasps(question)}
     places = {str(place.point): None for question in questions for place in question.places}
     statements = {str(statement): None for question in questions for statement in question.statements}
@@ -39,9 +39,9 @@ def answer_type(questions: Sequence[SlotQuestion]) -> type[StepsAnswer]:
 
 def complaints(answer: StepsAnswer, questions: Sequence[SlotQuestion]) -> list[str]:
     """Complaints about an answer of the right type: names which step, and what it may say."""
-    ids, told = [question.subtask for question in questions], [step.subtask for step in answer.steps]
-    if told != ids:
-        return [f"steps: expected one entry each for {', '.join(ids)}, in this order, got {', '.join(told) or 'none'}"]
+    ids, given = [question.subtask for question in questions], [step.subtask for step in answer.steps]
+    if given != ids:
+        return [f"steps: expected one entry each for {', '.join(ids)}, in this order, got {', '.join(given) or 'none'}"]
     return [
         f"steps.{number}.{complaint}"
         for number, (step, question) in enumerate(zip(answer.steps, questions, strict=True))

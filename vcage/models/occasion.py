@@ -1,4 +1,4 @@
-"""Draws among kinds of the catalogue: those that suit a place, objects that stand by, scenes without an instruction."""
+"""Draws among kinds of the catalogue: kinds that suit a place, clutter, scenes without an instruction."""
 
 from __future__ import annotations
 

@@ -84,7 +84,7 @@ class WireFormat:
     Args:
         path: below the base URL; ``{model}`` stands for the model's id.
         body: makes the JSON body of the model's id and the question, or the fields of a form with files.
-        content: reads an answer; whatever lookup fails in it becomes an :class:`EndpointFailed`.
+        content: reads an answer; a failed lookup in it becomes an :class:`EndpointFailed`.
         files: makes the files of a form; none for JSON.
         usage: where the answer counts tokens.
         rounds: how often an answer without a picture is asked for again, with the first time, unless it is a refusal.

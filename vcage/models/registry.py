@@ -147,7 +147,7 @@ class Choice:
         return Stored(client, self.exchanges, anew=self.anew, spending=spending)
 
     def _replayed(self, role: Asked) -> Replayed | None:
-        """The stored answers of the role; None if nobody was asked, since rules answer alike each time."""
+        """The stored answers of the role; None for rules, which give the same answers each time."""
         exchanges = self.exchanges if self.replayed is None else Exchanges(RunFolder(self.replayed).exchanges)
         answered = who_answered(exchanges)
         if not answered:

@@ -136,7 +136,7 @@ def shortlist(
 
     Args:
         search: ranks the entries by each query.
-        most: at most so many are kept.
+        most: number to keep.
     """
     rankings = [search.search(query, entries, most) for query in queries]
     taken: dict[str, CatalogueEntry] = {}

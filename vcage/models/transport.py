@@ -234,7 +234,7 @@ def is_loopback(host: str) -> bool:
 
 
 def retry_after(value: str | None) -> float | None:
-    """Seconds that the endpoint asks to wait; it says so as a number or as a date."""
+    """Seconds that the endpoint asks to wait, given as a number or as a date."""
     if value is None:
         return None
     try:

@@ -181,7 +181,7 @@ class Library:
         """Build every variant that is not in the cache; returns why some could not be built.
 
         Args:
-            progress: told of every variant.
+            progress: called for every variant.
         """
         wanted, failures = self.unbuilt(), []
         self._make(wanted, progress)
@@ -193,7 +193,7 @@ class Library:
         return failures
 
     def _make(self, wanted: Sequence[tuple[str, str]], progress: Progress = silent) -> None:
-        """Make models into the cache, by as many processes as there are cores when it takes long. One that cannot be
+        """Make models into the cache, with a process for each core if it takes long. One that cannot be
         made is left for :meth:`asset` to complain about."""
         if len(wanted) > MAX_MODELS_IN_PROCESS:
             logger.info("building %d models of objects, once for all runs", len(wanted))
@@ -259,5 +259,5 @@ def _read(path: Path) -> Annotation:
     annotation = Annotation.read(path)
     if annotation.name != path.parent.name:
         text = f"{annotation.name!r} is not the folder's name {path.parent.name!r}"
-        raise mismatch(path, "name", text, "rename the folder or mend the field")
+        raise mismatch(path, "name", text, "rename the folder or fix the field")
     return annotation

@@ -69,7 +69,7 @@ def read_model(folder: Path) -> PhysicalModel:
 
     Raises:
         MissingStage, DamagedFile: its description is not there, or not JSON.
-        SchemaMismatch: a field of it is missing or not what it should be; names file and field.
+        SchemaMismatch: a field of it is missing or invalid; names file and field.
     """
     path = folder / DESCRIPTION
     data = read_json(path)
@@ -98,7 +98,7 @@ def schema_errors(path: Path) -> Iterator[None]:
         value = "" if first["type"] == "missing" else f"; got {reprlib.repr(first['input'])}"
         raise SchemaMismatch(
             f"{path}: field {field}: {first['msg']}{value}",
-            hint="mend the field, or make the file again",
+            hint="fix the field, or make the file again",
             details={"path": str(path), "field": field, "errors": error.error_count()},
         ) from error
 

@@ -45,7 +45,7 @@ def build(folder: Path, variant: str) -> BuiltObject:
         if isinstance(error, KeyError) and error.args == (variant,):
             raise InputFileError(
                 f"the builder of asset {folder.name!r} knows no variant {variant!r}",
-                hint=f"mend the variants in {folder / 'asset.json'}, or {path}",
+                hint=f"fix the variants in {folder / 'asset.json'}, or {path}",
                 details={"name": folder.name, "path": str(path), "variant": variant},
             ) from error
         what = f"build({variant!r}) failed{_place(error, path)}: {type(error).__name__}: {error}"

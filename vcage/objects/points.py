@@ -147,5 +147,5 @@ def _misfit(asset: Asset, path: Path, field: str, message: str) -> SchemaMismatc
 
 
 def _complaint(path: Path, field: str, message: str, variant: str) -> SchemaMismatch:
-    hint = "mend the field, or the model that it was measured on"
+    hint = "fix the field, or the model that it was measured on"
     return mismatch(path, field, f"{message} (variant {variant!r})", hint, variant=variant)

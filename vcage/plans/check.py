@@ -18,7 +18,7 @@ from vcage.schema.plan import TABLE, LayoutPlan, Relation, RelationWord
 from vcage.schema.scene import Scene
 
 MOST_COMPLAINTS = 20
-"""A reasoner is told so many at once."""
+"""Largest number of complaints to a reasoner at a time."""
 
 PlanCheck = Callable[[LayoutPlan], list[str]]
 """Complaints about a plan, one sentence each; empty when nothing is wrong."""

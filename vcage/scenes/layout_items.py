@@ -187,8 +187,8 @@ def _in_reach_of_one_arm(items: Sequence[TableItem], scene: Scene, context: Stag
 
 
 def _arms_for(group: Collection[str], asked: Mapping[str, Collection[str]], scene: Scene) -> Collection[str]:
-    """The arms of which one alone may reach all of a group: the one that is asked for, any where none is; none where
-    several are asked for."""
+    """The arms that may reach all of a group alone: the requested one, any without a request; none where several are
+    requested."""
     named = {arm for name in group for arm in asked.get(name, ())}
     if not named:
         return load_robot(scene.robot).arms

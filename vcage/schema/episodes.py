@@ -31,8 +31,8 @@ AttemptStage = Literal["plan", "grasp", "place", "verify", "done"]
 """Stage that an attempt at a sub-task reached; ``done`` means accepted."""
 
 Failure = Literal["lost", "astray", "disturbed"]
-"""Kinds of failure that another attempt can mend: an object was not taken, or lost on the way; it was brought
-to where it does not stay (a rim, a place beside it, what receives it knocked over); something else was moved."""
+"""Kinds of failure that another attempt can avoid: an object was not taken, or lost on the way; it was brought to an
+unstable place (a rim, beside its place, a receptacle knocked over); something else was moved."""
 
 
 Accept = Literal["both", "critic", "state"]
@@ -135,7 +135,7 @@ class CountedShare(Record):
 
     @classmethod
     def counted(cls, some: int, of: int) -> Self:
-        """Of what was counted."""
+        """The share of two counts."""
         low, high = wilson(some, of)
         return cls(some=some, of=of, share=round(some / of, 4) if of else None, low=round(low, 4), high=round(high, 4))
 

@@ -58,7 +58,7 @@ class ChainOptions(
     """build the scene of its template, without an instruction, and run every sub-task that it has, each by itself"""
 
     def require_possible(self) -> None:
-        """Check that there is a task (an instruction or goals) or the wish for every sub-task, and that ranges exist.
+        """Check that there is a task (an instruction or goals) or ``all_subtasks``, and that ranges exist.
 
         Raises:
             UsageError: there is neither, or both; says the way out.

@@ -162,7 +162,7 @@ def execute(
 
 
 def _accept(edit: Edit[Episodes]) -> Episodes:
-    """Take the decisions of a person: to refuse an episode, or to accept one again of which all was verified."""
+    """Take the decisions of a person: to refuse an episode, or to accept a fully verified one again."""
     record = edit.record
     episodes = [
         decided(was, now).model_copy(update={"verdicts": list(map(decided, was.verdicts, now.verdicts))})

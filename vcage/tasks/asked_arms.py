@@ -1,4 +1,4 @@
-"""Arms that an instruction names: "with the left arm" must be true of what is done, and is said of it.
+"""Arms that an instruction names: "with the left arm" must be true of the execution, and is part of its wordings.
 
 Where things stand, one arm must reach those that it brings together, and those asked of it.
 """

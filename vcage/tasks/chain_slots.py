@@ -22,7 +22,7 @@ from vcage.tasks.templates.push import examine_pushes
 from vcage.tasks.workplace import Workplace
 
 UNREACHED_M = 1.0
-"""Drop that stands for a place which no arm reaches: more than anything falls."""
+"""Drop counted for a place that no arm reaches, metres: more than any real one."""
 
 
 def slots_for_chain(chain: Sequence[Subtask], workplace: Workplace) -> dict[str, Slot]:

@@ -47,13 +47,13 @@ CHOICES_BLAMED_BY_STAGE: Mapping[AttemptStage, frozenset[Choice]] = {
     "grasp": frozenset({"grasp"}),
     "place": frozenset({"slot"}),
 }
-"""Choices to blame, by how far an attempt came that no critic was asked about."""
+"""Choices to blame for an attempt that no critic judged, by the stage at which it ended."""
 
 UNKNOWN: frozenset[Choice] = frozenset({"grasp", "slot"})
-"""Choices that change where nobody says what went wrong."""
+"""Choices to change if the failure is unknown."""
 
 SAME = 1e-3
-"""Slots that differ by less are one, metres: objects stand a trifle otherwise in a world that was built anew."""
+"""Slots closer than this are the same, metres: objects stand slightly differently in a rebuilt world."""
 
 Grasp = TypeVar("Grasp", bound="tuple[int | None, str]")
 """Contact point and arm; a push has no contact point."""

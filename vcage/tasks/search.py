@@ -33,7 +33,7 @@ Judge = Callable[[Sequence[PairQuestion]], list[PairAnswer]]
 
 
 def judging(sensible: bool) -> Judge:
-    """A judge that finds all pairs sensible, or none: what is asked for is not its to judge."""
+    """A judge that finds all pairs sensible, or none. Requested pairs are not judged at all."""
     return lambda questions: [
         PairAnswer(object=q.object, receptacle=q.receptacle, sensible=sensible, reason="not asked") for q in questions
     ]
@@ -209,7 +209,7 @@ def is_about(refusal: Refusal, goal: Goal) -> bool:
 
 
 SIZES = ("fits", "opening")
-"""Checks that compare sizes: what they refuse is refused wherever the objects stand."""
+"""Checks that compare sizes: their refusals hold in any layout."""
 
 SMALLER = "ask for a smaller thing, or for a place with more room"
 

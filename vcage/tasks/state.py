@@ -147,7 +147,7 @@ class Watch(StillState):
         world.before_step.append(self._note)
 
     def stop(self) -> None:
-        """Follow it no more."""
+        """Stop following it."""
         self.world.before_step.remove(self._note)
 
     @property
@@ -188,7 +188,7 @@ class Watch(StillState):
         return float(self._furthest[name][index]) / abs(model.links[index].joint.far_end)
 
     def lasted_s(self, goal: Stated) -> float:
-        """For how long an event that was waited for went on at most."""
+        """Longest duration of a watched event, seconds."""
         return self._events[goal].longest * LOOK_EVERY_S  # pyrefly: ignore[bad-index]
 
     def speed_m_per_s(self, name: str) -> float:

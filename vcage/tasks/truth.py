@@ -20,8 +20,7 @@ def goals_hold(goals: Sequence[Goal], state: StillState) -> Truth:
 
     Args:
         goals: to judge.
-        state: a watch of the world while it was done; without what was done, and what stands on the table, the objects
-            alone do.
+        state: a watch of the world, for events and goals on the table; a still state suffices for the others.
     """
     for goal in goals:
         complaint = _complaint(goal, state)
@@ -35,8 +34,8 @@ def subtask_done(subtask: Subtask, goals: Sequence[Goal], watch: Watch) -> Truth
 
     Args:
         subtask: that was done.
-        goals: that it was to bring about.
-        watch: since it began, of the object that was taken hold of where that is asked of an arm.
+        goals: to be achieved.
+        watch: from its start, following the grasped object if an arm is required.
     """
     truth = goals_hold(goals, watch)
     if not truth.success:

@@ -22,7 +22,7 @@ def wordings(goal: Goal, phrases: Mapping[str, str], pushed: bool = False) -> li
     Args:
         goal: of the closed vocabulary.
         phrases: what to call each object, by id.
-        pushed: it is brought about by a push.
+        pushed: True if a push achieves it.
     """
     return worded(goal, *_named(goal, phrases), pushed=pushed)
 

@@ -91,7 +91,7 @@ class Workcell:
         return [self.object(key) for key in self._objects if key not in object_ids]
 
     def parts(self, *object_ids: str) -> list[str]:
-        """The names of all parts of objects, as the planner's obstacles are called."""
+        """The planner's names of all parts of objects."""
         return [name for key in object_ids for name in part_names(key, self.world.bodies[key].model)]
 
     def contents(self, object_id: str) -> frozenset[str]:

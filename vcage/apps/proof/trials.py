@@ -177,7 +177,7 @@ def tried(
         subject: the point or joint.
         tries: how often.
         trial: takes the number of a try; returns None for a success, or the reason of its failure.
-        measured: what was measured besides.
+        measured: other measurements.
     """
     failures = []
     for number in range(tries):

@@ -96,7 +96,7 @@ def report_is_current(run: RunFolder) -> bool:
 
 
 def _context(run: RunFolder) -> dict[str, Any]:
-    """Gather what the template shows: the documents, None for a stage that has not run, and their details."""
+    """Gather the template's values: the documents, None for a stage that has not run, and their details."""
     scene, plan, layout = Scene.read(run.scene), _read(run.plan, Plan), _read(run.layout, Scene)
     matches, subtasks = _read(run.matches, Matches), _read(run.subtasks, Subtasks)
     episodes, again = _read(run.episodes, Episodes), _read(run.verdicts, Verdicts)

@@ -41,7 +41,7 @@ def log_episode(log: RerunLog, path: Path, footage: PictureSource, progress: Pro
         log: where it is written.
         path: the episode's file.
         footage: which pictures to write.
-        progress: told of each camera.
+        progress: called for each camera.
 
     Raises:
         MissingStage, DamagedFile, SchemaMismatch: see :class:`vcage.datasets.reader.EpisodeReader` and

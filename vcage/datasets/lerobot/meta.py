@@ -14,7 +14,7 @@ from vcage.base.errors import DamagedFile, InputFileError, OversizedFile, UsageE
 from vcage.base.placeholders import require_fetched
 from vcage.base.reading import Unreadable, parse_json, read_json
 from vcage.datasets.lerobot.features import other_columns, video_keys
-from vcage.datasets.lerobot.parquet import MEND, column_names, read_table
+from vcage.datasets.lerobot.parquet import FETCH_AGAIN, column_names, read_table
 from vcage.datasets.lerobot.places import INFO, inside, own_files
 
 EPISODES = Path("meta/episodes.jsonl")
@@ -75,7 +75,7 @@ def data_set_info(root: Path) -> dict[str, Any]:
     except OversizedFile:
         raise
     except (InputFileError, ValueError) as error:
-        raise DamagedFile(f"{path} cannot be read: {error}", hint=MEND) from error
+        raise DamagedFile(f"{path} cannot be read: {error}", hint=FETCH_AGAIN) from error
     version = info.get("codebase_version") if isinstance(info, dict) else None
     _require(version is not None, f"{path} does not say codebase_version")
     if version not in VERSIONS:
@@ -136,7 +136,7 @@ def _require_text(value: Any) -> None:
 
 def _require(so: Any, complaint: str) -> None:
     if not so:
-        raise DamagedFile(complaint, hint=MEND)
+        raise DamagedFile(complaint, hint=FETCH_AGAIN)
 
 
 def _require_at_most(found: int, most: int, what: str) -> None:
@@ -244,7 +244,7 @@ def read_lines(path: Path) -> Iterator[dict[str, Any]]:
                     _require(isinstance(row, dict), f"{path} line {number} is no JSON object")
                     yield row
     except OSError as error:
-        raise DamagedFile(f"{path} cannot be read: {error}", hint=MEND) from error
+        raise DamagedFile(f"{path} cannot be read: {error}", hint=FETCH_AGAIN) from error
 
 
 def _parsed(path: Path, number: int, line: bytes) -> Any:
@@ -254,7 +254,7 @@ def _parsed(path: Path, number: int, line: bytes) -> Any:
         return row
     except ValueError as error:
         why = f"JSON: {error.why}" if isinstance(error, Unreadable) else f"text: {error}"
-        raise DamagedFile(f"{path} line {number} is not valid {why}", hint=MEND) from error
+        raise DamagedFile(f"{path} line {number} is not valid {why}", hint=FETCH_AGAIN) from error
 
 
 def _table_rows(root: Path) -> list[dict[str, Any]]:

@@ -19,7 +19,7 @@ from vcage.base.placeholders import require_fetched
 
 COMPRESSION = "snappy"
 
-MEND = "the data set is damaged or not complete: fetch or export it again"
+FETCH_AGAIN = "the data set is damaged or not complete: fetch or export it again"
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ def _damage(path: Path) -> Iterator[None]:
     try:
         yield
     except (OSError, KeyError, pa.ArrowException) as error:
-        raise DamagedFile(f"{path} cannot be read: {error}", hint=MEND) from error
+        raise DamagedFile(f"{path} cannot be read: {error}", hint=FETCH_AGAIN) from error
 
 
 class ParquetSeries:
@@ -135,7 +135,7 @@ def read_table(path: Path, columns: Sequence[str] | None = None, rows: pc.Expres
         table = pq.read_table(path, columns=columns, filters=rows)
     missing = set(columns or ()) - set(table.column_names)
     if missing:
-        raise DamagedFile(f"{path} lacks the columns {sorted(missing)}", hint=MEND)
+        raise DamagedFile(f"{path} lacks the columns {sorted(missing)}", hint=FETCH_AGAIN)
     return table
 
 

@@ -15,7 +15,7 @@ from typing import Any
 from vcage.base.errors import DamagedFile
 from vcage.base.folders import files_below, is_hidden
 from vcage.base.placeholders import require_fetched
-from vcage.datasets.lerobot.parquet import MEND
+from vcage.datasets.lerobot.parquet import FETCH_AGAIN
 
 INFO = Path("meta/info.json")
 
@@ -52,13 +52,13 @@ def placed(root: Path, field: str, pattern: Any, **names: int | str) -> Path:
 def _filled(pattern: Any, where: str, names: Mapping[str, int | str]) -> str:
     """Return a pattern with values in place of its fields, which are integers or texts and nothing else."""
     if not isinstance(pattern, str):
-        raise DamagedFile(f"{where} is {pattern!r}, not a pattern of paths", hint=MEND)
+        raise DamagedFile(f"{where} is {pattern!r}, not a pattern of paths", hint=FETCH_AGAIN)
     try:
         text = FIELD.sub(lambda match: format(names[match[1]], match[2] or ""), pattern)
     except (KeyError, ValueError, TypeError) as error:
-        raise DamagedFile(f"{where} is {pattern!r}, which cannot be filled in: {error}", hint=MEND) from error
+        raise DamagedFile(f"{where} is {pattern!r}, which cannot be filled in: {error}", hint=FETCH_AGAIN) from error
     if "{" in text or "}" in text:
-        raise DamagedFile(f"{where} is {pattern!r}, which has a field that is not known", hint=MEND)
+        raise DamagedFile(f"{where} is {pattern!r}, which has a field that is not known", hint=FETCH_AGAIN)
     return text
 
 
@@ -74,7 +74,7 @@ def inside(path: str, where: str) -> Path:
     """
     found = Path(path)
     if found.is_absolute() or ".." in found.parts or "\0" in path or not found.parts:
-        raise DamagedFile(f"{where} names the path {path!r}, which is not inside the data set", hint=MEND)
+        raise DamagedFile(f"{where} names the path {path!r}, which is not inside the data set", hint=FETCH_AGAIN)
     return found
 
 

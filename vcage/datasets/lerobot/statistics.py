@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from vcage.base.errors import DamagedFile
 from vcage.base.files import read_json, write_json
 from vcage.datasets.lerobot.features import video_key
-from vcage.datasets.lerobot.parquet import MEND, read_batches, row_count
+from vcage.datasets.lerobot.parquet import FETCH_AGAIN, read_batches, row_count
 
 QUANTILES = {"q01": 0.01, "q10": 0.10, "q50": 0.50, "q90": 0.90, "q99": 0.99}
 LEVELS = 256
@@ -148,7 +148,7 @@ class Totals:
             DamagedFile: its statistics are missing or incomplete.
         """
         if not (root / STATS).is_file():
-            raise DamagedFile(f"{root / STATS} is missing", hint=MEND)
+            raise DamagedFile(f"{root / STATS} is missing", hint=FETCH_AGAIN)
         try:
             stats = read_json(root / STATS, nan=True)
             for feature in features:
@@ -161,7 +161,7 @@ class Totals:
                 else:
                     self._uncounted[key] = stats[key]
         except (KeyError, TypeError, ValueError, AttributeError) as error:
-            raise DamagedFile(f"{root / STATS} does not describe all features: {error!r}", hint=MEND) from error
+            raise DamagedFile(f"{root / STATS} does not describe all features: {error!r}", hint=FETCH_AGAIN) from error
 
     def write(self, folder: Path, data: Sequence[Path], features: Mapping[str, Any]) -> None:
         """Write ``meta/stats.json`` and the counts of levels.

@@ -18,7 +18,7 @@ from vcage.base.errors import DamagedFile
 from vcage.datasets.lerobot.episode import LeRobotEpisode
 from vcage.datasets.lerobot.features import SUBTASK, video_key
 from vcage.datasets.lerobot.meta import EPISODES, read_lines
-from vcage.datasets.lerobot.parquet import COMPRESSION, MEND
+from vcage.datasets.lerobot.parquet import COMPRESSION, FETCH_AGAIN
 from vcage.datasets.lerobot.statistics import QUANTILES, Statistics
 from vcage.datasets.lerobot.writer import CHUNK, WORDINGS, LeRobotWriter
 
@@ -48,7 +48,7 @@ class WriterV21(LeRobotWriter):
     def _resume_rows(self, root: Path) -> None:
         for lines in (EPISODES, EPISODE_STATS):
             if [row.get("episode_index") for row in read_lines(root / lines)] != list(range(self.episodes)):
-                raise DamagedFile(f"{root / lines} does not list all episodes in order", hint=MEND)
+                raise DamagedFile(f"{root / lines} does not list all episodes in order", hint=FETCH_AGAIN)
             shutil.copyfile(root / lines, self._folder / lines)
 
     def close(self) -> None:

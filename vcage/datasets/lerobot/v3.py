@@ -22,7 +22,7 @@ from vcage.base.folders import files_below
 from vcage.datasets.lerobot.episode import LeRobotEpisode
 from vcage.datasets.lerobot.features import SUBTASK, video_key
 from vcage.datasets.lerobot.meta import EPISODE_TABLES, INFO, episode_tables
-from vcage.datasets.lerobot.parquet import COMPRESSION, MEND, ParquetSeries, numbered, read_table
+from vcage.datasets.lerobot.parquet import COMPRESSION, FETCH_AGAIN, ParquetSeries, numbered, read_table
 from vcage.datasets.lerobot.statistics import LEVEL_COUNTS, STATS, Statistics, Totals
 from vcage.datasets.lerobot.writer import CHUNK, WORDINGS, LeRobotWriter
 
@@ -69,7 +69,9 @@ class WriterV30(LeRobotWriter):
         table = read_table(path)
         columns = [column for column in table.column_names if column not in (f"{name}_index", WORDINGS)]
         if len(columns) != 1 or f"{name}_index" not in table.column_names:
-            raise DamagedFile(f"{path} has the columns {table.column_names}, not texts and their numbers", hint=MEND)
+            raise DamagedFile(
+                f"{path} has the columns {table.column_names}, not texts and their numbers", hint=FETCH_AGAIN
+            )
         return ({**row, name: row[columns[0]]} for row in table.to_pylist())
 
     def _resume_rows(self, root: Path) -> None:
@@ -77,15 +79,15 @@ class WriterV30(LeRobotWriter):
         self._totals.resume(root, self._counted)
         where, paths = root / EPISODE_TABLES, [root / file for file in episode_tables(root)]
         if not paths:
-            raise DamagedFile(f"{where} holds no list of episodes", hint=MEND)
+            raise DamagedFile(f"{where} holds no list of episodes", hint=FETCH_AGAIN)
         prefixes = ["data", "meta/episodes", *(f"videos/{key}" for key in self._video_keys)]
         places = [f"{prefix}/{name}" for prefix in prefixes for name in ("chunk_index", "file_index")]
         tables = [read_table(path, ["episode_index", "length", *places]) for path in paths]
         rows = pa.concat_tables(tables, promote_options="permissive")
         if rows["episode_index"].to_pylist() != list(range(self.episodes)):
-            raise DamagedFile(f"{where} does not list all episodes in order", hint=MEND)
+            raise DamagedFile(f"{where} does not list all episodes in order", hint=FETCH_AGAIN)
         if rows["length"].to_numpy().sum() != self.frames:
-            raise DamagedFile(f"{where} lists other frames than {root / INFO}", hint=MEND)
+            raise DamagedFile(f"{where} lists other frames than {root / INFO}", hint=FETCH_AGAIN)
         after = {}
         for prefix in prefixes:
             chunks, files = (rows[f"{prefix}/{name}"].to_numpy() for name in ("chunk_index", "file_index"))

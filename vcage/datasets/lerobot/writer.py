@@ -20,7 +20,7 @@ from vcage.base.files import link_or_copy, write_json
 from vcage.datasets.lerobot.episode import LANGUAGE, PERSISTENT, LeRobotEpisode, SubtaskSpan, span_starts, with_language
 from vcage.datasets.lerobot.features import SUBTASK, agreed_info, features_of, video_key, video_keys
 from vcage.datasets.lerobot.meta import INFO, appendable_info
-from vcage.datasets.lerobot.parquet import MEND
+from vcage.datasets.lerobot.parquet import FETCH_AGAIN
 from vcage.datasets.lerobot.places import own_files
 from vcage.datasets.lerobot.statistics import Statistics, picture_statistics, vector_statistics
 
@@ -145,10 +145,10 @@ class LeRobotWriter(ABC):
         try:
             rows = [(int(row[f"{name}_index"]), str(row[name]), row) for row in self._named_rows(path, name)]
         except KeyError as error:
-            raise DamagedFile(f"{path} has a row without {error}", hint=MEND) from error
+            raise DamagedFile(f"{path} has a row without {error}", hint=FETCH_AGAIN) from error
         rows.sort(key=lambda row: row[0])
         if [number for number, *_ in rows] != list(range(len(rows))):
-            raise DamagedFile(f"{path} does not number its texts from 0", hint=MEND)
+            raise DamagedFile(f"{path} does not number its texts from 0", hint=FETCH_AGAIN)
         return [(text, list(row.get(WORDINGS) or [text])) for _, text, row in rows]
 
     @abstractmethod

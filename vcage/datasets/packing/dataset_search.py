@@ -181,7 +181,7 @@ class _DataSetSearch:
         self.plans[camera].take(found)
 
     def _finished(self, one: VideoStream) -> None:
-        """Note a video, and report how many stay, as far as is known."""
+        """Record a video, and report how many are final so far."""
         self.found[one.episode, one.camera] = one
         found = list(self.found.values())
         staying = sum(plan.staying([s for s in found if s.camera == name]) for name, plan in self.plans.items())

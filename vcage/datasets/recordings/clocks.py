@@ -138,7 +138,7 @@ def _usual_step(ticks: NDArray[np.float64]) -> float:
 
 
 STAMP = r"(time)?stamps?|ts"
-"""Words that mean points in time; numbers under them are times whatever they look like."""
+"""Words that mean points in time; numbers under them are times in any form."""
 
 TIME = r"times?|clocks?"
 """Words that may mean points in time or durations; numbers under them are times if they grow with every frame."""

@@ -1,7 +1,7 @@
 """Order of red and blue in stored pictures, and how it is known.
 
-Nothing in a JPEG says that red and blue are swapped in it, and a blue cube looks like a red one then. So whoever
-calls decides (``--colours``), else the file or its pictures say it, else the layout's own convention holds. The content
+Nothing in a JPEG says that red and blue are swapped in it, and a blue cube looks like a red one then. So the
+user decides (``--colours``), else the file or its pictures, else the layout's own convention. The content
 of pictures overrules a convention only where large parts of most of them have the colour of wood. No blue object has
 that colour with red and blue swapped. The user is informed.
 """

@@ -27,7 +27,7 @@ from vcage.datasets.lerobot.features import (
     video_keys,
 )
 from vcage.datasets.lerobot.meta import PER_EPISODE, data_set_info, episode_rows
-from vcage.datasets.lerobot.parquet import MEND
+from vcage.datasets.lerobot.parquet import FETCH_AGAIN
 from vcage.datasets.lerobot.places import inside, own_file, own_files
 from vcage.datasets.recordings.colours import Colours
 from vcage.datasets.recordings.columns import Columns
@@ -213,7 +213,7 @@ class LeRobotRecording(Recording):
         try:
             return file.read_bytes()
         except OSError as error:
-            raise DamagedFile(f"{file} cannot be read: {error.strerror}", hint=MEND) from error
+            raise DamagedFile(f"{file} cannot be read: {error.strerror}", hint=FETCH_AGAIN) from error
 
 
 def open_lerobot(root: Path) -> list[LeRobotRecording]:

@@ -19,7 +19,7 @@ from vcage.base.placeholders import require_fetched
 from vcage.base.video_files import open_video
 from vcage.datasets.lerobot.features import TIME_TOLERANCE_S
 from vcage.datasets.lerobot.meta import PER_EPISODE
-from vcage.datasets.lerobot.parquet import MEND, read_table
+from vcage.datasets.lerobot.parquet import FETCH_AGAIN, read_table
 from vcage.datasets.lerobot.places import placed
 from vcage.datasets.recordings.lerobot_times import (
     RowTimes,
@@ -60,7 +60,7 @@ class Clip:
         try:
             size = self.file.stat().st_size
         except OSError as error:
-            raise DamagedFile(f"{self.file} is missing", hint=MEND) from error
+            raise DamagedFile(f"{self.file} is missing", hint=FETCH_AGAIN) from error
         with open_video(self.file) as container:
             whole_s = float(container.duration or 0) / av.time_base
         return size if self.share_s is None else round(size * min(1.0, self.share_s / max(whole_s, 1e-9)))
@@ -136,9 +136,11 @@ class EpisodeFiles:
         """Return a number in the episode's row of the list of episodes."""
         value, listed = self.row.get(name), f"the list of episodes of {self.root}"
         if value is None:
-            raise DamagedFile(f"{listed} does not say {name} of {self.number}", hint=MEND)
+            raise DamagedFile(f"{listed} does not say {name} of {self.number}", hint=FETCH_AGAIN)
         if not (isinstance(value, int | float) and math.isfinite(value)):
-            raise DamagedFile(f"{listed} says that {name} of {self.number} is {value!r}, not a number", hint=MEND)
+            raise DamagedFile(
+                f"{listed} says that {name} of {self.number} is {value!r}, not a number", hint=FETCH_AGAIN
+            )
         return value
 
     def column(self, key: str) -> pa.ChunkedArray:
@@ -152,7 +154,7 @@ class EpisodeFiles:
         if len(found) == 0:
             raise DamagedFile(f"{self} holds no frame", hint="leave the episode out")
         if len(found) != len(self):
-            raise DamagedFile(f"{self} has {len(found)} frames in {table}, not {len(self)}", hint=MEND)
+            raise DamagedFile(f"{self} has {len(found)} frames in {table}, not {len(self)}", hint=FETCH_AGAIN)
         return found
 
     def labels(self) -> set[bool | None]:
@@ -180,7 +182,7 @@ class EpisodeFiles:
             return row_times(values.reshape(len(stored), -1)[:, 0], self.fps)
         except (TypeError, ValueError) as error:
             message = f"{self}, {self.table}: its timestamps are no numbers"
-            raise DamagedFile(message, hint=MEND) from error
+            raise DamagedFile(message, hint=FETCH_AGAIN) from error
         except Unclear as error:
             raise self._unclear(error, self.table) from error
 
@@ -197,7 +199,7 @@ class EpisodeFiles:
                 self._frames[key] = frames_of_rows(shown, clip.begin_s, self.times, self.fps, clip.share)
             except TooShort as error:
                 message = f"{self} is longer than its video: {clip.file} {error.message}"
-                raise DamagedFile(message, hint=MEND) from error
+                raise DamagedFile(message, hint=FETCH_AGAIN) from error
             except Unclear as error:
                 raise self._unclear(error, clip.file) from error
         return self._frames[key]

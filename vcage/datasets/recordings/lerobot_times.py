@@ -3,7 +3,7 @@
 LeRobot looks pictures up by time: the video's frame nearest to ``from_timestamp + timestamp``, which may not be further
 away than ``tolerance_s`` (https://huggingface.co/docs/lerobot/lerobot-dataset-v3). Where that succeeds, its answer
 counts. Where times are off by more, but by so little that numbers of rows and of frames leave no doubt, frames are
-counted instead, and the user is told. Everything else is refused: a row never gets its neighbour's picture.
+counted instead, and a note says so. Everything else is refused: a row never gets its neighbour's picture.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from vcage.base.errors import DamagedFile
 from vcage.base.videos import frame_times
 from vcage.datasets.lerobot.features import TIME_TOLERANCE_S
-from vcage.datasets.lerobot.parquet import MEND
+from vcage.datasets.lerobot.parquet import FETCH_AGAIN
 
 
 @dataclass(frozen=True)
@@ -233,7 +233,7 @@ def shown_times(video: Path) -> NDArray[np.float64]:
     try:
         stat = video.stat()
     except OSError as error:
-        raise DamagedFile(f"{video} cannot be read: {error.strerror}", hint=MEND) from error
+        raise DamagedFile(f"{video} cannot be read: {error.strerror}", hint=FETCH_AGAIN) from error
     return _cached_times(video, stat.st_size, stat.st_mtime_ns)
 
 

@@ -24,7 +24,7 @@ from vcage.datasets.recordings.success import FAIL, SUCCESS, label_of, stated_fa
 
 TRAJECTORY = r"traj_(\d+)"
 
-MEND = "fix the file, or remove it and give with options what it says"
+FIX_FILE = "fix the file, or remove it and give with options what it says"
 
 STATE, FLAT = "obs/agent/qpos", "obs/state"
 """The robot's joints; or all numbers of the simulation in one row."""
@@ -151,7 +151,7 @@ class ManiSkillTrajectory(Hdf5Recording):
             if self._episode_id(number, row.get("episode_id")) != self.number:
                 continue
             if found:
-                raise DamagedFile(f"{self._description_file} describes episode {self.number} twice", hint=MEND)
+                raise DamagedFile(f"{self._description_file} describes episode {self.number} twice", hint=FIX_FILE)
             found = row
         return found
 
@@ -178,7 +178,7 @@ class ManiSkillTrajectory(Hdf5Recording):
         return label_of(self._episode.get(name), where, name)
 
     def _not_understood(self, field: str, found: Any, wanted: str) -> DamagedFile:
-        return DamagedFile(f"{self._description_file}: {field} is {type(found).__name__}, not {wanted}", hint=MEND)
+        return DamagedFile(f"{self._description_file}: {field} is {type(found).__name__}, not {wanted}", hint=FIX_FILE)
 
     def _commands(self, part: h5py.Group) -> Columns | None:
         found = super()._commands(part)

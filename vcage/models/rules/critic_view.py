@@ -17,13 +17,13 @@ from vcage.models.rules.standing import Sought, Standing
 from vcage.vision.protocols import Reference
 
 AROUND_PX = 8.0
-"""So much around an outline belongs to it."""
+"""Margin around an outline that belongs to it."""
 
 Found = TypeVar("Found")
 
 
 class CriticView:
-    """Pictures, cameras and references of a question, and what of them several judgements need.
+    """Pictures, cameras and references of a question, with the findings shared by several judgements.
 
     Args:
         question: to the critic.

@@ -44,7 +44,7 @@ def cut(picture: np.ndarray, window: Window) -> np.ndarray:
 
 
 def inside(picture: np.ndarray, window: Window) -> np.ndarray:
-    """(side, side) bool: what a window shows of a picture and not of what is beside it."""
+    """(side, side) bool: the part of a window inside its picture."""
     return cut(np.ones(picture.shape[:2], bool), window)
 
 
@@ -61,7 +61,7 @@ def brightness(
     Args:
         drawing, picture: (side, side, 3) each.
         hidden: (side, side) bool.
-        samples_px: pixels by which the brightness is told.
+        samples_px: number of pixels to measure the brightness with.
         level_range: least and most by which a picture may be brighter than a drawing.
         tint_range: the same of one colour beside the others.
     """

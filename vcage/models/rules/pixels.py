@@ -23,8 +23,8 @@ class PixelSettings:
 
     Args:
         changed_lab: least colour distance (CIELAB) between two pictures above which a pixel has changed.
-        noise_factor, noisiest_lab: that limit grows with the noise: so many times the median distance between the
-            pictures, but no farther.
+        noise_factor, noisiest_lab: that limit grows with the noise: factor of the median distance between the
+            pictures, and largest limit.
         headings: headings around the circle that are tried where something stands.
         starts: how many more poses than things are refined.
         good_fit: goodness of fit at an occupied place that makes a search of the whole picture needless.

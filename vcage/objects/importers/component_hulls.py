@@ -18,7 +18,7 @@ class ComponentSettings:
 
     Args:
         half_sheet_m: a flat component gets this thickness on either side; a solid needs some.
-        weld_decimals: corners whose coordinates agree to so many decimals, metres, are the same.
+        weld_decimals: corners with coordinates, metres, equal to this number of decimals are the same.
         max_fast_pieces: more pieces slow the simulation down noticeably.
     """
 

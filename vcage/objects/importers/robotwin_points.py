@@ -137,7 +137,7 @@ def contact_points(points: Sequence[Placed], bounds: np.ndarray, model: ModelDat
 
 
 def _through_table(point: Placed, table: float, min_finger_length_m: float = 0.037, max_depth_m: float = 0.001) -> str:
-    """Why no hand gets to a grasp of an object that stands on the table; empty where one does.
+    """Why no hand reaches a grasp of an object that stands on the table; empty where one does.
 
     Args:
         table: its height, metres.

@@ -47,7 +47,7 @@ class MovingPart:
 
     Args:
         name: what contact and functional points call it: ``drawer_top``, ``lid``.
-        parts: what is seen.
+        parts: the visible shape.
         hulls: convex, watertight pieces; where they would touch a neighbour's, leave a gap of at least 1 mm.
         mass: kilograms.
         joint: its origin is in the same frame as the parts.
@@ -67,7 +67,7 @@ class BuiltObject:
     """One variant of an object, z up, in metres; where the origin lies does not matter.
 
     Args:
-        parts: what is seen.
+        parts: the visible shape.
         hulls: convex, watertight pieces whose union is the collision shape.
         mass: kilograms, without moving parts.
         friction: Coulomb coefficient.

@@ -1,7 +1,7 @@
 """Convex pieces for physics, made analytically: exact, instant, and open where the object is open.
 
 Round things get 16 sides whose middles touch the circle, so that bounding boxes are exact and the free space
-inside a ring is never smaller than what is seen.
+inside a ring is never smaller than it looks.
 """
 
 from __future__ import annotations

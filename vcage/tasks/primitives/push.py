@@ -228,7 +228,7 @@ def _confirm(now: SceneObject, before: SceneObject, goal: Pose, stopped: str) ->
     Args:
         now, before: the object after the push and before it.
         goal: object frame in the world.
-        stopped: why it was not pushed farther, to go on after what is told; empty where nothing stopped the hand.
+        stopped: clause on why it was not pushed farther, appended to the reason; empty where nothing stopped the hand.
 
     Raises:
         TaskFailed: it is not, or does not.

@@ -21,7 +21,7 @@ from vcage.tasks.workplace import Workplace
 
 
 def examine_operation(thing: SceneObject, contact: ContactPoint, target: float, workplace: Workplace) -> Feasibility:
-    """All checks of bringing the part that a contact point is on to a joint position.
+    """All checks of moving the part with a contact point to a joint position.
 
     Args:
         thing: the object, its joints where they are before.

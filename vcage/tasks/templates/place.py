@@ -131,7 +131,7 @@ class Pair(Proposal):
 
     @property
     def templates(self) -> tuple[TemplateName, ...]:
-        """Its own; or where it changes hands on its way, that."""
+        """Its own; and for a plain placing also ``hand_over``, as the object may change hands on its way."""
         return (self.name, "hand_over") if self.name == "place" else (self.name,)
 
     def offers(self, subtask: Subtask) -> bool:
@@ -210,8 +210,8 @@ class Pair(Proposal):
             thing: that is put there.
             others: all other objects.
             workplace: with the arms.
-            slots: that are tried before a contact point is refused for what is wrong with its place.
-            slots_out_of_reach: and where all that is wrong is that no arm reaches it.
+            slots: number to try before a contact point is refused because of its place.
+            slots_out_of_reach: the same where the only fault is that no arm reaches the place.
 
         Raises:
             InfeasibleScene: there is no room for the object.

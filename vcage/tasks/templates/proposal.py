@@ -51,7 +51,7 @@ class Proposal(ABC):
         return None
 
     def question(self) -> PairQuestion | None:
-        """The question to the reasoner; None where nobody needs to be asked."""
+        """The question to the reasoner; None where no question is needed."""
         return None
 
     @property

@@ -1,4 +1,4 @@
-"""Push: an object that cannot be carried is pushed along the table until it stands as is asked."""
+"""Push: an object that cannot be carried is pushed along the table into a requested relation."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class PushSettings:
         strongest_n: friction on the table against which an arm still pushes exactly.
         round_share: an object whose widths differ by no more than this is pushed in any direction.
         shortest_m, longest_m, step_m: distances to try.
-        margin_m: how far an object may end up from where it was pushed to so that the goal still holds.
+        margin_m: distance of an object from the end of its push at which the goal must still hold.
         room_m: room that the object keeps beside it and before it.
         distances: examined for each direction, from the shortest to the longest that would do.
         spacing_m: between neighbouring hand poses that are examined along a push.
@@ -250,7 +250,7 @@ class Shove(Proposal):
         return None
 
     def examine(self, workplace: Workplace) -> tuple[Subtask | None, list[Refusal]]:
-        """The sub-task if an arm can push the object so; a refusal for each direction; nothing for what is carried."""
+        """The sub-task if an arm can push the object so; a refusal for each direction; none for a portable object."""
         points = self.thing.asset.annotation.carrying_points
         if any(opens_wide_enough(self.thing, point, workplace.kinematics).passed for point in points):
             return None, []

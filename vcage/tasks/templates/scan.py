@@ -48,7 +48,7 @@ class Scan:
 
 @dataclass(frozen=True)
 class Reading(Proposal):
-    """A bar code and a scanner; whichever can be brought to the other is moved, the scanner rather."""
+    """A bar code and a scanner; one is moved to the other, preferably the scanner."""
 
     scanner: SceneObject
 

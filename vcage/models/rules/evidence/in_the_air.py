@@ -56,11 +56,11 @@ class InTheAir:
         )
 
     def verdict(self, thing: str, hands: int, when: str, changed_share: float = 0.09) -> Verdict:
-        """Judge whether it was in the air, and so many arms out, at the moment.
+        """Judge if it was in the air, with that many arms out, at the moment.
 
         Args:
             thing, when: words for the object and the moment.
-            hands: how many arms.
+            hands: number of arms.
             changed_share: share of one half of the strip that an arm changes: each reaches in from its own side.
         """
         if self.left < LEFT_SHARE:

@@ -31,13 +31,13 @@ class PartSettings:
     """The comparison of a picture with drawings of a part, and limits for a yes.
 
     Args:
-        blur_px: standard deviation with which both are blurred: a pose is found to a pixel or two.
-        floor: light, of 1 for white, that is added to all, for black has no logarithm.
-        edge_cap_per_px: most by which a pixel's gradients of the logarithm of light can differ.
-        hue_weight_per_lab: of a difference in hue beside one of such gradients.
-        hue_cap_lab: most that a pixel's hues (CIELAB a, b) can differ by.
-        different_lab: least colour distance between two of the drawings of a pixel that tells positions apart.
-        fewest_px: so many pixels must do so.
+        blur_px: standard deviation of the blur of both: a pose is found to a pixel or two.
+        floor: light, of 1 for white, added everywhere, as black has no logarithm.
+        edge_cap_per_px: largest counted difference of a pixel's gradients of the logarithm of light.
+        hue_weight_per_lab: weight of a difference in hue relative to one of such gradients.
+        hue_cap_lab: largest counted difference of a pixel's hues (CIELAB a, b).
+        different_lab: least colour distance between drawings at a pixel that distinguishes positions.
+        fewest_px: least number of such pixels.
         open_share, closed_share: share of its range at which a part must seem to be: at least, to count as open or
             turned; at most, to count as closed.
         stirred_share: share of its range by which a part must be seen to have moved.
@@ -67,7 +67,7 @@ class PartEvidence:
     """Measurements of a moving part, all from pixels.
 
     Args:
-        told_by: pixels in which the drawings differ.
+        differing_px: number of pixels in which the drawings differ.
         before, after: share of its range at which the part is likeliest.
         costs: (17,) how unlike the picture afterwards the drawing at each of :data:`POSITIONS` is, in edges and hues.
         rival: by how much less unlike the best of them is than the best drawing in which another part of the object
@@ -76,7 +76,7 @@ class PartEvidence:
         covered: (H, W) bool, the area of the object with its part anywhere.
     """
 
-    told_by: int
+    differing_px: int
     before: float
     after: float
     costs: np.ndarray
@@ -124,7 +124,7 @@ class PartEvidence:
             least[moving] = float(min(costs.min(), between.min()))
         first, then = sight.costs(before.picture), sight.costs(after.picture)
         return cls(
-            told_by=int(sight.telling.sum()),
+            differing_px=int(sight.telling.sum()),
             before=likeliest(first),
             after=likeliest(then),
             costs=then,
@@ -142,7 +142,7 @@ class PartEvidence:
     def moved(self, goal: Goal, thing: str) -> Verdict:
         """Judge by the position at which the part is likeliest."""
         part = part_words(str(goal.part))
-        if self.told_by < SETTINGS.fewest_px:
+        if self.differing_px < SETTINGS.fewest_px:
             return refused(f"whether the {part} of the {thing} moved cannot be seen from above", 0.5)
         if abs(self.after - self.before) < SETTINGS.stirred_share:
             return refused(f"the {part} of the {thing} stays {100 * self.before:.0f} % of its way from rest", 0.8)
@@ -159,7 +159,7 @@ class PartEvidence:
         return decided(accepted, f"{looks}, {100 * self.before:.0f} % before", 0.5 + min(0.5, abs(seen - limit)))
 
     def _margin(self, closes: bool) -> float:
-        """By how much the best position that a goal allows beats the best of all others, over the costs' range."""
+        """Lead of the best position that a goal allows over the best other one, as a share of the costs' range."""
         meant = SETTINGS.closed_share >= POSITIONS if closes else SETTINGS.open_share <= POSITIONS
         return float((self.costs[~meant].min() - self.costs[meant].min()) / max(np.ptp(self.costs), 1e-6))
 

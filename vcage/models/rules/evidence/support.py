@@ -247,7 +247,7 @@ def _visible_part(place: Sought, there: Standing, top: View, hidden: np.ndarray)
 def stays(
     place: Sought, stands: Standing, change: Change, before: View, after: View, hidden: np.ndarray | None = None
 ) -> bool:
-    """True when the view from above shows that a support stands where it stood, but for what is hidden (H, W)."""
+    """True when the view from above shows a support at its old place, except for hidden pixels (H, W)."""
     hidden = np.zeros_like(change.all) if hidden is None else hidden
     side = SETTINGS.border_px
     border = stands.covered & ~cv2.erode(stands.covered.astype(np.uint8), np.ones((side, side), np.uint8)).astype(bool)
