@@ -28,7 +28,7 @@ from vcage.datasets.packing.settings import AUTO, CRF, CompressionSettings
 from vcage.datasets.packing.writing import lerobot_episode
 from vcage.datasets.reader import EpisodeReader
 from vcage.datasets.recordings.opening import open_hdf5
-from vcage.datasets.recordings.robotwin import export_robotwin
+from vcage.datasets.robotwin import export_robotwin
 from vcage.runs.accepted import acceptance_files, no_episode_counts, remove_exports
 from vcage.runs.context import StageContext
 from vcage.runs.edits import Editable

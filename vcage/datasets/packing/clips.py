@@ -16,7 +16,7 @@ from vcage.base.keeper import Keeper
 from vcage.base.pictures import jpeg
 from vcage.base.version import __version__
 from vcage.datasets.recordings.recording import Recording
-from vcage.datasets.recordings.robotwin import JPEG_QUALITY
+from vcage.datasets.robotwin import JPEG_QUALITY
 from vcage.schema.compression import ClipRecord, VideoStream
 from vcage.video.choices import Choices, Criterion
 from vcage.video.encoders import encoder_version

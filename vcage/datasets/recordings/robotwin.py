@@ -1,25 +1,10 @@
-"""HDF5 in RoboTwin's two layouts, read; and episodes of ours written in the first, for the trainers that read it.
+"""HDF5 in RoboTwin's two layouts.
 
 The first: ``observation/<camera>/rgb`` holds JPEG as fixed-length bytes, made with OpenCV from RGB arrays and so with
 red and blue swapped (https://github.com/robotwin-Platform/RoboTwin/issues/438); ``joint_action`` the commands, which it
 takes for the state too; ``instructions/episode<N>.json`` lies beside the folder ``data`` of the episodes. The second:
 ``vision/<camera>/colors``, swapped as well unless a comment in each JPEG says otherwise, the groups ``state`` and
 ``action``, and ``instructions``.
-
-The first as we write it, one file per episode (T frames; https://github.com/RoboTwin-Platform/RoboTwin,
-``envs/utils/pkl2hdf5.py``)::
-
-    /observation/<camera>/rgb (T,)               JPEG, NUL-padded to one length
-    /observation/<camera>/intrinsic_cv (T, 3, 3)  /extrinsic_cv (T, 3, 4)  world → camera, OpenCV axes
-    /observation/<camera>/cam2world_gl (T, 4, 4)  camera → world, OpenGL axes
-    /joint_action/{left_arm (T, n), left_gripper (T,), right_arm, right_gripper, vector (T, D)}   commands
-
-RoboTwin hands RGB arrays to an encoder that expects BGR, and its readers take what OpenCV decodes for RGB: red and blue
-are swapped in its JPEGs. So they are here, and the file's attribute ``jpeg_colours`` says it.
-
-Two things are ours: ``/joint_state`` beside ``/joint_action`` is the measured state (RoboTwin has commands only), and
-the attributes fps, instruction and robot. There is no ``endpose``: episodes do not record it; and no sub-tasks, for
-which the layout has no place.
 """
 
 from __future__ import annotations
@@ -31,21 +16,15 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar
 
-import cv2
 import h5py
 import numpy as np
-from numpy.typing import NDArray
 
-from vcage.base.errors import DamagedFile, UsageError
+from vcage.base.errors import DamagedFile
 from vcage.base.reading import parse_json
 from vcage.datasets.hdf5_contents import require_numbers_fit, require_utf8_text
-from vcage.datasets.hdf5_files import new_hdf5
 from vcage.datasets.lerobot.episode import SubtaskSpan
-from vcage.datasets.reader import EpisodeReader, Pictures
 from vcage.datasets.recordings.columns import Columns, columns
-from vcage.datasets.recordings.hdf5_colours import COLOURS
 from vcage.datasets.recordings.hdf5_recording import Hdf5Recording, read_beside
-from vcage.datasets.stored_pictures import spooled
 
 ARM_PARTS = ("left_arm", "left_gripper", "right_arm", "right_gripper")
 """RoboTwin's datasets of a robot's joints, in the order of its ``vector``, which holds them all."""
@@ -199,75 +178,3 @@ def _decoded(stored: Any) -> Any:
 def _joints(group: h5py.Group | None) -> Columns | None:
     """Return RoboTwin's numbers of a robot's joints."""
     return columns(group, ARM_PARTS) or columns(group, ("vector",))
-
-
-CAMERA_NAMES = {"cam_high": "head_camera", "cam_left_wrist": "left_camera", "cam_right_wrist": "right_camera"}
-"""Our name of a camera → RoboTwin's; others keep theirs."""
-
-JPEG_QUALITY = 95
-"""Of RoboTwin's own files."""
-
-OPENGL_AXES = np.diag([1.0, -1.0, -1.0, 1.0])
-"""OpenCV's camera axes (y down, z forward) in OpenGL's (y up, z backward)."""
-
-
-def export_robotwin(reader: EpisodeReader, out: Path) -> Path:
-    """Write an episode as a RoboTwin file, whole or not at all.
-
-    Args:
-        reader: the episode, open.
-        out: the ``.hdf5`` file.
-
-    Raises:
-        UsageError: a number of the state belongs to no arm of RoboTwin's.
-        DamagedFile: the episode cannot be read.
-        OutputFolderError, DiskFull: the file cannot be written.
-    """
-    episode = reader.episode
-    parts = _arm_parts(episode.state_names)
-    with new_hdf5(out) as file:
-        file.attrs.update({"fps": episode.fps, "instruction": episode.instruction, "robot": str(episode.meta["robot"])})
-        file.attrs[COLOURS] = "swapped"
-        _write_joints(file.create_group("joint_action"), episode.action, parts)
-        _write_joints(file.create_group("joint_state"), episode.qpos, parts)
-        for name, track in episode.cameras.items():
-            group = file.create_group(f"observation/{CAMERA_NAMES.get(name, name)}")
-            group["intrinsic_cv"] = np.tile(track.intrinsics, (len(track.extrinsics), 1, 1))
-            group["extrinsic_cv"] = track.extrinsics[:, :3]
-            group["cam2world_gl"] = np.linalg.inv(track.extrinsics) @ OPENGL_AXES
-            _write_pictures(group, reader.images(name), Path(out).parent)
-    return Path(out)
-
-
-def _arm_parts(state_names: list[str]) -> dict[str, list[int]]:
-    """Return RoboTwin's parts of the robot, in its order → their columns in a state.
-
-    Raises:
-        UsageError: a column belongs to none.
-    """
-    parts: dict[str, list[int]] = {name: [] for name in ARM_PARTS}
-    for column, name in enumerate(state_names):
-        part = f"{name.split('_')[0]}_{'gripper' if name.endswith('_gripper') else 'arm'}"
-        if part not in parts:
-            raise UsageError(
-                f"{name} belongs to no arm known to RoboTwin",
-                hint="its arms are left and right; export to LeRobot instead",
-            )
-        parts[part].append(column)
-    return {name: columns for name, columns in parts.items() if columns}
-
-
-def _write_joints(group: h5py.Group, values: NDArray[np.float64], parts: dict[str, list[int]]) -> None:
-    for name, own in parts.items():
-        group[name] = values[:, own[0]] if name.endswith("gripper") else values[:, own]
-    group["vector"] = values[:, [column for own in parts.values() for column in own]]
-
-
-def _write_pictures(group: h5py.Group, pictures: Pictures, folder: Path) -> None:
-    quality = [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY]
-    # OpenCV takes BGR; given RGB it swaps red and blue, as RoboTwin does
-    swapped = (cv2.imencode(".jpg", picture, quality)[1].tobytes() for picture in pictures)
-    with spooled(swapped, folder) as files:
-        dataset = group.create_dataset("rgb", (len(files),), f"S{files.longest}")
-        for index, data in enumerate(files):
-            dataset[index] = data

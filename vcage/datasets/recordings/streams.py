@@ -1,4 +1,4 @@
-"""Depth, labels and normals beside a recording's pictures: found, so that none of them is encoded as a picture."""
+"""Streams of a recording: its cameras; and depth, labels and normals, which are found so that none is encoded."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ from vcage.datasets.episode import CameraTrack
 from vcage.datasets.hdf5 import write_episode
 from vcage.datasets.reader import EpisodeReader
 from vcage.datasets.recordings.opening import open_recordings
-from vcage.datasets.recordings.robotwin import export_robotwin
+from vcage.datasets.robotwin import export_robotwin
 
 FRAMES = 9
 
