@@ -25,8 +25,8 @@ STEP = subtask(text="Put the red block onto the white plate.", texts=["Set the r
 CHAIN = Chain(text=TEXT, subtasks=[STEP.id])
 
 
-class Told(OfflineReasoner):
-    """Says what it is given, and drops the rest."""
+class OneWording(OfflineReasoner):
+    """A reasoner with one sentence for every task, and three dropped ones."""
 
     def word_task(self, task: TaskToWord, plain: list[str]) -> TaskWordings:
         return TaskWordings(["Let the red block rest on the plate."], 3)
@@ -44,7 +44,7 @@ def scene(*others: str) -> Scene:
 
 
 def test_the_sentences_of_a_model_come_first_and_its_dropped_ones_are_counted(context):
-    chain = worded_chain(CHAIN, [STEP], scene(), context, Told())
+    chain = worded_chain(CHAIN, [STEP], scene(), context, OneWording())
     assert chain.wordings[0] == "Let the red block rest on the plate."
     assert "Put the block onto the plate." in chain.wordings
     assert chain.wordings_dropped == 3

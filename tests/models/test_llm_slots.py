@@ -43,10 +43,10 @@ OPEN = SlotQuestion(
 )
 
 
-class Told:
+class Scripted:
     """Answers with the given entries, one list per round, and keeps what it was sent."""
 
-    provider = "told"
+    provider = "script"
 
     def __init__(self, *answers: list[dict[str, Any]]):
         self.answers, self.asked = list(answers), list[Question]()
@@ -66,7 +66,7 @@ def step(question: SlotQuestion, **says: Any) -> dict[str, Any]:
 
 
 def test_the_prompt_names_every_grasp_place_and_statement():
-    who = Told([step(COIN), step(OPEN)])
+    who = Scripted([step(COIN), step(OPEN)])
     LlmReasoner(who).fill_slots("Put the coin into the tray", [COIN, OPEN])
     text = who.asked[0].messages[0].text
     for line in (
@@ -81,14 +81,14 @@ def test_the_prompt_names_every_grasp_place_and_statement():
 
 
 def test_no_opinion_leaves_everything_to_the_ranking():
-    coin, drawer = LlmReasoner(Told([step(COIN), step(OPEN)])).fill_slots("…", [COIN, OPEN])
+    coin, drawer = LlmReasoner(Scripted([step(COIN), step(OPEN)])).fill_slots("…", [COIN, OPEN])
     assert (coin.subtask, drawer.subtask) == (COIN.subtask, OPEN.subtask)
     assert (coin.grasp, coin.point, coin.statements) == (None, None, [])
 
 
 def test_choices_come_back_as_records():
     says = {"grasp": "1 right", "place": "2", "statements": ["cabinet/drawer_top closed"]}
-    coin, _ = LlmReasoner(Told([step(COIN, **says), step(OPEN)])).fill_slots("…", [COIN, OPEN])
+    coin, _ = LlmReasoner(Scripted([step(COIN, **says), step(OPEN)])).fill_slots("…", [COIN, OPEN])
     assert coin.grasp == Preference(contact=1, arm="right")
     assert (coin.point, coin.statements) == (2, [TOP_CLOSED])
 
@@ -104,31 +104,31 @@ def test_choices_come_back_as_records():
     ],
 )
 def test_unknown_objects_are_complained_about_by_name(wrong: dict[str, Any], told: str):
-    who = Told([step(COIN, **wrong), step(OPEN)], [step(COIN), step(OPEN)])
+    who = Scripted([step(COIN, **wrong), step(OPEN)], [step(COIN), step(OPEN)])
     LlmReasoner(who).fill_slots("…", [COIN, OPEN])
     assert told in who.complaint
 
 
 def test_a_place_or_statement_of_another_step_is_complained_about():
-    who = Told([step(COIN), step(OPEN, place="2", statements=["mug unmoved"])], [step(COIN), step(OPEN)])
+    who = Scripted([step(COIN), step(OPEN, place="2", statements=["mug unmoved"])], [step(COIN), step(OPEN)])
     LlmReasoner(who).fill_slots("…", [COIN, OPEN])
     assert "steps.1.place: 2 is no place of open-cabinet-drawer_low: it has none" in who.complaint
 
 
 def test_every_step_must_be_answered_in_order():
-    who = Told([step(OPEN), step(COIN)], [step(COIN)], [step(COIN), step(OPEN)])
+    who = Scripted([step(OPEN), step(COIN)], [step(COIN)], [step(COIN), step(OPEN)])
     assert len(LlmReasoner(who).fill_slots("…", [COIN, OPEN])) == 2
     assert "one entry each for coin-into-tray-0, open-cabinet-drawer_low" in who.complaint
 
 
 def test_three_wrong_answers_are_a_refusal_that_names_them():
-    who = Told(*[[step(COIN, grasp="4 right"), step(OPEN)]] * 3)
+    who = Scripted(*[[step(COIN, grasp="4 right"), step(OPEN)]] * 3)
     with pytest.raises(ModelRefused, match="4 right is no grasp of coin-into-tray-0"):
         LlmReasoner(who).fill_slots("…", [COIN, OPEN])
 
 
 def test_a_chain_is_asked_about_in_one_exchange_and_a_long_list_in_batches():
     many = [COIN.model_copy(update={"subtask": f"coin-{i}"}) for i in range(21)]
-    who = Told([step(q) for q in many[:-1]], [step(many[-1])])
+    who = Scripted([step(q) for q in many[:-1]], [step(many[-1])])
     assert [a.subtask for a in LlmReasoner(who).fill_slots(None, many)] == [q.subtask for q in many]
     assert len(who.asked) == 2

@@ -76,10 +76,10 @@ def sweep_folder(folder: Path, names: Collection[str]) -> None:
     for path in there:
         name = PARTIAL_NAME.fullmatch(path.name) or REPLACED_NAME.fullmatch(path.name)
         if name and name["of"] in names:
-            _mend(path)
+            _repair(path)
         elif path.name in names and path.is_dir() and not path.is_symlink():
             for part in sorted(path.rglob(f"*{PARTIAL}*")):
-                _mend(part)
+                _repair(part)
 
 
 def sweep_cache(cache: Path, age_s: float = 24 * 3600.0) -> None:
@@ -93,10 +93,10 @@ def sweep_cache(cache: Path, age_s: float = 24 * 3600.0) -> None:
     with contextlib.suppress(OSError):
         for path in cache.glob(f"*/*{PARTIAL}*"):
             if time.time() - path.lstat().st_mtime > age_s:
-                _mend(path)
+                _repair(path)
 
 
-def _mend(path: Path) -> None:
+def _repair(path: Path) -> None:
     """Remove partial work of a process that has ended; put back, or remove, the file to be replaced."""
     if replaced := REPLACED_NAME.fullmatch(path.name):
         recover(path.with_name(replaced["of"]))

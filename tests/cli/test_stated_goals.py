@@ -21,8 +21,8 @@ GOALS = ("marker inside packaging_box", "then rubber_eraser inside packaging_box
 @pytest.mark.slow
 def test_the_script_makes_the_scene_of_given_goals_and_a_changed_goal_makes_it_stale(tmp_path):
     run = RunFolder(tmp_path / "run")
-    told = [word for goal in GOALS for word in ("--goal", goal)]
-    answer = process([sys.executable, SCRIPT, *told, "--out", str(run)], tmp_path)
+    stated = [word for goal in GOALS for word in ("--goal", goal)]
+    answer = process([sys.executable, SCRIPT, *stated, "--out", str(run)], tmp_path)
     assert answer.code == 0, answer.stderr
     assert answer.record["answered_by"] == {}
     scene = Scene.read(run.scene)
