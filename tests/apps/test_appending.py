@@ -98,7 +98,7 @@ def test_an_interrupted_addition_is_made_up_for(runs, out, monkeypatch):
     assert episodes(out) == 3
 
 
-def test_no_data_set_grows_whose_growth_cannot_be_noted(runs, out, monkeypatch):
+def test_a_data_set_does_not_grow_if_its_growth_cannot_be_recorded(runs, out, monkeypatch):
     def full(path: Path, *_: object) -> None:
         raise DiskFull(f"no space left to write {path}")
 
@@ -146,7 +146,7 @@ def test_videos_come_from_the_export_without_a_second_search(tmp_path, out, monk
     assert not (run.root / export.WORKING).exists()
 
 
-def test_runs_that_were_compressed_by_different_degrees_are_one_data_set(runs, tmp_path, out):
+def test_runs_compressed_to_different_degrees_form_one_data_set(runs, tmp_path, out):
     append_to(out, runs[0])
     assert encoding(out)["video.crf"] == 8
     append_to(out, exported(tmp_path / "other", crf=20, pixel_format="yuv420p", effort="default"))

@@ -43,7 +43,7 @@ def test_a_reader_reads_a_drawn_code(name: str) -> None:
     assert _read(labels.barcode(code)) == code
 
 
-def test_every_product_has_a_number_of_its_own() -> None:
+def test_every_product_has_a_unique_number() -> None:
     library = Library.load()
     codes = [labels.product_code(*names) for names in library.variants(PRODUCTS)]
     assert len(set(codes)) == len(codes)

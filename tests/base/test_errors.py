@@ -55,7 +55,7 @@ def test_an_error_with_arguments_of_its_own_comes_whole_from_another_process():
 
 
 @pytest.mark.parametrize("unseen", ["\u200b", "\u202e", "\ufeff", "\xad"])
-def test_characters_that_nobody_sees_are_shown_as_escapes(unseen: str) -> None:
+def test_invisible_characters_are_shown_as_escapes(unseen: str) -> None:
     error = UsageError(f"cu{unseen}p fits nothing", hint=f"near cu{unseen}p", command=f"vcage run cu{unseen}p")
     escape = repr(unseen)[1:-1]
     assert error.as_line() == f"cu{escape}p fits nothing; near cu{escape}p: vcage run cu{unseen}p"

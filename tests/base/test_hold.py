@@ -38,7 +38,7 @@ def holder(tmp_path: Path):
         process.kill()
 
 
-def test_the_second_process_is_told_the_running_command_and_may_retry(holder, tmp_path: Path):
+def test_the_second_process_learns_the_running_command_and_may_retry(holder, tmp_path: Path):
     with pytest.raises(FolderInUse, match="vcage collect --run 'a  run'") as refused, held(tmp_path):
         pass
     assert f"process {holder.pid} on " in refused.value.message

@@ -50,7 +50,7 @@ def test_a_path_that_stays_inside_is_taken(path: str) -> None:
     assert path_complaint(path) is None
 
 
-def test_a_path_may_go_up_only_as_often_as_it_is_allowed_to() -> None:
+def test_a_path_may_go_up_only_the_allowed_number_of_folders() -> None:
     assert path_complaint("../episodes/x.png", up=1) is None
     assert path_complaint("../../x.png", up=1) and path_complaint("a/../x.png", up=1) and path_complaint("..", up=1)
 

@@ -154,7 +154,7 @@ def forked_from(_task: int) -> int:
     return os.getppid()
 
 
-def test_processes_begin_again_after_the_one_was_killed_that_they_are_forked_from():
+def test_processes_start_again_after_the_fork_server_was_killed():
     [server] = answers(forked_from, [0], 1)
     assert server != os.getpid()
     os.kill(server, signal.SIGKILL)

@@ -159,7 +159,7 @@ def test_an_interrupted_clip_resumes_with_the_missing_format(small: Clip) -> Non
     assert second.before["first"].crf == 7
 
 
-def test_other_code_measures_anew(small: Clip, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_other_code_measures_again(small: Clip, monkeypatch: pytest.MonkeyPatch) -> None:
     form = Counted("first")
     measure_clip(small, [form])
     monkeypatch.setattr(_compression_measures, "code_hash", lambda: "another")

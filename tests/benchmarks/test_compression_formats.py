@@ -83,7 +83,7 @@ def test_another_gop_begins_where_the_first_ended(tmp_path: Path, metric: JodMet
     assert made.crf is not None and made.crf <= 15
 
 
-def test_another_gop_begins_anew_where_the_first_had_to_be_lossless(tmp_path: Path, metric: JodMetric) -> None:
+def test_another_gop_starts_over_where_the_first_had_to_be_lossless(tmp_path: Path, metric: JodMetric) -> None:
     made = Searched("second", HEVC, after="first").make(FILM, metric, tmp_path, {"first": Found(0.0, None, "gbrp")})
     assert made.pixel_format == "yuv444p10le" and made.crf is not None
 

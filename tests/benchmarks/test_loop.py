@@ -21,7 +21,7 @@ GRASP = (0, "left")
 # --- what is planted -----------------------------------------------------------------------------------
 
 
-def test_by_chance_as_many_attempts_fail_as_are_asked_for() -> None:
+def test_the_requested_share_of_attempts_fails_by_chance() -> None:
     chance = Chance(0.75, np.random.default_rng(0))
     failures = [chance.failure(STEP, GRASP, ON_PLATE) for _ in range(2000)]
     assert failures.count("lost") / 2000 == pytest.approx(0.25, abs=0.03)

@@ -73,7 +73,7 @@ def test_every_container_holds_something(library: Library) -> None:
     assert len(set(scene.containers.values())) == 5
 
 
-def test_bound_objects_stand_where_they_may(library: Library) -> None:
+def test_bound_objects_stand_in_their_allowed_areas(library: Library) -> None:
     scene = draw_scene(own_kinds(library), 12, 2, True, np.random.default_rng(1))
     assert set(scene.containers.values()) <= scene.allowed.keys()
     assert scene.in_reach(clean_places(scene))

@@ -86,7 +86,7 @@ def test_a_missing_package_is_fixed_with_pip(monkeypatch: pytest.MonkeyPatch) ->
         assert " -m pip install " in finding.mend
 
 
-def test_cvvdp_of_another_version_is_mended_by_setup(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_cvvdp_of_another_version_is_replaced_by_setup(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(doctor, "cvvdp_version", lambda: "0.1")
     assert doctor.cvvdp().mend.endswith("vcage setup cvvdp")
 

@@ -133,7 +133,7 @@ def test_a_destructive_command_is_offered_but_not_as_next(
     assert sorted(shlex.split(offered)) == sorted(shlex.split(vcage_command(*asked)))
 
 
-def test_a_dry_run_goes_on_with_the_same_command(
+def test_a_dry_run_offers_the_same_command_as_next(
     finished: Finished, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.chdir(finished.run.root.parent)

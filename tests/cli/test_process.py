@@ -68,7 +68,7 @@ def test_a_stdout_of_ascii_gets_escapes(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("program", [f"{VCAGE} {LIST}", SCRIPT])
-def test_a_folder_that_was_removed_is_named(tmp_path: Path, program: str) -> None:
+def test_a_removed_folder_is_named(tmp_path: Path, program: str) -> None:
     (tmp_path / "gone").mkdir()
     done = shell(f"cd gone; rmdir ../gone; {program}", tmp_path, PYTHONPATH=str(Path(files.__file__).parents[2]))
     assert done.returncode == 2 and done.stderr.count("\n") == 1
@@ -90,7 +90,7 @@ assert subprocess.run([sys.executable, "-Pc", "import yaml, only_there"]).return
 
 
 @pytest.mark.parametrize("named", ["{}", "{}/", "{}/../{name}", ":/usr"])
-def test_packages_of_another_interpreter_do_not_come_before_ours_here_or_in_processes_of_ours(
+def test_packages_of_another_interpreter_do_not_shadow_ours_here_or_in_child_processes(
     tmp_path: Path, named: str
 ) -> None:
     (tmp_path / "yaml.py").write_text("raise SyntaxError('for another Python')")

@@ -26,7 +26,7 @@ def file(tmp_path):
     return exported(written(tmp_path / "episode.hdf5", FRAMES), tmp_path / "out" / "episode0.hdf5")
 
 
-def test_the_file_is_read_as_a_recording_of_robotwins_with_nothing_lost_but_by_jpeg(file):
+def test_the_file_is_read_as_a_robotwin_recording_that_only_jpeg_changes(file):
     (recording,) = open_recordings(file)
     assert (recording.LAYOUT, recording.fps, recording.task) == ("robotwin", FPS, INSTRUCTION)
     assert recording.robot == "dual_panda"
@@ -51,7 +51,7 @@ def test_robotwins_own_readers_get_rgb_from_opencv(file):
     assert np.abs(picture[..., ::-1].astype(int) - clip(FRAMES)[3]).mean() > 20
 
 
-def test_all_that_robotwins_readers_ask_for_is_there(file):
+def test_every_field_that_robotwins_readers_need_is_written(file):
     with h5py.File(file) as plain:
         assert plain["joint_action/left_arm"].shape == (FRAMES, 2)
         assert plain["joint_action/right_gripper"].shape == (FRAMES,)

@@ -195,7 +195,7 @@ def test_an_object_larger_than_the_table_is_named():
         solve([standing_at("sofa", (2.0, 0.8, 0.8), 0.0, (0, 0)), standing_at("mug", (0.1, 0.1, 0.1), 0.0, (0, 0))])
 
 
-def test_a_pose_that_is_not_finite_is_refused():
+def test_a_non_finite_pose_is_refused():
     with pytest.raises(UsageError, match="mug"):
         solve([standing_at("mug", (0.1, 0.1, 0.1), 0.0, (np.nan, 0.0))])
 
@@ -376,7 +376,7 @@ def test_touching_and_protruding_objects_are_found(second, words):
 
 
 @pytest.mark.parametrize("position", [(np.nan, 0.0, HEIGHT), (0.0, np.inf, HEIGHT), (0.0, 0.0, np.nan)])
-def test_a_position_that_is_not_finite_is_found(position):
+def test_a_non_finite_position_is_found(position):
     items = [standing_at("a", (0.1, 0.1, 0.1), 0.0, (0.0, 0.0))]
     with pytest.raises(InfeasibleScene, match="a has no finite position"):
         require_exact(Groups(items), {"a": position}, WORKSPACE, 0.01, [])

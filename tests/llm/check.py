@@ -128,7 +128,7 @@ def test_a_critic_is_refused_before_a_picture_is_sent() -> None:
     assert Choice("ollama").answerer("critic") is None
 
 
-def test_the_command_takes_it_without_a_key_and_says_so(
+def test_the_command_uses_it_without_a_key_and_reports_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     for name in [name for name in os.environ if name.endswith("_API_KEY")]:

@@ -28,7 +28,7 @@ def test_where_all_fail_the_complaints_go_back_once():
     assert "is nothing that the task is about" in chat.sent[1][-1].text
 
 
-def test_where_all_fail_again_there_are_none():
+def test_if_all_fail_again_there_are_none():
     assert LlmReasoner(Script(answer(WRONG), answer(WRONG))).word_task(task(ON), []) == ([], 1)
     assert LlmReasoner(Script(answer(), answer())).word_task(task(ON), []) == ([], 0)
 

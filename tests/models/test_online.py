@@ -312,7 +312,7 @@ def test_a_reply_without_text_is_no_picture() -> None:
         pictures.decode_base64({"b64_json": ""}, "x")
 
 
-def test_auto_takes_the_provider_that_has_a_key_and_else_offline(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_auto_takes_the_provider_with_a_key_or_else_offline(monkeypatch: pytest.MonkeyPatch) -> None:
     assert build_models(Choice("auto")).reasoner.provider == "offline"
     monkeypatch.setenv("OPENROUTER_API_KEY", "key-1")
     assert build_models(Choice("auto")).reasoner.provider.startswith("openrouter:")

@@ -125,7 +125,7 @@ def test_a_drawer_that_a_thing_is_taken_from_must_be_described() -> None:
     assert any("taken from the top drawer" in said for said in second_look(Instructed(task, THINGS), swapped))
 
 
-def test_a_clause_that_ends_with_once_that_is_done_comes_last() -> None:
+def test_a_clause_before_once_that_is_done_comes_last() -> None:
     task = "Put the peach in the bottom drawer of the cabinet, and shut it once that's done"
     goals = [
         goal_of(["peach", "inside", "cabinet", "drawer_bottom"]),

@@ -28,6 +28,6 @@ def test_a_room_is_measured_once(library: Library, monkeypatch: pytest.MonkeyPat
     assert Library.load().entry("mug").rooms == known
 
 
-def test_a_room_is_measured_anew_where_the_points_are_others(library: Library) -> None:
+def test_a_room_is_measured_again_for_other_points(library: Library) -> None:
     asset = library.asset("mug")
     assert rooms._key(asset) != rooms._key(library.asset("bowl"))

@@ -71,7 +71,7 @@ def test_a_content_may_be_in_the_centre_with_its_container():
     assert contradictions(plan(("a", "inside", "b"), ("a", "center", "table"), ("b", "center", "table"))) == []
 
 
-def test_saying_a_thing_twice_is_no_contradiction():
+def test_a_repeated_statement_is_no_contradiction():
     assert contradictions(plan(("a", "center", "table"), ("a", "center", "table"))) == []
 
 

@@ -26,7 +26,7 @@ def box(x: float, y: float, z: float = 0.74, size: tuple = (0.1, 0.1, 0.05)) -> 
     return np.array([[x - half[0], y - half[1], z], [x + half[0], y + half[1], z + size[2]]])
 
 
-def test_a_description_is_false_where_things_stand_the_other_way_round():
+def test_a_description_is_false_in_the_mirrored_layout():
     left = said("white", "left_of", "blue")
     assert false_descriptions([left], {"white": box(-0.2, 0), "blue": box(0.1, 0)}, GROUND) == []
     assert false_descriptions([left], {"white": box(0.2, 0), "blue": box(0.1, 0)}, GROUND) == [left]
@@ -90,7 +90,7 @@ def test_a_plan_gets_the_descriptions_that_it_lacks_and_says_them():
     assert with_descriptions(found, [said("white", "left_of", "blue")], PHRASES) == found
 
 
-def test_inside_and_on_are_the_same_to_a_plan_and_a_drawer_is_none_of_its_business():
+def test_a_plan_does_not_distinguish_inside_from_on_and_ignores_drawers():
     plan = LayoutPlan(text="x", relations=[Relation(subject="white", relation="on", reference="blue")])
     told = [said("white", "inside", "blue"), said("pen", "inside", "desk", "drawer_top")]
     assert with_descriptions(plan, told, PHRASES) == plan

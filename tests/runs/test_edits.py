@@ -235,7 +235,7 @@ def test_verdicts_that_were_changed_by_hand_are_kept_when_episodes_come(run, fin
     assert [dataset.episodes for dataset in done["export"].record.datasets] == [1, 1, 1]
 
 
-def test_verdicts_that_were_changed_by_hand_are_kept_when_an_episode_is_edited(run, finished):
+def test_verdicts_changed_by_hand_are_kept_when_an_episode_is_edited(run, finished):
     edit(run.verdicts, lambda found: _first(found).update(accepted=False))
     edit(run.episodes, lambda found: found["episodes"][0].update(reason="as I saw it"))
     record = again(verify, run, finished).record
@@ -287,7 +287,7 @@ def test_where_an_edit_would_be_lost_the_missing_file_is_named(run, finished):
     assert caught.value.maker == "optimize" and Scene.read(run.layout).edited == ["scene.json"]
 
 
-def test_episodes_are_not_collected_again_because_their_log_is_gone(run, finished):
+def test_a_missing_log_does_not_repeat_the_collection(run, finished):
     log_path(run.episodes.parent).unlink()
     with pytest.raises(InputFileError, match=r"log\.jsonl is gone, which collect had written"):
         again(collect, run, finished)

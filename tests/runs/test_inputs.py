@@ -37,7 +37,7 @@ def test_outputs_of_the_stages_are_accepted(finished):
     assert read_pictures(finished.run, scene).source.shape[2] == 3
 
 
-def test_a_plan_that_was_made_contradictory_is_refused(run, finished):
+def test_a_plan_edited_into_a_contradiction_is_refused(run, finished):
     def swap(plan: Any) -> None:
         first = plan["relations"][-1]
         plan["relations"].append({**first, "subject": first["reference"], "reference": first["subject"]})

@@ -69,14 +69,14 @@ def test_an_episode_refers_to_its_videos_and_is_read_as_before(run):
         assert np.array_equal(reader.episode.qpos, before.qpos) and reader.episode.meta == before.meta
 
 
-def test_raw_pictures_stay_where_they_are_asked_for(run):
+def test_raw_pictures_stay_on_request(run):
     before = [file.read_bytes() for file in files_of(run)]
     compressed(run, keep_raw=True)
     assert [file.read_bytes() for file in files_of(run)] == before
     assert not list(files_of(run)[0].parent.glob("*.mp4"))
 
 
-def test_raw_pictures_that_were_kept_may_go_later(run):
+def test_kept_raw_pictures_may_be_dropped_later(run):
     record = compressed(run, keep_raw=True)
     assert compressed(run) == record
     assert all(holds_links(file) for file in files_of(run))

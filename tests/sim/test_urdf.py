@@ -36,7 +36,7 @@ def test_two_processes_that_lack_a_copy_do_not_disturb_each_other(tmp_path):
     assert first == second and "hand.glb" in first
 
 
-def test_the_copy_for_rendering_keeps_about_the_share_that_was_asked_for():
+def test_the_copy_for_rendering_keeps_about_the_requested_share():
     source = package_file(PANDA)
     share = faces(render_urdf(source, 0.1)) / faces(render_urdf(source, 1.0), shadows=True)
     assert 0.08 < share < 0.13

@@ -51,7 +51,7 @@ def test_another_interpreter_hands_over_to_the_environment_named() -> None:
     assert done.stdout.startswith("usage: match.py ")
 
 
-def test_the_projects_own_interpreter_goes_on_without_a_restart() -> None:
+def test_the_projects_own_interpreter_continues_without_a_restart() -> None:
     done = run(SCRIPT, "--help", python=Path(sys.executable), VCAGE_PYTHON=sys.executable)
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith("usage: match.py ")

@@ -254,7 +254,7 @@ def begun(finished, tmp_path) -> RunFolder:
     return copied(finished.run, tmp_path / "run", before="collect")
 
 
-def test_an_interrupted_collection_goes_on_after_its_last_whole_episode(finished, begun, cheap):
+def test_an_interrupted_collection_resumes_after_its_last_whole_episode(finished, begun, cheap):
     cheap.stop_at = 2
     with pytest.raises(KeyboardInterrupt):
         collect.execute(begun, options(episodes=4), finished.context)
@@ -328,7 +328,7 @@ def test_a_collection_without_success_ends_and_says_why(finished, begun, cheap):
     assert len(episode_store.read_log(begun.episodes.parent)) == 6
 
 
-def test_no_more_episodes_are_begun_than_may_be_needed(finished, begun, cheap, monkeypatch):
+def test_only_episodes_that_may_be_needed_are_begun(finished, begun, cheap, monkeypatch):
     submitted = Submitted()
     monkeypatch.setattr(collect, "Processes", lambda *_: submitted)
     cheap.bad = frozenset({1, 2})

@@ -186,7 +186,7 @@ def test_export_before_compression_names_the_missing_stage(fresh):
         exported(fresh)
 
 
-def test_export_of_an_episode_that_was_collected_later_asks_for_compression(short):
+def test_export_of_a_later_episode_asks_for_compression(short):
     collected(short.root, count=2, frames=6)
     with pytest.raises(MissingStage, match="episode_000001"):
         exported(short)
@@ -248,7 +248,7 @@ def test_a_lossless_run_stays_lossless_in_another_codec(fresh):
 @pytest.mark.parametrize(
     ("crf", "codec", "complaint"), [(LOSSLESS, "av1", "without loss"), (20, "h264", "given CRF 20, which h264")]
 )
-def test_a_codec_that_cannot_keep_to_the_crf_that_was_given_asks_for_its_own(fresh, crf, codec, complaint):
+def test_a_codec_that_cannot_use_the_given_crf_asks_for_its_own(fresh, crf, codec, complaint):
     compressed(fresh, crf=crf)
     with pytest.raises(UsageError, match=complaint) as caught:
         exported(fresh, codec=codec)

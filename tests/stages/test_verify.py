@@ -61,7 +61,7 @@ def test_a_verdict_of_the_same_critic_on_the_same_pictures_is_taken_over(finishe
         verify.execute(run, replace(OPTIONS, force=True), finished.context)
 
 
-def test_another_picture_is_judged_anew(finished, tmp_path):
+def test_another_picture_is_judged_again(finished, tmp_path):
     run = copied(finished.run, tmp_path / "run", before="verify")
     (episode,) = Episodes.read(run.episodes).episodes
     before, after = tops(run, episode)
@@ -130,7 +130,7 @@ def test_nothing_is_asked_about_attempts_that_were_not_accepted(run, finished, m
     assert record.differences == [] and record.not_kept == 0
 
 
-def test_nothing_is_asked_about_an_episode_that_was_rejected(run, finished, monkeypatch):
+def test_a_rejected_episode_raises_no_question(run, finished, monkeypatch):
     collected = Episodes.read(run.episodes)
     rejected = [e.model_copy(update={"accepted": False, "file": None}) for e in collected.episodes]
     collected.model_copy(update={"episodes": rejected}).write(run.episodes)

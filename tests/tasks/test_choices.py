@@ -66,7 +66,7 @@ def test_a_failed_combination_is_retried_only_after_everything_else():
     assert tried == [(GRASPS[0], SLOTS[1]), (GRASPS[0], SLOTS[2]), (GRASPS[0], SLOTS[0])]
 
 
-def test_a_slot_in_a_world_that_was_built_anew_is_known_again():
+def test_a_slot_is_recognised_in_a_rebuilt_world():
     trifle = replace(SLOTS[0], pose=Pose(SLOTS[0].pose.p + 1e-6))
     assert first((GRASPS[0], trifle, {"slot"})) == (GRASPS[0], SLOTS[1])
 

@@ -129,7 +129,7 @@ def test_parts_that_stay_closed_and_a_cabinet_that_stays_may_be_said():
     assert told(question) == {"cabinet_two_drawers unmoved", "mug unmoved", *others}
 
 
-def test_of_what_is_put_away_with_its_contents_neither_is_said_to_be_unmoved():
+def test_neither_a_container_put_away_nor_its_contents_are_called_unmoved():
     bowl = thing("bowl", (-0.15, 0.0), 0.0, "content")
     lime = thing("lime", (-0.15, 0.0), 0.0, container="bowl", height=0.75)
     step = subtask("bowl", "table", "on", functional_point=None, template="set_down")

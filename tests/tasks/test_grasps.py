@@ -97,7 +97,7 @@ def test_the_hand_that_must_stay_free_is_that_of_the_robot():
     assert palm[1, 2] - palm[0, 2] == pytest.approx(0.05)
 
 
-def test_fingers_that_open_fill_all_that_they_sweep():
+def test_opening_fingers_fill_the_space_they_sweep():
     for opened, closed, swept in zip(
         hand_boxes(GRIPPER, 0.06), hand_boxes(GRIPPER, 0.02), hand_boxes(GRIPPER, 0.06, 0.02), strict=True
     ):

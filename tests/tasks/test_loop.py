@@ -144,7 +144,7 @@ def test_an_attempt_refused_by_the_critic_is_retried_and_accepted(resampled: Epi
     assert resampled.segments[0].attempts == 2
 
 
-def test_the_log_keeps_the_attempt_that_was_refused(resampled: EpisodeRun):
+def test_the_log_keeps_the_refused_attempt(resampled: EpisodeRun):
     assert [(a.stage, a.accepted, a.attempt) for a in resampled.attempts] == [("verify", False, 0), ("done", True, 1)]
 
 
@@ -152,7 +152,7 @@ def test_the_pictures_of_a_refused_attempt_are_kept_too(resampled: EpisodeRun):
     assert {name.split("-")[2] for name in resampled.pictures} == {"a0", "a1"}
 
 
-def test_after_trying_again_frames_are_evenly_spaced_and_none_is_missing(resampled: EpisodeRun):
+def test_after_a_retry_frames_are_evenly_spaced_and_complete(resampled: EpisodeRun):
     assert spacing(resampled.log) == {25}
 
 

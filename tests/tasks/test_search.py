@@ -95,7 +95,7 @@ def test_refusals_of_other_goals_name_no_receptacle(goal: Goal):
     assert {refusal.receptacle for refusal in refused if refusal.goal == goal} == {None}
 
 
-def test_a_thing_is_looked_at_where_it_stands_though_it_was_looked_at_elsewhere_before():
+def test_an_object_is_examined_at_its_present_place_after_an_earlier_one():
     plate = thing("plate", (0.05, 0.05))
     kept = [len(found_in([thing("block", (-0.2, y), 0.3), plate]).kept) for y in (-0.05, 0.9, -0.05)]
     assert kept == [1, 0, 1]

@@ -169,7 +169,7 @@ def test_a_script_under_a_python_without_vcage_names_the_remedy(tmp_path: Path):
     assert "Traceback" not in done.stderr
 
 
-def test_a_script_goes_on_under_the_python_that_the_environment_names(tmp_path: Path):
+def test_a_script_restarts_under_the_python_named_by_the_environment(tmp_path: Path):
     script = written(tmp_path).path
     other = tmp_path / "other-python"
     other.write_text("#!/bin/sh\necho called with $@\n")

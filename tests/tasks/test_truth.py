@@ -61,7 +61,7 @@ def test_a_box_that_has_tipped_holds_nothing():
     assert truth(marker, tipped).reason == "packaging_box is tipped"
 
 
-def test_the_truth_follows_a_receptacle_that_was_pushed():
+def test_the_truth_follows_a_pushed_receptacle():
     pushed = BOX.moved(Pose([-0.2, 0.1, TABLE_TOP]))
     assert not truth(marker_at(0.0, 0.0, 0.004), pushed).success
 
@@ -225,7 +225,7 @@ def test_contents_are_to_stay_inside() -> None:
     assert not found.success and found.reason.startswith("not marker inside packaging_box any more: marker is ")
 
 
-def test_a_leaning_thing_is_as_low_as_its_lowest_point() -> None:
+def test_the_height_of_a_leaning_object_is_its_lowest_points() -> None:
     marker = thing("marker")
     leaning = marker.moved(
         Pose(marker.pose.p, Pose.from_yaw([0, 0, 0], 0.4).q) * Pose(q=[np.cos(0.3), np.sin(0.3), 0, 0])

@@ -25,7 +25,7 @@ PHRASES = {"pen": "red pen", "cabinet": "white cabinet", "bell": "service bell"}
         (("pen", "handed", "right"), "Hand the red pen to the right arm, which puts it down."),
     ],
 )
-def test_a_goal_is_asked_for_in_ten_different_ways_and_more(goal: tuple[str | None, ...], first: str) -> None:
+def test_a_goal_has_at_least_ten_wordings(goal: tuple[str | None, ...], first: str) -> None:
     found = wordings(goal_of(goal), PHRASES)
     assert found[0] == first
     assert len(set(found)) == len(found) >= 10
@@ -119,7 +119,7 @@ def test_an_object_starting_in_a_drawer_or_a_mug_is_taken_from_there():
     assert mug and all("from the" in text or "out of the" in text for text in mug)
 
 
-def test_two_things_from_two_places_are_asked_for_one_by_one():
+def test_two_objects_from_two_places_are_requested_one_by_one():
     pear = (1, ("pear", "on", "plate"))
     lying = [starting("inside", "mug"), starting("on", "scale").model_copy(update={"subject": "pear"})]
     found = template_wordings(task(ON, pear, descriptions=lying))

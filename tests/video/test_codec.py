@@ -182,7 +182,7 @@ def test_no_encoder_keeps_this_process_at_real_time_priority():
     assert scheduling() == before
 
 
-def test_an_encoder_that_fails_to_open_leaves_the_scheduling_as_it_was():
+def test_an_encoder_that_fails_to_open_leaves_the_scheduling_unchanged():
     before = scheduling()
     with pytest.raises(av.FFmpegError), kept_priority():
         os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))

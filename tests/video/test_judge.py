@@ -89,7 +89,7 @@ def test_equal_pairs_are_judged_once():
 
 
 @pytest.mark.parametrize("changed", [0, 1])
-def test_where_either_picture_is_another_it_is_judged_anew(changed):
+def test_a_pair_with_another_picture_is_judged_again(changed):
     metric = Counting()
     known = KnownLosses(metric)
     pair = [PICTURES[:1], PICTURES[:1]]

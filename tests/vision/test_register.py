@@ -107,7 +107,7 @@ def test_a_crop_to_another_aspect_is_undone(source, target, table, window, size)
     assert error(register(cropped, source, table), warp) <= 2
 
 
-def test_a_crop_of_a_table_painted_anew_is_found_by_the_edges_and_centred(source, target, table) -> None:
+def test_a_crop_of_a_repainted_table_is_found_by_the_edges_and_centred(source, target, table) -> None:
     painted = repainted(target, table)
     cropped, warp = seen_through(painted, (16, 12, 624, 468), (640, 480))
     found = register(cropped, source, table)

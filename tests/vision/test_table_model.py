@@ -41,7 +41,7 @@ def test_an_object_stands_out_of_an_unknown_table(grain):
     assert inside > 0.8 and outside < 0.2
 
 
-def test_a_table_painted_anew_is_learnt_from_the_picture(grain):
+def test_a_repainted_table_is_learnt_from_the_picture(grain):
     other = np.clip(np.random.default_rng(4).normal((90, 150, 110), 2, SHAPE), 0, 255).astype(np.uint8)
     model = fit_table(with_object(other), grain)
     assert not model.known

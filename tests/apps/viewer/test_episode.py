@@ -137,7 +137,7 @@ def test_without_a_known_scene_objects_are_axes(unknown):
     assert "/world/table" not in unknown.components
 
 
-def test_an_arm_of_other_joints_is_not_drawn_and_says_so(other_robot_file, tmp_path, caplog):
+def test_an_arm_with_other_joints_is_reported_and_not_drawn(other_robot_file, tmp_path, caplog):
     view(other_robot_file, save=tmp_path / "look.rrd")
     assert ReadBack(tmp_path / "look.rrd").under("/world/robot") == set()
     assert "the left arm is not drawn" in caplog.text

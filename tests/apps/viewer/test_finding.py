@@ -35,7 +35,7 @@ def test_a_file_of_demonstrations_offers_them_by_their_place(tmp_path):
     assert [found[place].part for place in range(3)] == [*DEMOS]
 
 
-def test_an_episode_whose_pictures_lie_in_videos_is_a_recording(tmp_path):
+def test_an_episode_with_pictures_in_videos_is_a_recording(tmp_path):
     whole, streams = written(tmp_path / "whole.hdf5", 4), []
     for camera in CAMERAS:
         (tmp_path / f"{camera}.mp4").write_bytes(encode(clip(4), FPS, EncoderSettings(), 20))

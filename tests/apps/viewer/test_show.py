@@ -25,7 +25,7 @@ def test_the_command_writes_a_file_and_lists_its_contents(episode_file, tmp_path
     assert len(ReadBack(tmp_path / "look.rrd").rows("/world/cameras/cam_high", "Blob")) == FRAMES
 
 
-def test_without_pictures_all_else_is_there(episode_file, tmp_path, capsys):
+def test_without_pictures_everything_else_is_logged(episode_file, tmp_path, capsys):
     answer = command(capsys, "view", episode_file, "--pictures", "none", "--save", tmp_path / "look.rrd")
     seen = ReadBack(tmp_path / "look.rrd")
     assert answer.record["summary"]["cameras"] == []

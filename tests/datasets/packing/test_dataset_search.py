@@ -129,7 +129,7 @@ def test_a_stricter_limit_lowers_all_and_re_encodes_only_clips_above_it(tmp_path
     assert calls[7:] == [(24, 18), (25, 18), (20, 18), (25, 18), (25, 18), (25, 18)]
 
 
-def test_the_episode_whose_pictures_take_most_bytes_is_the_first(tmp_path, searches):
+def test_the_episode_with_the_largest_pictures_is_the_first(tmp_path, searches):
     episodes(tmp_path / "in", high=[24, 23, 21])
     episode(tmp_path / "in/1.hdf5", frames=9, high=23)
     episode(tmp_path / "in/2.hdf5", size=32, high=21)

@@ -141,7 +141,7 @@ def test_a_stated_rate_settles_the_unit(tmp_path):
     ("values", "told"),
     [(GAP, "more than half a frame"), ([0, 0.02, 0.04, 0.06, 0.04, 0.06], "does not grow at frame 4")],
 )
-def test_a_clock_that_jumps_or_goes_back_says_so_and_tells_no_rate(tmp_path, values, told):
+def test_a_clock_that_jumps_or_goes_back_is_reported_and_gives_no_rate(tmp_path, values, told):
     (recording,) = open_recordings(timed(tmp_path / "a.hdf5", "timestamps", values))
     assert recording.rate_guess is None
     assert any(told in note for note in recording.notes)

@@ -110,7 +110,7 @@ def test_acts_state_is_the_joints_with_names_made_up(tmp_path):
     assert (recording.task, recording.robot, recording.fps) == (None, None, None)
 
 
-def test_robotwin_knows_no_state_but_its_commands_and_says_so(tmp_path):
+def test_robotwin_commands_stand_for_the_missing_state_with_a_note(tmp_path):
     recording = open_hdf5(robotwin(tmp_path / "a.hdf5"))
     assert np.array_equal(recording.state, recording.motion.values)
     assert recording.state_names[5:8] == ["left_arm_5", "left_gripper", "right_arm_0"]

@@ -84,7 +84,7 @@ def test_the_filling_of_a_bitmap_is_no_alpha(tmp_path):
 
 
 @pytest.mark.parametrize("mode", ["P", "L", "LA", "1"])
-def test_palettes_and_grey_are_read_as_they_look(tmp_path, mode):
+def test_palettes_and_grey_are_read_as_rgb(tmp_path, mode):
     (tmp_path / "cam").mkdir()
     picture = Image.fromarray(room()).convert(mode)
     picture.save(tmp_path / "cam/0.png")
@@ -129,7 +129,7 @@ def test_a_folder_of_sixteen_bits_is_no_camera(tmp_path, name, stored):
 
 
 @pytest.mark.parametrize("name", ["depth", "masks"])
-def test_a_folder_that_is_called_depth_or_masks_is_no_camera(tmp_path, name):
+def test_a_folder_named_depth_or_masks_is_no_camera(tmp_path, name):
     folder(tmp_path / "high", "0.png", "1.png")
     folder(tmp_path / name, "0.png", "1.png", picture=DEEP.astype(np.uint8))
     assert [one.key for one in PictureFolder(tmp_path).other_streams] == [name]

@@ -7,7 +7,7 @@ from tests.datasets.recordings.layouts import act, jpeg, robotwin, room
 from vcage.datasets.recordings.opening import open_recordings
 
 
-def test_an_hdf5_file_is_all_that_its_recording_is_read_from(tmp_path):
+def test_a_recording_is_read_from_its_hdf5_file_alone(tmp_path):
     assert open_recordings(act(tmp_path / "a.hdf5"))[0].files == [tmp_path / "a.hdf5"]
 
 
@@ -37,7 +37,7 @@ def test_notes_are_reported_once_however_often_the_numbers_are_read(tmp_path):
     assert recording.state_notes == recording.state_notes and len(recording.state_notes) == 1
 
 
-def test_names_are_read_once_however_often_they_are_asked_for(tmp_path):
+def test_names_are_read_once_for_any_number_of_uses(tmp_path):
     (recording,) = open_recordings(act(tmp_path / "a.hdf5"))
     names = recording.state_names, recording.action_names
     (tmp_path / "a.hdf5").unlink()

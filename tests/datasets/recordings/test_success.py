@@ -113,7 +113,7 @@ def test_a_description_without_a_list_of_episodes_is_refused_once(tmp_path, cont
 @pytest.mark.parametrize(
     ("content", "said"), [({"env_info": {}}, "names no episodes"), ({"episodes": []}, "does not describe it")]
 )
-def test_a_trajectory_that_its_description_passes_over_says_so(tmp_path, content, said):
+def test_a_trajectory_missing_in_the_description_is_reported(tmp_path, content, said):
     path = maniskill(tmp_path / "a.h5", (None,), labels=False)
     path.with_suffix(".json").write_text(json.dumps(content))
     notes = open_recordings(path)[0].notes

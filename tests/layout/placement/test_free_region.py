@@ -81,7 +81,7 @@ def test_samples_are_spread_by_area():
     assert 0.70 < left < 0.80
 
 
-def test_the_centre_lies_in_every_union_that_is_given():
+def test_the_centre_lies_in_every_given_union():
     unions = [[[[0, 0], [0.2, 0.2]]], [[[0.1, -1], [1, 1]]], [[[-1, -1], [1, 0.05]]]]
     assert free_region(BOUNDS, [0, 0], unions=unions).area == pytest.approx(0.1 * 0.05)
     assert free_region(BOUNDS, [0, 0], unions=[[[[0, 0], [1, 1]]], []]).is_empty

@@ -158,7 +158,7 @@ def held_at(distance: float, articulated: bool = False) -> SimpleNamespace:
     return SimpleNamespace(name="pan", articulated=articulated, annotation=annotation)
 
 
-def test_an_object_stands_where_all_that_its_role_needs_is_reached(caplog):
+def test_an_object_stands_where_all_points_of_its_role_are_in_reach(caplog):
     with caplog.at_level(logging.WARNING):
         inset = reach_for(held_at(0.05), "content", WORKSPACE[None])
         np.testing.assert_allclose(inset, [[[-0.25, -0.15], [0.25, 0.15]]])

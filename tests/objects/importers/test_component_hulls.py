@@ -39,7 +39,7 @@ def test_a_surface_with_both_sides_drawn_is_one_piece():
     assert hull.volume == pytest.approx(1)
 
 
-def test_a_surface_whose_corners_are_not_shared_is_one_piece():
+def test_a_surface_without_shared_corners_is_one_piece():
     one = box((0, 0, 0), (1, 1, 1))
     one.unmerge_vertices()
     (hull,) = hulls(one)

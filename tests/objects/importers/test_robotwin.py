@@ -123,7 +123,7 @@ def test_a_refused_record_names_file_field_and_value(rigid, into, monkeypatch):
     assert (entry.error.code, entry.error.details["field"]) == ("schema_mismatch", "name")
 
 
-def test_variants_whose_folders_are_called_nearly_alike_keep_different_ids(cabinet, into):
+def test_variants_with_similar_folder_names_keep_different_ids(cabinet, into):
     for name in ("A b", "a_b"):
         shutil.copytree(cabinet.write().folder, cabinet.folder.parent / name)
     shutil.rmtree(cabinet.folder)

@@ -146,7 +146,7 @@ def test_the_picture_of_the_mesh_is_kept(rigid, into):
     ],
     ids=["zero", "negative", "two numbers", "text"],
 )
-def test_a_scale_that_is_none_refuses_the_object(rigid, into, change, field):
+def test_an_invalid_scale_refuses_the_object(rigid, into, change, field):
     rigid.data.update(change)
     (entry,) = import_robotwin(rigid.write().folder, into)
     assert f"model_data0.json: field {field}: got" in entry.error.message and "expected" in entry.error.message
@@ -337,7 +337,7 @@ def test_a_too_large_texture_refuses_its_variant(rigid, into):
         imported(rigid, into)
 
 
-def test_a_texture_that_was_made_too_large_after_the_import_is_refused(rigid, into):
+def test_a_texture_enlarged_beyond_the_limit_after_the_import_is_refused(rigid, into):
     asset, _ = imported(rigid.write(), into)
     path = Path(asset.model.visual)
     data = bytearray(path.read_bytes())

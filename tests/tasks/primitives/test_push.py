@@ -30,7 +30,7 @@ def task_with(goal: Pose, *objects: SceneObject) -> Task:
 
 
 @pytest.mark.parametrize(("asset", "way"), [("plate", (0.12, 0.0)), ("book", (0.0, 0.08))])
-def test_it_is_pushed_to_where_it_shall_stand_without_turning(asset: str, way: tuple[float, float]):
+def test_it_is_pushed_to_its_target_without_turning(asset: str, way: tuple[float, float]):
     pushed = thing(asset, (-0.12, 0.0))
     goal = moved(pushed, *way)
     task = task_with(goal, pushed)

@@ -23,7 +23,7 @@ def handed(found: FoundSubtasks) -> list[Subtask]:
     return [subtask for subtask in found.kept if subtask.template == "hand_over"]
 
 
-def test_it_is_tried_only_where_it_is_asked_for():
+def test_it_is_tried_only_on_request():
     assert not handed(search([thing("hammer", (-0.2, 0.0))]))
 
 

@@ -71,7 +71,7 @@ def test_an_object_on_another_is_not_pushed():
     assert "does not stand on the table" in proposal.impossible().reason
 
 
-def test_its_slot_is_where_a_push_from_where_it_stands_in_the_episode_ends():
+def test_its_slot_is_the_end_of_a_push_from_its_place_in_the_episode():
     subtask, _ = examined(LEFT, PLATE, MUG)
     assert subtask is not None
     for shift in (-0.008, 0.008):
@@ -104,7 +104,7 @@ def test_each_push_ends_where_the_goal_holds_with_a_margin_and_on_the_ground():
         assert {grasp.contact for grasp in push.finding.grasps} == {push.heading}
 
 
-def test_the_arm_on_whose_side_it_happens_comes_first():
+def test_the_arm_on_the_side_of_the_object_comes_first():
     found, _ = examined_pushes("left_of", thing("plate", (-0.1, -0.1)), thing("mug", (-0.1, 0.15)))
     assert found[0].finding.grasps[0].arm == "left"
 

@@ -32,8 +32,7 @@ class StandingSettings:
     """Places to search for an object, and limits for finding it there.
 
     Args:
-        flips_deg: alternative headings: a plain box looks the same from several
-            sides.
+        flips_deg: alternative headings: a plain box looks the same from several sides.
         rounds, rounds_near: refinements of a pose; and of a nearly right one.
         candidates, refined: number of drawn places, and of refined poses.
         headings_deg: further headings tried at an occupied place where nothing fits at first.
@@ -241,8 +240,8 @@ class Sought:
     def speaks(
         self, there: Standing, view: View, without: np.ndarray, hidden: np.ndarray | None = None
     ) -> tuple[float, int]:
-        """Share of the pixels that distinguish the object from a picture without it and look as drawn in a view,
-        and the number of these pixels; the share is 1 where there are none.
+        """Of the pixels that distinguish the object from a picture without it, the share that look as drawn in a view,
+        and their number; the share is 1 where there are none.
 
         Args:
             there: where the object would stand.

@@ -34,8 +34,8 @@ class SupportSettings:
         stays_share: share of a support's visible area before that must be visible at its new place.
         aloft_share: share of the side view's evidence for an object at the height of the top that must show it there.
         outline_share: share of an object's outline that must have changed, even faintly, for a clear place.
-        shown_share, shown_share_changed: share of the pixels unlike the earlier picture that the view from
-            above must show; the second if its outline changed.
+        shown_share, shown_share_changed: share of the distinguishing pixels that must look as drawn from above; the
+            second if its outline changed.
     """
 
     faint_lab: float = 1.5
@@ -65,7 +65,7 @@ class Lying:
 
     Args:
         standing: its likeliest pose there.
-        shown: share of the pixels unlike the earlier picture that the view from above shows.
+        shown: share of the pixels that distinguish it from the earlier picture and look as drawn from above.
         outline: share of its outline that changed, even faintly.
         aloft: the same share as ``shown`` in views from the side; None without evidence.
         hides: (H, W) bool by view, the area it hides there.
@@ -87,7 +87,7 @@ class Lying:
 
 
 def faintly_changed(before: View, after: View, here: np.ndarray, least: float) -> bool:
-    """True when more than ``least`` pixels of a mask (H, W) changed, be it faintly."""
+    """True when more than ``least`` pixels of a mask (H, W) changed, even faintly."""
     faint = changed(smoothed(before.picture), smoothed(after.picture), least=SETTINGS.faint_lab)
     return int((faint & here).sum()) > least
 
@@ -138,7 +138,7 @@ def _aloft(
     after: Mapping[str, View],
     others: Sequence[tuple[Draw, Pose]],
 ) -> float | None:
-    """Share of the pixels unlike the earlier picture that side views show of an object at a height."""
+    """Share of the pixels that distinguish an object at a height and look as drawn in side views; None if too few."""
     shares = []
     for name in sorted(before.keys() & after.keys() - {"top"}):
         hidden = _in_front(lies.pose, others, after[name])
