@@ -95,7 +95,7 @@ class _Clauses:
             alike = ({n for n in found if other.may_mean(self._things[n])} for other in before)
             found = next((several for several in alike if several), found)
         side = next((word for word in ("left", "right") if word in tokens(noun.words)), None)
-        there = {told.subject for told in reading.descriptions if told.relation == f"{side}_of"}
+        there = {described.subject for described in reading.descriptions if described.relation == f"{side}_of"}
         return frozenset(found & there if side else found)
 
     def complaints(self) -> list[str]:

@@ -173,9 +173,9 @@ def _on_side(side: str, reading: Reading) -> bool:
     if any(side in (one.part or "").split("_") for one in reading.stated):
         return True
     other = {"left": "right_of", "right": "left_of"}[side]
-    there = {told.subject for told in reading.descriptions if told.relation == f"{side}_of"}
-    there |= {told.reference for told in reading.descriptions if told.relation == other}
-    lying = [told for told in reading.descriptions if told.relation in HOLDING]
+    there = {described.subject for described in reading.descriptions if described.relation == f"{side}_of"}
+    there |= {described.reference for described in reading.descriptions if described.relation == other}
+    lying = [described for described in reading.descriptions if described.relation in HOLDING]
     return any({one.subject, one.reference} & there for one in (*(asked.goal for asked in reading.goals), *lying))
 
 
@@ -213,7 +213,7 @@ def wrong_drawers(read: CheckedReading) -> list[str]:
 def _wrong_sources(read: CheckedReading, parts: Collection[str]) -> list[str]:
     """Complaints about drawers after "from the" or "out of the" that no description names."""
     text, words = read.task.text, read.task.text.split(" ")
-    starts = {(told.part or "").rpartition("_")[2] for told in read.reading.descriptions}
+    starts = {(described.part or "").rpartition("_")[2] for described in read.reading.descriptions}
     taken = {height for at, height in heights(text, parts).items() if _FROM.search(" ".join(words[:at]))}
     return [
         f"something is taken from the {height} drawer, but no description names a part '..._{height}'"

@@ -102,13 +102,13 @@ def _verdict(said: Sequence[Judgement], provider: str, phrases: Mapping[str, str
     yes = [judgement for judgement in said if _is_yes(judgement)]
     accepted = 2 * len(yes) > len(said)
     won = yes if accepted else [judgement for judgement in said if not _is_yes(judgement)]
-    told = f"{len(yes)} of {len(said)} votes are a yes: " if len(said) > 1 else ""
+    counted = f"{len(yes)} of {len(said)} votes are a yes: " if len(said) > 1 else ""
     unsure = "unsure, which is a no: " if won[0].done == "unsure" else ""
     moved = " and ".join(f"the {phrases.get(name, name)}" for name in won[0].also_moved)
     failures = [] if accepted else [failure for judgement in won if (failure := _failure(judgement)) is not None]
     return Verdict(
         accepted=accepted,
-        reason=f"{told}{unsure}{won[0].reason}{f' (also moved: {moved})' if moved else ''}",
+        reason=f"{counted}{unsure}{won[0].reason}{f' (also moved: {moved})' if moved else ''}",
         confidence=sum(judgement.confidence for judgement in won) / len(said),
         provider=provider,
         failure=next(iter(failures), None),

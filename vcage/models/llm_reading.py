@@ -139,11 +139,11 @@ def answer_type(read: Instructed) -> type[GoalsAnswer]:
         part=parts,
         arm=one_or_none(ARMS),
     )
-    told = narrowed(ReadDescription, subject=one_of(names), reference=one_of([TABLE, *names]), part=parts)
+    described = narrowed(ReadDescription, subject=one_of(names), reference=one_of([TABLE, *names]), part=parts)
     return narrowed(
         GoalsAnswer,
         goals=list[goal],
-        descriptions=list[told],
+        descriptions=list[described],
         untouched=list[one_of(names)],  # pyrefly: ignore
     )
 
@@ -155,9 +155,9 @@ def misshapen(answer: GoalsAnswer, read: Instructed) -> list[str]:
     found += [f"goals: the same is given {count} times: {goal}" for goal, count in said.items() if count > 1]
     for number, goal in enumerate(answer.goals):
         found += [f"goals.{number}: {text}" for text in _wrong_goal(goal, answer.untouched, read)]
-    for number, told in enumerate(answer.descriptions):
-        found += [f"descriptions.{number}: {text}" for text in _wrong_description(told, read)]
-    placed = {told.subject for told in answer.descriptions if told.relation in ("inside", "on")}
+    for number, described in enumerate(answer.descriptions):
+        found += [f"descriptions.{number}: {text}" for text in _wrong_description(described, read)]
+    placed = {described.subject for described in answer.descriptions if described.relation in ("inside", "on")}
     return found + [
         f"descriptions: {name} starts in or on {read.lying[name]}, and no description says so"
         for name in read.moved
@@ -195,15 +195,15 @@ def _wrong_subject(goal: ReadGoal, untouched: Collection[str]) -> list[str]:
     return found
 
 
-def _wrong_description(told: ReadDescription, read: Instructed) -> list[str]:
-    found = _wrong_words(told.words, read.instruction)
-    if told.reference == TABLE and told.relation not in (*DIRECTIONS, "center"):
-        found.append(f"{told.relation!r} says nothing of a place on the table")
-    if told.subject == told.reference:
-        found.append(f"{told.subject} is its own reference")
-    if told.part and told.relation not in ("inside", "on"):
-        found.append(f"{told.relation!r} takes no part")
-    return found + (_wrong_part(told.reference, told.part, read) if told.part else [])
+def _wrong_description(described: ReadDescription, read: Instructed) -> list[str]:
+    found = _wrong_words(described.words, read.instruction)
+    if described.reference == TABLE and described.relation not in (*DIRECTIONS, "center"):
+        found.append(f"{described.relation!r} says nothing of a place on the table")
+    if described.subject == described.reference:
+        found.append(f"{described.subject} is its own reference")
+    if described.part and described.relation not in ("inside", "on"):
+        found.append(f"{described.relation!r} takes no part")
+    return found + (_wrong_part(described.reference, described.part, read) if described.part else [])
 
 
 def _wrong_words(words: str, instruction: str) -> list[str]:
@@ -220,7 +220,7 @@ def _wrong_part(owner: str, part: str, read: Instructed) -> list[str]:
 
 def reading_of(answer: GoalsAnswer) -> Reading:
     """The reading that an answer without complaints stands for; empty names become None."""
-    goals, told = answer.model_dump()["goals"], answer.model_dump()["descriptions"]
+    goals, described = answer.model_dump()["goals"], answer.model_dump()["descriptions"]
     of_goal = ("subject", "relation", "reference", "part")
     return Reading(
         goals=[
@@ -233,5 +233,5 @@ def reading_of(answer: GoalsAnswer) -> Reading:
             for goal in goals
         ],
         untouched=list(dict.fromkeys(answer.untouched)),
-        descriptions=[Description.model_validate(one | {"part": one["part"] or None}) for one in told],
+        descriptions=[Description.model_validate(one | {"part": one["part"] or None}) for one in described],
     )

@@ -101,9 +101,8 @@ class CriticQuestion:
         moment: view by camera name while a part was touched, a code was before a scanner, two hands held a thing, or a
             thing came to lie on a scale.
         start: view by camera name at the start of the episode; only where something is put back.
-        uncalibrated: pictures by camera name, by time, of moving cameras: of the hands, before and
-            after of both, at the moment, or when what was held was let go, of the one that did it; and, at the moment
-            of a scan, of bar code and window.
+        uncalibrated: pictures by camera name, by time, of moving cameras: of both hands before and after; of the acting
+            hand at the moment, or at the release; and, at the moment of a scan, of bar code and window.
         planned: the layout's place of each object, without later changes.
         opened: parts planned to be open before and after, by their object.
         parts: names of the moving parts, by the object that has them.

@@ -53,11 +53,11 @@ def differences(reading: Reading, other: Reading, things: Mapping[str, Catalogue
     looks = {name: f"{entry.name}/{entry.variants[0].id}" for name, entry in things.items()}
     mine = Counter(_goal(asked, looks) for asked in reading.goals)
     theirs = Counter(_goal(asked, looks) for asked in other.goals)
-    told: dict[tuple[str, ...], str] = {}
+    texts: dict[tuple[str, ...], str] = {}
     for asked in (*reading.goals, *other.goals):
-        told.setdefault(_goal(asked, looks), f"{asked.goal}{f' by the {asked.arm} arm' if asked.arm else ''}")
-    missing = [told[goal] for goal in (theirs - mine).elements()]
-    more = [told[goal] for goal in (mine - theirs).elements()]
+        texts.setdefault(_goal(asked, looks), f"{asked.goal}{f' by the {asked.arm} arm' if asked.arm else ''}")
+    missing = [texts[goal] for goal in (theirs - mine).elements()]
+    more = [texts[goal] for goal in (mine - theirs).elements()]
     missing += _missing_statements(other, reading, looks)
     more += _missing_statements(reading, other, looks)
     if not missing and not more:
@@ -80,9 +80,12 @@ def _goal(asked: AskedGoal, looks: Mapping[str, str]) -> tuple[str, ...]:
     return subject, word, reference, goal.part or "", asked.arm or ""
 
 
-def _description(told: Description, looks: Mapping[str, str]) -> tuple[str, ...]:
-    subject, reference = looks.get(told.subject, told.subject), looks.get(told.reference, told.reference)
-    return (*_one_way(subject, told.relation, reference), told.part or "")
+def _description(described: Description, looks: Mapping[str, str]) -> tuple[str, ...]:
+    subject, reference = (
+        looks.get(described.subject, described.subject),
+        looks.get(described.reference, described.reference),
+    )
+    return (*_one_way(subject, described.relation, reference), described.part or "")
 
 
 def _one_way(subject: str, word: str, reference: str) -> tuple[str, str, str]:

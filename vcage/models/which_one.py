@@ -83,10 +83,10 @@ def _is_bare(noun: Noun, words: Sequence[str]) -> bool:
     )
 
 
-def _tells(told: Description, alike: Collection[str], read: CheckedReading) -> bool:
+def _tells(described: Description, alike: Collection[str], read: CheckedReading) -> bool:
     """Check if a description tells one of some objects from the others by words that say so."""
-    about = {told.subject, told.reference} & {*alike}
-    if not about or _WORDS_FOR[told.relation].isdisjoint(tokens(told.words)):
+    about = {described.subject, described.reference} & {*alike}
+    if not about or _WORDS_FOR[described.relation].isdisjoint(tokens(described.words)):
         return False
-    others = {told.subject, told.reference} - about - {TABLE}
+    others = {described.subject, described.reference} - about - {TABLE}
     return all(any(noun.name and noun.may_mean(read.things[name]) for noun in read.said) for name in others)

@@ -16,10 +16,10 @@ def inconsistencies(goals: Sequence[AskedGoal], descriptions: Iterable[Descripti
     """Goals of one step, or goals at the end, or starting conditions that contradict each other, one sentence each."""
     steps = in_steps(goals)
     # several may stand in the middle of the table
-    told = [d for d in descriptions if (d.relation, d.reference) != ("center", TABLE)]
+    placed = [d for d in descriptions if (d.relation, d.reference) != ("center", TABLE)]
     found = [f"the goals of one step contradict each other: {text}" for step in steps for text in _clashes(step)]
     found = found or [f"the goals contradict each other: {text}" for text in _clashes(lasting(steps))]
-    return found + [f"the start conditions contradict each other: {text}" for text in _clashes(told)]
+    return found + [f"the start conditions contradict each other: {text}" for text in _clashes(placed)]
 
 
 def unordered_contradictions(goals: Collection[Goal]) -> list[str]:

@@ -52,7 +52,7 @@ def goal_in_words(goal: Goal, phrases: Mapping[str, str]) -> str:
 
 def reading_in_words(reading: Reading, phrases: Mapping[str, str]) -> list[str]:
     """A reading as a list of sentences: the start, the actions in order, the objects left alone."""
-    found = [f"At the start {in_words(told, phrases)}." for told in reading.descriptions]
+    found = [f"At the start {in_words(described, phrases)}." for described in reading.descriptions]
     steps = sorted({asked.step for asked in reading.goals})
     for number, step in enumerate(steps, 1):
         order = f"Step {number}: " if len(steps) > 1 else ""

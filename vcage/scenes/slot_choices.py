@@ -54,14 +54,14 @@ def with_chosen_slots(
     )
     found = []
     for chain, questions in zip(chains, asked, strict=True):
-        told = [
+        answered = [
             with_open_parts(subtask, question, next(answers))
             for subtask, question in zip(chain, questions, strict=True)
         ]
         if scene.goals:
-            found.append(_proven(chain, told, kept, scene, objects, rng))
+            found.append(_proven(chain, answered, kept, scene, objects, rng))
         else:  # a single option was proven by the search
-            found.append(filled(chain, {}, told))
+            found.append(filled(chain, {}, answered))
     return found
 
 

@@ -155,9 +155,9 @@ class CriticCounts(Record):
     recall: CountedShare = Field(description="what was accepted among the successes")
 
     @classmethod
-    def of(cls, told: Iterable[tuple[bool, bool]]) -> Self:
+    def of(cls, pairs: Iterable[tuple[bool, bool]]) -> Self:
         """Of pairs: the critic's acceptance, and the truth."""
-        judged = list(told)
+        judged = list(pairs)
         true, false_no = judged.count((True, True)), judged.count((False, True))
         return cls(
             judged=len(judged),

@@ -107,8 +107,8 @@ def _stays(chain: Sequence[Subtask], objects: Sequence[SceneObject]) -> list[_St
 
 
 def _together(stays: Sequence[_Stay]) -> list[list[_Stay]]:
-    """The stays in one place that overlap in time, directly or by others, in the order of the chain; each at least one
-    at least one achieved by a sub-task."""
+    """Groups of stays in one place that overlap in time, directly or by others, in the order of the chain. At least one
+    stay of each group is brought about by a sub-task."""
     groups: list[list[_Stay]] = []
     for stay in stays:
         touching = [group for group in groups if any(stay.meets(other) for other in group)]

@@ -270,8 +270,8 @@ def _best_place(
     heights: Sequence[float],
     start: np.ndarray,
 ) -> tuple[float, list[np.ndarray] | None]:
-    """The drop and joint path of the first of some poses that the arm can bring the object to, from as high as it
-    height; else the least drop and None."""
+    """The drop and joint path to the first of some poses to which the arm can bring the object, from the greatest
+    possible height; else the least drop and None."""
     width = transfer.target.asset.grasp_width(transfer.contact)
     drops = []
     for height, goal in product(heights, goals):

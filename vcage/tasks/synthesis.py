@@ -135,7 +135,7 @@ def _damaged(message: str) -> DamagedFile:
 def _naming_lines(path: Path, function: Callable[[Any], Any]) -> Callable[[Any], Any]:
     """A function of a script, whose own mistakes are reported with the script's line."""
 
-    def told(task: Any) -> Any:
+    def reported(task: Any) -> Any:
         try:
             return function(task)
         except (Exception, SystemExit) as error:
@@ -146,7 +146,7 @@ def _naming_lines(path: Path, function: Callable[[Any], Any]) -> Callable[[Any],
             message = f"{path}: line {ours.lineno}: {type(error).__name__}: {error}"
             raise _damaged(message) from error
 
-    return told
+    return reported
 
 
 def _for_docstring(text: str) -> str:

@@ -109,16 +109,16 @@ def in_one_sentence(steps: Sequence[Sequence[Sequence[str]]]) -> list[str]:
         return list(parts[0])
     found = []
     for number in range(max(map(len, parts))):
-        told = [[_command(part, number) for part in step] for step in steps]
-        text = ", then ".join(" and ".join(step) for step in told)
+        commands = [[_command(part, number) for part in step] for step in steps]
+        text = ", then ".join(" and ".join(step) for step in commands)
         found.append(f"{text[0].upper()}{text[1:]}.")
     return list(dict.fromkeys(found))
 
 
 def by_arm(texts: Sequence[str], arm: str) -> list[str]:
     """Commands with the arm that must do them."""
-    told = [(text.rstrip("."), text[0].lower() + text[1:]) for text in texts if _is_command(text)]
-    return [said for text, end in told for said in (f"{text} with the {arm} arm.", f"Use the {arm} arm to {end}")]
+    sentences = [(text.rstrip("."), text[0].lower() + text[1:]) for text in texts if _is_command(text)]
+    return [said for text, end in sentences for said in (f"{text} with the {arm} arm.", f"Use the {arm} arm to {end}")]
 
 
 def _command(texts: Sequence[str], number: int) -> str:
@@ -154,9 +154,9 @@ def _together(task: TaskToWord, step: Sequence[AskedGoal]) -> Iterator[list[Aske
     """Goals of one command: several objects that go from one place to one place."""
     places: dict[object, list[AskedGoal]] = {}
     for number, asked in enumerate(step):
-        goal, told = asked.goal, task.sources.get(asked.goal)
+        goal, start = asked.goal, task.sources.get(asked.goal)
         alone = number if goal.kind.refers_to != "object" else None
-        source = told and (told.relation, told.reference, told.part)
+        source = start and (start.relation, start.reference, start.part)
         places.setdefault((goal.relation, goal.reference, goal.part, asked.arm, source, alone), []).append(asked)
     yield from places.values()
 
@@ -166,22 +166,22 @@ def _part_wordings(task: TaskToWord, part: Sequence[AskedGoal], short: bool, pus
     goal, arm = part[0].goal, part[0].arm
     thing = _thing(task, [asked.goal.subject for asked in part], short)
     place = _place(task, goal, short)
-    told = task.sources.get(goal)
-    holder = _holder(task, told, short) if told else ""
+    start = task.sources.get(goal)
+    holder = _holder(task, start, short) if start else ""
     if thing is None or place is None or holder is None:
         return []
     by_push = all(asked.goal in pushed for asked in part)
-    source = Source("out of" if told.relation == "inside" else "off", holder) if told else None
+    source = Source("out of" if start.relation == "inside" else "off", holder) if start else None
     texts = worded(goal, thing, place, several=len(part) > 1, pushed=by_push, source=source)
     return by_arm(texts, arm) if arm is not None else texts
 
 
 def _thing(task: TaskToWord, ids: Sequence[str], short: bool) -> str | None:
     """Name one or several objects, with articles; None where one has no clear name."""
-    told = [*_names(task, ids, short)]
-    if None in told:
+    names = [*_names(task, ids, short)]
+    if None in names:
         return None
-    named = [name for name in told if name is not None]
+    named = [name for name in names if name is not None]
     return named[0] if len(named) == 1 else f"{listed(named[:-1], most=len(named))} and {named[-1]}"
 
 
@@ -201,10 +201,10 @@ def _names(task: TaskToWord, ids: Sequence[str], short: bool) -> Iterator[str | 
             yield None
 
 
-def _holder(task: TaskToWord, told: Description, short: bool) -> str | None:
+def _holder(task: TaskToWord, start: Description, short: bool) -> str | None:
     """Name an object's source; None where it has no clear name."""
-    name = _thing(task, [told.reference], short)
-    return name if name is None or told.part is None else f"the {part_words(told.part)} of {name}"
+    name = _thing(task, [start.reference], short)
+    return name if name is None or start.part is None else f"the {part_words(start.part)} of {name}"
 
 
 def _place(task: TaskToWord, goal: Goal, short: bool) -> str | None:

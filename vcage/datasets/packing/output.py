@@ -49,8 +49,8 @@ def resolve_output(wanted: OutputSpec, sources: Sequence[SourceRecording]) -> Ou
     """Return the requested output with a target that every recording can be written as.
 
     Raises:
-        UsageError: one cannot; names it, and the missing option. Or episodes of a LeRobot data set are left out
-            that is to keep its version, and with it the numbers of its episodes.
+        UsageError: one cannot; names it, and the missing option. Or a LeRobot data set that keeps its version, and with
+            it the numbers of its episodes, would lose some.
         DamagedFile: the times of one are not evenly spaced, as a LeRobot data set needs them.
     """
     output = replace(wanted, target=wanted.target or sources[0].recording.TARGET)
@@ -166,7 +166,7 @@ def require_alike(clips: Sequence[Clip], output: OutputSpec) -> None:
 
     Raises:
         UsageError: one differs from the first in its cameras, their sizes, its frame rate or its numbers; names both.
-            Or a camera of a LeRobot data set shows depth or grey, whatever is written.
+            Or a camera of a LeRobot data set shows depth or grey, with any output.
         DamagedFile: the state of one holds NaN, or has another number of rows than pictures; or a number of its state
             or its commands is too large for 32 bits.
     """

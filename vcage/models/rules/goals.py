@@ -37,13 +37,13 @@ def read_goals(instruction: str, things: Things, lying: Mapping[str, str] | None
     return agreed(instruction, lambda commands: Goals(things, lying or {}, commands).read(), in_words)
 
 
-def agreed(instruction: str, ground: Callable[[tuple[Command, ...]], Any], told: Callable[[Any], str]) -> Any:
+def agreed(instruction: str, ground: Callable[[tuple[Command, ...]], Any], as_text: Callable[[Any], str]) -> Any:
     """Ground every reading of a sentence; all that can be grounded must agree.
 
     Args:
         instruction: the sentence.
         ground: turns the commands of one reading into goals; a :class:`Doubt` drops the reading.
-        told: the goals in plain words, which differ where the readings do.
+        as_text: the goals in plain words, which differ where the readings do.
 
     Raises:
         UnreadInstruction: the readings differ, or there is none.
@@ -53,7 +53,7 @@ def agreed(instruction: str, ground: Callable[[tuple[Command, ...]], Any], told:
     for commands in (way for parsed in parse(instruction) for way in resolved(parsed)):
         try:
             result = ground(commands)
-            found.setdefault(told(result), result)
+            found.setdefault(as_text(result), result)
         except (Doubt, NoAssetFits) as doubt:
             doubts.append(doubt)
     conflicts = [doubt for doubt in doubts if isinstance(doubt, Conflict)]
@@ -68,9 +68,9 @@ def agreed(instruction: str, ground: Callable[[tuple[Command, ...]], Any], told:
 def in_words(reading: Reading) -> str:
     """A reading in plain words."""
     goals = sorted((asked.step, str(asked.goal), asked.arm or "") for asked in reading.goals)
-    told = [f"{goal}{f' by the {arm} arm' if arm else ''}" for _, goal, arm in goals]
-    told += [f"{one} at the start" for one in sorted(map(str, reading.descriptions))]
-    return ", ".join([*told, *(f"{name} left alone" for name in sorted(reading.untouched))])
+    texts = [f"{goal}{f' by the {arm} arm' if arm else ''}" for _, goal, arm in goals]
+    texts += [f"{one} at the start" for one in sorted(map(str, reading.descriptions))]
+    return ", ".join([*texts, *(f"{name} left alone" for name in sorted(reading.untouched))])
 
 
 def resolved(commands: tuple[Command, ...], done: tuple[Command, ...] = ()) -> Iterator[tuple[Command, ...]]:
@@ -85,8 +85,8 @@ def resolved(commands: tuple[Command, ...], done: tuple[Command, ...] = ()) -> I
         return
     command, *later = commands
     things = (_things_for(noun, done, command) for noun in command.things)
-    for told, place in itertools.product(itertools.product(*things), _places_for(command, done)):
-        named = tuple(noun for nouns in told for noun in nouns)
+    for chosen, place in itertools.product(itertools.product(*things), _places_for(command, done)):
+        named = tuple(noun for nouns in chosen for noun in nouns)
         yield from resolved(tuple(later), (*done, replace(command, things=named, place=place)))
 
 
@@ -125,20 +125,20 @@ def _referents(pronoun: Noun, done: tuple[Command, ...], verb: str) -> list[tupl
 
     "Them" are the things of the command before, or, where that is one, of all commands.
     """
-    told = done[-1].things if done else ()
+    things = done[-1].things if done else ()
     if pronoun.pronoun == "them":
-        return _several(told, done)
-    nouns = [*told, *_places(*done[-1:])] if len(told) == 1 else []
+        return _several(things, done)
+    nouns = [*things, *_places(*done[-1:])] if len(things) == 1 else []
     if verb == "close":
         closed = [noun for command in done if command.verb == "close" for noun in command.things]
         nouns += [n for command in done if command.verb == "open" for n in command.things if n not in closed]
     return [(noun,) for noun in dict.fromkeys(nouns) if not noun.several]
 
 
-def _several(told: tuple[Noun, ...], done: tuple[Command, ...]) -> list[tuple[Noun, ...]]:
-    if len(told) == 1 and not told[0].several:
-        told = tuple(dict.fromkeys(noun for command in done for noun in command.things))
-    return [told] if len(told) > 1 or any(noun.several for noun in told) else []
+def _several(things: tuple[Noun, ...], done: tuple[Command, ...]) -> list[tuple[Noun, ...]]:
+    if len(things) == 1 and not things[0].several:
+        things = tuple(dict.fromkeys(noun for command in done for noun in command.things))
+    return [things] if len(things) > 1 or any(noun.several for noun in things) else []
 
 
 @dataclass

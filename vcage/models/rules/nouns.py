@@ -116,10 +116,10 @@ class Noun:
             entries: by any name.
             short: "the eraser" may be short for the pencil eraser, where "eraser" is another's name.
         """
-        told = self._best(entries, short)
+        best = self._best(entries, short)
         out = [but.named(entries) for but in self.but if but.part is None]
-        left = {name: [v for v in looks if all(v not in o.get(name, ()) for o in out)] for name, looks in told.items()}
-        if told and not any(left.values()):
+        left = {name: [v for v in looks if all(v not in o.get(name, ()) for o in out)] for name, looks in best.items()}
+        if best and not any(left.values()):
             raise Doubt(self.but[0].text, "nothing is left without it")
         return {name: looks for name, looks in left.items() if looks}
 
@@ -155,13 +155,13 @@ def noun_of(found: Sequence[Token], text: str, at: int) -> Noun:
     last, *_ = [*_words(found, "WORD", "ONE")[-1:], ""]
     plural = "EVERYTHING" in types or is_plural(last)
     noun = Noun(quantifier=quantifier, count=count, plural=plural, text=text, at=at)
-    told, sides = list(map(lemma, _words(found, "WORD"))), _words(found, "AT")
+    words, sides = list(map(lemma, _words(found, "WORD"))), _words(found, "AT")
     colours = COLOURS if "EVERYTHING" in types else COLOURS - {"orange"}
-    if not types.isdisjoint(("ONE", "REST")) or set(told) <= colours:
-        noun = _named(noun, told, [], {**SIDES, **WHICH_PART}, sides)
+    if not types.isdisjoint(("ONE", "REST")) or set(words) <= colours:
+        noun = _named(noun, words, [], {**SIDES, **WHICH_PART}, sides)
         return replace(noun, words=noun.words or ("thing",) * ("EVERYTHING" in types))
-    name = [*map(lemma, _words(found, "OF")), told[-1]]
-    return _named(noun, told[:-1], name, WHICH_PART if told[-1] in PART_WORDS else SIDES, sides)
+    name = [*map(lemma, _words(found, "OF")), words[-1]]
+    return _named(noun, words[:-1], name, WHICH_PART if words[-1] in PART_WORDS else SIDES, sides)
 
 
 def _named(noun: Noun, before: list[str], name: list[str], sides: Mapping[str, str], at: list[str]) -> Noun:

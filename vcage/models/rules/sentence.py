@@ -210,10 +210,10 @@ class _Commands(Transformer[Token, Any]):
     def row(self, meta: Any, parts: list[Any]) -> list[Command]:
         things, *order, where = parts
         named = things["things"]
-        told = tuple(noun.like(named[0]) for noun in order[0]["things"]) if order else named
-        same = {noun.colour for noun in named} == {noun.colour for noun in told}
-        told = told[::-1] if "right to left" in where else told
-        return self.__default__("row", [{"things": told if same else ()}], meta)
+        row = tuple(noun.like(named[0]) for noun in order[0]["things"]) if order else named
+        same = {noun.colour for noun in named} == {noun.colour for noun in row}
+        row = row[::-1] if "right to left" in where else row
+        return self.__default__("row", [{"things": row if same else ()}], meta)
 
     def things(self, _: Any, parts: list[Any]) -> dict[str, Any]:
         but = [noun for part in parts if isinstance(part, list) for noun in part]
@@ -232,8 +232,8 @@ class _Commands(Transformer[Token, Any]):
         return Token("OF", " ".join([*(part for part in parts if part.type == "WORD"), "of"]))
 
     def place(self, meta: Any, parts: list[Any]) -> dict[str, Any]:
-        told = (parts[0].type, *parts[0].split())
-        how = next((_HOW[word] for word in told if word in _HOW), parts[0].type.lower())
+        spoken = (parts[0].type, *parts[0].split())
+        how = next((_HOW[word] for word in spoken if word in _HOW), parts[0].type.lower())
         noun, *but = parts[1:] or [Noun(pronoun="it", text=str(parts[0]), at=meta.start_pos)]
         return {"how": how, "place": noun.without([one for several in but for one in several])}
 
@@ -245,12 +245,12 @@ class _Commands(Transformer[Token, Any]):
 
     def placed(self, _: Any, parts: list[Any]) -> Noun:
         noun, where = parts
-        told = where["how"] != "on" or not where["place"].of_table
-        return replace(noun, relation=tuple(where.values()) if told else None)
+        identifies = where["how"] != "on" or not where["place"].of_table
+        return replace(noun, relation=tuple(where.values()) if identifies else None)
 
     def ARM(self, words: Token) -> dict[str, str | None]:
         return {"arm": next((arm for arm in ("left", "right") if arm in words.split()), None)}
 
     def __default__(self, data: Any, children: Any, meta: Any) -> Any:  # pyrefly: ignore
-        told: dict[str, Any] = {key: value for part in children for key, value in part.items()}
-        return [Command(str(data), **told, at=meta.start_pos)]
+        fields: dict[str, Any] = {key: value for part in children for key, value in part.items()}
+        return [Command(str(data), **fields, at=meta.start_pos)]

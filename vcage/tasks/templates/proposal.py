@@ -61,8 +61,8 @@ class Proposal(ABC):
 
     def offers(self, subtask: Subtask) -> bool:
         """True where a sub-task is this one with a way to do it."""
-        told = {self.goal} <= {*subtask.goals} <= {*self.goals}
-        return told and subtask.object == self.thing.id and subtask.receptacle in (None, TABLE)
+        same_goals = {self.goal} <= {*subtask.goals} <= {*self.goals}
+        return same_goals and subtask.object == self.thing.id and subtask.receptacle in (None, TABLE)
 
     def examine_for(self, arms: Mapping[Goal, str], workplace: Workplace) -> tuple[Subtask | None, list[Refusal]]:
         """As :meth:`examine`, restricted to the arm that one of its goals requires, if any.

@@ -104,9 +104,9 @@ def judge_scanned(view: CriticView, goal: Goal) -> Judged:
         return unseen(view, f"the moment at which the {view.phrase(goal.subject)} is read")
     moved = question.grasped or goal.subject
     others = [goal.subject] if moved in question.readers else question.readers
-    told = [_judged(view, moved, still) for still in others]
+    judged = [_judged(view, moved, still) for still in others]
     none = Judged(refused("there is no scanner", 1.0), view.nowhere)
-    return max(told, key=lambda one: (one.verdict.accepted, one.verdict.confidence), default=none)
+    return max(judged, key=lambda one: (one.verdict.accepted, one.verdict.confidence), default=none)
 
 
 def _judged(view: CriticView, moved: str, still: str) -> Judged:
