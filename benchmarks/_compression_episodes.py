@@ -45,7 +45,7 @@ from vcage.tasks.workplace import Workplace
 logger = logging.getLogger(__name__)
 
 VERSION = 2
-"""Of the episodes in the cache; a higher one makes them anew."""
+"""Of the episodes in the cache; a higher one makes them again."""
 
 SIZE = (640, 480)
 """Width and height of the pictures, as most real robots record them; the robot's own cameras have half of it."""
@@ -60,7 +60,7 @@ SUBTASKS = 2
 """Number of sub-tasks that an episode carries out: reach, grasp, lift, carry, release, each about 7 seconds."""
 
 FRAMES = 120
-"""An episode is cut after so many frames."""
+"""An episode is cut after this number of frames."""
 
 STAGES = (select_place, inpaint_plan, match, optimize, search_subtasks)
 

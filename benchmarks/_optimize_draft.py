@@ -110,7 +110,7 @@ class Draft:
         return any(self._put(self._draw(self._still), container) for _ in range(tries))
 
     def _put(self, kind: Kind, container: str) -> str | None:
-        """Put an object of a kind into a container and lay that out anew; None when it does not go in."""
+        """Put an object of a kind into a container and lay that out again; None when it does not go in."""
         opening, inside = self.kinds[container].interior, [*self.contents[container]]
         id = self._name(kind)
         kinds = {other: self.kinds[other] for other in [*inside, id]}

@@ -13,7 +13,7 @@ from vcage.schema.plan import Relation, RelationWord
 ROBUST = 0.02
 """Distance that an object may be moved without breaking a relation of the plan, metres."""
 NEIGHBOURS = 3
-"""A relation is to one of so many of the nearest objects."""
+"""A relation is to one of this number of nearest objects."""
 SECOND = 0.5
 """Share of the objects that the plan relates to two others."""
 

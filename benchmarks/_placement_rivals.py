@@ -14,7 +14,7 @@ from vcage.base.geometry import footprint_half_size
 from vcage.layout.items import Placement, TableItem
 
 TRIES = 100
-"""Random points per object; RoboTwin's clutter and ManiSkill's scenes take so many."""
+"""Random points per object; as RoboTwin's clutter and ManiSkill's scenes take."""
 
 GRID = 20
 """Cells of the grid along the longer side, as Holodeck takes for a room."""

@@ -64,7 +64,7 @@ logger = logging.getLogger(__name__)
 NUMBERS = (4, 10, 20, 30, 40)
 SEEDS, QUICK_SEEDS = 1000, 50
 SAMPLED = 4
-"""One seed in so many goes through physics and inverse kinematics."""
+"""One seed in this number goes through physics and inverse kinematics."""
 
 RIVALS = {"random": random_retries, "maniskill": maniskill, "depth_first": depth_first}
 METHODS = ("vcage", *RIVALS)
@@ -142,7 +142,7 @@ def run(quick: bool) -> dict[str, Any]:
 
 def place_all(stock: Stock, numbers: Sequence[int], seeds: Iterable[int]) -> Iterator[_Task]:
     """Every method's answer to every scene."""
-    answer_all(stock.scene(numbers[0], 0), stock, 0)  # imports and caches are not what is measured
+    answer_all(stock.scene(numbers[0], 0), stock, 0)  # imports and caches are not measured
     for seed in seeds:
         for n in numbers:
             yield _Task(n, seed, answer_all(stock.scene(n, seed), stock, seed))

@@ -50,7 +50,7 @@ CAMERAS = ("cam_high", "cam_left_wrist", "cam_right_wrist")
 VIEW = View(CAMERAS, 96, 128)
 
 COMPARED = (("raw/varied", "ours/varied"), ("raw/varied", "lerobot/varied"), ("raw/varied", "raw/fixed"))
-"""Pairs of rows whose difference is told."""
+"""Pairs of rows with a reported difference."""
 
 
 @dataclass(frozen=True)

@@ -50,7 +50,7 @@ def run(quick: bool) -> dict[str, Any]:
     for seed in range(1 if quick else SEEDS):
         stock = Stock()  # a library of its own: what objects measure is not known from the scene before
         objects, ground = placed(stock, seed)
-        stock.kinematics  # noqa: B018 loaded once by every run, whatever it searches
+        stock.kinematics  # noqa: B018 loaded once by every run
         started = time.perf_counter()
         found = search(objects, ground, stock, seed)
         seconds = time.perf_counter() - started

@@ -140,7 +140,7 @@ def _count(chain: Sequence[Subtask], done: EpisodeRun, tally: Tally) -> None:
 def simulated(
     sentence: str, seed: int, context: StageContext, robot: str | None = None, layout: str = "fixed"
 ) -> tuple[list[Subtask], EpisodeRun]:
-    """The chain of an instruction in a scene of its own, and one episode of it, judged by nobody.
+    """The chain of an instruction in a scene of its own, and one episode of it, without a critic.
 
     Args:
         sentence: the instruction.
@@ -174,7 +174,7 @@ def play(
     context: StageContext,
     relations: Sequence[Relation] | None = None,
 ) -> EpisodeRun:
-    """One episode of a chain, judged by nobody, in which nothing is tried again.
+    """One episode of a chain, without a critic or retries.
 
     Args:
         scene: its start, except for the random draws.

@@ -44,7 +44,7 @@ from vcage.tasks.workplace import Workplace
 logger = logging.getLogger(__name__)
 
 ASKED = 3
-"""Of each goal that is sensible only when somebody asks for it, how many are asked for in a scene."""
+"""Number of goals in a scene of each kind that is sensible on request only."""
 
 FRONTS = ("sign", "carton", "box")
 """Categories of things that have a front to show."""
@@ -93,7 +93,7 @@ def _made(draw: Draw, scene: Scene, folder: Path, context: StageContext, rng: np
 
 
 def _asked(objects: Sequence[SceneObject], arms: Sequence[str], rng: np.random.Generator) -> set[Goal]:
-    """Goals that are tried only where somebody asks for them."""
+    """Goals that are tried only on request."""
     others = [o for o in objects if o.record.container is None]
     carried = [o for o in others if o.asset.annotation.carrying_points]
     pushed = [o for o in others if not o.asset.annotation.carrying_points]

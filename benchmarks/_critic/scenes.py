@@ -30,7 +30,7 @@ FURTHER = (
 """Sentences beside those that are run whole: piles, deep walls, tall tops, and what can only be pushed."""
 
 UNTOUCHED_SCENES = ("bathroom", "office_desk")
-"""Scenes that nobody looks at while a critic is tuned."""
+"""Scenes kept unseen while a critic is tuned."""
 
 SPLIT = "2026-11-26"
 """The day on which the untouched kinds of objects were drawn. Figures of an earlier day are of another split."""
@@ -83,7 +83,7 @@ def settings() -> Mapping[str, select_place.Options]:
 
 
 def part_of(scene: str, asset: str) -> Part:
-    """Tell "tuning" from "untouched" outcomes; nobody looks at the latter while a critic is tuned.
+    """Tell "tuning" from "untouched" outcomes; the latter are kept unseen while a critic is tuned.
 
     Untouched are about half of the kinds of objects that no unit test shows the critic, and all of these in
     :data:`UNTOUCHED_SCENES`.

@@ -20,7 +20,7 @@ from vcage.sim.appearance import Appearance
 from vcage.sim.cameras import Shot
 
 LEAST_VISIBLE = 0.6
-"""Share of an object's silhouette that must be seen in both pictures; hidden ones can be found by nobody."""
+"""Share of an object's silhouette that must be seen in both pictures; hidden ones cannot be found."""
 
 STRANGER_AREA = 0.02
 """Largest footprint of a stranger, m²: it comes on top of a table that is full already."""

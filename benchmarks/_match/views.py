@@ -117,7 +117,7 @@ def _turned(view: np.ndarray, angle: float) -> np.ndarray:
 
 
 def _unseen(view: np.ndarray, turn: float) -> bool:
-    """True if a view from :func:`_square` turned by so many radians differs from itself by less than the limits."""
+    """True if a view from :func:`_square` turned by an angle, radians, differs from itself by less than the limits."""
     other = _turned(view, turn)
     either = (view[..., 3] > 127) | (other[..., 3] > 127)
     if not either.any():

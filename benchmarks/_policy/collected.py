@@ -43,7 +43,7 @@ class Task:
     workers: int | None = None
 
     def varied(self, episodes: int) -> RunFolder:
-        """Training episodes whose layouts are drawn anew, compressed as the project does by default."""
+        """Training episodes with random layouts, compressed as the project does by default."""
         options = self._options(episodes, "varied")
         run = self._collected("varied", options)
         context, said = options.context(run), _said("varied: compress")

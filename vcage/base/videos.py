@@ -211,7 +211,7 @@ class _Source:
         self.name = name
         self.container = container
         self.stream = container.streams.video[0]
-        self._converter = VideoReformatter()  # a frame's own makes its tables anew, which takes longer than their use
+        self._converter = VideoReformatter()  # a frame's own rebuilds its tables, which takes longer than their use
 
     @property
     def size(self) -> tuple[int, int]:

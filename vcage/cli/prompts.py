@@ -22,7 +22,7 @@ from vcage.models.exchange import Question
 
 @dataclass(frozen=True, kw_only=True)
 class ShowPrompt(Command):
-    """Print the question of a run to a model: the prompt filled in, the pictures, the schema of the answer.
+    """Print a question that a run asks a model: the prompt filled in, the pictures, the schema of the answer.
 
     Nothing is sent, and the run is not changed. The asking stage takes the options of its last
     call; its earlier questions are answered as the run's models did, or by rules.

@@ -37,7 +37,7 @@ class Run(BeginCommand[chain.ChainOptions], Command):
       vcage run "Pack the marker pens and the eraser into the box" --out runs/pack-stationery --episodes 3
       vcage run "Put the blocks on the plate" --out runs/blocks --seed 4 --models offline
       vcage run "Put the blocks on the plate" --out runs/blocks-10 --episodes 10 --fps 25 --max-loss 0.05
-      vcage run --goal "marker/red inside packaging_box" --episodes 1 --out runs/told
+      vcage run --goal "marker/red inside packaging_box" --episodes 1 --out runs/stated
       vcage run --scene office_desk --all-subtasks --out runs/office
 
     Goals (--goal, --start, --objects) are written as `vcage select-place --help` says.

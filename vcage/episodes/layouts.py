@@ -1,4 +1,4 @@
-"""Layouts of episodes: relations are kept, places and headings drawn anew, and the chain is proven in each.
+"""Layouts of episodes: relations are kept, places and headings are random, and the chain is proven in each.
 
 Objects are placed at random where the robot reaches (:mod:`vcage.layout.placement`); from there the optimisation
 (:mod:`vcage.layout.optimize`) takes them to the nearest layout that keeps the plan and its margins.

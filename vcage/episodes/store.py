@@ -44,7 +44,7 @@ class EpisodeStore:
         return self.folder / self._stage.output.name
 
     def begin(self, done: StageResult[Episodes] | None) -> None:
-        """Continue a killed collection of the same provenance, or a finished one, or start anew."""
+        """Continue a killed collection of the same provenance, or a finished one, or start an empty one."""
         recover(self.folder)
         if self._go_on():
             logger.info("collect: continuing an interrupted collection")

@@ -2,7 +2,7 @@
 
 ``ask/<role>-<hash>/`` of the run holds ``prompt.md``, ``schema.json`` and the pictures. Where ``answer.json`` is
 missing, the command ends with :class:`vcage.base.errors.AnswerNeeded`; the next run reads the answer, stores it as
-``answer-<round>.json``, and reads it whenever the same is asked. Remove the folder to answer anew.
+``answer-<round>.json``, and reads it for every repetition of the question. Remove the folder to answer again.
 """
 
 from __future__ import annotations

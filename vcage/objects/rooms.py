@@ -32,7 +32,7 @@ def rooms_of(measured: Asset) -> list[PointRoom]:
         return []
     try:
         return _RoomsFile.model_validate(read_json(path)).rooms
-    except (InputFileError, ValidationError):  # not measured yet, or damaged: measured anew
+    except (InputFileError, ValidationError):  # not measured yet, or damaged: measure
         pass
     try:
         rooms = _measured(measured)

@@ -90,7 +90,7 @@ def interrupted(run: RunFolder, stage: str) -> StageInterrupted | None:
     message = f"{stage} was interrupted{f' after {note.done} of {note.total} {steps}' if note.total else ''}"
     details = {"stage": stage, "done": note.done, "total": note.total}
     ours = is_safe_continuation(note.command, run.root, ("run", *_COMMANDS.values()))
-    if not ours and not run.scene.exists():  # a script was run by itself
+    if not ours and not run.scene.exists():  # a script was run alone
         return StageInterrupted(message, hint="start its script again", details=details)
     command = note.command if ours else ""
     return StageInterrupted(message, hint="go on with it", command=command, maker=stage, details=details)

@@ -57,7 +57,7 @@ class Options(ModelOptions):
     retries: Annotated[int, NATURAL] = 3
     """further attempts per sub-task, when resampling"""
     layout: Annotated[Literal["varied", "fixed"], UNSAID] = "varied"
-    """where objects start: drawn anew for every episode, as the plan allows, or as optimised with small shifts"""
+    """where objects start: drawn for every episode, as the plan allows, or as optimised with small shifts"""
     randomise: Annotated[str, RANGES] = "light"
     """what else differs from episode to episode: nothing, what is only seen, the simulated world too, or what a file
     of ranges says (the project's are in assets/randomisation)"""

@@ -113,7 +113,7 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
 
 def _finished(plan: Plan, request: EditRequest, folder: Path, context: StageContext, *, is_drawn: bool) -> Plan:
     """Return a plan with its figures; draw its target picture, unless it exists, and record who drew it."""
-    layout = request.layout  # the solver's, whoever draws the picture
+    layout = request.layout  # the solver's, for any editor
     found: dict[str, Any] = {
         "checks": {
             "relations_solvable": round(layout.kept.share, 4),

@@ -31,7 +31,7 @@ class DetectorSettings:
         shadow_tint: largest spread of the ratios of red, green and blue in a shadow; noise adds to it.
         shadow_roughness: largest spread of the ratio among neighbours in a shadow; noise adds to it.
         least_core_share: least depth of the core of a part that is split off, as a share of the deepest.
-        new_table_share: the table was painted anew when a larger share of the picture differs.
+        new_table_share: the table was repainted when a larger share of the picture differs.
         spanning_share: floor or wall reaches across more of a picture with a repainted table.
     """
 

@@ -207,7 +207,7 @@ def laid(empty: Profile, edges: tuple[Line, Line], seen: Profile) -> list[Axis]:
     """All maps of two lines of a picture onto both edges of the table; more than one if they are ambiguous.
 
     A pair of lines counts when the colours beyond both are the same, as in the empty picture, and differ from the
-    colour between them. So the ground is distinguished from the planks of a table painted anew.
+    colour between them. So the ground is distinguished from the planks of a repainted table.
     """
     near, far = edges
     lines = sorted(seen.lines(SETTINGS.share), key=lambda line: line.at)

@@ -31,7 +31,7 @@ class TableModelSettings:
         half_salience: deviation, in units of the grain, at which a pixel has the salience 1/2.
         darkening_share: weight of mere darkening, which may be a shadow.
         informed_share: the known picture is used where it leaves a smaller share of the grain: fitted to a table
-            painted anew it only adds its own pattern.
+            repainted, it only adds its own pattern.
         edge_px: strip along the table's edge that is left out; an edited picture may bend it.
     """
 

@@ -97,7 +97,7 @@ def _things_for(noun: Noun, done: tuple[Command, ...], command: Command) -> list
     heads = _heads((*done, command))
     if not noun.headless or not heads:
         return [(noun,)]
-    # In "the red and blue mugs" nobody can tell how many are red.
+    # In "the red and blue mugs" the number of red ones is open.
     return [] if heads[-1].several and not noun.several and heads[-1].at > noun.at else [(noun.like(heads[-1]),)]
 
 
