@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import re
 import shlex
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from vcage.cli.arguments import parse, words
-from vcage.cli.main import COMMANDS, load
+from vcage.cli.main import COMMANDS, load, main
 
 
 def examples(name: str) -> list[list[str]]:
@@ -58,3 +59,14 @@ def test_paths_are_absolute_even_by_default(tmp_path: Path, monkeypatch: pytest.
 def test_the_examples_in_the_help_of_every_stage_run() -> None:
     stages = [name for name, (place, _) in COMMANDS.items() if place.startswith("vcage.stages")]
     assert stages and all(examples(name) for name in stages)
+
+
+def test_help_fills_its_lines(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "--help"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    column = next(line for line in lines if "show this help" in line).index("show this help")
+    margin, width = " " * column, max(map(len, lines[lines.index("options:") :]))
+    explained = [(a, b) for a, b in pairwise(lines) if b.startswith(margin) and (a[:column].endswith(" "))]
+    short = [(a, b) for a, b in explained if a[column:] and len(a) + 1 + len(b.split()[0]) <= width]
+    assert len(explained) > 20
+    assert short == []

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import io
 import re
+import textwrap
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import MISSING, dataclass, fields, is_dataclass
@@ -146,7 +147,25 @@ def words(record: Any) -> list[str]:
 def _without_frames(help_text: str) -> str:
     """Return tyro's lists of options, each under its title."""
     titled = re.sub(r"^ ?(\S.*?) *\n *-+ *$", r"\1:", help_text, flags=re.MULTILINE)
-    return re.sub(r"^ *-{3,} *\n| +$", "", titled, flags=re.MULTILINE).strip()
+    return _refilled(re.sub(r"^ *-{3,} *\n| +$", "", titled, flags=re.MULTILINE).strip())
+
+
+def _refilled(listing: str) -> str:
+    """Fill the column of explanations, in which tyro keeps the line breaks of indented docstrings."""
+    first = listing.find("show this help")
+    column, width = first - listing.rfind("\n", 0, first) - 1, max(map(len, listing.split("\n")))
+    margin = f"\n{' ' * column}"
+    rows: list[tuple[str, list[str]]] = []
+    for line in listing.split("\n"):
+        name, text = line[:column], line[column:]
+        if text and not name.strip():
+            rows[-1][1].append(text)
+        elif text and name.endswith(" "):
+            rows.append((name, [text]))
+        else:  # a title, or an option whose name leaves no room for the explanation
+            rows.append((line + margin, []))
+    filled = [(name, textwrap.wrap(" ".join(texts), width - column, break_on_hyphens=False)) for name, texts in rows]
+    return "\n".join((name + margin.join(lines)).rstrip() for name, lines in filled)
 
 
 def _in_one_line(complaint: str) -> tuple[str, str]:
