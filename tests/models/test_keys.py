@@ -62,7 +62,7 @@ def test_a_damaged_key_file_names_the_line_and_no_key() -> None:
 
 def test_a_pipe_is_no_key_file() -> None:
     os.mkfifo(key_file())
-    with pytest.raises(ConfigurationError, match="holds no keys"):
+    with pytest.raises(ConfigurationError, match="does not hold keys"):
         find_key(OPENAI)
 
 

@@ -110,5 +110,5 @@ def test_a_price_file_that_windows_saved_is_read(prices: Path, monkeypatch: pyte
 def test_a_price_file_that_holds_no_prices_is_named(prices: Path, text: str, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setenv("VCAGE_PRICE_FILE", str(prices))
     prices.write_text(text)
-    with pytest.raises(ConfigurationError, match=r"prices\.json holds no prices"):
+    with pytest.raises(ConfigurationError, match=r"prices\.json does not hold prices"):
         price_of("gemini:some")

@@ -380,6 +380,11 @@ def _chain(*names: str) -> Callable[[Any], None]:
 
 SUBTASKS = {
     "no step": (_chain(), "chains.0.subtasks"),
+    "no sub-task": (lambda found: found.update(kept=[]), "chains: .*expected kept sub-tasks .there are none., got "),
+    "a refused one of an unknown kind": (
+        lambda found: found["refused"][0].update(template="fly"),
+        "refused.0.template: 'fly'; expected one of place, ",
+    ),
     "an unknown step": (_chain("fly"), "chains: .*expected kept sub-tasks .* got 'fly'"),
     "too few steps": (
         lambda found: found["chains"][0]["subtasks"].pop(),
@@ -436,6 +441,25 @@ def test_sub_tasks_that_cannot_be_are_refused_by_field_before_anything_is_collec
     assert not run.episodes.parent.exists()
 
 
+@pytest.mark.parametrize(("field", "value"), [("text", ""), ("relations", [])])
+def test_a_plan_without_words_or_relations_is_refused_by_field(run, finished, field, value):
+    edit(run.plan, lambda plan: plan.update({field: value}))
+    with pytest.raises(SchemaMismatch, match=rf"plan\.json: field {field}: "):
+        again(match, run, finished, force=True)
+
+
+def test_an_empty_record_is_part_of_what_was_written(run, finished):
+    edit(run.compression, lambda found: found.pop("left_out"))
+    with pytest.raises(InputFileError, match=r"compression\.json: field left_out: nothing; expected \{\}"):
+        again(compress, run, finished)
+
+
+def test_where_nothing_may_be_edited_no_edit_is_declared(run, finished):
+    edit(run.compression, lambda found: found.update(edited=["compression.json"]))
+    with pytest.raises(InputFileError, match=r"compression\.json: field edited"):
+        again(compress, run, finished)
+
+
 def test_a_plan_that_points_to_a_picture_elsewhere_is_refused(run, finished):
     edit(run.plan, lambda plan: plan.update(target="place/source.png"))
     with pytest.raises(InputFileError, match="field target"):
@@ -469,6 +493,7 @@ def test_of_an_episode_a_hand_decides_whether_it_counts_and_nothing_else(run, fi
         (lambda found: found["episodes"].append(found["episodes"][0]), "episodes: 2 of them; expected 1"),
         (lambda found: found.update(attempts=1000), "attempts: 1000; expected "),
         (lambda found: found.update(acceptance={}), r"acceptance\.\S+: nothing; expected "),
+        (lambda found: found["provenance"].pop("inputs"), r"provenance\.inputs\.\S+: nothing; expected "),
         (lambda found: found["critic"].update(judged=1000), r"critic\.judged: 1000; expected "),
     ],
 )

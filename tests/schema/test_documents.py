@@ -77,8 +77,9 @@ def test_a_broken_field_is_named(tmp_path):
 
 def test_a_json_list_is_not_a_document(tmp_path):
     (tmp_path / "scene.json").write_text("[]")
-    with pytest.raises(SchemaMismatch):
+    with pytest.raises(SchemaMismatch, match=r"scene\.json: field \(whole file\): list; expected an object") as caught:
         Scene.read(tmp_path / "scene.json")
+    assert "version" not in caught.value.hint
 
 
 def test_two_objects_may_not_share_an_id():

@@ -36,7 +36,7 @@ from vcage.schema.goals import Goal, in_steps
 from vcage.schema.plan import Relation
 from vcage.schema.randomisation import Drawn, Randomisation
 from vcage.schema.scene import Scene
-from vcage.schema.subtasks import Chain, Subtask, Subtasks
+from vcage.schema.subtasks import Chain, Subtask
 from vcage.sim.looks import draw_look, look_world
 from vcage.sim.render import device_name
 from vcage.sim.replay import camera_paths, render_log
@@ -49,6 +49,7 @@ from vcage.tasks.setting import Seen, Setting
 from vcage.tasks.stowing import ready_for
 from vcage.tasks.synthesis import Script, script_of
 from vcage.tasks.task import Asked
+from vcage.tasks.templates import read_subtasks
 from vcage.tasks.wording import in_other_words
 
 logger = logging.getLogger(__name__)
@@ -105,7 +106,7 @@ class EpisodeRunner:
         self._scene = Scene.read(run.layout)
         self._robot = load_robot(self._scene.robot)
         self._mild = any(ranges.look == load_randomisation(name).look for name in MILD)
-        subtasks = Subtasks.read(run.subtasks)
+        subtasks = read_subtasks(run.subtasks)
         kept = {s.id: s for s in subtasks.kept}
         varied = stage.options["layout"] == "varied" and run.plan.exists()  # a script that runs alone has no plan
         relations = read_plan(run, Scene.read(run.scene), context).relations if varied else None

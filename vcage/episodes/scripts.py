@@ -22,6 +22,7 @@ from vcage.schema.scene import ObjectRecord, Scene
 from vcage.schema.subtasks import Chain, Grasp, Statement, StatementWord, Subtask, Subtasks
 from vcage.sim.robots import load_template
 from vcage.tasks.synthesis import Script, load_script
+from vcage.tasks.templates import read_subtasks
 
 NEEDED = ("TEMPLATE", "ROBOT", "TEXT", "TEXTS", "SUBTASK", "SCENE", "GRASPS", "GOALS", "REQUIRES", "STATEMENTS")
 HINT = "fix it, or search the sub-tasks of its run again"
@@ -157,7 +158,7 @@ def named_scripts(run: RunFolder, paths: Sequence[Path]) -> dict[str, Path]:
 
 def _chained(run: RunFolder) -> set[str]:
     """Return the ids of the sub-tasks of all chains."""
-    return {name for chain in Subtasks.read(run.subtasks).chains for name in chain.subtasks}
+    return {name for chain in read_subtasks(run.subtasks).chains for name in chain.subtasks}
 
 
 def unnamed_edits(run: RunFolder, scripts: Collection[str]) -> list[str]:

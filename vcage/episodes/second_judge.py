@@ -23,8 +23,9 @@ from vcage.episodes.worlds import other_phrases, reworded
 from vcage.runs.context import StageContext
 from vcage.schema.episodes import Episodes, SingleVerdict, Verdict
 from vcage.schema.scene import Scene
-from vcage.schema.subtasks import Subtask, Subtasks
+from vcage.schema.subtasks import Subtask
 from vcage.tasks.setting import Seen
+from vcage.tasks.templates import read_subtasks
 
 
 @dataclass(frozen=True)
@@ -60,7 +61,7 @@ class SecondJudge:
         self._run, self._context, self._take_over = run, context, take_over
         self._scene = Scene.read(run.layout)
         self._episodes = {episode.index: episode for episode in Episodes.read(run.episodes).episodes}
-        self._subtasks = {s.id: s for s in Subtasks.read(run.subtasks).kept}
+        self._subtasks = {s.id: s for s in read_subtasks(run.subtasks).kept}
         self.taken_over = 0
 
     def subtask(self, step: JudgedStep) -> Subtask:
@@ -125,7 +126,7 @@ def judge_pair(run: RunFolder, context: StageContext, subtask_id: str, before: P
         DamagedFile, InputFileError: a picture cannot be read, or is of another size than the camera's.
         UnknownName: the run has no such sub-task.
     """
-    kept = {s.id: s for s in Subtasks.read(run.subtasks).kept}
+    kept = {s.id: s for s in read_subtasks(run.subtasks).kept}
     if subtask_id not in kept:
         raise UnknownName("sub-task", subtask_id, kept)
     scene = _scene_of(before, run)

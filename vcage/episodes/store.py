@@ -19,7 +19,7 @@ from vcage.runs.edits import seal
 from vcage.runs.stage import Job, StageResult
 from vcage.schema.episodes import Attempt, CriticCounts, Episode, Episodes
 from vcage.schema.scene import Scene
-from vcage.schema.subtasks import Subtasks
+from vcage.tasks.templates import read_subtasks
 
 logger = logging.getLogger(__name__)
 
@@ -104,7 +104,7 @@ class EpisodeStore:
             provenance=self._stage.provenance(),
             edited=self._edited,
             instruction=scene.instruction,
-            chains=Subtasks.read(self.run.subtasks).chains,
+            chains=read_subtasks(self.run.subtasks).chains,
             episodes=self.episodes,
             accept=self._stage.options["accept"],
             attempts=len(self._attempts),

@@ -120,5 +120,8 @@ def read_user_file(path: Path, values: Any, *, what: str, example: str, secret: 
         line = f", line {error.details['line']}" if "line" in error.details else ""
         reason = "" if secret else f": {error.message}"
     except ValidationError as error:
-        line, reason = "", "" if secret else f": {error.errors()[0]['msg']}"
-    raise ConfigurationError(f"{path} holds no {what}{line}{reason}", hint=f"it holds JSON in UTF-8 like {example}")
+        first = error.errors()[0]
+        line, reason = "", "" if secret else f": {'.'.join(map(str, first['loc']))}: {first['msg']}"
+    raise ConfigurationError(
+        f"{path} does not hold {what}{line}{reason}", hint=f"write JSON in UTF-8 like {example}, or remove it"
+    )

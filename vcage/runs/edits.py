@@ -147,7 +147,7 @@ def _written(path: Path) -> dict[str, Any]:
 
 def _leaves(value: Any, place: Place = ()) -> Iterator[tuple[Place, Any]]:
     """Yield every value of a JSON by its place, and of each list also its range of indices."""
-    if isinstance(value, dict):
+    if isinstance(value, dict) and value:
         for key, inner in value.items():
             yield from _leaves(inner, (*place, key))
     elif isinstance(value, list):
@@ -227,8 +227,9 @@ class Editable(Generic[D]):
             InputFileError: an edit is impossible or not allowed: names file, field and expectation.
         """
         was, record = self.document.parse(_written(path)["record"], path), self.document.read(path)
+        allowed = [field.split(".") for field in ("edited", *self.fields)] if self.fields or self.pictures else []
         for place, found, expected in changes(path):
-            if not any(_covers(field.split("."), place) for field in ("edited", *self.fields)):
+            if not any(_covers(field, place) for field in allowed):
                 field = ".".join(place).removesuffix(".#")
                 refuse(path, field, found, f"{expected}, as it was written")
         beside = [name for name in files if name != path.name]

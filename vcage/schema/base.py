@@ -172,11 +172,18 @@ class Document(Record):
         Raises:
             SchemaMismatch: as for :meth:`read`.
         """
-        found = data.get("schema") if isinstance(data, dict) else None
+        if not isinstance(data, dict):
+            raise SchemaMismatch(
+                f"{path}: field (whole file): {type(data).__name__}; expected an object of the schema {cls.SCHEMA!r}",
+                hint="restore the file",
+                maker=stage_of_file(path),
+                details={"path": str(path), "field": "(whole file)", "expected": cls.SCHEMA},
+            )
+        found = data.get("schema")
         if found != cls.SCHEMA:
             raise SchemaMismatch(
                 f"{path} has the schema {found!r}, expected {cls.SCHEMA!r}",
-                hint="make it again with this version of vcage",
+                hint="another version of vcage wrote it",
                 maker=stage_of_file(path),
                 details={"path": str(path), "found": found, "expected": cls.SCHEMA},
             )

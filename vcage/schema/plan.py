@@ -85,8 +85,8 @@ class Plan(StageDocument):
     SCHEMA: ClassVar[str] = "vcage.plan/1"
 
     instruction: str | None
-    text: str
-    relations: list[Relation]
+    text: str = Field(min_length=1)
+    relations: list[Relation] = Field(min_length=1)
     target: RunPath = Field(description="path of the target picture in the run folder")
     checks: dict[str, Any] = Field(default={}, description="relations_solvable: share that can be kept at once…")
     notes: list[str] = Field(default=[], description="what a person should know about the picture")

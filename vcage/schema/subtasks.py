@@ -141,10 +141,11 @@ class Subtasks(StageDocument):
     @field_validator("chains")
     @classmethod
     def _check_chain_ids(cls, chains: list[Chain], info: ValidationInfo) -> list[Chain]:
-        ids = [subtask.id for subtask in info.data.get("kept", [])]
-        unknown = [name for chain in chains for name in chain.subtasks if name not in ids]
-        if unknown and ids:
-            raise ValueError(f"expected kept sub-tasks ({', '.join(ids)}), got {unknown[0]!r}")
+        if "kept" in info.data:
+            ids = [subtask.id for subtask in info.data["kept"]]
+            unknown = [name for chain in chains for name in chain.subtasks if name not in ids]
+            if unknown:
+                raise ValueError(f"expected kept sub-tasks ({', '.join(ids) or 'there are none'}), got {unknown[0]!r}")
         return chains
 
 

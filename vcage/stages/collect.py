@@ -35,10 +35,10 @@ from vcage.runs.edits import Edit, Editable, refuse
 from vcage.runs.stage import Job, ModelOptions, StageResult, stage_seed
 from vcage.schema.episodes import Accept, Attempt, Episode, Episodes
 from vcage.schema.randomisation import Randomisation
-from vcage.schema.subtasks import Subtasks
 from vcage.sim.robots import load_randomisation
 from vcage.tasks.setting import OnFailure
 from vcage.tasks.synthesis import load_script
+from vcage.tasks.templates import read_subtasks
 
 logger = logging.getLogger(__name__)
 
@@ -144,7 +144,7 @@ def execute(
     notes = unnamed_edits(run, stage.options.get("scripts", ()))
     for note in notes:
         logger.warning("%s", note)
-    wanted = Wanted.of(options.episodes, Subtasks.read(run.subtasks))
+    wanted = Wanted.of(options.episodes, read_subtasks(run.subtasks))
     done = stage.finished(Episodes, force=options.force)
     if done is not None and wanted.missing(done.record.episodes) == 0:
         return replace(done, notes=notes)

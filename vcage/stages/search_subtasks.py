@@ -33,6 +33,7 @@ from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import action_of, compose, find_subtasks, initial_state
 from vcage.tasks.stowing import ready_for
 from vcage.tasks.synthesis import note_python, write_script
+from vcage.tasks.templates import read_subtasks
 from vcage.tasks.workplace import Workplace
 
 Options = ModelOptions
@@ -117,7 +118,7 @@ def _accept(edit: Edit[Subtasks]) -> Subtasks:
     Raises:
         InputFileError: a sub-task is not one of this scene, or a chain does not bring about the goals.
     """
-    record, scene = edit.record, Scene.read(edit.run.layout)
+    record, scene = read_subtasks(edit.path), Scene.read(edit.run.layout)
     objects = edit.context.objects(scene)
     require_none(edit.path, _complaints(record, scene, objects, edit.context))
     _write_scripts(record.kept, scene, objects, edit.folder, edit.keep)

@@ -6,10 +6,12 @@ A new template is a file here, and its name in :data:`TEMPLATES`.
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from pathlib import Path
 from typing import Protocol
 
+from vcage.base.errors import mismatch
 from vcage.schema.goals import Goal
-from vcage.schema.subtasks import Refusal, Subtask, TemplateName
+from vcage.schema.subtasks import Refusal, Subtask, Subtasks, TemplateName
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.templates.close import CLOSE
 from vcage.tasks.templates.hand_over import HandOver
@@ -55,3 +57,19 @@ TEMPLATES: dict[TemplateName, SubtaskTemplate] = {
     for template in (PLACE, STACK, WEIGH, SET_DOWN, PUSH, PRESENT, Scan(), OPEN, CLOSE, PRESS, TURN, HandOver())
 }
 """By name, in the order in which the search goes through them."""
+
+
+def read_subtasks(path: Path) -> Subtasks:
+    """Read ``subtasks.json``.
+
+    Raises:
+        MissingStage, DamagedFile: it is not there, or not JSON.
+        SchemaMismatch: it breaks its schema, or names a template that does not exist; names the field.
+    """
+    record = Subtasks.read(path)
+    for name in ("kept", "refused"):
+        for number, one in enumerate(getattr(record, name)):
+            if one.template not in TEMPLATES:
+                field = f"{name}.{number}.template"
+                raise mismatch(path, field, f"{one.template!r}; expected one of {', '.join(TEMPLATES)}")
+    return record
