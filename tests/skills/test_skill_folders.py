@@ -12,6 +12,7 @@ import pytest
 import yaml
 
 from vcage.base import files
+from vcage.base.version import __version__
 from vcage.cli.main import COMMANDS
 
 SKILLS = sorted(path.parent for path in files.resource("skills").glob("*/SKILL.md"))
@@ -52,7 +53,7 @@ def test_the_head_is_accepted_by_every_client(folder: Path) -> None:
     assert set(head) == {"name", "description", "license", "metadata"}
     assert re.fullmatch(r"[a-z0-9]+(-[a-z0-9]+)*", head["name"]) and len(head["name"]) <= 64
     assert len(head["description"]) <= 160 and not set("<>\n") & set(head["description"])
-    assert {"version", "homepage"} <= set(head["metadata"])
+    assert {"version", "homepage"} <= set(head["metadata"]) and head["metadata"]["version"] == __version__
     assert "{" not in text, "metadata must be block YAML"
 
 

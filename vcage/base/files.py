@@ -28,7 +28,7 @@ from vcage.base.leftovers import PARTIAL, REPLACED, recover
 
 
 def resource(*parts: str) -> Path:
-    """A path inside the project's data (``prompts/``, ``assets/``, ``skills/``).
+    """A path inside the project's data (``prompts/``, ``assets/``, ``skills/``, pages of ``docs/``).
 
     In a checkout these are top-level folders; in an installed wheel they lie in ``vcage/_data``.
     """

@@ -62,7 +62,7 @@ def _builder(path: Path) -> Builder:
     if not path.is_file():
         raise InputFileError(
             f"asset {name!r} has an annotation but no builder: there is no {path}",
-            hint="write it (docs/assets.md shows how), or remove the annotation",
+            hint=f"write it ({resource('docs', 'assets.md')} shows how), or remove the annotation",
             details={"name": name, "path": str(path)},
         )
     try:
@@ -82,7 +82,7 @@ def _place(error: Exception, path: Path) -> str:
 
 
 def _wrong(path: Path, what: str) -> InputFileError:
-    return InputFileError(f"{path}: {what}", hint="fix it; docs/assets.md shows how", details={"path": str(path)})
+    return InputFileError(f"{path}: {what}", hint=f"fix it; {resource('docs', 'assets.md')} shows how", details={"path": str(path)})
 
 
 # --- importing ---------------------------------------------------------------------------------------------

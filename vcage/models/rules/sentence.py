@@ -14,6 +14,7 @@ from lark import Lark, Token, Transformer, Tree, UnexpectedInput, v_args
 from lark.visitors import CollapseAmbiguities
 
 from vcage.base.errors import UnreadInstruction
+from vcage.base.files import resource
 from vcage.base.words import tokens
 from vcage.models.rules.nouns import Noun, noun_of
 
@@ -115,8 +116,8 @@ def not_read(instruction: str, words: str, why: str) -> UnreadInstruction:
     words = words or instruction
     return UnreadInstruction(
         f"{words[:200]!r} in {instruction[:200]!r} is not understood: {why}",
-        hint=f"write it like {near!r} (forms: docs/instructions.md), or let a model read it: --models agent, "
-        "gemini, openai, anthropic or ollama",
+        hint=f"write it like {near!r} (forms: {resource('docs', 'instructions.md')}), or let a model read it: "
+        "--models agent, gemini, openai, anthropic or ollama",
         details={"unread": words, "understood": [], "form": near},
     )
 
