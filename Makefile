@@ -4,12 +4,15 @@
 #   make test     the same environment, then lint and the tests
 #   make lint     ruff and the types (pyrefly)
 #   make skills   copy skills/vcage_environment.py, by which scripts find the environment, into every skill
+#   make dist     the wheel and the source archive, in dist/
+#   make docs     the pages of docs/ as a site, in build/site; links are checked
 #   make doctor   what was found, and the command that fixes what is missing
 #
 #   make test-lerobot   the real lerobot, in an environment of its own, loads what export writes; DATASET=PATH proves a
 #                       run folder or a LeRobot folder of yours instead of a small run made for it
 #   make test-llm       a real model server (llama.cpp with 135 million parameters), in an environment of its own, answers
 #                       every prompt under its JSON schema
+#   make test-wheel     the wheel in an empty environment outside the checkout, with an empty cache: set-up and one run
 #   make test-clients   the clients of agents, fetched into the user's cache (1.8 GB), find the skills
 #                       and carry an agent that is its own model through the chain
 #
@@ -42,6 +45,9 @@ LLM := .venv-llm
 LLM_STAMP := $(LLM)/.made-from-packages
 LLM_PACKAGES := tests/llm/packages.txt
 
+DOCS_STAMP := .venv/.made-with-docs
+SITE := build/site
+
 CLIENTS := $(or $(VCAGE_CACHE),$(or $(XDG_CACHE_HOME),$(HOME)/.cache)/vcage)/clients
 CLIENT_PACKAGES := openclaw@2026.9.6 @anthropic-ai/claude-code@2.1.330 @openai/codex@0.169.0 \
   @mariozechner/pi-coding-agent@0.73.1
@@ -49,7 +55,8 @@ CLIENT_PACKAGES := openclaw@2026.9.6 @anthropic-ai/claude-code@2.1.330 @openai/c
 DEMO := Pack the marker pens and the eraser into the box
 
 .DEFAULT_GOAL := help
-.PHONY: help venv vulkan assets setup demo skills lint test test-lerobot test-llm test-clients doctor clean
+.PHONY: help venv vulkan assets setup demo skills lint test test-lerobot test-llm test-wheel test-clients dist docs \
+  doctor clean
 
 help:
 	@sed -n '/^PYTHON/q; s/^# \{0,1\}//p' Makefile
@@ -127,6 +134,31 @@ $(LLM_STAMP): $(LLM_PACKAGES) | $(STAMP)
 
 test-llm: venv $(LLM_STAMP)
 	VCAGE_LLM_PYTHON=$(CURDIR)/$(LLM)/bin/python $(BIN)/python -m pytest -q -n 0 -p no:cacheprovider tests/llm/check.py
+
+dist: venv
+	@$(BIN)/python -m hatchling build -d dist
+
+# As a user has it: outside the checkout, with nothing of it in reach.
+test-wheel: private PIP = "$$work/environment/bin/python" -m pip --disable-pip-version-check
+test-wheel: venv
+	@set -e; work=$$(mktemp -d); trap 'rm -rf "$$work"' EXIT; \
+	$(BIN)/python -m hatchling build -t wheel -d "$$work"; \
+	$(BIN)/python -m venv "$$work/environment"; \
+	$(TORCH_FOR_CPU) || $(PIP) install -q $(INDEX) torch==$(TORCH); \
+	$(PIP) install -q "$$work"/*.whl; \
+	unset PYTHONPATH VCAGE_HOME VCAGE_PYTHON VCAGE_ASSETS VCAGE_NO_PACKAGES VK_ICD_FILENAMES; \
+	export VCAGE_CACHE="$$work/cache" VCAGE_DATA="$$work/data" PATH="$$work/environment/bin:$$PATH"; \
+	mkdir "$$work/elsewhere"; cd "$$work/elsewhere"; \
+	vcage setup all; vcage doctor; \
+	vcage run "Put the apple into the bowl" --episodes 1 --models offline --out run
+
+$(DOCS_STAMP): $(STAMP)
+	$(PIP) install -q -e '.[docs]'
+	@touch $@
+
+docs: $(DOCS_STAMP)
+	@$(BIN)/mkdocs build --quiet --strict --clean --site-dir $(SITE)
+	@$(BIN)/python -m tests.docs.check_site $(SITE)
 
 # OpenClaw needs a younger Node than systems have; a wheel brings one.
 test-clients: venv
