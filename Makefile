@@ -13,6 +13,8 @@
 #   make test-llm       a real model server (llama.cpp with 135 million parameters), in an environment of its own, answers
 #                       every prompt under its JSON schema
 #   make test-wheel     the wheel in an empty environment outside the checkout, with an empty cache: set-up and one run
+#   make test-containers   what containers/Dockerfile says, done in a Debian 12 of its own and without Docker, and one run
+#                       there; needs root and debootstrap; BIND="FOLDER…" are folders in which pip finds packages
 #   make test-clients   the clients of agents, fetched into the user's cache (1.8 GB), find the skills
 #                       and carry an agent that is its own model through the chain
 #
@@ -40,6 +42,7 @@ LEROBOT_CHECK := LD_LIBRARY_PATH=$(CURDIR)/$(LEROBOT)/ffmpeg TQDM_DISABLE=1 \
 LEROBOT_CHECK_V21 := PYTHONPATH=$(LEROBOT)/v2.1 $(LEROBOT_CHECK)
 LEROBOT_RUNS := $(addprefix $(LEROBOT)/runs/,lossy lossless)
 DATASET ?=
+BIND ?=
 
 LLM := .venv-llm
 LLM_STAMP := $(LLM)/.made-from-packages
@@ -55,7 +58,7 @@ CLIENT_PACKAGES := openclaw@2026.9.6 @anthropic-ai/claude-code@2.1.330 @openai/c
 DEMO := Pack the marker pens and the eraser into the box
 
 .DEFAULT_GOAL := help
-.PHONY: help venv vulkan assets setup demo skills lint test test-lerobot test-llm test-wheel test-clients dist docs \
+.PHONY: help venv vulkan assets setup demo skills lint test test-lerobot test-llm test-wheel test-containers test-clients dist docs \
   doctor clean
 
 help:
@@ -151,6 +154,10 @@ test-wheel: venv
 	mkdir "$$work/elsewhere"; cd "$$work/elsewhere"; \
 	vcage setup all; vcage doctor; \
 	vcage run "Put the apple into the bowl" --episodes 1 --models offline --out run
+
+test-containers: venv
+	@set -e; work=$$(mktemp -d); trap 'rm -rf --one-file-system "$$work"' EXIT; chmod 755 "$$work"; \
+	$(BIN)/python -m tests.release.try_containers "$$work" $(BIND)
 
 $(DOCS_STAMP): $(STAMP)
 	$(PIP) install -q -e '.[docs]'

@@ -82,5 +82,5 @@ def examples() -> str:
     for path in sorted((ROOT / EXAMPLES).glob("*.py")):
         text = path.read_text(encoding="utf-8")
         heading = ast.get_docstring(ast.parse(text)).splitlines()[0].rstrip(".")
-        parts.append(f"## {heading}\n\n```python title=\"examples/{path.name}\"\n{text}```\n")
+        parts.append(f'## {heading}\n\n```python title="examples/{path.name}"\n{text}```\n')
     return "\n".join(parts)

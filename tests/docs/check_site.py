@@ -47,7 +47,9 @@ class Page(HTMLParser):
 def complaints(site: Path) -> list[str]:
     """What is wrong with the pages and styles of a site, each with the file's name."""
     pages = {path: Page(path.read_text(encoding="utf-8")) for path in sorted(site.rglob("*.html"))}
-    found = [f"{path.relative_to(site)}: {what}" for path, page in pages.items() for what in _of_page(path, page, pages)]
+    found = [
+        f"{path.relative_to(site)}: {what}" for path, page in pages.items() for what in _of_page(path, page, pages)
+    ]
     for path in sorted(site.rglob("*.css")):
         loads = _IN_CSS.findall(path.read_text(encoding="utf-8"))
         found += [f"{path.relative_to(site)}: loads {address} from elsewhere" for address in loads]

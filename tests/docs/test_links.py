@@ -48,7 +48,9 @@ def test_every_link_of_a_page_leads_somewhere(page: Path) -> None:
     assert broken(page, page.read_text(encoding="utf-8")) == []
 
 
-@pytest.mark.parametrize("link", ["missing.md", "cli.md#no-such-command", "#no-such-heading", "/etc", "pictures/no.jpg"])
+@pytest.mark.parametrize(
+    "link", ["missing.md", "cli.md#no-such-command", "#no-such-heading", "/etc", "pictures/no.jpg"]
+)
 def test_a_link_that_leads_nowhere_is_found(link: str) -> None:
     assert broken(REPOSITORY / "docs" / "runs.md", f"See [it](cli.md#vcage-run) and ![that]({link}).") == [link]
 
