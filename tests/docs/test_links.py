@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from pathlib import Path
 
@@ -63,7 +64,7 @@ def test_a_list_begins_after_an_empty_line_as_the_site_needs_it() -> None:
     found = []
     for page in PAGES:
         lines = CODE.sub("", page.read_text(encoding="utf-8")).splitlines()
-        for before, line in zip(lines, lines[1:]):
+        for before, line in itertools.pairwise(lines):
             begins = re.match(r"([-*]|\d+\.) ", line)
             if begins and before.strip() and not re.match(r"([-*]|\d+\.) |\s|#", before):
                 found.append(f"{page.name}: {line[:60]}")

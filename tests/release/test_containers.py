@@ -1,7 +1,7 @@
 """The recipes of the containers, as far as a machine without Docker and Apptainer can try them.
 
-Here the installation runs with stand-ins for apt-get and Python, which record how they are called. No image is pulled or
-built. ``make test-containers`` runs the same steps for real in a Debian of their own, as root.
+Here the installation runs with stand-ins for apt-get and Python, which record how they are called. No image is pulled
+or built. ``make test-containers`` runs the same steps for real in a Debian of their own, as root.
 """
 
 from __future__ import annotations

@@ -82,7 +82,9 @@ def _place(error: Exception, path: Path) -> str:
 
 
 def _wrong(path: Path, what: str) -> InputFileError:
-    return InputFileError(f"{path}: {what}", hint=f"fix it; {resource('docs', 'assets.md')} shows how", details={"path": str(path)})
+    return InputFileError(
+        f"{path}: {what}", hint=f"fix it; {resource('docs', 'assets.md')} shows how", details={"path": str(path)}
+    )
 
 
 # --- importing ---------------------------------------------------------------------------------------------
