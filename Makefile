@@ -146,7 +146,7 @@ test-wheel: private PIP = "$$work/environment/bin/python" -m pip --disable-pip-v
 test-wheel: venv
 	@set -e; work=$$(mktemp -d); trap 'rm -rf "$$work"' EXIT; \
 	$(BIN)/python -m hatchling build -t wheel -d "$$work"; \
-	$(BIN)/python -m venv "$$work/environment"; \
+	"$(PYTHON)" -m venv "$$work/environment"; \
 	$(TORCH_FOR_CPU) || $(PIP) install -q $(INDEX) torch==$(TORCH); \
 	$(PIP) install -q "$$work"/*.whl; \
 	unset PYTHONPATH VCAGE_HOME VCAGE_PYTHON VCAGE_ASSETS VCAGE_NO_PACKAGES VK_ICD_FILENAMES; \
@@ -164,7 +164,7 @@ $(DOCS_STAMP): $(STAMP)
 	@touch $@
 
 docs: $(DOCS_STAMP)
-	@$(BIN)/mkdocs build --quiet --strict --clean --site-dir $(SITE)
+	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict --clean --site-dir $(SITE)
 	@$(BIN)/python -m tests.docs.check_site $(SITE)
 
 # OpenClaw needs a younger Node than systems have; a wheel brings one.
