@@ -124,11 +124,9 @@ class Installed:
 @pytest.fixture(scope="module")
 def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Installed:
     environment, elsewhere = tmp_path_factory.mktemp("environment"), tmp_path_factory.mktemp("elsewhere")
-    base = Path(sys._base_executable)
-    subprocess.run([base, "-m", "venv", environment], check=True)
-    python = environment / "bin" / "python"
-    install = ["-m", "pip", "install", "--quiet", "--no-deps", "--no-index", "--disable-pip-version-check"]
-    subprocess.run([python, *install, wheel], check=True)
+    subprocess.run([sys._base_executable, "-m", "venv", "--without-pip", environment], check=True)
+    pip = [sys.executable, "-m", "pip", "--python", environment / "bin" / "python", "--disable-pip-version-check"]
+    subprocess.run([*pip, "install", "--quiet", "--no-deps", "--no-index", wheel], check=True)
     (packages,) = environment.glob("lib/python3*/site-packages")
     # Plain lines: the .pth files of those folders, which lead to the checkout, are not read.
     others = [path for path in sys.path if Path(path).name == "site-packages"]
