@@ -77,10 +77,10 @@ def title(page: Path) -> str:
 
 
 def examples() -> str:
-    """A page of the programs in ``examples/``, each under the first sentence of its docstring."""
+    """A page of the programs in ``examples/``, each under the beginning of its docstring."""
     parts = ["# Examples\n\nThe programs of the folder `examples/`. Each runs as it stands, from the checkout.\n"]
     for path in sorted((ROOT / EXAMPLES).glob("*.py")):
         text = path.read_text(encoding="utf-8")
-        heading = ast.get_docstring(ast.parse(text)).splitlines()[0].rstrip(".")
+        heading = re.split(r"[:.]", ast.get_docstring(ast.parse(text)), maxsplit=1)[0]
         parts.append(f'## {heading}\n\n```python title="examples/{path.name}"\n{text}```\n')
     return "\n".join(parts)
