@@ -19,6 +19,7 @@ from tests.run_folders import REPOSITORY
 from vcage.setup import apt_sources
 
 USER = "65534:65534"
+PATH = "/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin"
 RUN = ["run", "Put the apple into the bowl", "--episodes", "1", "--models", "offline", "--out", "run"]
 SOURCES = "Types: deb\nURIs: {mirror}\nSuites: bookworm bookworm-updates\nComponents: main\nSigned-By: {key}\n"
 KEY = "/usr/share/keyrings/debian-archive-keyring.gpg"
@@ -65,7 +66,7 @@ def inside(
     mounts += f"mount -t proc proc {root}/proc\nmount --rbind /dev {root}/dev\n"
     chroot = f'exec chroot --userspec={user} {root} sh -c \'cd "$0" && exec "$@"\' {folder} "$@"'
     kept = {name: value for name, value in os.environ.items() if name.startswith("PIP_")}
-    environment = {"PATH": os.defpath, **kept, **variables}
+    environment = {"PATH": PATH, **kept, **variables}
     begun = time.perf_counter()
     program = ["unshare", "--mount", "--pid", "--fork", "sh", "-ec", mounts + chroot, "sh", *command]
     subprocess.run(program, env=environment, check=True)
