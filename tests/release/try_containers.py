@@ -20,6 +20,7 @@ from vcage.setup import apt_sources
 
 USER = "65534:65534"
 PATH = "/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin"
+CERTIFICATES = "/certificates-of-this-machine.crt"
 RUN = ["run", "Put the apple into the bowl", "--episodes", "1", "--models", "offline", "--out", "run"]
 SOURCES = "Types: deb\nURIs: {mirror}\nSuites: bookworm bookworm-updates\nComponents: main\nSigned-By: {key}\n"
 KEY = "/usr/share/keyrings/debian-archive-keyring.gpg"
@@ -66,7 +67,7 @@ def inside(
     mounts += f"mount -t proc proc {root}/proc\nmount --rbind /dev {root}/dev\n"
     chroot = f'exec chroot --userspec={user} {root} sh -c \'cd "$0" && exec "$@"\' {folder} "$@"'
     kept = {name: value for name, value in os.environ.items() if name.startswith("PIP_")}
-    environment = {"PATH": PATH, **kept, **variables}
+    environment = {"PATH": PATH, **kept, "PIP_CERT": CERTIFICATES, **variables}
     begun = time.perf_counter()
     program = ["unshare", "--mount", "--pid", "--fork", "sh", "-ec", mounts + chroot, "sh", *command]
     subprocess.run(program, env=environment, check=True)
@@ -75,9 +76,11 @@ def inside(
 
 def _copy_pips_configuration(root: Path) -> None:
     """Give the root this machine's index and certificates."""
-    for name in ("/etc/pip.conf", "/etc/xdg/pip", "/etc/ssl/certs"):
+    for name in ("/etc/pip.conf", "/etc/xdg/pip"):
         if Path(name).exists():
             _copy(Path(name), root / name.lstrip("/"))
+    # Under a name that no package of the container writes over.
+    _copy(Path("/etc/ssl/certs/ca-certificates.crt"), root / CERTIFICATES.lstrip("/"))
 
 
 def _copy(source: Path, target: Path) -> None:
