@@ -52,7 +52,7 @@ def _user_folder(own: str, shared: str, default: str) -> Path:
 def cache_dir(*parts: str) -> Path:
     """A folder of the user's cache (see :func:`cache_path`), made on demand."""
     path = cache_path(*parts)
-    _make_folder(path, "name a folder that can be written: export VCAGE_CACHE=/another/folder")
+    make_folder(path, "name a folder that can be written: export VCAGE_CACHE=/another/folder")
     return path
 
 
@@ -94,7 +94,7 @@ def _disk_errors(path: Path, hint: str = ANOTHER_FOLDER) -> Iterator[None]:
         raise
 
 
-def _make_folder(path: Path, hint: str = ANOTHER_FOLDER) -> None:
+def make_folder(path: Path, hint: str = ANOTHER_FOLDER) -> None:
     """Make a folder and those above it; where the system makes none (``/proc``), it calls them missing."""
     with _disk_errors(path, hint):
         try:
@@ -300,7 +300,7 @@ class RunFolder:
         """
         require_utf8(self.root, OutputFolderError)
         probe = self.root / f"probe{PARTIAL}{os.getpid()}"
-        _make_folder(self.root)
+        make_folder(self.root)
         with _disk_errors(self.root):
             probe.touch()
             probe.unlink()

@@ -32,19 +32,36 @@ def held(folder: Path) -> Iterator[None]:
     path = folder / IN_USE
     if path.is_symlink():
         raise OutputFolderError(f"{path} is a symbolic link, through which nothing is written", hint="remove it")
+    with alone(path, of=folder):
+        try:
+            yield
+        finally:
+            path.unlink(missing_ok=True)
+
+
+@contextlib.contextmanager
+def alone(path: Path, of: Path | None = None) -> Iterator[None]:
+    """Lock a file for this process, and write into it who holds it; the file stays.
+
+    Args:
+        path: of the file; the system releases the lock however the process ends.
+        of: the folder that is held by it, for the error; the file itself by default.
+
+    Raises:
+        FolderInUse: another process holds it; says which.
+    """
     lock = FileLock(path)
     try:
         lock.acquire(timeout=0)
     except Timeout as error:
         holder = path.read_text(encoding="utf-8").strip() or "another process"
         hint = "wait for its end, or work in another folder"
-        raise FolderInUse(f"{folder} is in use by {holder}", hint=hint, details={"holder": holder}) from error
+        raise FolderInUse(f"{of or path} is in use by {holder}", hint=hint, details={"holder": holder}) from error
     try:
         command = CALLED.get() or shlex.join(sys.argv)
         path.write_text(f"process {os.getpid()} on {platform.node()}: {command}\n", encoding="utf-8")
         yield
     finally:
-        path.unlink(missing_ok=True)
         lock.release()
 
 

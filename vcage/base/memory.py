@@ -1,9 +1,11 @@
-"""Free memory of this process, and a cache that is emptied after each scene."""
+"""Free memory of this process, the most that it took, and a cache that is emptied after each scene."""
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import re
+import resource
 from collections.abc import Callable
 from pathlib import Path
 from typing import ParamSpec, TypeVar
@@ -15,6 +17,8 @@ R = TypeVar("R")
 MEMINFO = Path("/proc/meminfo")
 OWN_GROUPS = Path("/proc/self/cgroup")
 GROUPS = Path("/sys/fs/cgroup")
+OWN_STATUS = Path("/proc/self/status")
+OWN_PEAK = Path("/proc/self/clear_refs")
 
 RECLAIMABLE = re.compile(r"^(?:total_)?inactive_file (\d+)$", re.MULTILINE)
 """In a group's ``memory.stat``: bytes of its page cache that the kernel gives up when asked; of groups within it too,
@@ -29,6 +33,20 @@ def free_memory() -> int:
         free += _free_bytes(folder, "memory.max", "memory.current")
         free += _free_bytes(folder, "memory.limit_in_bytes", "memory.usage_in_bytes")
     return max(0, min(free, default=0))
+
+
+def measure_memory_anew() -> None:
+    """Let :func:`largest_memory` count from now on, where the system can do that."""
+    with contextlib.suppress(OSError):
+        OWN_PEAK.write_text("5")
+
+
+def largest_memory() -> int:
+    """Bytes that this process took at most, since it began or since :func:`measure_memory_anew`."""
+    with contextlib.suppress(OSError):
+        if found := re.search(r"^VmHWM:\s+(\d+) kB$", OWN_STATUS.read_text(), re.MULTILINE):
+            return int(found[1]) * 1024
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
 
 
 def _groups() -> list[Path]:

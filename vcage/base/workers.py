@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cache
+from math import inf
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import Any, Generic, Self, TypeVar
@@ -125,12 +126,22 @@ class Processes(Generic[T, R]):
     Args:
         work: a function of a module; task, result and errors are pickled.
         workers: processes at most.
-        limit_s: seconds after which a silent process is ended; None for no limit.
+        limit_s: seconds after which a silent process is ended; None for no limit. Or a function of a task and the
+            seconds since it began, which returns the seconds until it shall be asked again; 0 or less ends the process.
         max_tries: processes that may be lost over one task before it is given up.
+        lost: returns the result of a task that lost its process, given the task and how, in place of other tries.
     """
 
-    def __init__(self, work: Callable[[T], R], workers: int, limit_s: float | None = None, max_tries: int = 3):
+    def __init__(
+        self,
+        work: Callable[[T], R],
+        workers: int,
+        limit_s: float | Callable[[T, float], float] | None = None,
+        max_tries: int = 3,
+        lost: Callable[[T, str], R] | None = None,
+    ):
         self._work, self._workers, self._limit_s, self._max_tries = work, workers, limit_s, max_tries
+        self._result_of_lost = lost
         self._waiting: deque[tuple[T, int]] = deque()
         self._busy: list[_Process] = []
         self._idle: list[_Process] = []
@@ -162,7 +173,7 @@ class Processes(Generic[T, R]):
                 try:
                     kind, value = process.connection.recv()
                 except (EOFError, OSError):
-                    self._lost(process, "was ended from outside")
+                    yield from self._lost(process, "was ended from outside")
                     continue
                 if kind == SAID:
                     name, level, text = value
@@ -174,9 +185,10 @@ class Processes(Generic[T, R]):
                 if kind == FAILED:
                     raise value
                 yield value
-            for process in self._silent():
+            for process in [process for process in self._busy if self._seconds_left(process) <= 0]:
                 self._busy.remove(process)
-                self._lost(process, f"gave no answer for {self._limit_s:.0f} s")
+                seconds = time.monotonic() - process.since
+                yield from self._lost(process, f"gave no answer and was ended after {seconds:.0f} s")
 
     def _begin(self) -> None:
         """Give waiting tasks to free processes, or to new ones up to the limit."""
@@ -200,19 +212,25 @@ class Processes(Generic[T, R]):
         return _Process(process, ours, None, 0.0)
 
     def _answered_processes(self) -> list[_Process]:
-        patience = None
-        if self._limit_s is not None:
-            patience = max(0.0, min(p.since for p in self._busy) + self._limit_s - time.monotonic())
-        ready = wait([process.connection for process in self._busy], patience)
+        patience = max(0.0, min(map(self._seconds_left, self._busy)))
+        ready = wait([process.connection for process in self._busy], None if patience == inf else patience)
         return [process for process in self._busy if process.connection in ready]
 
-    def _silent(self) -> list[_Process]:
-        now = time.monotonic()
-        return [p for p in self._busy if self._limit_s is not None and now - p.since > self._limit_s]
+    def _seconds_left(self, process: _Process) -> float:
+        """Seconds that a process may still be silent."""
+        elapsed = time.monotonic() - process.since
+        if callable(self._limit_s):
+            return self._limit_s(process.task[0], elapsed)
+        return inf if self._limit_s is None else self._limit_s - elapsed
 
-    def _lost(self, process: _Process, how: str) -> None:
+    def _lost(self, process: _Process, how: str) -> Iterator[R]:
+        """End what is left of a process; yield the result of its task, or let another process try it."""
         task, tries = process.task
         process.end()
+        if self._result_of_lost is not None:
+            self._begin()
+            yield self._result_of_lost(task, how)
+            return
         if tries >= self._max_tries:
             raise PartlyDone(
                 f"a worker process {how}, {tries} times with the same work, perhaps for want of memory",

@@ -9,7 +9,7 @@ import contextlib
 import hashlib
 import re
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -22,10 +22,16 @@ from vcage.schema.exchange import Asked, Exchange, Turn
 
 
 class Exchanges:
-    """A folder of exchanges; the first one creates it."""
+    """A folder of exchanges; the first one creates it.
 
-    def __init__(self, folder: Path):
+    Args:
+        folder: its path.
+        count: returns how many there are; the files are counted by default.
+    """
+
+    def __init__(self, folder: Path, count: Callable[[], int] | None = None):
         self.folder = folder
+        self._count = count or (lambda: len(list(folder.glob("*.json"))))
 
     def all(self) -> list[Exchange]:
         """All exchanges, in the order in which they were stored.
@@ -91,7 +97,7 @@ class Exchanges:
         """The number of the exchange that it replaces, or the next."""
         with contextlib.suppress(InputFileError):
             return Exchange.read(path).number
-        return 1 + len(list(self.folder.glob("*.json")))
+        return 1 + self._count()
 
     def _path(self, question: Question, provider: str) -> Path:
         who = re.sub(r"[^a-z0-9.]+", "-", provider.lower()).strip("-")

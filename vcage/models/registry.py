@@ -28,6 +28,7 @@ from vcage.models.llm_reasoner import LlmReasoner
 from vcage.models.protocols import OFFLINE, Models
 from vcage.models.providers import PROVIDERS, automatic_choice, explain_automatic
 from vcage.models.same_reading import ThirdReader
+from vcage.models.shared import Shared, SharedAnswers
 from vcage.models.spending import Cap, Spending
 from vcage.schema.exchange import Asked
 from vcage.vision.protocols import Detector, Embedder
@@ -55,6 +56,7 @@ class Choice:
         review: let a model review the reading of the instruction by a model.
         votes: how often the critic asks a model; see :class:`vcage.models.llm_critic.LlmCritic`.
         cap: limits on models online.
+        shared: exchanges that many runs share, with limits of their own in place of ``cap``; None for a run by itself.
     """
 
     models: str = "auto"
@@ -68,6 +70,7 @@ class Choice:
     review: bool = True
     votes: int = 1
     cap: Cap = field(default_factory=Cap)
+    shared: Shared | None = None
 
     def of(self, role: Asked) -> str:
         """The choice for a role: ``offline``, ``agent``, ``replay`` or a provider.
@@ -141,8 +144,12 @@ class Choice:
             return None
         if self.run is None:
             return client
-        folder, spending = self.exchanges.folder, None
+        if self.shared is not None:
+            paid, reports = provider.needs_key, provider.reports_cost
+            return Stored(SharedAnswers(client, self.shared, paid=paid, reports_cost=reports), self.exchanges)
+        spending = None
         if provider.needs_key:
+            folder = self.exchanges.folder
             spending = Spending(folder, self.cap, client.provider, reports_cost=provider.reports_cost)
         return Stored(client, self.exchanges, anew=self.anew, spending=spending)
 

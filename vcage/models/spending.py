@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 from pydantic import Field
 
@@ -69,6 +70,11 @@ class Spending:
         ConfigurationError: the file of prices cannot be used.
     """
 
+    OF: ClassVar[str] = "run"
+    CALLS: ClassVar[str] = "--most-calls"
+    USD: ClassVar[str] = "--most-usd"
+    """What sets the limits, for errors."""
+
     def __init__(self, folder: Path, cap: Cap, provider: str, *, reports_cost: bool = False):
         self.price = price_of(provider)
         self._folder, self._cap = folder, cap
@@ -86,14 +92,14 @@ class Spending:
         if self._cap.usd is not None and self.price is None and not self._reports_cost:
             wanted = f'{{"{self._provider}": {{"input": …, "output": …}}}}'
             raise ConfigurationError(
-                f"the price of {self._provider} is not known, so --most-usd cannot be kept",
+                f"the price of {self._provider} is not known, so {self.USD} cannot be kept",
                 hint=f"write {wanted}, in USD per million tokens, to {price_file()}",
             )
         calls, usd = self._spent()
         if self._cap.calls is not None and calls >= self._cap.calls:
-            raise self._reached(f"{calls} answers of models online", "--most-calls", calls, usd)
+            raise self._reached(f"{calls} answers of models online", self.CALLS, calls, usd)
         if self._cap.usd is not None and usd >= self._cap.usd:
-            raise self._reached(f"answers for {usd:.4f} USD", "--most-usd", calls, usd)
+            raise self._reached(f"answers for {usd:.4f} USD", self.USD, calls, usd)
 
     def _spent(self) -> tuple[int, float]:
         """The number of answers from models online, and US dollars for them."""
@@ -105,7 +111,7 @@ class Spending:
 
     def _reached(self, spent: str, option: str, calls: int, usd: float) -> SpendingCap:
         return SpendingCap(
-            f"the run holds {spent}, which is its limit",
+            f"the {self.OF} holds {spent}, which is its limit",
             hint=f"repeat the command with a larger {option}: stored answers are reused",
             details={"calls": calls, "usd": usd, "cap": {"calls": self._cap.calls, "usd": self._cap.usd}},
         )

@@ -1,0 +1,113 @@
+"""Where a cell stands: which of its jobs may begin, which wait for others, and why no more follow.
+
+All depends on the plan and on the records of earlier jobs of the cell, never on the order in which jobs end: whichever
+driver asks, and however often it was killed, the same jobs are run.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from vcage.campaigns.plan import Cell, Job, Plan
+from vcage.campaigns.record import JobRecord
+from vcage.episodes.quota import RUNS_PER_EPISODE
+
+
+@dataclass(frozen=True)
+class Standing:
+    """A cell at one moment.
+
+    Args:
+        cell: which.
+        asked: verified episodes that are wanted.
+        verified: those that there are.
+        tried: episodes that were run, or would have been where a job failed.
+        ready: jobs that may begin, if nobody runs them yet.
+        waits: True if more jobs may follow once others are settled.
+        closed: the reason why it ends with fewer episodes than asked; empty if it does not.
+    """
+
+    cell: Cell
+    asked: int
+    verified: int
+    tried: int
+    ready: Sequence[Job] = field(default=())
+    waits: bool = False
+    closed: str = ""
+
+    @property
+    def ended(self) -> bool:
+        return not self.ready and not self.waits
+
+
+def standing(plan: Plan, cell: Cell, records: Mapping[int, JobRecord]) -> Standing:
+    """Look at a cell.
+
+    Args:
+        plan: of the campaign.
+        cell: one of its cells.
+        records: number → record of its settled jobs.
+    """
+    jobs, planned = plan.jobs_of(cell), len(plan.jobs_of(cell))
+    while True:
+        ready, waits, closed = _open_jobs(plan, jobs, records)
+        verified = sum(record.verified for record in records.values())
+        missing = plan.episodes - verified
+        if ready or waits or closed or missing <= 0 or cell.task.all_subtasks:
+            break
+        if all(records[job.number].state != "done" for job in jobs):
+            closed = f"all of its {len(jobs)} jobs failed"
+            break
+        each = plan.episodes_per_job
+        jobs += [plan.job(cell, len(jobs) + n, min(each, missing - n * each)) for n in range(math.ceil(missing / each))]
+    return Standing(cell, _asked(plan, cell, jobs[:planned], records), verified, _tried(records), ready, waits, closed)
+
+
+def _open_jobs(plan: Plan, jobs: Sequence[Job], records: Mapping[int, JobRecord]) -> tuple[list[Job], bool, str]:
+    """Jobs that may begin, in order; if others wait for them; why no more may begin.
+
+    A job begins only where that is certain to be right, whatever those that still run will find.
+    """
+    least = plan.limits.attempts or RUNS_PER_EPISODE * plan.episodes
+    ready: list[Job] = []
+    most_tried: float = 0  # if all unsettled jobs before run as many episodes as they may
+    for job in jobs:
+        settled = records.get(job.number)
+        if settled is None and job.number >= plan.probes:
+            if ready and ready[0].number < plan.probes:
+                return ready, True, ""
+            if reason := _gate(plan, records):
+                return ready, False, reason
+        if most_tried >= least:
+            return (ready, True, "") if ready else ([], False, f"{most_tried:.0f} episodes were run, the most allowed")
+        if settled is None:
+            ready.append(job)
+            most_tried += math.inf if job.cell.task.all_subtasks else RUNS_PER_EPISODE * job.episodes
+        else:
+            most_tried += _tried({job.number: settled})
+    return ready, False, ""
+
+
+def _gate(plan: Plan, records: Mapping[int, JobRecord]) -> str:
+    """The reason to stop a cell after its first jobs; empty to go on."""
+    if plan.gates is None:
+        return ""
+    first = {number: record for number, record in records.items() if number < plan.probes}
+    verified, tried = sum(record.verified for record in first.values()), _tried(first)
+    if tried == 0 or verified / tried >= plan.gates.acceptance:
+        return ""
+    return f"{verified} of the first {tried} episodes accepted, below the gate of {plan.gates.acceptance:g}"
+
+
+def _tried(records: Mapping[int, JobRecord]) -> int:
+    """Episodes that were run; of a job that failed at least as many as it should have collected."""
+    return sum(r.tried if r.state == "done" else max(r.tried, r.episodes) for r in records.values())
+
+
+def _asked(plan: Plan, cell: Cell, planned: Sequence[Job], records: Mapping[int, JobRecord]) -> int:
+    """Wanted episodes; how many sub-tasks a scene has is known of settled jobs."""
+    if not cell.task.all_subtasks:
+        return plan.episodes
+    return sum(records[job.number].asked if job.number in records else job.episodes for job in planned)

@@ -1,0 +1,270 @@
+"""The loop that all drivers share, and the driver that runs jobs in processes of this machine.
+
+What is done lies in the folder of the campaign alone, so any driver may be killed, and any other go on.
+"""
+
+from __future__ import annotations
+
+import heapq
+import logging
+import time
+from collections.abc import Iterator
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from functools import partial
+from typing import Protocol
+
+from vcage.base.errors import ConfigurationError, FolderInUse, PartlyDone, VcageError
+from vcage.base.memory import free_memory
+from vcage.base.progress import Progress, silent
+from vcage.base.workers import Processes, cores, preload_module
+from vcage.campaigns.cells import Standing, standing
+from vcage.campaigns.folder import CampaignFolder
+from vcage.campaigns.job import HangWatch, Outcome, lost_job, run_job
+from vcage.campaigns.plan import Cell, Job
+from vcage.campaigns.record import JobRecord
+
+logger = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Shard:
+    """A share of the jobs: those whose place in the plan leaves ``index`` when divided by ``count``."""
+
+    index: int = 0
+    count: int = 1
+
+
+@dataclass(frozen=True)
+class LoopSettings:
+    """Settings of the loop.
+
+    Args:
+        machine_tries: of a job that the machine cannot run for now, or that another process holds.
+        machine_faults: in a row, of any jobs, after which the loop ends: the disk is full, or the folder gone.
+        pause_s: before such jobs are tried again.
+    """
+
+    machine_tries: int = 3
+    machine_faults: int = 20
+    pause_s: float = 2.0
+
+
+SETTINGS = LoopSettings()
+
+
+class Crew(AbstractContextManager, Protocol):
+    """What runs the jobs of a driver: processes of this machine, or of others."""
+
+    def submit(self, task: Job, /) -> None:
+        """Add a job; it begins as soon as there is room."""
+        ...
+
+    def results(self) -> Iterator[Outcome]:
+        """Yield outcomes as they arrive, until none is awaited; more jobs may be submitted meanwhile."""
+        ...
+
+
+class Schedule:
+    """The jobs that are left to a driver, in the order of the plan, as far as gates and limits let them begin.
+
+    Args:
+        folder: of the campaign, with its plan.
+        shard: the driver's share.
+        settings: of the loop.
+    """
+
+    def __init__(self, folder: CampaignFolder, shard: Shard = Shard(), settings: LoopSettings = SETTINGS):
+        self.folder, self.plan, self._shard, self._settings = folder, folder.plan, shard, settings
+        self._cells: dict[str, Cell] = {cell.id: cell for cell in self.plan.cells}
+        self._records: dict[str, dict[int, JobRecord]] = {name: {} for name in self._cells}
+        self._known: set[str] = set()
+        self._ready: list[tuple[int, str]] = []
+        self._jobs: dict[str, Job] = {}
+        self._put_off: list[Job] = []
+        self._faults: dict[str, int] = {}
+        self._faults_in_a_row = 0
+        self.open: dict[str, VcageError] = {}
+        """Job → why it stays open after this driver."""
+        self.stopped: VcageError | None = None
+        """The error for which no more jobs begin."""
+        for record in folder.records():
+            cell = self._cells.get(record.cell)
+            if cell is not None:
+                self._keep(record)
+        for cell in self.plan.cells:
+            self._look_at(cell)
+
+    # --- for the loop ---------------------------------------------------------------------------------------
+
+    def next(self) -> Job | None:
+        """The next job to begin; None if none may begin now."""
+        if self.stopped is not None or not self._ready:
+            return None
+        return self._jobs[heapq.heappop(self._ready)[1]]
+
+    def ended(self, outcome: Outcome) -> None:
+        """Take the outcome of a job that was begun."""
+        job, error = outcome.job, outcome.error
+        if outcome.record is not None:
+            self._faults_in_a_row = 0
+            self.open.pop(job.id, None)
+            self._keep(outcome.record)
+            self._look_at(job.cell)
+        elif isinstance(error, ConfigurationError):
+            self.open[job.id] = self.stopped = error
+        elif outcome.of_the_machine and error is not None:
+            self._put_off_for(job, error)
+        elif error is not None:  # its tries are counted on disk, and end with a record
+            logger.warning("%s: %s; it is tried again", job.id, error.message)
+            heapq.heappush(self._ready, (self.plan.index_of(job), job.id))
+
+    def look_again(self) -> bool:
+        """Look for jobs that may begin after all, when none runs any more; False if there are none."""
+        if self.stopped is not None:
+            return False
+        if self._put_off:
+            time.sleep(self._settings.pause_s)
+            for job in self._put_off:
+                heapq.heappush(self._ready, (self.plan.index_of(job), job.id))
+            self._put_off.clear()
+        for cell in self.plan.cells:
+            if not self.standing(cell).ended:
+                self._reread(cell)
+        return bool(self._ready)
+
+    # --- for reports ----------------------------------------------------------------------------------------
+
+    def standing(self, cell: Cell) -> Standing:
+        """Where a cell stands, by the records that are known here."""
+        return standing(self.plan, cell, self._records[cell.id])
+
+    @property
+    def settled(self) -> int:
+        """Jobs that are settled."""
+        return sum(map(len, self._records.values()))
+
+    @property
+    def known(self) -> int:
+        """Jobs of this driver's share that may have begun so far, and settled ones of others."""
+        return max(len(self._known | self._settled_ids), 1)
+
+    # --- inside ---------------------------------------------------------------------------------------------
+
+    @property
+    def _settled_ids(self) -> set[str]:
+        return {f"{cell}/{number:04d}" for cell, records in self._records.items() for number in records}
+
+    def _keep(self, record: JobRecord) -> None:
+        self._records[record.cell][record.number] = record
+
+    def _look_at(self, cell: Cell) -> None:
+        """Let those jobs of a cell begin that may, and have not begun here yet."""
+        for job in self.standing(cell).ready:
+            index = self.plan.index_of(job)
+            if job.id not in self._known and index % self._shard.count == self._shard.index:
+                self._known.add(job.id)
+                self._jobs[job.id] = job
+                heapq.heappush(self._ready, (index, job.id))
+
+    def _reread(self, cell: Cell) -> None:
+        """Read the records of jobs that others may have settled meanwhile."""
+        for job in self.standing(cell).ready:
+            if (record := self.folder.record(job)) is not None:
+                self.open.pop(job.id, None)
+                self._keep(record)
+        self._look_at(cell)
+
+    def _put_off_for(self, job: Job, error: VcageError) -> None:
+        self.open[job.id] = error
+        self._faults[job.id] = self._faults.get(job.id, 0) + 1
+        if not isinstance(error, FolderInUse):
+            logger.warning("%s: %s", job.id, error.message)
+            self._faults_in_a_row += 1
+        if self._faults_in_a_row >= self._settings.machine_faults:
+            self.stopped = error
+        elif self._faults[job.id] < self._settings.machine_tries:
+            self._put_off.append(job)
+
+
+def work_through(schedule: Schedule, crew: Crew, width: int, progress: Progress = silent) -> None:
+    """Give jobs to a crew until none is left that may begin.
+
+    Args:
+        schedule: of the driver.
+        crew: runs them.
+        width: jobs that it is given at a time.
+        progress: called after each job.
+    """
+    running = 0
+
+    def fill() -> int:
+        begun = 0
+        while running + begun < width and (job := schedule.next()) is not None:
+            crew.submit(job)
+            begun += 1
+        return begun
+
+    with crew:
+        while True:
+            running += fill()
+            if not running and not schedule.look_again():
+                return
+            for outcome in crew.results():
+                running -= 1
+                schedule.ended(outcome)
+                progress(outcome.job.id, schedule.settled, schedule.known)
+                running += fill()
+
+
+def run_here(
+    folder: CampaignFolder, workers: int | None = None, shard: Shard = Shard(), progress: Progress = silent
+) -> Schedule:
+    """Run the jobs of a campaign in processes of this machine.
+
+    Args:
+        folder: of the campaign, with its plan.
+        workers: processes; by default as many as cores and memory allow.
+        shard: the share of the jobs.
+        progress: called after each job.
+
+    Returns:
+        The schedule, with what is left.
+
+    Raises:
+        InputFileError: the plan, or a record, cannot be read.
+    """
+    schedule = Schedule(folder, shard)
+    count = workers or workers_here()
+    preload_module("vcage.episodes.preload")
+    watch, root = HangWatch(folder.root), folder.root
+    crew: Processes[Job, Outcome] = Processes(
+        partial(run_job, root), count, watch.seconds_left, lost=lambda job, how: lost_job(root, job, how)
+    )
+    work_through(schedule, crew, count, progress)
+    return schedule
+
+
+def workers_here(memory_bytes: int = 1_000_000_000) -> int:
+    """Processes that this machine has cores and memory for.
+
+    Args:
+        memory_bytes: free memory for each process; measured, one takes half of it.
+    """
+    return max(1, min(cores(), free_memory() // memory_bytes))
+
+
+def left_over(schedule: Schedule) -> VcageError | None:
+    """The error that a driver ends with where jobs are left; None if none are."""
+    if schedule.stopped is not None:
+        return schedule.stopped
+    waiting = [s.cell.id for s in map(schedule.standing, schedule.plan.cells) if not s.ended]
+    if not waiting:
+        return None
+    reasons = "; ".join(f"{name}: {error.message}" for name, error in list(schedule.open.items())[:3])
+    why = reasons or "their jobs are those of other shards, or wait for these"
+    return PartlyDone(
+        f"{len(waiting)} of {len(schedule.plan.cells)} cells are not finished: {why}",
+        hint="run the same command again, when other drivers of this campaign have ended",
+        details={"cells": waiting[:100], "open": {name: error.code for name, error in schedule.open.items()}},
+    )

@@ -1,0 +1,177 @@
+"""The folder of a campaign: its plan, the run folders and records of its jobs, and the exchanges that they share."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Iterator
+from functools import lru_cache
+from pathlib import Path
+
+import yaml
+
+from vcage.base.errors import FolderInUse, InputFileError, MissingStage, OutputFolderError
+from vcage.base.files import RunFolder, read_json, write_json, write_text
+from vcage.base.hold import alone, one_at_a_time
+from vcage.base.leftovers import PARTIAL
+from vcage.campaigns.plan import Job, Plan
+from vcage.campaigns.record import JobRecord, Tries
+
+PLAN = "plan.yml"
+
+
+class CampaignFolder:
+    """The folder given as ``--out``. Every process that works on the campaign may hold one.
+
+    Args:
+        root: its path; it need not exist yet.
+    """
+
+    def __init__(self, root: str | Path):
+        self.root = Path(root).expanduser().resolve()
+
+    def __str__(self) -> str:
+        return str(self.root)
+
+    plan_file = property(lambda self: self.root / PLAN)
+    exchanges = property(lambda self: self.root / "exchanges", doc="The folder of what models were asked by all jobs.")
+    page = property(lambda self: self.root / "status.html")
+
+    @property
+    def plan(self) -> Plan:
+        """The plan of the campaign.
+
+        Raises:
+            MissingStage: the folder holds none.
+            InputFileError, UsageError: it cannot be read, or is not possible.
+        """
+        if not self.plan_file.exists():
+            raise MissingStage(f"{self.root} holds no campaign: {self.plan_file} does not exist", hint="check the path")
+        return _loaded(self.plan_file, self.plan_file.stat().st_mtime_ns)
+
+    def begin(self, plan: Plan) -> Plan:
+        """Keep a plan in the folder, as it is or in place of an earlier one that it continues.
+
+        Returns:
+            The plan as it was read back, which every later process reads too.
+
+        Raises:
+            OutputFolderError: the folder cannot be written, or holds something else.
+            InputFileError: another campaign lies here.
+        """
+        self._require_ours()
+        RunFolder(self.root).make()
+        with one_at_a_time(self.plan_file):
+            if self.plan_file.exists() and (reason := plan.difference_to(self.plan)):
+                raise InputFileError(
+                    f"{self.root} holds a campaign of another plan: the new one has {reason}",
+                    hint="give another --out; tasks, values of axes, seeds and episodes may be added to a plan, "
+                    "and limits, gates and the name may change, all else must stay",
+                )
+            said = plan.model_dump(mode="json", by_alias=True, exclude_defaults=True)
+            text = yaml.safe_dump({"schema": Plan.SCHEMA} | said, sort_keys=False, allow_unicode=True, width=120)
+            if not self.plan_file.exists() or self.plan_file.read_text(encoding="utf-8") != text:
+                write_text(self.plan_file, text)
+        return self.plan
+
+    def _require_ours(self) -> None:
+        if self.root.is_dir() and not self.plan_file.exists():
+            others = [name for name in os.listdir(self.root) if PARTIAL not in name and name != f"{PLAN}.lock"]
+            if others:
+                raise OutputFolderError(
+                    f"{self.root} holds {sorted(others)[0]}, and no campaign",
+                    hint="give a new or an empty folder as --out",
+                )
+
+    # --- jobs ---------------------------------------------------------------------------------------------
+
+    def run(self, job: Job) -> RunFolder:
+        """The run folder of a job."""
+        return RunFolder(self.root / "jobs" / job.id)
+
+    def record_file(self, job: Job) -> Path:
+        """The file of a job's record, beside its run folder."""
+        return self.root / "jobs" / f"{job.id}.job.json"
+
+    def tries_file(self, job: Job) -> Path:
+        """The file that counts its tries."""
+        return self.root / "jobs" / f"{job.id}.tries.json"
+
+    def beat_file(self, job: Job) -> Path:
+        """The file that is touched at every step, and locked by the process that runs the job."""
+        return self.root / "jobs" / f"{job.id}.beat"
+
+    def record(self, job: Job) -> JobRecord | None:
+        """The record of a job; None while it is not settled, or asked for fewer episodes than there should be now.
+
+        Raises:
+            InputFileError: the file is damaged.
+        """
+        path = self.record_file(job)
+        try:
+            found = JobRecord.read(path)
+        except MissingStage:
+            return None
+        except InputFileError as error:
+            error.hint = "remove it: its job is then looked at again"
+            raise
+        return found if found.state != "done" or found.episodes >= job.episodes else None
+
+    def records(self) -> Iterator[JobRecord]:
+        """All records, by cell and number. Others may write meanwhile: a file is seen whole or not at all."""
+        for cell in sorted(self._folders()):
+            with os.scandir(cell) as entries:
+                names = sorted(entry.name for entry in entries if entry.name.endswith(".job.json"))
+            for name in names:
+                with contextlib.suppress(MissingStage):  # removed by --retry
+                    yield JobRecord.read(Path(cell, name))
+
+    def _folders(self) -> list[str]:
+        try:
+            with os.scandir(self.root / "jobs") as entries:
+                return [entry.path for entry in entries if entry.is_dir()]
+        except FileNotFoundError:
+            return []
+
+    def tries(self, job: Job) -> Tries:
+        """The tries of a job so far; none where they cannot be read."""
+        with contextlib.suppress(InputFileError, ValueError):
+            return Tries.model_validate(read_json(self.tries_file(job)))
+        return Tries()
+
+    def note_tries(self, job: Job, tries: Tries) -> None:
+        """Keep the tries of a job."""
+        write_json(self.tries_file(job), tries.model_dump(mode="json"))
+
+    @contextlib.contextmanager
+    def held(self, job: Job) -> Iterator[None]:
+        """Hold a job for this process.
+
+        Raises:
+            FolderInUse: another process works on it.
+        """
+        path = self.beat_file(job)
+        RunFolder(path.parent).make()
+        try:
+            with alone(path):
+                yield
+        except FolderInUse as error:
+            error.details["job"] = job.id
+            raise
+
+    def beat(self, job: Job) -> None:
+        """Show that a job got on."""
+        with contextlib.suppress(OSError):  # what it works on will say what is wrong with the disk
+            os.utime(self.beat_file(job))
+
+    def last_beat(self, job: Job) -> int:
+        """The time of its last step, ns, by the clock that the file system goes by; 0 if there was none."""
+        try:
+            return self.beat_file(job).stat().st_mtime_ns
+        except OSError:
+            return 0
+
+
+@lru_cache(maxsize=4)
+def _loaded(path: Path, _changed_ns: int) -> Plan:
+    return Plan.load(path)

@@ -1,0 +1,256 @@
+"""The plan of a campaign (``PLAN.yml``): tasks, axes, counts, limits and gates; the cells and jobs that follow from it.
+
+A cell is one task with one robot, layout, look and seed. A job is one run folder of a few episodes of a cell, with a
+seed of its own. What a job makes depends on its cell, its number and its seed alone.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from dataclasses import replace
+from functools import cached_property
+from itertools import product
+from math import ceil
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Literal, Self
+
+from pydantic import Field, model_validator
+
+from vcage.base.errors import UsageError, VcageError
+from vcage.base.reading import read_yaml
+from vcage.campaigns.options import options_of_plan
+from vcage.models.providers import PROVIDERS
+from vcage.schema.base import Document, Finite, Identifier, Record
+from vcage.sim.robots import load_template
+from vcage.stages.chain import ChainOptions
+
+MOST_SEED = 2**62
+"""Seeds of jobs lie below; two of 10^6 jobs draw the same with a chance of 10^-7."""
+
+Seed = Annotated[int, Field(ge=0, lt=2**63)]
+
+
+class Task(Record):
+    """What the robot shall do: an instruction, goals, or every sub-task of a scene."""
+
+    id: Identifier | None = Field(default=None, description="name in folders and tables; made of the task by default")
+    instruction: str | None = Field(default=None, min_length=1)
+    goals: tuple[str, ...] = Field(default=(), description="as `vcage run --goal`")
+    starts: tuple[str, ...] = Field(default=(), description="as `vcage run --start`")
+    objects: str | None = Field(default=None, description="as `vcage run --objects`")
+    scene: Identifier = Field(default="table", description="scene template")
+    all_subtasks: bool = Field(default=False, description="run every sub-task of the scene, each by itself")
+
+    @property
+    def name(self) -> str:
+        """The id, or one made of the task."""
+        goals = " ".join(self.goals)
+        return self.id or _slug(self.instruction or goals or f"{self.scene} subtasks")
+
+
+class Limits(Record):
+    """Bounds on a campaign."""
+
+    attempts: int | None = Field(default=None, gt=0, description="episodes run per cell; three for each asked one")
+    seconds: float | None = Field(default=None, gt=0, allow_inf_nan=False, description="of one try of a job")
+    usd: float | None = Field(default=None, ge=0, allow_inf_nan=False, description="for models online, of all jobs")
+    calls: int | None = Field(default=None, ge=0, description="answers of models online, of all jobs")
+    tries: int = Field(default=3, gt=0, description="tries of a job that get no further, before it is given up")
+    per_minute: dict[str, Annotated[float, Field(gt=0, allow_inf_nan=False)]] = Field(
+        default={}, description="provider → questions a minute, of all jobs"
+    )
+
+    @model_validator(mode="after")
+    def _known_providers(self) -> Self:
+        if unknown := sorted(self.per_minute.keys() - PROVIDERS.keys()):
+            raise ValueError(f"per_minute names {', '.join(unknown)}; expected some of {', '.join(PROVIDERS)}")
+        return self
+
+
+class Gates(Record):
+    """When a cell is stopped."""
+
+    acceptance: Finite = Field(gt=0, le=1, description="smallest share of accepted episodes")
+    after: int = Field(gt=0, description="episodes of a cell after which its share is looked at, once")
+
+
+class Cell(Record):
+    """One task with one robot, layout, look and seed."""
+
+    id: str
+    task: Task
+    robot: str
+    layout: Literal["varied", "fixed"]
+    look: str
+    seed: Seed
+
+
+class Job(Record):
+    """One run folder.
+
+    Example:
+        >>> Plan.load(Path("PLAN.yml")).jobs()[0].id
+        'put-two-blocks-on-the-plate_dual_panda_varied_light_0/0000'
+    """
+
+    cell: Cell
+    number: int = Field(ge=0, description="in its cell")
+    episodes: int = Field(gt=0, description="verified episodes to collect; of each sub-task where all are run")
+    seed: Seed
+
+    @property
+    def id(self) -> str:
+        """Its folder below ``jobs/``."""
+        return f"{self.cell.id}/{self.number:04d}"
+
+
+class Plan(Document):
+    """``PLAN.yml``."""
+
+    SCHEMA: ClassVar[str] = "vcage.campaign/1"
+
+    name: Identifier
+    seed: Seed = Field(default=0, description="of the whole campaign")
+    tasks: tuple[Task, ...] = Field(min_length=1)
+    robots: tuple[str, ...] = Field(default=(), description="none for that of each task's scene")
+    layouts: tuple[Literal["varied", "fixed"], ...] = Field(default=("varied",), min_length=1)
+    looks: tuple[str, ...] = Field(default=("light",), min_length=1, description="as `vcage run --randomise`")
+    seeds: Annotated[int, Field(gt=0)] | tuple[Seed, ...] = Field(
+        default=1, description="independent repetitions of each combination: their number, or the list"
+    )
+    episodes: int = Field(gt=0, description="verified episodes per cell; per sub-task where all are run")
+    episodes_per_job: int = Field(default=5, gt=0)
+    limits: Limits = Limits()
+    gates: Gates | None = None
+    options: dict[str, Any] = Field(default={}, description="further options of `vcage run`, of all jobs")
+
+    @classmethod
+    def load(cls, path: Path) -> Self:
+        """Read a plan and check that each of its cells is possible.
+
+        Raises:
+            InputFileError: the file cannot be read, or a field of it is wrong: names file and field.
+            UsageError: a cell is not possible: names file and cell.
+        """
+        data = read_yaml(path)
+        if isinstance(data, dict):
+            data = {"schema": cls.SCHEMA, **data}
+        plan = cls.parse(data, path)
+        near = tuple(_beside(look, path) for look in plan.looks)
+        plan = plan.model_copy(update={"looks": near})
+        plan._require_possible(path)
+        return plan
+
+    @cached_property
+    def chain_options(self) -> ChainOptions:
+        """The options that all jobs share."""
+        return options_of_plan(self.options)
+
+    @cached_property
+    def cells(self) -> tuple[Cell, ...]:
+        """All cells, in the order of the plan."""
+        seeds = tuple(range(self.seeds)) if isinstance(self.seeds, int) else self.seeds
+        found = []
+        for task in self.tasks:
+            robots = self.robots or (load_template(task.scene).robot,)
+            for robot, layout, look, seed in product(robots, self.layouts, self.looks, seeds):
+                name = f"{task.name}_{_slug(robot)}_{layout}_{_slug(Path(look).stem)}_{seed}"
+                found.append(Cell(id=name, task=task, robot=robot, layout=layout, look=look, seed=seed))
+        return tuple(found)
+
+    def job(self, cell: Cell, number: int, episodes: int | None = None) -> Job:
+        """The job of a cell with that number."""
+        drawn = hashlib.sha256(f"{self.seed}/{cell.id}/{number}".encode()).digest()
+        seed = int.from_bytes(drawn[:8], "big") % MOST_SEED
+        return Job(cell=cell, number=number, episodes=episodes or self.episodes_per_job, seed=seed)
+
+    def jobs_of(self, cell: Cell) -> list[Job]:
+        """The jobs of a cell that are sure to be needed; more may follow where these verify too few episodes."""
+        each, count = self.episodes_per_job, ceil(self.episodes / self.episodes_per_job)
+        return [self.job(cell, n, min(each, self.episodes - n * each)) for n in range(count)]
+
+    def jobs(self) -> list[Job]:
+        """These jobs of all cells: the first of each cell, then the second of each, and so on."""
+        return [job for row in zip(*map(self.jobs_of, self.cells), strict=True) for job in row]
+
+    @property
+    def probes(self) -> int:
+        """The jobs of a cell, from the first on, by which its gate is decided; 0 without gates."""
+        return 0 if self.gates is None else ceil(self.gates.after / self.episodes_per_job)
+
+    def index_of(self, job: Job) -> int:
+        """The place of a job in that order, by which ``--shard`` shares the jobs out."""
+        return job.number * len(self.cells) + self._places[job.cell.id]
+
+    @cached_property
+    def _places(self) -> dict[str, int]:
+        return {cell.id: place for place, cell in enumerate(self.cells)}
+
+    def options_of(self, job: Job) -> ChainOptions:
+        """The options of the chain for a job."""
+        task = job.cell.task
+        return replace(
+            self.chain_options,
+            instruction=task.instruction,
+            goals=task.goals,
+            starts=task.starts,
+            objects=task.objects,
+            template=task.scene,
+            all_subtasks=task.all_subtasks,
+            robot=job.cell.robot,
+            layout=job.cell.layout,
+            randomise=job.cell.look,
+            seed=job.seed,
+            episodes=job.episodes,
+            workers=1,
+        )
+
+    def difference_to(self, earlier: Plan) -> str:
+        """The reason why this plan cannot continue a campaign of an earlier one; empty if it can.
+
+        Tasks, values of axes, seeds and episodes may be added; limits, gates and the name may change. What changes an
+        episode that is there may not.
+        """
+        for field in ("seed", "episodes_per_job", "options"):
+            if getattr(self, field) != getattr(earlier, field):
+                return f"another value of {field}"
+        if self.episodes < earlier.episodes:
+            return f"fewer episodes per cell ({self.episodes}, not {earlier.episodes})"
+        cells = {cell.id: cell for cell in self.cells}
+        lost = [cell.id for cell in earlier.cells if cells.get(cell.id) != cell]
+        return f"no cell, or another one, called {lost[0]}" if lost else ""
+
+    def _require_possible(self, path: Path) -> None:
+        """Check every cell without running it.
+
+        Raises:
+            UsageError: two cells have one id, or the options of one are impossible.
+        """
+        try:
+            self.chain_options  # noqa: B018  parsed here
+            ids = [cell.id for cell in self.cells]
+            if twice := sorted({name for name in ids if ids.count(name) > 1} if len(set(ids)) < len(ids) else ()):
+                raise UsageError(f"two cells are called {twice[0]}", hint="give their tasks different ids")
+            for cell in {(c.task.name, c.robot, c.layout, c.look): c for c in self.cells}.values():
+                options = self.options_of(self.job(cell, 0))
+                load_template(cell.task.scene, cell.robot)
+                options.require_possible()
+                options.stated()
+        except VcageError as error:
+            if str(path) not in error.message:
+                error.message = f"{path}: {error.message}"
+            raise
+
+
+def _slug(text: str, most: int = 40) -> str:
+    """Text as a part of a folder's name; a long one, or one with other characters than its words, keeps a hash."""
+    plain = re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")
+    if len(plain) <= most and plain:
+        return plain
+    return f"{plain[:most].strip('-')}-{hashlib.sha256(text.encode()).hexdigest()[:6]}".strip("-")
+
+
+def _beside(look: str, plan: Path) -> str:
+    """The name of ranges, or the path of their file, which a plan gives from its own folder."""
+    return str((plan.absolute().parent / look).resolve()) if look.endswith((".yml", ".yaml")) else look

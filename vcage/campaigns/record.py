@@ -1,0 +1,62 @@
+"""What is known of a job: its record when it is settled, and its tries until then."""
+
+from __future__ import annotations
+
+from typing import ClassVar, Literal
+
+from pydantic import Field
+
+from vcage.campaigns.plan import Seed
+from vcage.schema.base import Document, Finite, Record
+from vcage.schema.episodes import CriticCounts, Spread
+
+State = Literal["done", "failed", "given_up"]
+"""``done``: the chain ran to its end, with as many verified episodes as it found; ``failed``: an error that another try
+would repeat; ``given_up``: too many tries ended without getting further."""
+
+
+class JobError(Record):
+    """Why a job is not done."""
+
+    code: str
+    message: str
+
+
+class JobRecord(Document):
+    """``jobs/<cell>/<number>.job.json``: a settled job.
+
+    Example:
+        >>> JobRecord.read(CampaignFolder("campaigns/desk").record("blocks_dual_panda_varied_light_0/0000")).verified
+    """
+
+    SCHEMA: ClassVar[str] = "vcage.job/1"
+
+    cell: str
+    number: int = Field(ge=0)
+    seed: Seed
+    state: State
+    episodes: int = Field(gt=0, description="asked for, of each chain")
+    asked: int = Field(ge=0, description="verified episodes that were asked for in all")
+    verified: int = Field(default=0, ge=0)
+    tried: int = Field(default=0, ge=0, description="episodes that were run")
+    attempts: int = Field(default=0, ge=0, description="attempts at sub-tasks")
+    rejected: dict[str, int] = Field(default={}, description="reason → episodes")
+    critic: CriticCounts | None = None
+    spread: dict[str, Spread] = Field(default={}, description="object → where it started, in the verified episodes")
+    seconds: Finite = Field(default=0.0, ge=0, description="wall time of the try that settled it")
+    cpu_seconds: Finite = Field(default=0.0, ge=0, description="of that try, in all its processes")
+    bytes: int = Field(default=0, ge=0, description="of its run folder")
+    memory_bytes: int = Field(default=0, ge=0, description="largest, of the process that ran it")
+    tries: int = Field(ge=1)
+    error: JobError | None = None
+    host: str
+    ended: str = Field(description="when, UTC, ISO 8601")
+
+
+class Tries(Record):
+    """``jobs/<cell>/<number>.tries.json``: the tries that were begun since the job last got further."""
+
+    count: int = Field(default=0, ge=0)
+    total: int = Field(default=0, ge=0, description="all tries")
+    reached: tuple[int, int] = Field(default=(0, 0), description="stages finished, files in the run folder")
+    error: JobError | None = Field(default=None, description="of the last try, if it could say")
