@@ -7,7 +7,7 @@ driver asks, and however often it was killed, the same jobs are run.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from vcage.campaigns.plan import Cell, Job, Plan
@@ -50,7 +50,8 @@ def standing(plan: Plan, cell: Cell, records: Mapping[int, JobRecord]) -> Standi
         cell: one of its cells.
         records: number → record of its settled jobs.
     """
-    jobs, planned = plan.jobs_of(cell), len(plan.jobs_of(cell))
+    jobs = list(plan.jobs_of(cell))
+    planned = len(jobs)
     while True:
         ready, waits, closed = _open_jobs(plan, jobs, records)
         verified = sum(record.verified for record in records.values())
@@ -63,6 +64,16 @@ def standing(plan: Plan, cell: Cell, records: Mapping[int, JobRecord]) -> Standi
         each = plan.episodes_per_job
         jobs += [plan.job(cell, len(jobs) + n, min(each, missing - n * each)) for n in range(math.ceil(missing / each))]
     return Standing(cell, _asked(plan, cell, jobs[:planned], records), verified, _tried(records), ready, waits, closed)
+
+
+def by_cell(plan: Plan, records: Iterable[JobRecord]) -> dict[str, dict[int, JobRecord]]:
+    """Records of the plan's cells, by cell and number, without those of jobs that the plan now asks for more."""
+    found: dict[str, dict[int, JobRecord]] = {cell.id: {} for cell in plan.cells}
+    for record in records:
+        grown = record.state == "done" and record.episodes < plan.asked_of(record.number)
+        if record.cell in found and not grown:
+            found[record.cell][record.number] = record
+    return found
 
 
 def _open_jobs(plan: Plan, jobs: Sequence[Job], records: Mapping[int, JobRecord]) -> tuple[list[Job], bool, str]:

@@ -8,19 +8,22 @@ from __future__ import annotations
 import heapq
 import logging
 import time
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Protocol
 
 from vcage.base.errors import ConfigurationError, FolderInUse, PartlyDone, VcageError
 from vcage.base.memory import free_memory
 from vcage.base.progress import Progress, silent
 from vcage.base.workers import Processes, cores, preload_module
-from vcage.campaigns.cells import Standing, standing
+from vcage.campaigns.cells import Standing, by_cell, standing
 from vcage.campaigns.folder import CampaignFolder
-from vcage.campaigns.job import HangWatch, Outcome, lost_job, run_job
+from vcage.campaigns.hanging import HangWatch
+from vcage.campaigns.job import Outcome, lost_job, run_job
 from vcage.campaigns.plan import Cell, Job
 from vcage.campaigns.record import JobRecord
 
@@ -76,22 +79,21 @@ class Schedule:
 
     def __init__(self, folder: CampaignFolder, shard: Shard = Shard(), settings: LoopSettings = SETTINGS):
         self.folder, self.plan, self._shard, self._settings = folder, folder.plan, shard, settings
-        self._cells: dict[str, Cell] = {cell.id: cell for cell in self.plan.cells}
-        self._records: dict[str, dict[int, JobRecord]] = {name: {} for name in self._cells}
-        self._known: set[str] = set()
-        self._ready: list[tuple[int, str]] = []
-        self._jobs: dict[str, Job] = {}
-        self._put_off: list[Job] = []
-        self._faults: dict[str, int] = {}
-        self._faults_in_a_row = 0
         self.open: dict[str, VcageError] = {}
         """Job → why it stays open after this driver."""
         self.stopped: VcageError | None = None
         """The error for which no more jobs begin."""
-        for record in folder.records():
-            cell = self._cells.get(record.cell)
-            if cell is not None:
-                self._keep(record)
+        self._records = by_cell(self.plan, folder.records())
+        self.settled = sum(map(len, self._records.values()))
+        """Jobs that are settled."""
+        self._settled_before = self.settled
+        self._known: set[str] = set()
+        self._ready: list[tuple[int, str]] = []
+        self._jobs: dict[str, Job] = {}
+        self._awaited: dict[str, int] = {}
+        self._put_off: list[Job] = []
+        self._faults: Counter[str] = Counter()
+        self._faults_in_a_row = 0
         for cell in self.plan.cells:
             self._look_at(cell)
 
@@ -101,7 +103,7 @@ class Schedule:
         """The next job to begin; None if none may begin now."""
         if self.stopped is not None or not self._ready:
             return None
-        return self._jobs[heapq.heappop(self._ready)[1]]
+        return self._jobs.pop(heapq.heappop(self._ready)[1])
 
     def ended(self, outcome: Outcome) -> None:
         """Take the outcome of a job that was begun."""
@@ -109,15 +111,14 @@ class Schedule:
         if outcome.record is not None:
             self._faults_in_a_row = 0
             self.open.pop(job.id, None)
-            self._keep(outcome.record)
-            self._look_at(job.cell)
+            self._keep(job, outcome.record)
         elif isinstance(error, ConfigurationError):
             self.open[job.id] = self.stopped = error
         elif outcome.of_the_machine and error is not None:
             self._put_off_for(job, error)
         elif error is not None:  # its tries are counted on disk, and end with a record
             logger.warning("%s: %s; it is tried again", job.id, error.message)
-            heapq.heappush(self._ready, (self.plan.index_of(job), job.id))
+            self._push(job)
 
     def look_again(self) -> bool:
         """Look for jobs that may begin after all, when none runs any more; False if there are none."""
@@ -125,9 +126,8 @@ class Schedule:
             return False
         if self._put_off:
             time.sleep(self._settings.pause_s)
-            for job in self._put_off:
-                heapq.heappush(self._ready, (self.plan.index_of(job), job.id))
-            self._put_off.clear()
+            while self._put_off:
+                self._push(self._put_off.pop())
         for cell in self.plan.cells:
             if not self.standing(cell).ended:
                 self._reread(cell)
@@ -140,44 +140,45 @@ class Schedule:
         return standing(self.plan, cell, self._records[cell.id])
 
     @property
-    def settled(self) -> int:
-        """Jobs that are settled."""
-        return sum(map(len, self._records.values()))
-
-    @property
     def known(self) -> int:
-        """Jobs of this driver's share that may have begun so far, and settled ones of others."""
-        return max(len(self._known | self._settled_ids), 1)
+        """Jobs of this driver's share that may begin so far, and those settled before."""
+        return self._settled_before + len(self._known)
 
     # --- inside ---------------------------------------------------------------------------------------------
 
-    @property
-    def _settled_ids(self) -> set[str]:
-        return {f"{cell}/{number:04d}" for cell, records in self._records.items() for number in records}
+    def _push(self, job: Job) -> None:
+        self._jobs[job.id] = job
+        heapq.heappush(self._ready, (self.plan.index_of(job), job.id))
 
-    def _keep(self, record: JobRecord) -> None:
-        self._records[record.cell][record.number] = record
+    def _keep(self, job: Job, record: JobRecord) -> None:
+        """Take a record, and look at its cell again if that may let other jobs begin."""
+        self._records[job.cell.id][job.number] = record
+        self.settled += 1
+        self._awaited[job.cell.id] -= 1
+        if self._awaited[job.cell.id] <= 0:
+            self._look_at(job.cell)
 
     def _look_at(self, cell: Cell) -> None:
         """Let those jobs of a cell begin that may, and have not begun here yet."""
-        for job in self.standing(cell).ready:
-            index = self.plan.index_of(job)
-            if job.id not in self._known and index % self._shard.count == self._shard.index:
+        found = self.standing(cell)
+        # Jobs to be settled before another look is of use: all, or any where others wait for them.
+        self._awaited[cell.id] = 1 if found.waits else len(found.ready)
+        for job in found.ready:
+            ours = self.plan.index_of(job) % self._shard.count == self._shard.index
+            if ours and job.id not in self._known:
                 self._known.add(job.id)
-                self._jobs[job.id] = job
-                heapq.heappush(self._ready, (index, job.id))
+                self._push(job)
 
     def _reread(self, cell: Cell) -> None:
         """Read the records of jobs that others may have settled meanwhile."""
         for job in self.standing(cell).ready:
             if (record := self.folder.record(job)) is not None:
                 self.open.pop(job.id, None)
-                self._keep(record)
-        self._look_at(cell)
+                self._keep(job, record)
 
     def _put_off_for(self, job: Job, error: VcageError) -> None:
         self.open[job.id] = error
-        self._faults[job.id] = self._faults.get(job.id, 0) + 1
+        self._faults[job.id] += 1
         if not isinstance(error, FolderInUse):
             logger.warning("%s: %s", job.id, error.message)
             self._faults_in_a_row += 1
@@ -218,7 +219,11 @@ def work_through(schedule: Schedule, crew: Crew, width: int, progress: Progress 
 
 
 def run_here(
-    folder: CampaignFolder, workers: int | None = None, shard: Shard = Shard(), progress: Progress = silent
+    folder: CampaignFolder,
+    workers: int | None = None,
+    shard: Shard = Shard(),
+    progress: Progress = silent,
+    work: Callable[[Path, Job], Outcome] = run_job,
 ) -> Schedule:
     """Run the jobs of a campaign in processes of this machine.
 
@@ -227,6 +232,7 @@ def run_here(
         workers: processes; by default as many as cores and memory allow.
         shard: the share of the jobs.
         progress: called after each job.
+        work: runs a job in a process.
 
     Returns:
         The schedule, with what is left.
@@ -239,7 +245,7 @@ def run_here(
     preload_module("vcage.episodes.preload")
     watch, root = HangWatch(folder.root), folder.root
     crew: Processes[Job, Outcome] = Processes(
-        partial(run_job, root), count, watch.seconds_left, lost=lambda job, how: lost_job(root, job, how)
+        partial(work, root), count, watch.seconds_left, lost=lambda job, how: lost_job(root, job, how)
     )
     work_through(schedule, crew, count, progress)
     return schedule

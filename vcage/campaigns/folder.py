@@ -29,12 +29,14 @@ class CampaignFolder:
 
     def __init__(self, root: str | Path):
         self.root = Path(root).expanduser().resolve()
+        self._records: dict[str, tuple[int, JobRecord]] = {}
 
     def __str__(self) -> str:
         return str(self.root)
 
     plan_file = property(lambda self: self.root / PLAN)
     exchanges = property(lambda self: self.root / "exchanges", doc="The folder of what models were asked by all jobs.")
+    bill = property(lambda self: self.exchanges / "bill.jsonl", doc="What these cost.")
     page = property(lambda self: self.root / "status.html")
 
     @property
@@ -43,7 +45,7 @@ class CampaignFolder:
 
         Raises:
             MissingStage: the folder holds none.
-            InputFileError, UsageError: it cannot be read, or is not possible.
+            InputFileError: it cannot be read.
         """
         if not self.plan_file.exists():
             raise MissingStage(f"{self.root} holds no campaign: {self.plan_file} does not exist", hint="check the path")
@@ -75,13 +77,24 @@ class CampaignFolder:
         return self.plan
 
     def _require_ours(self) -> None:
-        if self.root.is_dir() and not self.plan_file.exists():
-            others = [name for name in os.listdir(self.root) if PARTIAL not in name and name != f"{PLAN}.lock"]
-            if others:
-                raise OutputFolderError(
-                    f"{self.root} holds {sorted(others)[0]}, and no campaign",
-                    hint="give a new or an empty folder as --out",
-                )
+        """Refuse a folder that holds something, and no campaign."""
+        if not self.root.is_dir() or self.plan_file.exists():
+            return
+        names = sorted(path.name for path in self.root.iterdir())
+        if others := [name for name in names if PARTIAL not in name and name != f"{PLAN}.lock"]:
+            hint = "give a new or an empty folder as --out"
+            raise OutputFolderError(f"{self.root} holds {others[0]}, and no campaign", hint=hint)
+
+    def forget_failed(self) -> int:
+        """Remove the records of jobs that failed or were given up, so that they are tried again; return their number.
+
+        Raises:
+            InputFileError: a record is damaged.
+        """
+        failed = [record for record in self.records() if record.state != "done"]
+        for record in failed:
+            (self.root / "jobs" / f"{record.cell}/{record.number:04d}.job.json").unlink(missing_ok=True)
+        return len(failed)
 
     # --- jobs ---------------------------------------------------------------------------------------------
 
@@ -118,20 +131,29 @@ class CampaignFolder:
         return found if found.state != "done" or found.episodes >= job.episodes else None
 
     def records(self) -> Iterator[JobRecord]:
-        """All records, by cell and number. Others may write meanwhile: a file is seen whole or not at all."""
-        for cell in sorted(self._folders()):
-            with os.scandir(cell) as entries:
-                names = sorted(entry.name for entry in entries if entry.name.endswith(".job.json"))
-            for name in names:
-                with contextlib.suppress(MissingStage):  # removed by --retry
-                    yield JobRecord.read(Path(cell, name))
+        """All records, by cell and number. Others may write meanwhile: a file is seen whole or not at all.
 
-    def _folders(self) -> list[str]:
-        try:
-            with os.scandir(self.root / "jobs") as entries:
-                return [entry.path for entry in entries if entry.is_dir()]
-        except FileNotFoundError:
-            return []
+        Raises:
+            InputFileError: a record is damaged.
+        """
+        for entry in self._entries(".job.json"):
+            with contextlib.suppress(MissingStage, FileNotFoundError):  # removed by --retry
+                changed, known = entry.stat().st_mtime_ns, self._records.get(entry.path)
+                if known is None or known[0] != changed:
+                    known = self._records[entry.path] = changed, JobRecord.read(Path(entry.path))
+                yield known[1]
+
+    def begun(self) -> Iterator[Path]:
+        """The lock files of jobs that were begun and are not settled."""
+        for entry in self._entries(".tries.json"):
+            yield Path(entry.path.removesuffix(".tries.json") + ".beat")
+
+    def _entries(self, suffix: str) -> Iterator[os.DirEntry[str]]:
+        """Files beside the run folders, by cell and number."""
+        with contextlib.suppress(FileNotFoundError), os.scandir(self.root / "jobs") as cells:
+            for cell in sorted((entry for entry in cells if entry.is_dir()), key=lambda entry: entry.name):
+                with os.scandir(cell.path) as files:
+                    yield from sorted((f for f in files if f.name.endswith(suffix)), key=lambda entry: entry.name)
 
     def tries(self, job: Job) -> Tries:
         """The tries of a job so far; none where they cannot be read."""
@@ -174,4 +196,4 @@ class CampaignFolder:
 
 @lru_cache(maxsize=4)
 def _loaded(path: Path, _changed_ns: int) -> Plan:
-    return Plan.load(path)
+    return Plan.load(path, check=False)  # it was checked before it was kept

@@ -126,8 +126,12 @@ class Plan(Document):
     options: dict[str, Any] = Field(default={}, description="further options of `vcage run`, of all jobs")
 
     @classmethod
-    def load(cls, path: Path) -> Self:
-        """Read a plan and check that each of its cells is possible.
+    def load(cls, path: Path, *, check: bool = True) -> Self:
+        """Read a plan.
+
+        Args:
+            path: of its file.
+            check: that each of its cells is possible, too.
 
         Raises:
             InputFileError: the file cannot be read, or a field of it is wrong: names file and field.
@@ -139,7 +143,8 @@ class Plan(Document):
         plan = cls.parse(data, path)
         near = tuple(_beside(look, path) for look in plan.looks)
         plan = plan.model_copy(update={"looks": near})
-        plan._require_possible(path)
+        if check:
+            plan._require_possible(path)
         return plan
 
     @cached_property
@@ -165,10 +170,20 @@ class Plan(Document):
         seed = int.from_bytes(drawn[:8], "big") % MOST_SEED
         return Job(cell=cell, number=number, episodes=episodes or self.episodes_per_job, seed=seed)
 
-    def jobs_of(self, cell: Cell) -> list[Job]:
+    def jobs_of(self, cell: Cell) -> tuple[Job, ...]:
         """The jobs of a cell that are sure to be needed; more may follow where these verify too few episodes."""
-        each, count = self.episodes_per_job, ceil(self.episodes / self.episodes_per_job)
-        return [self.job(cell, n, min(each, self.episodes - n * each)) for n in range(count)]
+        if cell.id not in self._jobs_of:
+            count = ceil(self.episodes / self.episodes_per_job)
+            self._jobs_of[cell.id] = tuple(self.job(cell, n, self.asked_of(n)) for n in range(count))
+        return self._jobs_of[cell.id]
+
+    @cached_property
+    def _jobs_of(self) -> dict[str, tuple[Job, ...]]:
+        return {}
+
+    def asked_of(self, number: int) -> int:
+        """Episodes that the plan asks of the job with that number in any cell; none of those that may follow."""
+        return max(0, min(self.episodes_per_job, self.episodes - number * self.episodes_per_job))
 
     def jobs(self) -> list[Job]:
         """These jobs of all cells: the first of each cell, then the second of each, and so on."""

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 COMMANDS: dict[str, tuple[str, str]] = {
     "run": ("vcage.cli.run.Run", "the whole chain: from an instruction to a data set and its report"),
+    "campaign": ("vcage.cli.campaign.Campaign", "many runs by one plan, on one machine or many"),
+    "status": ("vcage.cli.campaign.CampaignStatus", "how a campaign stands"),
     "select-place": ("vcage.stages.select_place", "1. choose the objects and place them"),
     "inpaint-plan": ("vcage.stages.inpaint_plan", "2. plan the layout and draw it"),
     "match": ("vcage.stages.match", "3. find the objects in the drawn layout"),

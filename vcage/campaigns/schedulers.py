@@ -1,0 +1,94 @@
+"""What schedulers of clusters take: a SLURM array script, and an indexed Job of Kubernetes, each task one shard."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from dataclasses import dataclass
+from pathlib import Path
+
+from vcage.base.version import __version__
+
+
+@dataclass(frozen=True)
+class ShardedCommand:
+    """A campaign that a scheduler runs.
+
+    Args:
+        name: of the campaign.
+        command: that runs it here, with its plan: its words, without options.
+        out: its folder, which all tasks must see under this path.
+        shards: tasks.
+        workers: processes, and cores, of each task.
+    """
+
+    name: str
+    command: tuple[str, ...]
+    out: Path
+    shards: int
+    workers: int
+
+
+GIGABYTES_PER_WORKER = 2
+"""Memory to ask for; measured, a process takes half a gigabyte to one."""
+
+
+def slurm_script(job: ShardedCommand) -> str:
+    """The text of an array script for ``sbatch``."""
+    command = shlex.join([*job.command, "--out", str(job.out), "--workers", str(job.workers)])
+    return f"""\
+#!/bin/bash
+#SBATCH --job-name={job.name}
+#SBATCH --array=0-{job.shards - 1}
+#SBATCH --cpus-per-task={job.workers}
+#SBATCH --mem={GIGABYTES_PER_WORKER * job.workers}G
+#SBATCH --time=24:00:00
+#SBATCH --requeue
+#SBATCH --output={job.out}/slurm-%a.log
+#SBATCH --open-mode=append
+#
+# Each task runs every {job.shards}th job. Add --partition and --account as your cluster wants them.
+# A task that ends early, whatever the reason, goes on when the script is submitted again; so do jobs that waited for
+# those of other tasks (gates, and episodes that too few jobs verified), which end with code 7. To let a second round
+# follow by itself:  sbatch --dependency=afterany:FIRST_JOB_ID {shlex.quote(str(job.out / "campaign.sbatch"))}
+export OMP_NUM_THREADS=1
+exec {command} --shard "$SLURM_ARRAY_TASK_ID/{job.shards}"
+"""
+
+
+def kubernetes_job(job: ShardedCommand) -> str:
+    """The text of an indexed Job for ``kubectl apply``.
+
+    An index that ends with code 7, as jobs of others are not settled yet, is tried again later, up to the limit.
+    """
+    name = job.name.replace("_", "-")[:52]
+    words = ["vcage", *job.command[1:], "--out", str(job.out), "--workers", str(job.workers)]
+    script = f'exec {shlex.join(words)} --shard "$JOB_COMPLETION_INDEX/{job.shards}"'
+    return f"""\
+apiVersion: batch/v1
+kind: Job
+metadata:
+  name: {name}
+spec:
+  completionMode: Indexed
+  completions: {job.shards}
+  parallelism: {job.shards}
+  backoffLimitPerIndex: 10
+  template:
+    spec:
+      restartPolicy: Never
+      containers:
+        - name: vcage
+          image: vcage:{__version__}  # yours; the Dockerfile is in the repository
+          command: ["/bin/bash", "-c", {json.dumps(script)}]
+          env:
+            - {{name: OMP_NUM_THREADS, value: "1"}}
+          resources:
+            requests: {{cpu: "{job.workers}", memory: {GIGABYTES_PER_WORKER * job.workers}Gi}}
+            limits: {{memory: {2 * GIGABYTES_PER_WORKER * job.workers}Gi}}
+          volumeMounts:
+            - {{name: campaign, mountPath: {json.dumps(str(job.out))}}}
+      volumes:
+        - name: campaign
+          persistentVolumeClaim: {{claimName: {name}}}  # yours: ReadWriteMany, on a file system that locks files
+"""

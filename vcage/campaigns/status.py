@@ -1,0 +1,109 @@
+"""How a campaign stands, from the records of its jobs alone: per cell, in all, and what models cost.
+
+Records appear whole, so they are read while other processes write them.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import time
+from collections import Counter
+from collections.abc import Iterable
+from pathlib import Path
+
+from vcage.apps.html import rendered
+from vcage.base.files import write_text
+from vcage.campaigns.cells import by_cell, standing
+from vcage.campaigns.figures import CellStatus, RunningJob, Status
+from vcage.campaigns.folder import CampaignFolder
+from vcage.campaigns.plan import Cell, Plan
+from vcage.campaigns.record import JobRecord
+from vcage.models.bill import Bill
+
+TEMPLATE = Path(__file__).with_name("status.html.jinja")
+
+
+def status_of(folder: CampaignFolder) -> Status:
+    """Look at a campaign; nothing is written.
+
+    Example:
+        >>> status_of(CampaignFolder("campaigns/desk")).total.verified
+
+    Raises:
+        MissingStage: the folder holds no campaign.
+        InputFileError: its plan or a record cannot be read.
+    """
+    plan = folder.plan
+    records = by_cell(plan, folder.records())
+    running = list(_running(folder))
+    of_cell = Counter(one.job.rpartition("/")[0] for one in running)
+    cells = [_cell_status(plan, cell, records[cell.id], of_cell[cell.id]) for cell in plan.cells]
+    return Status(plan, cells, running, Bill(folder.bill).refresh())
+
+
+def write_page(folder: CampaignFolder, status: Status, refresh_s: int = 0) -> Path:
+    """Write ``status.html``, the report of the campaign as far as it is.
+
+    Args:
+        folder: of the campaign.
+        status: what it shows.
+        refresh_s: seconds after which a browser loads it again; 0 for never.
+    """
+    values = {"status": status, "refresh": refresh_s, "now": time.strftime("%Y-%m-%d %H:%M:%S"), "root": str(folder)}
+    return write_text(folder.page, rendered(TEMPLATE, values))
+
+
+def table(status: Status, most: int = 60) -> str:
+    """The status in words and columns, for a terminal.
+
+    Args:
+        status: of the campaign.
+        most: cells that are listed, those that go on first.
+    """
+    total = status.total
+    lines = [
+        f"{status.plan.name}: {total.verified} of {total.asked} episodes verified, {status.left} left, "
+        f"{len(status.running)} jobs running, {total.jobs['done']} done, {len(status.not_done)} not done"
+    ]
+    if total.per_worker_hour:
+        left = f", about {total.hours_left:.1f} h left" if total.hours_left and status.left else ""
+        lines.append(f"{total.per_worker_hour:.1f} verified episodes an hour and process{left}")
+    if status.spent:
+        lines.append(f"models: {status.calls} answers, {status.usd:.4f} USD")
+    rows = [["cell", "asked", "running", "verified", "rejected", "left", "state"]]
+    listed = sorted(status.cells, key=lambda cell: cell.left == 0)
+    for cell in listed[:most]:
+        figures = (cell.asked, cell.running, cell.verified, cell.tried - cell.verified, cell.left)
+        rows.append([cell.name, *map(str, figures), cell.state])
+    widths = [max(len(row[column]) for row in rows) for column in range(6)]
+    lines.append("")
+    for name, *figures, state in rows:
+        columns = "  ".join(figure.rjust(width) for figure, width in zip(figures, widths[1:]))
+        lines.append(f"{name.ljust(widths[0])}  {columns}  {state}")
+    if len(listed) > most:
+        lines.append(f"… and {len(listed) - most} more cells")
+    for record in status.not_done[:10]:
+        assert record.error is not None
+        lines.append(f"{record.state.replace('_', ' ')}: {record.cell}/{record.number:04d}: {record.error.message}")
+    return "\n".join(lines)
+
+
+# --- inside ------------------------------------------------------------------------------------------------
+
+
+def _cell_status(plan: Plan, cell: Cell, records: dict[int, JobRecord], running: int) -> CellStatus:
+    found = standing(plan, cell, records)
+    return CellStatus(cell.id, found.asked, [records[n] for n in sorted(records)], running, found)
+
+
+def _running(folder: CampaignFolder) -> Iterable[RunningJob]:
+    """Jobs whose lock another process holds, whatever its machine; to try it disturbs nobody for long."""
+    for path in folder.begun():
+        with contextlib.suppress(OSError), open(path, encoding="utf-8", errors="replace") as handle:
+            try:
+                fcntl.flock(handle, fcntl.LOCK_SH | fcntl.LOCK_NB)
+            except BlockingIOError:
+                silent_s = max(0.0, time.time() - path.stat().st_mtime)
+                holder = handle.readline().partition(":")[0].strip()
+                yield RunningJob(f"{path.parent.name}/{path.name.partition('.')[0]}", holder, silent_s)

@@ -1,0 +1,172 @@
+"""``vcage campaign`` and ``vcage status``: many runs by one plan, and how they stand."""
+
+from __future__ import annotations
+
+import logging
+import shlex
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from tyro.conf import Positional, arg
+
+from vcage.base.commands import vcage_command
+from vcage.base.errors import TooFewVerified, UsageError
+from vcage.base.files import write_text
+from vcage.base.options import FILE, FOLDER, POSITIVE, UNSAID, Flag, between, value
+from vcage.cli.arguments import Command
+from vcage.cli.going_on import not_dry
+from vcage.cli.output import Result
+from vcage.cli.progress import progress
+from vcage.cli.streams import print_text
+
+if TYPE_CHECKING:
+    from vcage.campaigns.figures import Status
+    from vcage.campaigns.folder import CampaignFolder
+    from vcage.campaigns.plan import Plan
+
+logger = logging.getLogger(__name__)
+
+
+def _shard(text: str) -> tuple[int, int]:
+    """``i/n`` as (i, n)."""
+    index, _, count = text.partition("/")
+    if not (index.isdecimal() and count.isdecimal() and int(index) < int(count)):
+        raise ValueError(f"{text!r} is no share; expected i/n with i from 0 to n - 1, as in 0/4")
+    return int(index), int(count)
+
+
+SHARD = value(_shard, "I/N", show=lambda shard: "/".join(map(str, shard or ())))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Campaign(Command):
+    """Make a data set of many runs by one plan: instructions, robots, layouts, looks and seeds, with counts and limits.
+
+    A job is one run folder of a few episodes. All that is done lies in DIR, so a campaign that was interrupted goes on
+    when it is started again, by whichever driver: processes of this machine, or shards that a scheduler runs. Several
+    may work on one DIR at a time. docs/campaigns.md explains the plan.
+
+    examples:
+      vcage campaign PLAN.yml --out campaigns/desk
+      vcage campaign PLAN.yml --out campaigns/desk --workers 8
+      vcage campaign PLAN.yml --out campaigns/desk --shard 3/16
+      vcage campaign PLAN.yml --out campaigns/desk --slurm 16 --workers 4
+    """
+
+    plan: Annotated[Path, FILE, Positional, arg(metavar="PLAN")]
+    """the plan, a YAML file"""
+    out: Annotated[Path, FOLDER]
+    """the folder of the campaign"""
+    workers: Annotated[int | None, POSITIVE, UNSAID] = None
+    """processes (default: as many as cores and memory allow; with --slurm and --k8s 1 for each task)"""
+    shard: Annotated[tuple[int, int] | None, SHARD, UNSAID] = None
+    """run only every N-th job, from the I-th on: for N schedulers' tasks, numbered from 0, on one shared folder"""
+    slurm: Annotated[int | None, POSITIVE, UNSAID] = None
+    """run nothing, and write a script of SLURM for an array of so many tasks"""
+    k8s: Annotated[int | None, POSITIVE, UNSAID] = None
+    """run nothing, and write a Job of Kubernetes with so many indices"""
+    retry: Flag = False
+    """try jobs again that failed or were given up"""
+    dry_run: Flag = False
+    """say what would be done, and do nothing"""
+
+    def execute(self) -> Result:
+        """Run the jobs, or write what a scheduler takes."""
+        from vcage.campaigns.driver import Shard, left_over, run_here
+        from vcage.campaigns.folder import CampaignFolder
+        from vcage.campaigns.plan import Plan
+        from vcage.campaigns.status import status_of, write_page
+
+        plan, folder = Plan.load(self.plan), CampaignFolder(self.out)
+        if self.dry_run:
+            return Result(output=folder.root, summary=_asked(plan), next=not_dry())
+        plan = folder.begin(plan)
+        if self.slurm or self.k8s:
+            return self._for_scheduler(plan, folder)
+        if self.retry and (count := folder.forget_failed()):
+            logger.info("%d jobs are tried again", count)
+        shard = Shard(*self.shard) if self.shard else Shard()
+        with progress("campaign") as show:
+            schedule = run_here(folder, self.workers, shard, show)
+        status = status_of(folder)
+        output, facts = write_page(folder, status), status.facts()
+        error = left_over(schedule) or _too_few(status)
+        if error is not None:
+            return Result(error=error, facts={"output": str(output), "summary": facts})
+        return Result(output=output, summary=facts, next=vcage_command("status", folder.root))
+
+    def _for_scheduler(self, plan: Plan, folder: CampaignFolder) -> Result:
+        from vcage.campaigns.schedulers import ShardedCommand, kubernetes_job, slurm_script
+
+        if self.slurm and self.k8s:
+            raise UsageError("--slurm and --k8s cannot be given together", hint="leave out one of them")
+        if self.shard:
+            raise UsageError("--shard is what the tasks of a scheduler are given", hint="leave it out")
+        words = tuple(shlex.split(vcage_command("campaign", folder.plan_file)))
+        job = ShardedCommand(plan.name, words, folder.root, self.slurm or self.k8s or 1, self.workers or 1)
+        if self.slurm:
+            text, name, submit = slurm_script(job), "campaign.sbatch", "sbatch"
+        else:
+            text, name, submit = kubernetes_job(job), "campaign.k8s.yml", "kubectl apply -f"
+        path = write_text(folder.root / name, text)
+        return Result(output=path, summary=_asked(plan), text=text, next=f"{submit} {shlex.quote(str(path))}")
+
+
+def _asked(plan: Plan) -> dict[str, int]:
+    """The size of a plan."""
+    jobs = sum(len(plan.jobs_of(cell)) for cell in plan.cells)
+    return {"cells": len(plan.cells), "jobs": jobs, "episodes": len(plan.cells) * plan.episodes}
+
+
+def _too_few(status: Status) -> TooFewVerified | None:
+    """The error of a campaign that ended with fewer episodes than asked; None if there are enough."""
+    short = [cell for cell in status.cells if cell.verified < cell.asked]
+    if not status.ended or not short:
+        return None
+    return TooFewVerified(
+        f"verified {status.total.verified} of {status.total.asked} episodes; {len(short)} of {len(status.cells)} cells "
+        f"ended with too few: {short[0].name}: {short[0].state}",
+        hint="vcage status names the others; --retry tries failed jobs again, larger limits in the plan add others",
+        details={"cells": {cell.name: cell.state for cell in short[:100]}},
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class CampaignStatus(Command):
+    """Say how a campaign stands: per cell what is asked, runs, is accepted, rejected and left; what models cost.
+
+    Reads the records of jobs only, so it may be run at any time, on any machine that sees the folder.
+
+    examples:
+      vcage status campaigns/desk
+      vcage status campaigns/desk --watch --html
+    """
+
+    folder: Annotated[Path, FOLDER, Positional, arg(metavar="DIR")]
+    """the folder of the campaign"""
+    html: Flag = False
+    """write status.html too: acceptance, reasons, the critic's counts, spread, speed, bytes"""
+    watch: Flag = False
+    """look again until the campaign has ended"""
+    every: Annotated[float, between(0.1, 3600, "SECONDS")] = 5.0
+    """seconds between two looks"""
+
+    def execute(self) -> Result:
+        """Look, and print a table."""
+        from vcage.campaigns.folder import CampaignFolder
+        from vcage.campaigns.status import status_of, table, write_page
+
+        folder = CampaignFolder(self.folder)
+        status = status_of(folder)
+        while self.watch and not status.ended:
+            if self.html:
+                write_page(folder, status, refresh_s=round(max(self.every, 1)))
+            print_text(("\033[H\033[2J" if sys.stdout.isatty() else "") + table(status) + "\n")
+            time.sleep(self.every)
+            status = status_of(folder)
+        output = write_page(folder, status) if self.html else folder.root
+        summary = status.facts() | {"cells": {cell.name: cell.facts() for cell in status.cells}}
+        return Result(output=output, summary=summary, text=table(status))
