@@ -53,16 +53,19 @@ def standing(plan: Plan, cell: Cell, records: Mapping[int, JobRecord]) -> Standi
     jobs = list(plan.jobs_of(cell))
     planned = len(jobs)
     while True:
-        ready, waits, closed = _open_jobs(plan, jobs, records)
-        verified = sum(record.verified for record in records.values())
-        missing = plan.episodes - verified
-        if ready or waits or closed or missing <= 0 or cell.task.all_subtasks:
+        ready, waits, closed = _open_jobs(plan, cell, jobs, records)
+        if ready or waits or closed or cell.task.all_subtasks:
+            break
+        missing = plan.episodes - sum(records[job.number].verified for job in jobs)
+        if missing <= 0:
             break
         if all(records[job.number].state != "done" for job in jobs):
             closed = f"all of its {len(jobs)} jobs failed"
             break
-        each = plan.episodes_per_job
-        jobs += [plan.job(cell, len(jobs) + n, min(each, missing - n * each)) for n in range(math.ceil(missing / each))]
+        # Another round, which depends on those before alone.
+        each, count = plan.episodes_per_job, math.ceil(missing / plan.episodes_per_job)
+        jobs += [plan.job(cell, len(jobs) + n, min(each, missing - n * each)) for n in range(count)]
+    verified = sum(record.verified for record in records.values())
     return Standing(cell, _asked(plan, cell, jobs[:planned], records), verified, _tried(records), ready, waits, closed)
 
 
@@ -76,12 +79,15 @@ def by_cell(plan: Plan, records: Iterable[JobRecord]) -> dict[str, dict[int, Job
     return found
 
 
-def _open_jobs(plan: Plan, jobs: Sequence[Job], records: Mapping[int, JobRecord]) -> tuple[list[Job], bool, str]:
+def _open_jobs(
+    plan: Plan, cell: Cell, jobs: Sequence[Job], records: Mapping[int, JobRecord]
+) -> tuple[list[Job], bool, str]:
     """Jobs that may begin, in order; if others wait for them; why no more may begin.
 
     A job begins only where that is certain to be right, whatever those that still run will find.
     """
-    least = plan.limits.attempts or RUNS_PER_EPISODE * plan.episodes
+    many = cell.task.all_subtasks  # of each sub-task, of which there may be any number
+    most = plan.limits.attempts or (math.inf if many else RUNS_PER_EPISODE * plan.episodes)
     ready: list[Job] = []
     most_tried: float = 0  # if all unsettled jobs before run as many episodes as they may
     for job in jobs:
@@ -91,11 +97,11 @@ def _open_jobs(plan: Plan, jobs: Sequence[Job], records: Mapping[int, JobRecord]
                 return ready, True, ""
             if reason := _gate(plan, records):
                 return ready, False, reason
-        if most_tried >= least:
+        if most_tried >= most:
             return (ready, True, "") if ready else ([], False, f"{most_tried:.0f} episodes were run, the most allowed")
         if settled is None:
             ready.append(job)
-            most_tried += math.inf if job.cell.task.all_subtasks else RUNS_PER_EPISODE * job.episodes
+            most_tried += math.inf if many else RUNS_PER_EPISODE * job.episodes
         else:
             most_tried += _tried({job.number: settled})
     return ready, False, ""
