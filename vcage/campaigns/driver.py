@@ -19,6 +19,7 @@ from typing import Protocol
 from vcage.base.errors import ConfigurationError, FolderInUse, PartlyDone, VcageError
 from vcage.base.memory import free_memory
 from vcage.base.progress import Progress, silent
+from vcage.base.text import listed
 from vcage.base.workers import Processes, cores, preload_module
 from vcage.campaigns.cells import Standing, by_cell, standing
 from vcage.campaigns.folder import CampaignFolder
@@ -270,7 +271,7 @@ def left_over(schedule: Schedule) -> VcageError | None:
     reasons = "; ".join(f"{name}: {error.message}" for name, error in list(schedule.open.items())[:3])
     why = reasons or "their jobs are those of other shards, or wait for these"
     return PartlyDone(
-        f"{len(waiting)} of {len(schedule.plan.cells)} cells are not finished: {why}",
+        f"{len(waiting)} of {len(schedule.plan.cells)} cells are not finished ({listed(waiting, 3)}): {why}",
         hint="run the same command again, when other drivers of this campaign have ended",
         details={"cells": waiting[:100], "open": {name: error.code for name, error in schedule.open.items()}},
     )

@@ -102,7 +102,11 @@ def lost_job(root: Path, job: Job, how: str) -> Outcome:
     error = PartlyDone(f"{job.id}: its process {how}", hint="it is tried again")
     try:
         with folder.held(job):
-            tries = folder.tries(job).model_copy(update={"error": JobError(code="lost", message=f"its process {how}")})
+            tries = folder.tries(job)
+            if not tries.open:  # lost before it could count the try
+                tries = tries.model_copy(update={"count": tries.count + 1, "total": tries.total + 1})
+            lost = JobError(code="lost", message=f"its process {how}")
+            tries = tries.model_copy(update={"error": lost, "open": False})
             folder.note_tries(job, tries)
             if tries.count >= folder.plan.limits.tries and _reached(folder.run(job)) <= tries.reached:
                 return Outcome(job, _given_up(folder, job, tries))
@@ -123,7 +127,7 @@ def _try(folder: CampaignFolder, job: Job) -> Outcome:
     count = 0 if further else before.count
     if count >= plan.limits.tries:
         return Outcome(job, _given_up(folder, job, before))
-    tries = Tries(count=count + 1, total=before.total + 1, reached=max(reached, before.reached))
+    tries = Tries(count=count + 1, total=before.total + 1, open=True, reached=max(reached, before.reached))
     folder.note_tries(job, tries)
     measure_memory_anew()
     wall, cpu = time.perf_counter(), _cpu_seconds()
@@ -172,7 +176,7 @@ def _run(folder: CampaignFolder, plan: Plan, job: Job) -> None:
 
 def _again(folder: CampaignFolder, job: Job, tries: Tries, error: Exception) -> Outcome:
     """Keep the error of a try that may go better another time, or give the job up."""
-    tries = tries.model_copy(update={"error": _named(error)})
+    tries = tries.model_copy(update={"error": _named(error), "open": False})
     folder.note_tries(job, tries)
     if tries.count >= folder.plan.limits.tries and _reached(folder.run(job)) <= tries.reached:
         return Outcome(job, _given_up(folder, job, tries))

@@ -58,5 +58,6 @@ class Tries(Record):
 
     count: int = Field(default=0, ge=0)
     total: int = Field(default=0, ge=0, description="all tries")
+    open: bool = Field(default=False, description="the last one has not ended yet, or its process was lost")
     reached: tuple[int, int] = Field(default=(0, 0), description="stages finished, files in the run folder")
     error: JobError | None = Field(default=None, description="of the last try, if it could say")

@@ -1,0 +1,210 @@
+"""The loop of all drivers, and the driver in processes of this machine."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections import Counter
+from functools import partial
+from pathlib import Path
+
+import pytest
+
+from tests.campaigns.stubbed import began, begun, behave, plan, run_stubbed
+from tests.run_folders import REPOSITORY
+from vcage.base.errors import ConfigurationError, DiskFull, FolderInUse, InputFileError, PartlyDone
+from vcage.base.workers import SameProcess
+from vcage.campaigns.driver import LoopSettings, Schedule, Shard, left_over, run_here, work_through
+from vcage.campaigns.folder import CampaignFolder
+from vcage.campaigns.job import Outcome
+from vcage.campaigns.plan import Job
+from vcage.campaigns.record import JobRecord
+
+QUICK = LoopSettings(machine_tries=2, machine_faults=4, pause_s=0.01)
+
+
+def driven(folder: CampaignFolder, shard: Shard = Shard()) -> Schedule:
+    """Run what is left, one job after the other in this process."""
+    schedule = Schedule(folder, shard, QUICK)
+    work_through(schedule, SameProcess(partial(run_stubbed, folder.root)), 1)
+    return schedule
+
+
+def states(folder: CampaignFolder) -> Counter[str]:
+    return Counter(record.state for record in folder.records())
+
+
+def test_all_jobs_are_run_in_the_order_of_the_plan(tmp_path: Path):
+    folder = begun(tmp_path, seeds=2, episodes=3)
+    assert left_over(driven(folder)) is None
+    assert began(tmp_path) == [job.id for job in folder.plan.jobs()]
+    driven(folder)
+    assert len(began(tmp_path)) == 6
+
+
+def test_shards_share_all_jobs_and_no_job_is_run_by_two(tmp_path: Path):
+    folder = begun(tmp_path, seeds=3, episodes=4)
+    for index in range(4):
+        driven(folder, Shard(index, 4))
+    assert sorted(began(tmp_path)) == sorted(job.id for job in folder.plan.jobs())
+
+
+def test_a_shard_says_that_jobs_of_others_are_left(tmp_path: Path):
+    folder = begun(tmp_path, seeds=2, episodes=2)
+    error = left_over(driven(folder, Shard(0, 2)))
+    assert isinstance(error, PartlyDone) and error.retryable
+    assert error.message == (
+        f"1 of 2 cells are not finished ({folder.plan.cells[1].id}): their jobs are those of other shards, or wait for these"
+    )
+
+
+def test_a_gate_stops_a_cell_and_no_other(tmp_path: Path):
+    folder = begun(tmp_path, seeds=2, episodes=6, gates={"acceptance": 0.5, "after": 2})
+    behave(tmp_path, all="half", n1="reject")
+    assert left_over(driven(folder)) is None
+    assert {Path(name).name for name in began(tmp_path)} == {"0000", "0001"}
+
+
+def test_jobs_follow_where_too_few_episodes_were_verified(tmp_path: Path):
+    folder = begun(tmp_path, episodes=2)
+    behave(tmp_path, n1="reject")
+    assert left_over(driven(folder)) is None
+    assert [Path(name).name for name in began(tmp_path)] == ["0000", "0001", "0002"]
+    assert sum(record.verified for record in folder.records()) == 2
+
+
+def test_a_full_disk_of_one_job_does_not_keep_the_others(tmp_path: Path):
+    folder = begun(tmp_path, episodes=4)
+    behave(tmp_path, n1="full")
+    error = left_over(driven(folder))
+    assert isinstance(error, PartlyDone) and "no space left" in error.message
+    assert error.details["open"] == {f"{folder.plan.cells[0].id}/0001": "disk_full"}
+    assert states(folder) == {"done": 3}
+    behave(tmp_path)
+    assert left_over(driven(folder)) is None
+
+
+def test_a_disk_that_is_full_for_all_ends_the_driver_soon(tmp_path: Path):
+    folder = begun(tmp_path, episodes=50)
+    behave(tmp_path, all="full")
+    assert isinstance(left_over(driven(folder)), DiskFull)
+    assert len(began(tmp_path)) == QUICK.machine_faults
+
+
+def test_a_missing_key_ends_the_driver_at_once(tmp_path: Path):
+    folder = begun(tmp_path, episodes=50)
+    schedule, asked = Schedule(folder, settings=QUICK), []
+
+    def work(job: Job) -> Outcome:
+        asked.append(job)
+        return Outcome(job, error=ConfigurationError("no key"))
+
+    work_through(schedule, SameProcess(work), 1)
+    assert isinstance(left_over(schedule), ConfigurationError)
+    assert len(asked) == 1
+
+
+def test_a_job_that_another_process_holds_is_looked_at_again(tmp_path: Path):
+    folder = begun(tmp_path, episodes=2)
+    first = folder.plan.jobs()[0]
+    with CampaignFolder(folder.root).held(first):
+        error = left_over(driven(folder))
+    assert isinstance(error, PartlyDone) and first.id in error.message
+    assert [Path(name).name for name in began(tmp_path)] == ["0001"]
+
+
+def test_what_another_driver_settled_meanwhile_lets_jobs_begin(tmp_path: Path):
+    folder = begun(tmp_path, episodes=4, gates={"acceptance": 0.5, "after": 1})
+    schedule = Schedule(folder, settings=QUICK)
+
+    def work(job: Job) -> Outcome:
+        done = run_stubbed(folder.root, job)
+        return Outcome(job, error=FolderInUse("held by another driver")) if job.number == 0 else done
+
+    work_through(schedule, SameProcess(work), 1)
+    assert left_over(schedule) is None
+    assert states(folder) == {"done": 4}
+
+
+def test_a_damaged_record_ends_the_driver_with_its_name(tmp_path: Path):
+    folder = begun(tmp_path)
+    driven(folder)
+    path = folder.record_file(folder.plan.jobs()[0])
+    path.write_text("{")
+    with pytest.raises(InputFileError, match=path.name):
+        Schedule(folder)
+
+
+def test_a_plan_may_grow_and_asks_only_for_what_is_missing(tmp_path: Path):
+    folder = begun(tmp_path, episodes=3, episodes_per_job=2)
+    driven(folder)
+    folder.begin(plan(tmp_path, episodes=4, episodes_per_job=2, seeds=2, limits={"tries": 9}))
+    driven(folder)
+    ran = Counter(Path(name).name for name in began(tmp_path))
+    assert ran == {"0000": 2, "0001": 3}
+    assert sum(record.verified for record in folder.records()) == 8
+
+
+@pytest.mark.parametrize(
+    "keys", [{"episodes": 1}, {"seed": 5}, {"looks": ["none"]}, {"options": {"fps": 5}}, {"episodes_per_job": 2}]
+)
+def test_a_plan_of_other_episodes_is_refused(tmp_path: Path, keys: dict):
+    folder = begun(tmp_path)
+    with pytest.raises(InputFileError, match="holds a campaign of another plan"):
+        folder.begin(plan(tmp_path, **keys))
+
+
+# --- processes ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_jobs_that_crash_or_hang_are_given_up_by_name_and_those_that_get_on_are_not(tmp_path: Path):
+    folder = begun(tmp_path, episodes=5, limits={"tries": 2, "seconds": 12})
+    behave(tmp_path, n0="crash", n1="hang", n2="get_further")
+    schedule = run_here(folder, 2, work=run_stubbed)
+    assert left_over(schedule) is None
+    found = {record.number: record for record in folder.records()}
+    assert [found[number].state for number in range(5)] == ["given_up", "given_up", "done", "done", "done"]
+    assert [said(found[number]).partition(": ")[2] for number in (0, 1)] == [
+        "its process was ended from outside",
+        "its process gave no answer and was ended after 12 s",
+    ]
+    assert found[2].tries == 6
+    ran = Counter(Path(name).name for name in began(tmp_path))
+    assert (ran["0000"], ran["0001"], ran["0003"]) == (2, 2, 1)
+
+
+def said(record: JobRecord) -> str:
+    assert record.error is not None
+    return record.error.message
+
+
+DRIVER = """
+import sys
+from pathlib import Path
+from tests.campaigns.stubbed import run_stubbed
+from vcage.campaigns.driver import left_over, run_here
+from vcage.campaigns.folder import CampaignFolder
+error = left_over(run_here(CampaignFolder(sys.argv[1]), 1, work=run_stubbed))
+print(error)
+"""
+
+
+@pytest.mark.slow
+def test_two_drivers_at_once_run_each_job_once(tmp_path: Path):
+    folder = begun(tmp_path, episodes=4)
+    behave(tmp_path, all="slow")
+    program = [sys.executable, "-c", DRIVER, str(folder.root)]
+    drivers = [subprocess.Popen(program, cwd=REPOSITORY, stdout=subprocess.PIPE, text=True) for _ in range(2)]
+    ends = [driver.communicate(timeout=120)[0].strip() for driver in drivers]
+    assert "None" in ends
+    assert sorted(Counter(began(tmp_path)).values()) == [1] * 4
+    assert states(folder) == {"done": 4}
+
+
+def test_no_two_jobs_of_a_plan_share_a_file(tmp_path: Path):
+    folder = begun(tmp_path, seeds=2, episodes=3)
+    driven(folder)
+    seeds = [json.loads(path.read_text())["seed"] for path in folder.root.glob("jobs/*/*.job.json")]
+    assert len(set(seeds)) == 6
