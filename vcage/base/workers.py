@@ -34,17 +34,17 @@ def cores() -> int:
     return len(os.sched_getaffinity(0))
 
 
-def preload_module(module: str) -> None:
-    """Begin to import a module for later processes, in a separate process and in parallel to this one.
+def preload_module(*modules: str) -> None:
+    """Begin to import modules for later processes, in a separate process and in parallel to this one.
 
     To be called before any process is started: all are then forked from the one with the import. With one core nothing
     happens.
 
     Args:
-        module: its name. An ImportError is left to its users; after another error no process can start.
+        modules: their names. An ImportError is left to its users; after another error no process can start.
     """
     if cores() > 1:
-        preloaded.append(module)
+        preloaded.extend(modules)
         process_context()
 
 

@@ -243,7 +243,7 @@ def run_here(
     """
     schedule = Schedule(folder, shard)
     count = workers or workers_here()
-    preload_module("vcage.episodes.preload")
+    preload_module("vcage.episodes.preload", "vcage.campaigns.job")
     watch, root = HangWatch(folder.root), folder.root
     crew: Processes[Job, Outcome] = Processes(
         partial(work, root), count, watch.seconds_left, lost=lambda job, how: lost_job(root, job, how)

@@ -13,17 +13,18 @@ from functools import cached_property
 from itertools import product
 from math import ceil
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
 from vcage.base.errors import UsageError, VcageError
 from vcage.base.reading import read_yaml
-from vcage.campaigns.options import options_of_plan
 from vcage.models.providers import PROVIDERS
 from vcage.schema.base import Document, Finite, Identifier, Record
 from vcage.sim.robots import load_template
-from vcage.stages.chain import ChainOptions
+
+if TYPE_CHECKING:
+    from vcage.stages.chain import ChainOptions
 
 MOST_SEED = 2**62
 """Seeds of jobs lie below; two of 10^6 jobs draw the same with a chance of 10^-7."""
@@ -150,6 +151,8 @@ class Plan(Document):
     @cached_property
     def chain_options(self) -> ChainOptions:
         """The options that all jobs share."""
+        from vcage.campaigns.options import options_of_plan  # all stages, which `vcage status` does without
+
         return options_of_plan(self.options)
 
     @cached_property

@@ -1,0 +1,110 @@
+"""A real campaign of two cells through the command, undisturbed and killed at random moments: the same files."""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import psutil
+import pytest
+import yaml
+
+from tests.campaigns.stubbed import TASKS
+from tests.run_folders import REPOSITORY, clean_environment, digests, process
+from vcage.base.leftovers import PARTIAL
+
+PROGRAM: list[str | Path] = [sys.executable, "-m", "vcage.cli.main"]
+
+QUICK = {"models": "offline", "fps": 5, "crf": 20, "effort": "fast", "keyframes": 2}
+
+TIMES = ("seconds", "cpu_seconds", "memory_bytes", "tries", "ended")
+"""Fields of a job's record that tell how long it took, and how often it was interrupted."""
+
+
+def campaign(plan: Path, out: Path) -> list[str | Path]:
+    return [*PROGRAM, "campaign", plan, "--out", out, "--workers", "2"]
+
+
+@pytest.fixture(scope="module")
+def plan(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("plan") / "PLAN.yml"
+    keys = {"name": "two-cells", "tasks": TASKS, "seeds": 2, "episodes": 1, "episodes_per_job": 1}
+    path.write_text(yaml.safe_dump(keys | {"limits": {"tries": 20}, "options": QUICK}))
+    return path
+
+
+@pytest.fixture(scope="module")
+def undisturbed(plan: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("undisturbed") / "campaign"
+    done = process(campaign(plan, out), REPOSITORY)
+    assert done.code == 0, done.record
+    assert (done.record["summary"]["verified"], done.record["summary"]["jobs"]) == (2, {"done": 2})
+    assert (out / "status.html").exists()
+    return out
+
+
+def files_of(out: Path) -> dict[str, Any]:
+    """What a campaign made, without times: path → hash of each file of its runs, and the records of its jobs."""
+    made: dict[str, Any] = {
+        name: digest
+        for name, digest in digests(out / "jobs").items()
+        if not name.endswith((".beat", ".job.json")) and PARTIAL not in name
+    }
+    for path in out.glob("jobs/*/*.job.json"):
+        record = {key: value for key, value in json.loads(path.read_text()).items() if key not in TIMES}
+        record["bytes"] = None  # of by-products with times, too
+        made[path.name + path.parent.name] = record
+    return made
+
+
+@pytest.mark.slow
+def test_a_campaign_that_has_ended_does_nothing_when_it_is_started_again(plan: Path, undisturbed: Path):
+    before = {path: path.stat().st_mtime_ns for path in undisturbed.glob("jobs/**/*")}
+    done = process(campaign(plan, undisturbed), REPOSITORY)
+    assert (done.code, done.record["summary"]["verified"]) == (0, 2)
+    assert {path: path.stat().st_mtime_ns for path in undisturbed.glob("jobs/**/*")} == before
+
+
+@pytest.mark.slow
+def test_a_campaign_that_is_killed_at_random_moments_ends_with_the_same_files(
+    plan: Path, undisturbed: Path, tmp_path: Path
+):
+    out, moments, kills = tmp_path / "campaign", random.Random(7), 0
+    for _ in range(6):
+        running = subprocess.Popen(
+            list(map(str, campaign(plan, out))),
+            cwd=REPOSITORY,
+            env=clean_environment(),
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        try:
+            running.wait(moments.uniform(2.0, 10.0))
+            break
+        except subprocess.TimeoutExpired:
+            kills += 1
+            _kill(running, moments)
+    done = process(campaign(plan, out), REPOSITORY)
+    assert done.code == 0, done.record
+    assert kills >= 1
+    assert files_of(out) == files_of(undisturbed)
+    assert not [path for path in out.rglob(f"*{PARTIAL}*") if path.is_file()]
+
+
+def _kill(running: subprocess.Popen[bytes], moments: random.Random) -> None:
+    """Kill a worker, or the whole driver, by SIGKILL."""
+    children = psutil.Process(running.pid).children(recursive=True)
+    workers = [child for child in children if not child.children()]
+    if workers and moments.random() < 0.5:
+        os.kill(moments.choice(workers).pid, signal.SIGKILL)
+        time.sleep(0.5)
+    running.kill()
+    running.wait()
+    psutil.wait_procs(children, timeout=20)
