@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.model_server import ModelServer
+from tests.model_server import ModelServer, text_answer
 from vcage.base.errors import ConfigurationError, EndpointFailed, SpendingCap
 from vcage.base.workers import Processes
 from vcage.models.bill import Bill
@@ -186,11 +186,12 @@ def test_runs_of_one_choice_share_what_a_provider_answers(
 ):
     monkeypatch.setenv("VCAGE_GEMINI_API_KEY", server.key)
     monkeypatch.setenv("VCAGE_GEMINI_BASE_URL", server.base_urls["gemini"])
+    server.queue(text_answer('{"accepted": true}'))
     for name in ("one", "two"):
         choice = Choice("gemini", run=tmp_path / name, shared=Shared(tmp_path / "shared"))
         answerer = choice.answerer("critic")
-        assert isinstance(answerer, Stored) and answerer.provider.startswith("gemini:")
-        assert isinstance(answerer._other, SharedAnswers)
+        assert answerer is not None and answerer.answer(question(1)).text == '{"accepted": true}'
+    assert len(server.requests) == 1
 
 
 # --- pace --------------------------------------------------------------------------------------------------
