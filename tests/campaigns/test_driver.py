@@ -19,12 +19,13 @@ from vcage.campaigns.driver import LoopSettings, Schedule, Shard, left_over, run
 from vcage.campaigns.folder import CampaignFolder
 from vcage.campaigns.job import Outcome
 from vcage.campaigns.plan import Job
-from vcage.campaigns.record import JobRecord
+from vcage.campaigns.record import JobRecord, Tries
 
+ALL = Shard()
 QUICK = LoopSettings(machine_tries=2, machine_faults=4, pause_s=0.01)
 
 
-def driven(folder: CampaignFolder, shard: Shard = Shard()) -> Schedule:
+def driven(folder: CampaignFolder, shard: Shard = ALL) -> Schedule:
     """Run what is left, one job after the other in this process."""
     schedule = Schedule(folder, shard, QUICK)
     work_through(schedule, SameProcess(partial(run_stubbed, folder.root)), 1)
@@ -54,9 +55,8 @@ def test_a_shard_says_that_jobs_of_others_are_left(tmp_path: Path):
     folder = begun(tmp_path, seeds=2, episodes=2)
     error = left_over(driven(folder, Shard(0, 2)))
     assert isinstance(error, PartlyDone) and error.retryable
-    assert error.message == (
-        f"1 of 2 cells are not finished ({folder.plan.cells[1].id}): their jobs are those of other shards, or wait for these"
-    )
+    assert error.message.startswith(f"1 of 2 cells are not finished ({folder.plan.cells[1].id}): ")
+    assert error.message.endswith("their jobs are those of other shards, or wait for these")
 
 
 def test_a_gate_stops_a_cell_and_no_other(tmp_path: Path):
@@ -125,6 +125,22 @@ def test_what_another_driver_settled_meanwhile_lets_jobs_begin(tmp_path: Path):
     work_through(schedule, SameProcess(work), 1)
     assert left_over(schedule) is None
     assert states(folder) == {"done": 4}
+
+
+def test_a_driver_that_is_interrupted_takes_back_the_tries_of_its_jobs(tmp_path: Path):
+    folder = begun(tmp_path, limits={"tries": 1})
+    first = folder.plan.jobs()[0]
+
+    def work(job: Job) -> Outcome:
+        folder.record_file(job).parent.mkdir(parents=True)
+        folder.note_tries(job, Tries(count=1, total=1, open=True))
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        work_through(Schedule(folder, settings=QUICK), SameProcess(work), 1)
+    assert folder.tries(first) == Tries(count=0, total=1)
+    assert left_over(driven(folder)) is None
+    assert states(folder) == {"done": 2}
 
 
 def test_a_damaged_record_ends_the_driver_with_its_name(tmp_path: Path):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 from pathlib import Path
 from typing import Any
 
@@ -73,6 +75,32 @@ def test_a_full_disk_is_not_counted_as_a_try(tmp_path: Path):
         assert outcome.record is None and outcome.of_the_machine
     behave(tmp_path, all="verify")
     assert (record(run(folder)).state, record(run(folder)).tries) == ("done", 1)
+
+
+@pytest.mark.parametrize("number", [errno.EROFS, errno.EIO, errno.ENOSPC])
+def test_an_error_of_the_disk_leaves_the_job_open(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, number: int):
+    folder = begun(tmp_path, limits={"tries": 1})
+
+    def refuse(*_: Any) -> None:
+        raise OSError(number, os.strerror(number))
+
+    monkeypatch.setattr(job_module, "_run", refuse)
+    for _ in range(2):
+        assert run(folder).of_the_machine
+    monkeypatch.undo()
+    assert record(run(folder)).state == "done"
+
+
+def test_a_job_without_enough_memory_is_tried_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    folder = begun(tmp_path)
+
+    def refuse(*_: Any) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr(job_module, "_run", refuse)
+    assert run(folder).record is None
+    monkeypatch.undo()
+    assert record(run(folder)).tries == 2
 
 
 def test_a_folder_that_cannot_be_written_leaves_the_job_open(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

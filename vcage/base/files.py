@@ -303,5 +303,5 @@ class RunFolder:
         make_folder(self.root)
         with _disk_errors(self.root):
             probe.touch()
-            probe.unlink()
+            probe.unlink(missing_ok=True)  # a process of another machine may have the same number
         return self

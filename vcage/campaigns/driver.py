@@ -24,7 +24,7 @@ from vcage.base.workers import Processes, cores, preload_module
 from vcage.campaigns.cells import Standing, by_cell, standing
 from vcage.campaigns.folder import CampaignFolder
 from vcage.campaigns.hanging import HangWatch
-from vcage.campaigns.job import Outcome, lost_job, run_job
+from vcage.campaigns.job import Outcome, lost_job, run_job, uncount_try
 from vcage.campaigns.plan import Cell, Job
 from vcage.campaigns.record import JobRecord
 
@@ -198,25 +198,28 @@ def work_through(schedule: Schedule, crew: Crew, width: int, progress: Progress 
         width: jobs that it is given at a time.
         progress: called after each job.
     """
-    running = 0
+    running: dict[str, Job] = {}
 
-    def fill() -> int:
-        begun = 0
-        while running + begun < width and (job := schedule.next()) is not None:
+    def fill() -> None:
+        while len(running) < width and (job := schedule.next()) is not None:
+            running[job.id] = job
             crew.submit(job)
-            begun += 1
-        return begun
 
-    with crew:
-        while True:
-            running += fill()
-            if not running and not schedule.look_again():
-                return
-            for outcome in crew.results():
-                running -= 1
-                schedule.ended(outcome)
-                progress(outcome.job.id, schedule.settled, schedule.known)
-                running += fill()
+    try:
+        with crew:
+            while True:
+                fill()
+                if not running and not schedule.look_again():
+                    return
+                for outcome in crew.results():
+                    del running[outcome.job.id]
+                    schedule.ended(outcome)
+                    progress(outcome.job.id, schedule.settled, schedule.known)
+                    fill()
+    except BaseException:  # the crew has ended the jobs that ran
+        for job in running.values():
+            uncount_try(schedule.folder.root, job)
+        raise
 
 
 def run_here(

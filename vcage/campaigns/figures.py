@@ -94,12 +94,6 @@ class CellStatus:
         return 3600 * self.verified / seconds if seconds else None
 
     @property
-    def hours_left(self) -> float | None:
-        """Hours until the missing episodes are there, with as many processes as run now."""
-        rate = self.per_worker_hour
-        return self.left / rate / self.running if rate and self.running else None
-
-    @property
     def cpu_seconds_each(self) -> float | None:
         """CPU seconds per verified episode."""
         return sum(record.cpu_seconds for record in self.records) / self.verified if self.verified else None
@@ -178,6 +172,12 @@ class Status:
     def left(self) -> int:
         """Verified episodes that are missing in cells that go on."""
         return sum(cell.left for cell in self.cells)
+
+    @property
+    def hours_left(self) -> float | None:
+        """Hours until the missing episodes are there, with as many processes as run now; None where that is unknown."""
+        rate = self.total.per_worker_hour
+        return self.left / rate / len(self.running) if rate and self.running and self.left else None
 
     @property
     def ended(self) -> bool:

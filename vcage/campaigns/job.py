@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import logging
 import os
 import platform
@@ -46,6 +47,9 @@ logger = logging.getLogger(__name__)
 
 OF_THE_MACHINE = (PassingFault, DiskFull, OutputFolderError, ConfigurationError)
 """Errors that say nothing about the job: it stays open, and the try does not count."""
+
+MACHINE_ERRORS = (*NO_ROOM, errno.EROFS, errno.EACCES, errno.EPERM, errno.EIO, errno.ESTALE)
+"""Numbers of such errors of the system: of its disks, or of a file server that is gone."""
 
 
 @dataclass(frozen=True)
@@ -115,6 +119,20 @@ def lost_job(root: Path, job: Job, how: str) -> Outcome:
     return Outcome(job, error=error)
 
 
+def uncount_try(root: Path, job: Job) -> None:
+    """Take back the try of a job whose process was ended by its driver, as by Ctrl-C or a scheduler's SIGTERM.
+
+    Args:
+        root: the folder of the campaign.
+        job: whose process it was.
+    """
+    folder = CampaignFolder(root)
+    with contextlib.suppress(VcageError, OSError), folder.held(job):
+        tries = folder.tries(job)
+        if tries.open:
+            folder.note_tries(job, tries.model_copy(update={"count": tries.count - 1, "open": False}))
+
+
 # --- one try -------------------------------------------------------------------------------------------------
 
 
@@ -145,8 +163,8 @@ def _try(folder: CampaignFolder, job: Job) -> Outcome:
         if found.retryable:
             return _again(folder, job, tries, found)
         error = found
-    except OSError as found:
-        if found.errno not in NO_ROOM:
+    except (OSError, MemoryError) as found:
+        if getattr(found, "errno", None) not in MACHINE_ERRORS:
             return _again(folder, job, tries, found)
         folder.note_tries(job, before)
         raise

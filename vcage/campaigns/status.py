@@ -14,6 +14,7 @@ from pathlib import Path
 
 from vcage.apps.html import rendered
 from vcage.base.files import write_text
+from vcage.base.hold import one_at_a_time
 from vcage.campaigns.cells import by_cell, standing
 from vcage.campaigns.figures import CellStatus, RunningJob, Status
 from vcage.campaigns.folder import CampaignFolder
@@ -51,7 +52,8 @@ def write_page(folder: CampaignFolder, status: Status, refresh_s: int = 0) -> Pa
         refresh_s: seconds after which a browser loads it again; 0 for never.
     """
     values = {"status": status, "refresh": refresh_s, "now": time.strftime("%Y-%m-%d %H:%M:%S"), "root": str(folder)}
-    return write_text(folder.page, rendered(TEMPLATE, values))
+    with one_at_a_time(folder.page):  # drivers on several machines end at about the same time
+        return write_text(folder.page, rendered(TEMPLATE, values))
 
 
 def table(status: Status, most: int = 60) -> str:
@@ -67,7 +69,7 @@ def table(status: Status, most: int = 60) -> str:
         f"{len(status.running)} jobs running, {total.jobs['done']} done, {len(status.not_done)} not done"
     ]
     if total.per_worker_hour:
-        left = f", about {total.hours_left:.1f} h left" if total.hours_left and status.left else ""
+        left = f", about {status.hours_left:.1f} h left" if status.hours_left else ""
         lines.append(f"{total.per_worker_hour:.1f} verified episodes an hour and process{left}")
     if status.spent:
         lines.append(f"models: {status.calls} answers, {status.usd:.4f} USD")
