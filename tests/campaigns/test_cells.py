@@ -102,6 +102,12 @@ def test_a_smaller_limit_lets_jobs_begin_only_where_it_is_sure_to_hold(tmp_path:
     assert (numbers(ended), ended.closed) == ([], "20 episodes were run, the most allowed")
 
 
+def test_jobs_that_run_no_episode_are_not_followed_by_others_for_ever(tmp_path: Path):
+    found = plan(tmp_path, episodes=2, episodes_per_job=2)
+    records = [settled(found, number, 0, 0, asked=2) for number in range(3)]
+    assert look(found, *records).closed == "6 episodes were run, the most allowed"
+
+
 @pytest.mark.parametrize("state", ["failed", "given_up"])
 def test_a_cell_all_of_whose_jobs_fail_ends(tmp_path: Path, state: State):
     found = plan(tmp_path, episodes=10, episodes_per_job=5)

@@ -13,11 +13,11 @@ import pytest
 
 from tests.campaigns.stubbed import began, begun, behave, plan, run_stubbed
 from tests.run_folders import REPOSITORY
-from vcage.base.errors import ConfigurationError, DiskFull, FolderInUse, InputFileError, PartlyDone
-from vcage.base.workers import SameProcess
+from vcage.base.errors import ConfigurationError, DiskFull, FolderInUse, InputFileError, MissingKey, PartlyDone
+from vcage.base.workers import Processes, SameProcess
 from vcage.campaigns.driver import LoopSettings, Schedule, Shard, left_over, run_here, work_through
 from vcage.campaigns.folder import CampaignFolder
-from vcage.campaigns.job import Outcome
+from vcage.campaigns.job import Outcome, lost_job
 from vcage.campaigns.plan import Job
 from vcage.campaigns.record import JobRecord, Tries
 
@@ -98,11 +98,24 @@ def test_a_missing_key_ends_the_driver_at_once(tmp_path: Path):
 
     def work(job: Job) -> Outcome:
         asked.append(job)
-        return Outcome(job, error=ConfigurationError("no key"))
+        return Outcome(job, error=MissingKey("no key"))
 
     work_through(schedule, SameProcess(work), 1)
-    assert isinstance(left_over(schedule), ConfigurationError)
+    assert isinstance(left_over(schedule), MissingKey)
     assert len(asked) == 1
+
+
+def test_a_request_that_an_endpoint_refuses_keeps_no_other_job(tmp_path: Path):
+    folder = begun(tmp_path, episodes=3)
+    schedule = Schedule(folder, settings=QUICK)
+
+    def work(job: Job) -> Outcome:
+        refused = ConfigurationError("the endpoint does not accept the request")
+        return Outcome(job, error=refused) if job.number == 1 else run_stubbed(folder.root, job)
+
+    work_through(schedule, SameProcess(work), 1)
+    assert list(schedule.open) == [f"{folder.plan.cells[0].id}/0001"]
+    assert states(folder) == {"done": 2}
 
 
 def test_a_job_that_another_process_holds_is_looked_at_again(tmp_path: Path):
@@ -175,20 +188,37 @@ def test_a_plan_of_other_episodes_is_refused(tmp_path: Path, keys: dict):
 
 
 @pytest.mark.slow
-def test_jobs_that_crash_or_hang_are_given_up_by_name_and_those_that_get_on_are_not(tmp_path: Path):
-    folder = begun(tmp_path, episodes=5, limits={"tries": 2, "seconds": 12})
-    behave(tmp_path, n0="crash", n1="hang", n2="get_further")
-    schedule = run_here(folder, 2, work=run_stubbed)
+def test_a_job_that_crashes_each_time_is_given_up_by_name_and_one_that_gets_on_is_not(tmp_path: Path):
+    folder = begun(tmp_path, episodes=4, limits={"tries": 2})
+    behave(tmp_path, n0="crash", n1="get_further")
+    assert left_over(run_here(folder, 2, work=run_stubbed)) is None
+    found = {record.number: record for record in folder.records()}
+    assert [found[number].state for number in range(4)] == ["given_up", "done", "done", "done"]
+    assert said(found[0]).startswith("given up after 2 tries that got no further; the last: its process was ended")
+    assert found[1].tries == 6
+    ran = Counter(Path(name).name for name in began(tmp_path))
+    assert (ran["0000"], ran["0002"]) == (2, 1)
+
+
+@pytest.mark.slow
+def test_a_job_that_hangs_is_ended_and_given_up_by_name(tmp_path: Path):
+    folder = begun(tmp_path, episodes=2, limits={"tries": 2})
+    behave(tmp_path, n0="hang")
+
+    def seconds_left(job: Job, _elapsed: float) -> float:
+        """None as soon as the chain of the first job is at work."""
+        tries = folder.tries(job)
+        return 0.0 if job.number == 0 and tries.open and began(tmp_path).count(job.id) == tries.count else 0.1
+
+    work, lost = partial(run_stubbed, folder.root), partial(lost_job, folder.root)
+    crew: Processes[Job, Outcome] = Processes(work, 1, seconds_left, lost=lost)
+    schedule = Schedule(folder, settings=QUICK)
+    work_through(schedule, crew, 1)
     assert left_over(schedule) is None
     found = {record.number: record for record in folder.records()}
-    assert [found[number].state for number in range(5)] == ["given_up", "given_up", "done", "done", "done"]
-    assert [said(found[number]).partition(": ")[2] for number in (0, 1)] == [
-        "its process was ended from outside",
-        "its process gave no answer and was ended after 12 s",
-    ]
-    assert found[2].tries == 6
-    ran = Counter(Path(name).name for name in began(tmp_path))
-    assert (ran["0000"], ran["0001"], ran["0003"]) == (2, 2, 1)
+    assert (found[0].state, found[1].state, found[2].state) == ("given_up", "done", "done")
+    assert "its process gave no answer and was ended after" in said(found[0])
+    assert Counter(began(tmp_path))[folder.plan.jobs()[0].id] == 2
 
 
 def said(record: JobRecord) -> str:

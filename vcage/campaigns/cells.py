@@ -120,7 +120,7 @@ def _gate(plan: Plan, records: Mapping[int, JobRecord]) -> str:
 
 def _tried(records: Mapping[int, JobRecord]) -> int:
     """Episodes that were run; of a job that failed at least as many as it should have collected."""
-    return sum(r.tried if r.state == "done" else max(r.tried, r.episodes) for r in records.values())
+    return sum(max(record.tried, record.episodes) for record in records.values())
 
 
 def _asked(plan: Plan, cell: Cell, planned: Sequence[Job], records: Mapping[int, JobRecord]) -> int:

@@ -113,8 +113,8 @@ class Schedule:
             self._faults_in_a_row = 0
             self.open.pop(job.id, None)
             self._keep(job, outcome.record)
-        elif isinstance(error, ConfigurationError):
-            self.open[job.id] = self.stopped = error
+        elif isinstance(error, ConfigurationError) and type(error) is not ConfigurationError:
+            self.open[job.id] = self.stopped = error  # a key, a package or money is missing, for any job
         elif outcome.of_the_machine and error is not None:
             self._put_off_for(job, error)
         elif error is not None:  # its tries are counted on disk, and end with a record
@@ -275,6 +275,8 @@ def left_over(schedule: Schedule) -> VcageError | None:
     why = reasons or "their jobs are those of other shards, or wait for these"
     return PartlyDone(
         f"{len(waiting)} of {len(schedule.plan.cells)} cells are not finished ({listed(waiting, 3)}): {why}",
-        hint="run the same command again, when other drivers of this campaign have ended",
+        hint=next(
+            (error.hint for error in schedule.open.values()), "run the same command again when the others have ended"
+        ),
         details={"cells": waiting[:100], "open": {name: error.code for name, error in schedule.open.items()}},
     )
