@@ -196,12 +196,13 @@ def work_through(schedule: Schedule, crew: Crew, width: int, progress: Progress 
         schedule: of the driver.
         crew: runs them.
         width: jobs that it is given at a time.
-        progress: called after each job.
+        progress: called before each job.
     """
     running: dict[str, Job] = {}
 
     def fill() -> None:
         while len(running) < width and (job := schedule.next()) is not None:
+            progress(job.id, schedule.settled, schedule.known)
             running[job.id] = job
             crew.submit(job)
 
@@ -214,7 +215,6 @@ def work_through(schedule: Schedule, crew: Crew, width: int, progress: Progress 
                 for outcome in crew.results():
                     del running[outcome.job.id]
                     schedule.ended(outcome)
-                    progress(outcome.job.id, schedule.settled, schedule.known)
                     fill()
     except BaseException:  # the crew has ended the jobs that ran
         for job in running.values():
@@ -235,7 +235,7 @@ def run_here(
         folder: of the campaign, with its plan.
         workers: processes; by default as many as cores and memory allow.
         shard: the share of the jobs.
-        progress: called after each job.
+        progress: called before each job.
         work: runs a job in a process.
 
     Returns:

@@ -120,14 +120,10 @@ class CampaignFolder:
         Raises:
             InputFileError: the file is damaged.
         """
-        path = self.record_file(job)
         try:
-            found = JobRecord.read(path)
+            found = _record(self.record_file(job))
         except MissingStage:
             return None
-        except InputFileError as error:
-            error.hint = "remove it: its job is then looked at again"
-            raise
         return found if found.state != "done" or found.episodes >= job.episodes else None
 
     def records(self) -> Iterator[JobRecord]:
@@ -140,7 +136,7 @@ class CampaignFolder:
             with contextlib.suppress(MissingStage, FileNotFoundError):  # removed by --retry
                 changed, known = entry.stat().st_mtime_ns, self._records.get(entry.path)
                 if known is None or known[0] != changed:
-                    known = self._records[entry.path] = changed, JobRecord.read(Path(entry.path))
+                    known = self._records[entry.path] = changed, _record(Path(entry.path))
                 yield known[1]
 
     def begun(self) -> Iterator[Path]:
@@ -192,6 +188,16 @@ class CampaignFolder:
             return self.beat_file(job).stat().st_mtime_ns
         except OSError:
             return 0
+
+
+def _record(path: Path) -> JobRecord:
+    try:
+        return JobRecord.read(path)
+    except MissingStage:
+        raise
+    except InputFileError as error:
+        error.hint = "remove it: its job is then looked at again"
+        raise
 
 
 @lru_cache(maxsize=4)
