@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import subprocess
 import sys
@@ -10,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from vcage.base.errors import FolderInUse
-from vcage.base.hold import IN_USE, held
+from vcage.base.hold import IN_USE, alone, held
 
 HOLDER = """
 import sys, time
@@ -53,3 +54,13 @@ def test_a_folder_is_free_as_soon_as_its_holder_was_killed(holder, tmp_path: Pat
     with held(tmp_path):
         pass
     assert not (tmp_path / IN_USE).exists()
+
+
+def test_a_file_is_held_by_one_process_and_stays_afterwards(tmp_path: Path):
+    path = tmp_path / "job.beat"
+    said = f"{path.name} is in use by process {os.getpid()} on "
+    with alone(path), pytest.raises(FolderInUse, match=said), alone(path):
+        pass
+    with alone(path):
+        pass
+    assert path.exists()

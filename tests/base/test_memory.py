@@ -1,4 +1,4 @@
-"""Free memory by the system and the control groups."""
+"""Free memory by the system and the control groups, and the largest of a process."""
 
 from __future__ import annotations
 
@@ -58,3 +58,21 @@ def test_a_remembered_answer_is_asked_once_until_forgotten():
     assert [double(1), double(1)] == [2, 2] and asked == [1]
     memory.forget()
     assert double(1) == 2 and asked == [1, 1]
+
+
+def test_the_largest_memory_counts_what_was_let_go_of_and_can_begin_anew():
+    memory.measure_memory_anew()
+    before = memory.largest_memory()
+    block = bytearray(200_000_000)
+    block[::4096] = b"x" * len(block[::4096])
+    del block
+    assert memory.largest_memory() > before + 150_000_000
+    memory.measure_memory_anew()
+    assert memory.largest_memory() < before + 100_000_000
+
+
+def test_without_figures_of_the_process_its_lifetime_counts(machine, monkeypatch):
+    for name in ("OWN_STATUS", "OWN_PEAK"):
+        monkeypatch.setattr(memory, name, machine / "missing" / name)
+    memory.measure_memory_anew()
+    assert memory.largest_memory() > 1_000_000

@@ -119,6 +119,31 @@ def test_a_silent_process_is_ended_and_its_task_restarts(tmp_path):
     assert nothing_left()
 
 
+def crash_or_double(number: int) -> int:
+    if number < 0:
+        vanish(number)
+    return 2 * number
+
+
+def test_a_task_that_lost_its_process_may_end_with_a_result_in_place_of_other_tries():
+    with Processes(crash_or_double, 2, lost=lambda task, how: f"{task} {how}") as processes:
+        for task in (1, -1, 2):
+            processes.submit(task)
+        assert sorted(map(str, processes.results())) == ["-1 was ended from outside", "2", "4"]
+    assert nothing_left()
+
+
+def test_the_limit_may_depend_on_the_task():
+    def seconds_left(task: float, elapsed: float) -> float:
+        return 0.5 - elapsed if task > 100 else 60.0
+
+    with Processes(time.sleep, 2, seconds_left, lost=lambda task, how: f"{task:.0f} {how}") as processes:
+        processes.submit(1.0)
+        processes.submit(600.0)
+        assert set(processes.results()) == {None, "600 gave no answer and was ended after 1 s"}
+    assert nothing_left()
+
+
 def test_more_may_be_submitted_while_results_come():
     with Processes(double, 2) as processes:
         processes.submit(1)

@@ -13,7 +13,9 @@ from vcage.campaigns.schedulers import ShardedCommand, kubernetes_job, slurm_scr
 
 
 def job(out: Path, program: str = "/opt/vcage") -> ShardedCommand:
-    return ShardedCommand("desk_1", (program, "campaign", str(out / "plan.yml")), out, shards=8, workers=4)
+    return ShardedCommand(
+        "desk_1", (program, "campaign", str(out / "plan.yml"), "--out", str(out)), out, shards=8, workers=4
+    )
 
 
 def test_a_task_of_the_slurm_array_runs_its_shard(tmp_path: Path):

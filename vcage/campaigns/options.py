@@ -11,6 +11,7 @@ from typing import Any
 
 import tyro
 
+from vcage.base.commands import vcage_command
 from vcage.base.errors import UnknownName, UsageError
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.models import agent
@@ -28,7 +29,7 @@ ELSEWHERE = {
     "randomise": "looks",
     "seed": "seed and seeds",
     "episodes": "episodes and episodes_per_job",
-    "workers": "vcage campaign --workers",
+    "workers": "--workers of the command",
     "most_calls": "limits.calls",
     "most_usd": "limits.usd",
 }
@@ -93,4 +94,4 @@ def _parsed(words: list[str], field: str) -> ChainOptions:
     except SystemExit:
         parts = re.split(r"\n *-{3,} *\n", complaint.getvalue())
         said = " ".join(parts[min(1, len(parts) - 1)].split())
-        raise UsageError(f"field {field}: {said}", hint="vcage run --help says what it takes") from None
+        raise UsageError(f"field {field}: {said}", hint="see", command=vcage_command("run", "--help")) from None

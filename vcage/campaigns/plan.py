@@ -250,9 +250,10 @@ class Plan(Document):
             ids = [cell.id for cell in self.cells]
             if twice := sorted({name for name in ids if ids.count(name) > 1} if len(set(ids)) < len(ids) else ()):
                 raise UsageError(f"two cells are called {twice[0]}", hint="give their tasks different ids")
-            for cell in {(c.task.name, c.robot, c.layout, c.look): c for c in self.cells}.values():
+            for scene, robot in sorted({(cell.task.scene, cell.robot) for cell in self.cells}):
+                load_template(scene, robot)
+            for cell in {(c.task.name, c.layout, c.look): c for c in self.cells}.values():
                 options = self.options_of(self.job(cell, 0))
-                load_template(cell.task.scene, cell.robot)
                 options.require_possible()
                 options.stated()
         except VcageError as error:

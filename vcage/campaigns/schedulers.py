@@ -16,7 +16,7 @@ class ShardedCommand:
 
     Args:
         name: of the campaign.
-        command: that runs it here, with its plan: its words, without options.
+        command: the words that run it here, with its plan and folder.
         out: its folder, which all tasks must see under this path.
         shards: tasks.
         workers: processes, and cores, of each task.
@@ -30,12 +30,12 @@ class ShardedCommand:
 
 
 GIGABYTES_PER_WORKER = 2
-"""Memory to ask for; measured, a process takes half a gigabyte to one."""
+"""Memory to ask for; measured, a process takes one at most."""
 
 
 def slurm_script(job: ShardedCommand) -> str:
     """The text of an array script for ``sbatch``."""
-    command = shlex.join([*job.command, "--out", str(job.out), "--workers", str(job.workers)])
+    command = shlex.join([*job.command, "--workers", str(job.workers)])
     return f"""\
 #!/bin/bash
 #SBATCH --job-name={job.name}
@@ -62,7 +62,7 @@ def kubernetes_job(job: ShardedCommand) -> str:
     An index that ends with code 7, as jobs of others are not settled yet, is tried again later, up to the limit.
     """
     name = job.name.replace("_", "-")[:52]
-    words = ["vcage", *job.command[1:], "--out", str(job.out), "--workers", str(job.workers)]
+    words = ["vcage", *job.command[job.command.index("campaign") :], "--workers", str(job.workers)]
     script = f'exec {shlex.join(words)} --shard "$JOB_COMPLETION_INDEX/{job.shards}"'
     return f"""\
 apiVersion: batch/v1

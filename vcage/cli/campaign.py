@@ -93,7 +93,7 @@ class Campaign(Command):
             schedule = run_here(folder, self.workers, shard, show)
         status = status_of(folder)
         output, facts = write_page(folder, status), status.facts()
-        error = left_over(schedule) or (None if self.shard else _too_few(status))
+        error = left_over(schedule) or (None if self.shard else _too_few(status, folder))
         if error is not None:
             return Result(error=error, facts={"output": str(output), "summary": facts})
         return Result(output=output, summary=facts, next=vcage_command("status", folder.root))
@@ -105,8 +105,8 @@ class Campaign(Command):
             raise UsageError("--slurm and --k8s cannot be given together", hint="leave out one of them")
         if self.shard:
             raise UsageError("--shard is what the tasks of a scheduler are given", hint="leave it out")
-        words = tuple(shlex.split(vcage_command("campaign", folder.plan_file)))
-        job = ShardedCommand(plan.name, words, folder.root, self.slurm or self.k8s or 1, self.workers or 1)
+        command = tuple(shlex.split(vcage_command("campaign", folder.plan_file, "--out", folder.root)))
+        job = ShardedCommand(plan.name, command, folder.root, self.slurm or self.k8s or 1, self.workers or 1)
         if self.slurm:
             text, name, submit = slurm_script(job), "campaign.sbatch", "sbatch"
         else:
@@ -121,7 +121,7 @@ def _asked(plan: Plan) -> dict[str, int]:
     return {"cells": len(plan.cells), "jobs": jobs, "episodes": len(plan.cells) * plan.episodes}
 
 
-def _too_few(status: Status) -> TooFewVerified | None:
+def _too_few(status: Status, folder: CampaignFolder) -> TooFewVerified | None:
     """The error of a campaign that ended with fewer episodes than asked; None if there are enough."""
     short = [cell for cell in status.cells if cell.verified < cell.asked]
     if not status.ended or not short:
@@ -129,7 +129,8 @@ def _too_few(status: Status) -> TooFewVerified | None:
     return TooFewVerified(
         f"verified {status.total.verified} of {status.total.asked} episodes; {len(short)} of {len(status.cells)} cells "
         f"ended with too few: {short[0].name}: {short[0].state}",
-        hint="vcage status names the others; --retry tries failed jobs again, larger limits in the plan add others",
+        hint="--retry tries failed jobs again, and larger limits in the plan add others; see",
+        command=vcage_command("status", folder.root),
         details={"cells": {cell.name: cell.state for cell in short[:100]}},
     )
 
