@@ -233,8 +233,8 @@ def test_a_clock_that_jumped_back_lets_nobody_wait_for_hours(tmp_path: Path, wai
 
 def test_a_provider_with_a_rate_is_asked_in_turns(tmp_path: Path, log: Path):
     waited: list[float] = []
-    shared = Shared(tmp_path / "shared", per_minute={"gemini": 30})
-    answers = SharedAnswers(Model(log), shared, reports_cost=True, sleep=waited.append)
+    shared = Shared(tmp_path / "shared", per_minute={"gemini": 30}, sleep=waited.append)
+    answers = SharedAnswers(Model(log), shared, reports_cost=True)
     for number in (1, 2, 1):
         answers.answer(question(number))
     assert len(waited) == 1 and 1.0 < waited[0] <= 2.0

@@ -178,7 +178,15 @@ def _try(folder: CampaignFolder, job: Job) -> Outcome:
 def _run(folder: CampaignFolder, plan: Plan, job: Job) -> None:
     run, options = folder.run(job), plan.options_of(job)
     limits = plan.limits
-    shared = Shared(folder.exchanges, Cap(limits.calls, limits.usd), limits.per_minute)
+
+    def wait(seconds: float, step_s: float = 20.0) -> None:
+        """Wait for a turn to ask, which is no reason to be taken for hanging."""
+        end = time.monotonic() + seconds
+        while (left := end - time.monotonic()) > 0:
+            folder.beat(job)
+            time.sleep(min(left, step_s))
+
+    shared = Shared(folder.exchanges, Cap(limits.calls, limits.usd), limits.per_minute, wait)
     context = StageContext(replace(options.who(run), shared=shared))
 
     def beat(_step: str, _number: int, _total: int) -> None:

@@ -28,11 +28,13 @@ class Shared:
         folder: of their exchanges, and of their bill.
         cap: limits on models online, of all runs together.
         per_minute: provider → questions a minute, of all runs together.
+        sleep: waits for a turn, given seconds.
     """
 
     folder: Path
     cap: Cap = field(default_factory=Cap)
     per_minute: Mapping[str, float] = field(default_factory=dict)
+    sleep: Callable[[float], None] = time.sleep
 
     @property
     def bill(self) -> Bill:
@@ -53,18 +55,9 @@ class SharedAnswers:
         shared: what the runs share.
         paid: the limits apply to it.
         reports_cost: True if its replies state their cost.
-        sleep: waits for its turn; tests pass their own.
     """
 
-    def __init__(
-        self,
-        other: Answerer,
-        shared: Shared,
-        *,
-        paid: bool = True,
-        reports_cost: bool = False,
-        sleep: Callable[[float], None] = time.sleep,
-    ):
+    def __init__(self, other: Answerer, shared: Shared, *, paid: bool = True, reports_cost: bool = False):
         self.provider = other.provider
         self._other, self._shared = other, shared
         self._exchanges = Exchanges(shared.folder, shared.bill.count)
@@ -72,7 +65,7 @@ class SharedAnswers:
         self._spending = _SharedSpending(shared.bill, cap, self.provider, reports_cost=reports_cost)
         name = self.provider.partition(":")[0]
         rate = shared.per_minute.get(name)
-        self._pace = None if rate is None else Pace(shared.folder / f"pace-{name}", 60.0 / rate, sleep)
+        self._pace = None if rate is None else Pace(shared.folder / f"pace-{name}", 60.0 / rate, shared.sleep)
 
     def answer(self, question: Question) -> Reply:
         """The shared answer, or else a new one, which is shared from then on.
@@ -135,13 +128,15 @@ class Pace:
         path: of the file with the time of the last turn.
         interval_s: between two turns.
         sleep: waits for one.
-        most_ahead_s: a last turn that lies further ahead comes from a clock that jumped, and does not count.
+        most_ahead: a last turn that lies more turns ahead than there may be processes comes from a clock that jumped,
+            and does not count.
     """
 
     def __init__(
-        self, path: Path, interval_s: float, sleep: Callable[[float], None] = time.sleep, most_ahead_s: float = 600.0
+        self, path: Path, interval_s: float, sleep: Callable[[float], None] = time.sleep, most_ahead: int = 1000
     ):
-        self._path, self._interval_s, self._sleep, self._most_ahead_s = path, interval_s, sleep, most_ahead_s
+        self._path, self._interval_s, self._sleep = path, interval_s, sleep
+        self._most_ahead_s = most_ahead * interval_s
 
     def wait(self) -> None:
         """Take the next turn, and wait for it."""
