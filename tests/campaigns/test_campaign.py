@@ -77,7 +77,7 @@ def test_a_campaign_that_is_killed_at_random_moments_ends_with_the_same_files(
     plan: Path, undisturbed: Path, tmp_path: Path
 ):
     out, moments, kills = tmp_path / "campaign", random.Random(7), 0
-    for _ in range(6):
+    for _ in range(4):
         running = subprocess.Popen(
             list(map(str, campaign(plan, out))),
             cwd=REPOSITORY,
@@ -86,7 +86,7 @@ def test_a_campaign_that_is_killed_at_random_moments_ends_with_the_same_files(
             stderr=subprocess.DEVNULL,
         )
         try:
-            running.wait(moments.uniform(2.0, 10.0))
+            running.wait(moments.uniform(3.0, 8.0))
             break
         except subprocess.TimeoutExpired:
             kills += 1
@@ -107,4 +107,4 @@ def _kill(running: subprocess.Popen[bytes], moments: random.Random) -> None:
         time.sleep(0.5)
     running.kill()
     running.wait()
-    psutil.wait_procs(children, timeout=20)
+    psutil.wait_procs(workers, timeout=20)

@@ -230,8 +230,10 @@ DRIVER = """
 import sys
 from pathlib import Path
 from tests.campaigns.stubbed import run_stubbed
+from vcage.campaigns import driver
 from vcage.campaigns.driver import left_over, run_here
 from vcage.campaigns.folder import CampaignFolder
+driver.preload_module = lambda *_: None  # nothing is simulated
 error = left_over(run_here(CampaignFolder(sys.argv[1]), 1, work=run_stubbed))
 print(error)
 """
