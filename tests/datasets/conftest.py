@@ -14,6 +14,7 @@ from tests.recordings import CAMERAS, FPS, clip, episode, wordings_of
 from vcage.datasets.episode import EpisodeData
 from vcage.datasets.lerobot.episode import LeRobotEpisode, SubtaskSpan
 from vcage.datasets.lerobot.formats import open_writer
+from vcage.datasets.lerobot.growing import GrowingSet
 from vcage.datasets.lerobot.statistics import picture_histogram
 from vcage.video.codec import EncoderSettings, encode
 
@@ -58,12 +59,21 @@ def episode_of(
     )
 
 
-def write(version: str, out: Path, episodes: Iterable[LeRobotEpisode], **options: Any) -> Path:
-    """A data set of these episodes, or one that they are added to."""
-    with open_writer(version, out, ENCODINGS, **options) as writer:
+def write(version: str, out: Path, episodes: Iterable[LeRobotEpisode]) -> Path:
+    """A data set of these episodes."""
+    with open_writer(version, out, ENCODINGS) as writer:
         for one in episodes:
             writer.add(one)
     return out
+
+
+def add(version: str, root: Path, episodes: Iterable[LeRobotEpisode], encodings: Any = None) -> Path:
+    """Add episodes to a data set."""
+    with GrowingSet(version, root) as data_set:
+        for one in episodes:
+            data_set.add(one, ENCODINGS if encodings is None else encodings)
+        data_set.commit()
+    return root
 
 
 @pytest.fixture(scope="session")

@@ -80,7 +80,7 @@ ANOTHER_FOLDER = "give another --out, or make the folder writable"
 
 
 @contextlib.contextmanager
-def _disk_errors(path: Path, hint: str = ANOTHER_FOLDER) -> Iterator[None]:
+def writing(path: Path, hint: str = ANOTHER_FOLDER) -> Iterator[None]:
     """Turn the operating system's refusals to write into errors that name the way out."""
     try:
         yield
@@ -96,7 +96,7 @@ def _disk_errors(path: Path, hint: str = ANOTHER_FOLDER) -> Iterator[None]:
 
 def make_folder(path: Path, hint: str = ANOTHER_FOLDER) -> None:
     """Make a folder and those above it; where the system makes none (``/proc``), it calls them missing."""
-    with _disk_errors(path, hint):
+    with writing(path, hint):
         try:
             path.mkdir(parents=True, exist_ok=True)
         except FileNotFoundError as error:
@@ -108,7 +108,7 @@ def atomic_path(path: Path) -> Iterator[Path]:
     """Yield a path beside ``path`` to write to; it takes the name ``path`` only if the block succeeds."""
     path = Path(path)
     part = path.with_name(f"{path.stem}{PARTIAL}{os.getpid()}{path.suffix}")
-    with _disk_errors(path):
+    with writing(path):
         path.parent.mkdir(parents=True, exist_ok=True)
         try:
             yield part
@@ -156,7 +156,7 @@ def atomic_folder(path: Path) -> Iterator[Path]:
     recover(path)
     part = path.with_name(f"{path.name}{PARTIAL}{os.getpid()}")
     old = path.with_name(f"{path.name}{REPLACED}{os.getpid()}")
-    with _disk_errors(path):
+    with writing(path):
         part.mkdir(parents=True)
         try:
             yield part
@@ -301,7 +301,7 @@ class RunFolder:
         require_utf8(self.root, OutputFolderError)
         probe = self.root / f"probe{PARTIAL}{os.getpid()}"
         make_folder(self.root)
-        with _disk_errors(self.root):
+        with writing(self.root):
             probe.touch()
             probe.unlink(missing_ok=True)  # a process of another machine may have the same number
         return self

@@ -13,12 +13,13 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from tests.datasets.conftest import ENCODINGS, LENGTHS, write
+from tests.datasets.conftest import ENCODINGS, LENGTHS, add, write
 from tests.recordings import CAMERAS
 from vcage.base.errors import DamagedFile, UsageError
 from vcage.datasets.lerobot.episode import SubtaskSpan
 from vcage.datasets.lerobot.features import video_key
-from vcage.datasets.lerobot.formats import FORMATS, open_writer
+from vcage.datasets.lerobot.formats import FORMATS
+from vcage.datasets.lerobot.growing import GrowingSet
 from vcage.datasets.lerobot.statistics import QUANTILES
 from vcage.datasets.recordings.opening import open_recordings
 
@@ -61,7 +62,7 @@ def change_info(root: Path, **changes) -> None:
 
 
 def test_two_goes_give_the_frames_videos_and_descriptions_of_one(version, begun, four, tmp_path):
-    write(version, begun, four[2:], append=True)
+    add(version, begun, four[2:])
     whole = write(version, tmp_path / "whole", four)
     assert info(begun) == info(whole)
     assert frames(begun).equals(frames(whole))
@@ -73,7 +74,7 @@ def test_two_goes_give_the_frames_videos_and_descriptions_of_one(version, begun,
 
 def test_two_goes_give_the_statistics_of_one(v3, four, tmp_path):
     begun = shutil.copytree(v3, tmp_path / "set")
-    write("lerobot-v3.0", begun, four[2:], append=True)
+    add("lerobot-v3.0", begun, four[2:])
     whole = write("lerobot-v3.0", tmp_path / "whole", four)
     ours, expected = (json.loads((root / "meta/stats.json").read_text()) for root in (begun, whole))
     assert ours.keys() == expected.keys()
@@ -85,7 +86,7 @@ def test_two_goes_give_the_statistics_of_one(v3, four, tmp_path):
 
 def test_statistics_of_two_passes_match_all_frames(v3, four, tmp_path):
     begun = shutil.copytree(v3, tmp_path / "set")
-    write("lerobot-v3.0", begun, four[2:], append=True)
+    add("lerobot-v3.0", begun, four[2:])
     stats = json.loads((begun / "meta/stats.json").read_text())
     for column in ("action", "timestamp", "index", "subtask_index"):
         values = np.array(frames(begun)[column].to_pylist(), np.float64).reshape(2 * sum(LENGTHS), -1)
@@ -96,7 +97,7 @@ def test_statistics_of_two_passes_match_all_frames(v3, four, tmp_path):
 
 
 def test_numbering_continues_and_new_texts_get_new_numbers(version, begun, four):
-    write(version, begun, four[2:], append=True)
+    add(version, begun, four[2:])
     table = frames(begun)
     assert table["index"].to_pylist() == list(range(2 * sum(LENGTHS)))
     assert np.unique(table["episode_index"]).tolist() == [0, 1, 2, 3]
@@ -108,7 +109,7 @@ def test_numbering_continues_and_new_texts_get_new_numbers(version, begun, four)
 def test_new_files_join_the_old_ones_unchanged_on_disk(version, begun, four):
     files = [path for path in begun.rglob("*") if path.suffix == ".mp4" or path.parts[-3] == "data"]
     old = {path: path.stat().st_ino for path in files}
-    write(version, begun, four[2:], append=True)
+    add(version, begun, four[2:])
     assert {path: path.stat().st_ino for path in old} == old
     assert len(list(begun.rglob("*.mp4"))) == 4 * len(CAMERAS)
 
@@ -118,14 +119,14 @@ def test_where_the_disk_knows_no_links_files_are_copied(version, begun, four, tm
         raise OSError("no links here")
 
     monkeypatch.setattr(os, "link", refuse)
-    write(version, begun, four[2:], append=True)
+    add(version, begun, four[2:])
     assert frames(begun).equals(frames(write(version, tmp_path / "whole", four)))
 
 
 def test_other_files_in_the_folder_stay(version, begun, four):
     (begun / "README.md").write_text("mine")
     change_info(begun, licence="CC-BY-4.0")
-    write(version, begun, four[2:], append=True)
+    add(version, begun, four[2:])
     assert (begun / "README.md").read_text() == "mine"
     assert info(begun)["licence"] == "CC-BY-4.0"
 
@@ -133,9 +134,9 @@ def test_other_files_in_the_folder_stay(version, begun, four):
 def test_when_adding_fails_the_data_set_is_as_it_was(version, begun, four):
     before = contents(begun)
     with pytest.raises(UsageError, match="episode 3 has other robot"):
-        write(version, begun, [four[2], replace(four[3], robot="aloha")], append=True)
-    with pytest.raises(KeyboardInterrupt), open_writer(version, begun, ENCODINGS, append=True) as writer:
-        writer.add(four[2])
+        add(version, begun, [four[2], replace(four[3], robot="aloha")])
+    with pytest.raises(KeyboardInterrupt), GrowingSet(version, begun) as data_set:
+        data_set.add(four[2], ENCODINGS)
         raise KeyboardInterrupt
     assert contents(begun) == before
     assert [path.name for path in begun.parent.iterdir()] == ["set"]
@@ -143,7 +144,7 @@ def test_when_adding_fails_the_data_set_is_as_it_was(version, begun, four):
 
 def test_adding_twice_goes_on_where_the_first_ended(version, begun, four, tmp_path):
     for one in four[2:]:
-        write(version, begun, [one], append=True)
+        add(version, begun, [one])
     whole = write(version, tmp_path / "whole", four)
     assert info(begun) == info(whole)
     assert frames(begun).equals(frames(whole))
@@ -152,7 +153,7 @@ def test_adding_twice_goes_on_where_the_first_ended(version, begun, four, tmp_pa
 def test_many_data_files_are_numbered_on(v3, four, tmp_path, monkeypatch):
     monkeypatch.setattr("vcage.datasets.lerobot.v3.DATA_MB", 1e-6)
     begun = write("lerobot-v3.0", tmp_path / "set", four[:3])
-    write("lerobot-v3.0", begun, four[3:], append=True)
+    add("lerobot-v3.0", begun, four[3:])
     assert [path.name for path in sorted((begun / "data").rglob("*.parquet"))] == [
         f"file-00{n}.parquet" for n in range(4)
     ]
@@ -176,20 +177,19 @@ def test_episodes_that_differ_are_refused(version, begun, four, change, differen
     if "fps" in change:  # a video at the other rate would be needed to get as far as the data set
         one = replace(one, videos={}, histograms={})
     with pytest.raises(UsageError, match=difference):
-        write(version, begun, [one], append=True)
+        add(version, begun, [one])
 
 
 def test_fewer_cameras_are_refused(version, begun, four):
     rest = {camera: four[2].videos[camera] for camera in CAMERAS[1:]}
     one = replace(four[2], videos=rest, histograms={camera: four[2].histograms[camera] for camera in rest})
     with pytest.raises(UsageError, match="episode 2 has other cameras"):
-        write(version, begun, [one], append=True)
+        add(version, begun, [one])
 
 
 @pytest.mark.parametrize("encodings", [{}, {"cam_high": {"video.crf": 20}}])
 def test_another_crf_is_accepted_and_stated_no_longer(version, begun, four, encodings):
-    with open_writer(version, begun, encodings, append=True) as writer:
-        writer.add(four[2])
+    add(version, begun, [four[2]], encodings)
     told = info(begun)["features"][video_key("cam_high")]["info"]
     assert "video.crf" not in told and told["video.codec"] == "hevc"
     assert len(open_recordings(begun)) == 3
@@ -198,32 +198,31 @@ def test_another_crf_is_accepted_and_stated_no_longer(version, begun, four, enco
 def test_a_data_set_of_the_other_version_is_refused(version, begun, four):
     other = next(name for name in FORMATS if name != version)
     with pytest.raises(UsageError, match=r"codebase_version is \"v[0-9.]+\", not"):
-        write(other, begun, four[2:], append=True)
+        add(other, begun, four[2:])
 
 
 def test_a_data_set_with_more_splits_is_refused(version, begun, four):
     change_info(begun, splits={"train": "0:1", "test": "1:2"})
     with pytest.raises(UsageError, match="its splits is"):
-        write(version, begun, four[2:], append=True)
+        add(version, begun, four[2:])
 
 
 def test_a_data_set_with_columns_that_cannot_be_filled_is_refused(version, begun, four):
     reward = {"next.reward": {"dtype": "float32", "shape": [1], "names": None}}
     change_info(begun, features={**info(begun)["features"], **reward})
     with pytest.raises(UsageError, match=r"its frames have next\.reward"):
-        write(version, begun, four[2:], append=True)
+        add(version, begun, four[2:])
 
 
 def test_a_data_set_without_episodes_is_refused(version, begun, four):
     change_info(begun, total_episodes=0)
     with pytest.raises(UsageError, match="holds no episode yet"):
-        write(version, begun, four[2:], append=True)
+        add(version, begun, four[2:])
 
 
-def test_adding_to_nothing_is_refused(version, four, tmp_path):
-    with pytest.raises(UsageError, match="no LeRobot data set to add to"):
-        write(version, tmp_path / "other", four[2:], append=True)
-    assert not (tmp_path / "other").exists()
+def test_adding_to_nothing_begins_a_data_set(version, four, tmp_path):
+    add(version, tmp_path / "other", four[:2])
+    assert info(tmp_path / "other") == info(write(version, tmp_path / "whole", four[:2]))
 
 
 @pytest.mark.parametrize(
@@ -253,7 +252,7 @@ def _refuses(root: Path, version: str, name: str, damage: str, four) -> None:
         path.write_bytes(text.splitlines(keepends=True)[0] if damage == "short" else b'{"a": ')
     before = contents(root)
     with pytest.raises(DamagedFile, match=r"set/meta/"):
-        write(version, root, four[2:], append=True)
+        add(version, root, four[2:])
     assert contents(root) == before
 
 
@@ -263,14 +262,14 @@ def _refuses(root: Path, version: str, name: str, damage: str, four) -> None:
 def test_an_invalid_description_is_refused(version, begun, four, change):
     change_info(begun, **change)
     with pytest.raises(DamagedFile, match=r"info\.json does not"):
-        write(version, begun, four[2:], append=True)
+        add(version, begun, four[2:])
 
 
 def test_a_set_with_fewer_frames_than_it_says_is_refused(v3, four, tmp_path):
     begun = shutil.copytree(v3, tmp_path / "set")
     change_info(begun, total_frames=500)
     with pytest.raises(DamagedFile, match="other frames"):
-        write("lerobot-v3.0", begun, four[2:], append=True)
+        add("lerobot-v3.0", begun, four[2:])
 
 
 # --- sets by lerobot itself ----------------------------------------------------------------------------
@@ -301,7 +300,7 @@ def lerobots(v3, tmp_path) -> Path:
 
 
 def test_a_set_that_lerobot_wrote_is_added_to_without_sub_tasks(lerobots, four):
-    write("lerobot-v3.0", lerobots, four[2:], append=True)
+    add("lerobot-v3.0", lerobots, four[2:])
     table = frames(lerobots)
     assert "subtask_index" not in table.column_names
     assert not any((lerobots / "meta" / name).exists() for name in OUR_FILES)
@@ -314,7 +313,7 @@ def test_a_set_that_lerobot_wrote_is_added_to_without_sub_tasks(lerobots, four):
 
 def test_quantiles_of_pictures_without_counts_are_averaged_by_numbers_of_pictures(lerobots, four):
     before = json.loads((lerobots / "meta/stats.json").read_text())[KEY]
-    write("lerobot-v3.0", lerobots, [four[2]], append=True)
+    add("lerobot-v3.0", lerobots, [four[2]])
     after = json.loads((lerobots / "meta/stats.json").read_text())[KEY]
     assert after["count"] == [21 + 12]
     alone = lerobots.parent / "alone"
@@ -329,16 +328,16 @@ def test_files_are_numbered_on_where_lerobot_put_several_episodes_into_one(lerob
     for column in (name for name in table.column_names if name.startswith("videos/") and name.endswith("file_index")):
         table = table.set_column(table.column_names.index(column), column, pa.array([0, 7]))
     pq.write_table(table, path)
-    write("lerobot-v3.0", lerobots, [four[2]], append=True)
+    add("lerobot-v3.0", lerobots, [four[2]])
     assert (lerobots / f"videos/{KEY}/chunk-000/file-008.mp4").read_bytes() == four[2].videos[CAMERAS[0]].read_bytes()
 
 
-def test_hidden_files_do_not_go_into_an_extended_data_set(version, begun, four):
+def test_hidden_files_do_not_hinder_an_addition(version, begun, four):
     for file in [path for path in begun.rglob("*.parquet") if path.is_file()]:
         file.with_name(f"._{file.name}").write_bytes(b"\0\5\26\7")
     (begun / ".DS_Store").touch()
-    write(version, begun, four[2:], append=True)
-    assert not [path for path in begun.rglob("*") if path.name.startswith(".")]
+    add(version, begun, four[2:])
+    assert len(open_recordings(begun)) == 4
 
 
 def test_a_folder_with_hidden_files_alone_takes_a_new_data_set(version, four, tmp_path):

@@ -12,7 +12,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from tests.datasets.conftest import LENGTHS, write
+from tests.datasets.conftest import LENGTHS, add, write
 from tests.recordings import CAMERAS, FPS, INSTRUCTION, STATE_NAMES, clip, episode, wordings_of
 from vcage.base.errors import DamagedFile, OutputFolderError, UnknownName, UsageError
 from vcage.base.videos import decode
@@ -142,7 +142,7 @@ def test_a_sub_task_gathers_the_wordings_of_all_episodes(version, episodes, tmp_
     said = [SubtaskSpan("push", 0, 9, wordings) for wordings in (("shove", "push"), (), ("press on", "shove"))]
     first, *others = [replace(episodes[1], subtasks=[span]) for span in said]
     root = write(version, tmp_path / "set", [first])
-    write(version, root, others, append=True)
+    add(version, root, others)
     lists = lines(root / "meta/subtasks.jsonl") if version == "lerobot-v2.1" else _rows(root / "meta/subtasks.parquet")
     assert [row["wordings"] for row in lists] == [["push", "shove", "press on"]]
 
@@ -178,10 +178,9 @@ def test_nothing_to_export_is_refused(version, tmp_path):
 
 
 @pytest.mark.parametrize("version", FORMATS)
-def test_nothing_to_add_is_refused(version, episodes, tmp_path):
+def test_nothing_to_add_changes_nothing(version, episodes, tmp_path):
     root = write(version, tmp_path / "set", episodes[:1])
-    with pytest.raises(UsageError, match="no accepted episode"):
-        write(version, root, [], append=True)
+    add(version, root, [])
     assert len(open_recordings(root)) == 1
 
 
@@ -192,7 +191,7 @@ def test_a_vector_of_one_number_is_a_column_of_numbers(version, episodes, tmp_pa
     (table,) = (root / "data").rglob("*.parquet")
     assert pq.read_schema(table).field("action").type == pa.float32()
     assert open_recordings(root)[0].motion.values.tolist() == [[number] for number in range(9)]
-    write(version, root, [one], append=True)
+    add(version, root, [one])
 
 
 @pytest.mark.parametrize("version", FORMATS)
@@ -279,7 +278,7 @@ def test_pictures_alone_and_numbers_alone_make_data_sets(version, episodes, tmp_
     info = json.loads((write(version, tmp_path / "numbers", [numbers, numbers]) / "meta/info.json").read_text())
     assert info["video_path"] is None
     assert info["total_frames"] == 18
-    write(version, tmp_path / "numbers", [numbers], append=True)
+    add(version, tmp_path / "numbers", [numbers])
 
 
 def test_descriptions_of_episodes_are_written_in_parts(episodes, tmp_path, monkeypatch):

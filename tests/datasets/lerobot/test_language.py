@@ -11,7 +11,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from tests.datasets.conftest import LENGTHS, write
+from tests.datasets.conftest import LENGTHS, add
 from tests.recordings import FPS
 from vcage.base.errors import UsageError
 from vcage.datasets.lerobot.episode import SubtaskSpan, span_starts, with_language
@@ -84,7 +84,7 @@ def test_without_sub_tasks_no_frame_has_a_row():
 
 def test_a_data_set_without_the_columns_is_added_to_without(v3, episodes, tmp_path):
     root = shutil.copytree(v3, tmp_path / "set")
-    write("lerobot-v3.1", root, episodes, append=True)
+    add("lerobot-v3.1", root, episodes)
     assert open_recordings(root)[-1].LAYOUT == "lerobot-v3.0"
     tables = sorted((root / "data").rglob("*.parquet"))
     assert all("language_persistent" not in pq.read_schema(table).names for table in tables)
@@ -93,7 +93,7 @@ def test_a_data_set_without_the_columns_is_added_to_without(v3, episodes, tmp_pa
 def test_a_data_set_with_the_columns_is_added_to_with_them(v31, episodes, tmp_path):
     root = shutil.copytree(v31, tmp_path / "set")
     push = replace(episodes[1], subtasks=[SubtaskSpan("push", 0, 9)])
-    write("lerobot-v3.0", root, [push], append=True)
+    add("lerobot-v3.0", root, [push])
     (row,) = pq.read_table(root / "data/chunk-000/file-001.parquet")["language_persistent"][0].as_py()
     assert row["content"] == "push"
 
@@ -108,7 +108,7 @@ def test_statistics_are_of_numbers_and_pictures_alone(v31, v3):
 def test_another_robot_is_still_refused(v31, episodes, tmp_path):
     root = shutil.copytree(v31, tmp_path / "set")
     with pytest.raises(UsageError, match="other robot"):
-        write("lerobot-v3.1", root, [replace(episodes[0], robot="aloha")], append=True)
+        add("lerobot-v3.1", root, [replace(episodes[0], robot="aloha")])
 
 
 def test_a_recording_from_another_version_names_the_parts_it_lacks(v31):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from unittest.mock import Mock
 
 import numpy as np
 import pyarrow as pa
@@ -14,7 +13,6 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from tests.recordings import clip
-from vcage.datasets.lerobot import statistics
 from vcage.datasets.lerobot.statistics import (
     QUANTILES,
     Moments,
@@ -80,14 +78,14 @@ FLOATS = st.floats(width=32, allow_nan=False, allow_infinity=False)
 SHAPES = st.tuples(st.integers(1, 60), st.integers(1, 3))
 
 
-def quantiles(folder: Path, values: np.ndarray, dtype: str, **options: int) -> np.ndarray:
+def quantiles(folder: Path, values: np.ndarray, dtype: str) -> np.ndarray:
     """Return those of a column in files of 25 rows."""
     files = []
     for start in range(0, len(values), 25):
         rows = pa.array(list(values[start : start + 25]), pa.list_(pa.from_numpy_dtype(values.dtype)))
         files.append(folder / f"{start}.parquet")
         pq.write_table(pa.table({"x": rows}), files[-1])
-    return column_quantiles(files, "x", {"dtype": dtype, "shape": [values.shape[1]]}, **options)
+    return column_quantiles(files, "x", {"dtype": dtype, "shape": [values.shape[1]]})
 
 
 def expected(values: np.ndarray) -> np.ndarray:
@@ -106,15 +104,6 @@ def test_quantiles_of_any_floats_are_exact(tmp_path_factory, values):
 def test_quantiles_of_any_integers_are_exact(tmp_path_factory, values):
     found = quantiles(tmp_path_factory.mktemp("q"), values, "int64")
     np.testing.assert_allclose(found, expected(values), rtol=1e-12)
-
-
-@pytest.mark.parametrize(("room", "readings"), [(2**28, 1), (2 * 4 * 100, 3), (1, 5)])
-def test_data_larger_than_memory_is_read_again(tmp_path, monkeypatch, room, readings):
-    values = np.random.default_rng(0).normal(size=(100, 5)).astype(np.float32)
-    read = Mock(wraps=statistics.read_batches)
-    monkeypatch.setattr(statistics, "read_batches", read)
-    np.testing.assert_allclose(quantiles(tmp_path, values, "float32", max_bytes=room), expected(values), rtol=1e-12)
-    assert read.call_count == readings
 
 
 @pytest.mark.parametrize("count", [1, 2, 3])

@@ -84,7 +84,9 @@ def features_of(
     return {"robot_type": episode.robot, "fps": as_int(episode.fps), "features": features}
 
 
-def agreed_info(episode: int, described: Mapping[str, Any], data_set: Mapping[str, Any]) -> dict[str, Any]:
+def agreed_info(
+    episode: int, described: Mapping[str, Any], data_set: Mapping[str, Any], *, mixed: bool = False
+) -> dict[str, Any]:
     """Return the description of a data set's episodes after another one agreed with it.
 
     A finished data set may hold videos that were compressed by another degree: of :data:`ENCODER` it then states only
@@ -95,11 +97,12 @@ def agreed_info(episode: int, described: Mapping[str, Any], data_set: Mapping[st
         described: :func:`features_of` it.
         data_set: ``meta/info.json`` of a finished data set, or :func:`features_of` the first episode of a new one;
             facts it leaves open (None, or no such entry) may be anything.
+        mixed: a new one, too, may hold videos of several degrees.
 
     Raises:
         UsageError: another fact differs; names it.
     """
-    may_differ = ENCODER if "total_episodes" in data_set else ()
+    may_differ = ENCODER if mixed or "total_episodes" in data_set else ()
     mine, theirs = _facts(described, may_differ), _facts(data_set, may_differ)
     for what, value in theirs.items():
         if value is not None and mine.get(what) != value:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
@@ -11,17 +12,21 @@ from pathlib import Path
 from typing import Any
 
 from vcage.base.errors import DamagedFile, InputFileError, OversizedFile, UsageError
+from vcage.base.folders import entries
 from vcage.base.placeholders import require_fetched
 from vcage.base.reading import Unreadable, parse_json, read_json
 from vcage.datasets.lerobot.features import other_columns, video_keys
 from vcage.datasets.lerobot.parquet import FETCH_AGAIN, column_names, read_table
-from vcage.datasets.lerobot.places import INFO, inside, own_files
+from vcage.datasets.lerobot.places import INFO, inside, own_file, own_files
 
 EPISODES = Path("meta/episodes.jsonl")
 """The list of episodes in v2.1."""
 
 EPISODE_TABLES = Path("meta/episodes")
 """Folder of the list of episodes in v3.0: their lengths, statistics, and where their frames and videos are."""
+
+TRAIN = "train"
+"""The split of all episodes where nothing else was asked for."""
 
 NEW_SET = "write a new data set, or convert this one with lerobot's own tools first"
 
@@ -156,12 +161,13 @@ def _is_shape(feature: Mapping[str, Any]) -> bool:
     return feature["dtype"] not in ("video", "image") or len(shape) in (2, 3)
 
 
-def appendable_info(root: Path, expected: dict[str, Any]) -> dict[str, Any]:
+def appendable_info(root: Path, expected: dict[str, Any], split: str = TRAIN) -> dict[str, Any]:
     """Return ``meta/info.json`` of a data set that can be added to.
 
     Args:
         root: folder of the data set.
         expected: entries of ``info.json``, such as ``codebase_version``, that may only be missing or the same.
+        split: the one that new episodes belong to; its numbers are a range, so no other may follow it.
 
     Raises:
         DamagedFile: it lacks a count that any data set has.
@@ -178,7 +184,7 @@ def appendable_info(root: Path, expected: dict[str, Any]) -> dict[str, Any]:
             f"{root} cannot be added to: its frames have {', '.join(strange)}, which new episodes do not tell",
             hint=NEW_SET,
         )
-    for name, value in {**expected, "splits": {"train": f"0:{info['total_episodes']}"}}.items():
+    for name, value in {**expected, "splits": _splits_before(info, split)}.items():
         if info.get(name) not in (None, value):
             raise UsageError(
                 f"{root} cannot be added to: its {name} is {json.dumps(info.get(name))}, not {json.dumps(value)}",
@@ -186,6 +192,18 @@ def appendable_info(root: Path, expected: dict[str, Any]) -> dict[str, Any]:
                 details={"what": name, "found": info.get(name), "expected": value},
             )
     return info
+
+
+def _splits_before(info: Mapping[str, Any], split: str) -> dict[str, Any]:
+    """Return the splits of a data set if new episodes may belong to one of this name, else what would allow it."""
+    splits, count = info.get("splits"), info["total_episodes"]
+    whole = {TRAIN: f"0:{count}"}
+    if not isinstance(splits, dict) or not splits:
+        return whole
+    last, numbers = list(splits.items())[-1]
+    begin, _, end = str(numbers).partition(":")
+    follows = last == split or split not in splits
+    return splits if follows and begin.isdecimal() and end == str(count) else whole
 
 
 # --- the list of episodes ------------------------------------------------------------------------------
@@ -228,6 +246,44 @@ def episode_tables(root: Path) -> list[Path]:
     return [file for file in own_files(root, EPISODE_TABLES) if file.suffix == ".parquet"]
 
 
+def last_episode_table(root: Path) -> Path:
+    """Return the last file of a v3.0 list; its folders are read, not its files.
+
+    Raises:
+        DamagedFile: there is none.
+    """
+    where = root / EPISODE_TABLES
+    for folder in reversed(entries(where) if where.is_dir() else []):
+        for file in reversed(entries(folder) if folder.is_dir() else []):
+            if file.suffix == ".parquet":
+                require_fetched(own_file(root, file.relative_to(root)))
+                return file
+    raise DamagedFile(f"{where} holds no list of episodes", hint=FETCH_AGAIN)
+
+
+def last_line(path: Path) -> dict[str, Any]:
+    """Return the last object of a file of lines; no other is read.
+
+    Raises:
+        DamagedFile: it cannot be read, is empty, or its last line is not a JSON object.
+    """
+    require_fetched(path)
+    try:
+        with open(path, "rb") as handle:
+            end, size, text = handle.seek(0, os.SEEK_END), 1 << 12, b""
+            while b"\n" not in text.rstrip(b"\n") and len(text) < min(end, LIMITS.max_json_bytes):
+                size *= 4
+                handle.seek(max(0, end - size))
+                text = handle.read()
+    except OSError as error:
+        raise DamagedFile(f"{path} cannot be read: {error}", hint=FETCH_AGAIN) from error
+    lines = text.rstrip(b"\n").split(b"\n")
+    row = _parsed(path, "last", lines[-1]) if lines[-1].strip() else None
+    if not isinstance(row, dict):
+        raise DamagedFile(f"{path}: the last line is no JSON object", hint=FETCH_AGAIN)
+    return row
+
+
 def read_lines(path: Path) -> Iterator[dict[str, Any]]:
     """Yield the objects of a file; only a line feed ends a line, no other line break of Unicode.
 
@@ -247,7 +303,7 @@ def read_lines(path: Path) -> Iterator[dict[str, Any]]:
         raise DamagedFile(f"{path} cannot be read: {error}", hint=FETCH_AGAIN) from error
 
 
-def _parsed(path: Path, number: int, line: bytes) -> Any:
+def _parsed(path: Path, number: int | str, line: bytes) -> Any:
     try:
         row = parse_json(line, nan=True)
         _require_text(row)

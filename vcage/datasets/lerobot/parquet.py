@@ -108,16 +108,6 @@ def column_names(path: Path) -> list[str]:
         return pq.read_schema(path).names
 
 
-def row_count(path: Path) -> int:
-    """Return the number of rows of a table, without reading them.
-
-    Raises:
-        DamagedFile: it cannot be read.
-    """
-    with _opened(path) as file:
-        return file.metadata.num_rows
-
-
 def read_table(path: Path, columns: Sequence[str] | None = None, rows: pc.Expression | None = None) -> pa.Table:
     """Return a table, or some of its columns and rows.
 
@@ -148,10 +138,11 @@ def read_batches(paths: Iterable[Path], columns: Sequence[str]) -> Iterator[dict
     for path in paths:
         with _damage(path), _opened(path) as file:
             for batch in file.iter_batches(LIMITS.batch_rows, columns=list(columns)):
-                yield {name: _rows(batch.column(name)) for name in columns}
+                yield {name: rows_of(batch.column(name)) for name in columns}
 
 
-def _rows(column: pa.Array) -> NDArray[Any]:
+def rows_of(column: pa.Array) -> NDArray[Any]:
+    """Return a column of numbers, or of lists of D, as (n, D)."""
     values = column.flatten() if pa.types.is_nested(column.type) else column
     return values.to_numpy(zero_copy_only=False).reshape(len(column), -1)
 

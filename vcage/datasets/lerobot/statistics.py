@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import cv2
 import numpy as np
+import pyarrow as pa
 from numpy.typing import NDArray
 
 from vcage.base.errors import DamagedFile
 from vcage.base.files import read_json, write_json
+from vcage.base.folders import files_below
 from vcage.datasets.lerobot.features import video_key
-from vcage.datasets.lerobot.parquet import FETCH_AGAIN, read_batches, row_count
+from vcage.datasets.lerobot.parquet import FETCH_AGAIN, read_batches, rows_of
+from vcage.datasets.lerobot.value_counts import VALUE_COUNTS, ValueCounts
 
 QUANTILES = {"q01": 0.01, "q10": 0.10, "q50": 0.50, "q90": 0.90, "q99": 0.99}
 LEVELS = 256
@@ -118,31 +122,56 @@ def picture_statistics(histogram: NDArray[np.int64], frames: int) -> Statistics:
 # --- a whole data set ----------------------------------------------------------------------------------
 
 
+@dataclass(frozen=True)
+class StatisticsSettings:
+    """How quantiles of columns are found.
+
+    Args:
+        exact_frames: up to so many frames they are exact; beyond, values are counted (:mod:`.value_counts`).
+    """
+
+    exact_frames: int = 50_000
+
+
+SETTINGS = StatisticsSettings()
+
+
 class Totals:
     """``min, max, mean, std, count`` merged from the episodes; quantiles by counting.
 
-    The quantiles of columns are exact: the written files are read again at the end. Those of pictures
-    come from the added histograms.
+    The quantiles of a small data set's columns are exact: its files are read again at the end. A large one has counts
+    of its values, so its old frames are not read however often it grows. Those of pictures come from the histograms.
     """
 
     def __init__(self) -> None:
         self._moments: dict[str, Moments] = {}
         self._levels: dict[str, NDArray[np.int64]] = {}
         self._uncounted: dict[str, Statistics] = {}
+        self._values = ValueCounts()
+        self._earlier: list[Path] = []
 
-    def add(self, statistics: Mapping[str, Statistics], histograms: Mapping[str, NDArray[np.int64]]) -> None:
-        """Add an episode: feature → statistics, and camera → (3, 256) counts of levels."""
+    def add(
+        self, statistics: Mapping[str, Statistics], histograms: Mapping[str, NDArray[np.int64]], frames: pa.Table
+    ) -> None:
+        """Add an episode: feature → statistics, camera → (3, 256) counts of levels, and its frames."""
         for feature, entry in statistics.items():
             self._moments.setdefault(feature, Moments()).add(entry)
         for camera, histogram in histograms.items():
             key = video_key(camera)
             self._levels[key] = self._levels.get(key, 0) + np.asarray(histogram, np.int64)
+        columns = [name for name in statistics if name in frames.schema.names]
+        self._values.add({name: rows_of(frames[name].combine_chunks()) for name in columns})
 
-    def resume(self, root: Path, features: Mapping[str, Any]) -> None:
+    def resume(self, root: Path, features: Mapping[str, Any], frames: int) -> None:
         """Add a finished data set.
 
         A set that was not written here has no counts of levels, or old ones: the quantiles of its pictures are then
         averaged with the new ones, weighted by numbers of pictures, as LeRobot does.
+
+        Args:
+            root: its folder.
+            features: as in ``info.json``.
+            frames: of all its episodes.
 
         Raises:
             DamagedFile: its statistics are missing or incomplete.
@@ -162,22 +191,31 @@ class Totals:
                     self._uncounted[key] = stats[key]
         except (KeyError, TypeError, ValueError, AttributeError) as error:
             raise DamagedFile(f"{root / STATS} does not describe all features: {error!r}", hint=FETCH_AGAIN) from error
+        columns = [name for name, feature in features.items() if feature["dtype"] != "video"]
+        if frames > SETTINGS.exact_frames and (root / VALUE_COUNTS).is_file():
+            self._values = ValueCounts.read(root / VALUE_COUNTS, columns)
+            return
+        self._earlier = files_below(root / "data")
+        for batch in read_batches(self._earlier, columns):
+            self._values.add(batch)
 
-    def write(self, folder: Path, data: Sequence[Path], features: Mapping[str, Any]) -> None:
-        """Write ``meta/stats.json`` and the counts of levels.
+    def write(self, folder: Path, features: Mapping[str, Any], frames: int) -> None:
+        """Write ``meta/stats.json`` and the counts of levels and values.
 
         Args:
-            folder: of the data set.
-            data: all its tables of frames.
+            folder: of the new files.
             features: as in ``info.json``.
+            frames: of all episodes.
         """
-        stats = {name: self._moments[name].statistics() for name in features}
+        stats, exact = {name: self._moments[name].statistics() for name in features}, frames <= SETTINGS.exact_frames
+        data = [*self._earlier, *files_below(folder / "data")] if exact else []
         for name, entry in stats.items():
             if name in self._levels:
                 entry |= self._picture_quantiles(name)
-            else:
-                values = column_quantiles(data, name, features[name])
-                entry |= dict(zip(QUANTILES, values.tolist(), strict=True))
+                continue
+            shares = list(QUANTILES.values())
+            found = column_quantiles(data, name, features[name]) if exact else self._values.quantiles(name, shares)
+            entry |= dict(zip(QUANTILES, found.tolist(), strict=True))
         write_json(folder / STATS, stats)
         counted = {
             key: {"count": stats[key]["count"], "levels": levels.tolist()}
@@ -186,6 +224,8 @@ class Totals:
         }
         if counted:
             write_json(folder / LEVEL_COUNTS, counted)
+        if not exact:
+            self._values.write(folder / VALUE_COUNTS)
 
     def _picture_quantiles(self, key: str) -> Statistics:
         old = self._uncounted.get(key)
@@ -201,18 +241,13 @@ class Totals:
         }
 
 
-def column_quantiles(
-    files: Sequence[Path], name: str, feature: Mapping[str, Any], max_bytes: int = 2**27
-) -> NDArray[np.float64]:
-    """Return exact :data:`QUANTILES` of a column, as ``numpy.quantile`` finds them over all rows.
-
-    In memory are as many numbers of each row as fit, at least one; for the others the files are read again.
+def column_quantiles(files: Sequence[Path], name: str, feature: Mapping[str, Any]) -> NDArray[np.float64]:
+    """Return exact :data:`QUANTILES` of a column, as ``numpy.quantile`` finds them over all rows, which are in memory.
 
     Args:
         files: Parquet files, with at least one row.
         name: of the column.
         feature: its entry of ``info.json``.
-        max_bytes: of numbers in memory; as many again are needed to sort them.
 
     Returns:
         (Q, D).
@@ -220,21 +255,6 @@ def column_quantiles(
     Raises:
         DamagedFile: a file cannot be read.
     """
-    dtype, width = np.dtype(feature["dtype"]), int(np.prod(feature["shape"]))
-    rows = sum(row_count(file) for file in files)
-    at_once = max(1, max_bytes // (rows * dtype.itemsize))
-    found = []
-    for first in range(0, width, at_once):
-        parts = [batch[name][:, first : first + at_once].astype(dtype) for batch in read_batches(files, [name])]
-        found.append(_quantiles(np.concatenate(parts)))
-    return np.concatenate(found, axis=1)
-
-
-def _quantiles(values: NDArray[Any]) -> NDArray[np.float64]:
-    """Return (Q, D) of (N, D), interpolated between the nearest ranks in double precision."""
-    places = np.array(list(QUANTILES.values())) * (len(values) - 1)
-    below = np.floor(places).astype(np.int64)
-    above = np.minimum(below + 1, len(values) - 1)
-    placed = np.partition(values, np.unique([below, above]), axis=0)
-    low, high = placed[below].astype(np.float64), placed[above].astype(np.float64)
-    return low + (high - low) * (places - below)[:, None]
+    dtype = np.dtype(feature["dtype"])
+    values = np.concatenate([batch[name].astype(dtype) for batch in read_batches(files, [name])])
+    return np.quantile(values.astype(np.float64), list(QUANTILES.values()), axis=0)

@@ -5,8 +5,6 @@ https://github.com/huggingface/lerobot/pull/711 describes what v2.1 changed: sta
 
 from __future__ import annotations
 
-import json
-import shutil
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, ClassVar
@@ -17,10 +15,10 @@ import pyarrow.parquet as pq
 from vcage.base.errors import DamagedFile
 from vcage.datasets.lerobot.episode import LeRobotEpisode
 from vcage.datasets.lerobot.features import SUBTASK, video_key
-from vcage.datasets.lerobot.meta import EPISODES, read_lines
+from vcage.datasets.lerobot.meta import EPISODES, last_line, read_lines
 from vcage.datasets.lerobot.parquet import COMPRESSION, FETCH_AGAIN
 from vcage.datasets.lerobot.statistics import QUANTILES, Statistics
-from vcage.datasets.lerobot.writer import CHUNK, WORDINGS, LeRobotWriter
+from vcage.datasets.lerobot.writer import CHUNK, WORDINGS, LeRobotWriter, lines_of
 
 DATA_PATH = "data/chunk-{episode_chunk:03d}/episode_{episode_index:06d}.parquet"
 VIDEO_PATH = "videos/chunk-{episode_chunk:03d}/{video_key}/episode_{episode_index:06d}.mp4"
@@ -40,16 +38,15 @@ class WriterV21(LeRobotWriter):
     }
 
     TEXTS: ClassVar[dict[str, Path]] = {"task": TASKS, "subtask": SUBTASKS}
-    REWRITTEN: ClassVar[tuple[Path, ...]] = (TASKS, SUBTASKS, EPISODES, EPISODE_STATS)
+    LINES: ClassVar[tuple[Path, ...]] = (EPISODES, EPISODE_STATS)
 
     def _named_rows(self, path: Path, name: str) -> Iterator[Mapping[str, Any]]:
         return read_lines(path)
 
     def _resume_rows(self, root: Path) -> None:
-        for lines in (EPISODES, EPISODE_STATS):
-            if [row.get("episode_index") for row in read_lines(root / lines)] != list(range(self.episodes)):
+        for lines in self.LINES:
+            if last_line(root / lines).get("episode_index") != self.episodes - 1:
                 raise DamagedFile(f"{root / lines} does not list all episodes in order", hint=FETCH_AGAIN)
-            shutil.copyfile(root / lines, self._folder / lines)
 
     def close(self) -> None:
         """Do nothing: no file stays open between two episodes."""
@@ -57,7 +54,7 @@ class WriterV21(LeRobotWriter):
     def _write(self, episode: LeRobotEpisode, table: pa.Table, statistics: dict[str, Statistics]) -> None:
         pq.write_table(table, self._at(DATA_PATH), compression=COMPRESSION)
         for camera, video in sorted(episode.videos.items()):
-            shutil.copyfile(video, self._at(VIDEO_PATH, video_key=video_key(camera)))
+            self._place_video(video, self._at(VIDEO_PATH, video_key=video_key(camera)))
         self._add_lines(EPISODES, [self._row_of(episode)])
         stats = {
             feature: {name: value for name, value in entries.items() if name not in QUANTILES}
@@ -81,7 +78,7 @@ class WriterV21(LeRobotWriter):
 
     def _add_lines(self, name: Path, rows: Iterable[dict[str, Any]]) -> None:
         with open(self._folder / name, "a", encoding="utf-8") as handle:
-            handle.writelines(json.dumps(row, ensure_ascii=False, allow_nan=False) + "\n" for row in rows)
+            handle.write(lines_of(rows))
 
 
 def _numbered(name: str, numbers: dict[str, int]) -> list[dict[str, Any]]:

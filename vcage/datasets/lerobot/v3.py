@@ -8,7 +8,6 @@ byte.
 from __future__ import annotations
 
 import json
-import shutil
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, ClassVar
@@ -18,12 +17,11 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from vcage.base.errors import DamagedFile
-from vcage.base.folders import files_below
 from vcage.datasets.lerobot.episode import LeRobotEpisode
 from vcage.datasets.lerobot.features import SUBTASK, video_key
-from vcage.datasets.lerobot.meta import EPISODE_TABLES, INFO, episode_tables
+from vcage.datasets.lerobot.meta import EPISODE_TABLES, INFO, last_episode_table
 from vcage.datasets.lerobot.parquet import COMPRESSION, FETCH_AGAIN, ParquetSeries, numbered, read_table
-from vcage.datasets.lerobot.statistics import LEVEL_COUNTS, STATS, Statistics, Totals
+from vcage.datasets.lerobot.statistics import Statistics, Totals
 from vcage.datasets.lerobot.writer import CHUNK, WORDINGS, LeRobotWriter
 
 FILE = "chunk-{chunk_index:03d}/file-{file_index:03d}"
@@ -50,13 +48,11 @@ class WriterV30(LeRobotWriter):
     }
 
     TEXTS: ClassVar[dict[str, Path]] = {"task": TASKS, "subtask": SUBTASKS}
-    REWRITTEN: ClassVar[tuple[Path, ...]] = (STATS, LEVEL_COUNTS, TASKS, SUBTASKS)
-
     ROWS_AT_ONCE: ClassVar[int] = 100
     """Descriptions of episodes that are written together."""
 
-    def __init__(self, folder: Path, encodings: Mapping[str, Mapping[str, Any]]):
-        super().__init__(folder, encodings)
+    def __init__(self, folder: Path, encodings: Mapping[str, Mapping[str, Any]], *, growing: bool = False):
+        super().__init__(folder, encodings, growing=growing)
         self._totals = Totals()
         self._rows: list[dict[str, Any]] = []
         self._row_schema: pa.Schema | None = None
@@ -76,23 +72,21 @@ class WriterV30(LeRobotWriter):
 
     def _resume_rows(self, root: Path) -> None:
         """Continue behind the last files that the episodes of a finished data set name."""
-        self._totals.resume(root, self._counted)
-        where, paths = root / EPISODE_TABLES, [root / file for file in episode_tables(root)]
-        if not paths:
-            raise DamagedFile(f"{where} holds no list of episodes", hint=FETCH_AGAIN)
+        self._totals.resume(root, self._counted, self.frames)
+        where, path = root / EPISODE_TABLES, last_episode_table(root)
         prefixes = ["data", "meta/episodes", *(f"videos/{key}" for key in self._video_keys)]
         places = [f"{prefix}/{name}" for prefix in prefixes for name in ("chunk_index", "file_index")]
-        tables = [read_table(path, ["episode_index", "length", *places]) for path in paths]
-        rows = pa.concat_tables(tables, promote_options="permissive")
-        if rows["episode_index"].to_pylist() != list(range(self.episodes)):
+        rows = read_table(path, ["episode_index", "dataset_to_index", *places])
+        numbers, ends = rows["episode_index"].to_pylist(), rows["dataset_to_index"].to_pylist()
+        if numbers != list(range(self.episodes - len(numbers), self.episodes)):
             raise DamagedFile(f"{where} does not list all episodes in order", hint=FETCH_AGAIN)
-        if rows["length"].to_numpy().sum() != self.frames:
+        if ends[-1:] != [self.frames]:
             raise DamagedFile(f"{where} lists other frames than {root / INFO}", hint=FETCH_AGAIN)
         after = {}
         for prefix in prefixes:
             chunks, files = (rows[f"{prefix}/{name}"].to_numpy() for name in ("chunk_index", "file_index"))
             after[prefix] = int(np.nanmax(chunks * CHUNK + files)) + 1
-        self._row_schema = pq.read_schema(paths[-1]).remove_metadata()
+        self._row_schema = pq.read_schema(path).remove_metadata()
         self._first_video = max((after[f"videos/{key}"] for key in self._video_keys), default=0) - self.episodes
         self._data_files = self._series(DATA_PATH, after["data"])
         self._row_files = self._series(EPISODES_PATH, after["meta/episodes"])
@@ -115,15 +109,13 @@ class WriterV30(LeRobotWriter):
         place = numbered(self._first_video + self.episodes, CHUNK)
         for camera, video in sorted(episode.videos.items()):
             key = video_key(camera)
-            target = self._folder / VIDEO_PATH.format(video_key=key, **place)
-            target.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(video, target)
+            self._place_video(video, self._folder / VIDEO_PATH.format(video_key=key, **place))
             times = {"from_timestamp": 0.0, "to_timestamp": episode.length / episode.fps}
             row |= _prefixed(f"videos/{key}", {**place, **times})
         for feature, entries in statistics.items():
             row |= _prefixed(f"stats/{feature}", entries)
         self._rows.append(row)
-        self._totals.add(statistics, episode.histograms)
+        self._totals.add(statistics, episode.histograms, table)
         if len(self._rows) >= self.ROWS_AT_ONCE:
             self._write_rows()
 
@@ -138,7 +130,7 @@ class WriterV30(LeRobotWriter):
     def _write_meta(self) -> None:
         self._write_rows()
         self.close()
-        self._totals.write(self._folder, files_below(self._folder / "data"), self._counted)
+        self._totals.write(self._folder, self._counted, self.frames)
         _write_names(self._folder / TASKS, "task", self._tasks)
         if SUBTASK in self._features:
             _write_names(self._folder / SUBTASKS, "subtask", self._subtasks, self._wordings)

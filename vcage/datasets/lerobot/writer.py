@@ -6,8 +6,10 @@ well as on the instruction; ``meta/subtasks`` also has all the wordings of each.
 
 from __future__ import annotations
 
+import json
+import shutil
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -19,9 +21,8 @@ from vcage.base.errors import DamagedFile, UsageError
 from vcage.base.files import link_or_copy, write_json
 from vcage.datasets.lerobot.episode import LANGUAGE, PERSISTENT, LeRobotEpisode, SubtaskSpan, span_starts, with_language
 from vcage.datasets.lerobot.features import SUBTASK, agreed_info, features_of, video_key, video_keys
-from vcage.datasets.lerobot.meta import INFO, appendable_info
+from vcage.datasets.lerobot.meta import INFO, TRAIN, appendable_info
 from vcage.datasets.lerobot.parquet import FETCH_AGAIN
-from vcage.datasets.lerobot.places import own_files
 from vcage.datasets.lerobot.statistics import Statistics, picture_statistics, vector_statistics
 
 CHUNK = 1000
@@ -35,13 +36,15 @@ RANDOMISATION = "vcage.randomisation"
 
 
 class LeRobotWriter(ABC):
-    """A data set that is being written; :func:`vcage.datasets.lerobot.formats.open_writer` makes one.
+    """The files of a new data set, or those that an existing one gains.
 
-    In memory are one episode, the texts of tasks and sub-tasks, and running statistics.
+    :func:`.formats.open_writer` writes a new one, :class:`.growing.GrowingSet` adds to one. In memory are one episode,
+    the texts of tasks and sub-tasks, and running statistics.
 
     Args:
-        folder: of the data set; empty.
+        folder: where the files go; empty.
         encodings: camera → facts about its encoding for ``info.json``, such as ``{"video.crf": 18}``.
+        growing: videos are linked where the disk allows it, and their degrees of compression may differ.
 
     Attributes:
         episodes: number of episodes, earlier ones included.
@@ -54,16 +57,18 @@ class LeRobotWriter(ABC):
     TEXTS: ClassVar[dict[str, Path]]
     """``task`` and ``subtask`` → file of their texts and numbers."""
 
-    REWRITTEN: ClassVar[tuple[Path, ...]]
-    """Files that are written again when a data set is added to, besides ``info.json``."""
+    LINES: ClassVar[tuple[Path, ...]] = ()
+    """Files of which only the lines of new episodes are written when a data set is added to."""
 
     IN_WORDS: ClassVar[bool] = False
     """True if a new data set has the columns of :mod:`vcage.datasets.lerobot.episode`."""
 
-    def __init__(self, folder: Path, encodings: Mapping[str, Mapping[str, Any]]):
+    def __init__(self, folder: Path, encodings: Mapping[str, Mapping[str, Any]], *, growing: bool = False):
         self.episodes = 0
         self.frames = 0
         self._earlier = 0  # episodes before this call
+        self._splits = {TRAIN: "0:"}
+        self._growing = growing
         self._folder = folder
         self._encodings = encodings
         self._info: dict[str, Any] = {}
@@ -77,8 +82,12 @@ class LeRobotWriter(ABC):
         drawn = {} if episode.randomisation is None else {RANDOMISATION: episode.randomisation}
         return {"episode_index": self.episodes, "tasks": [episode.task], "length": episode.length, **drawn}
 
-    def add(self, episode: LeRobotEpisode) -> None:
+    def add(self, episode: LeRobotEpisode, encodings: Mapping[str, Mapping[str, Any]] | None = None) -> None:
         """Write an episode. A refused one leaves the data set unchanged, so others can follow.
+
+        Args:
+            episode: the episode.
+            encodings: of its videos, where they are not those of all.
 
         Raises:
             UsageError: it is empty, holds NaN, or does not fit earlier ones; names its number and the difference.
@@ -86,8 +95,9 @@ class LeRobotWriter(ABC):
         """
         for complaint in episode.complaints():
             raise UsageError(f"episode {self.episodes}: {complaint}", hint="fix the episode, or leave it out")
-        described = features_of(episode, self._encodings, language=self.IN_WORDS)
-        self._info = agreed_info(self.episodes, described, self._info) if self._info else described
+        described = features_of(episode, encodings or self._encodings, language=self.IN_WORDS)
+        agreed = agreed_info(self.episodes, described, self._info, mixed=self._growing) if self._info else described
+        self._info = agreed
         columns = self._columns(episode)
         frames = _table(columns)
         if PERSISTENT in self._features:
@@ -105,12 +115,14 @@ class LeRobotWriter(ABC):
         if self.episodes == self._earlier:
             raise UsageError("there is no accepted episode to export", hint="collect more, with a larger --episodes")
         self._write_meta()
+        last = list(self._splits)[-1]
+        self._splits[last] = f"{self._splits[last].partition(':')[0]}:{self.episodes}"
         totals = {
             "total_episodes": self.episodes,
             "total_frames": self.frames,
             "total_tasks": len(self._tasks),
             **self._more_totals(),
-            "splits": {"train": f"0:{self.episodes}"},
+            "splits": self._splits,
         }
         others = {name: value for name, value in self._info.items() if name not in totals}
         info = {**self.LAYOUT, **totals, **others}
@@ -122,16 +134,26 @@ class LeRobotWriter(ABC):
     def close(self) -> None:
         """Close the files that are open."""
 
-    def resume(self, root: Path) -> None:
-        """Begin with the content of a finished data set, before anything is added.
+    def begin(self, split: str = TRAIN) -> None:
+        """Name the split of the episodes of a new data set, before anything is added."""
+        self._splits = {split: "0:"}
+
+    def resume(self, root: Path, split: str = TRAIN) -> None:
+        """Continue a finished data set, before anything is added. Its files stay as they are.
+
+        Args:
+            root: its folder.
+            split: the one that grows: the last, or a new one after it.
 
         Raises:
-            UsageError: it is of another version or layout.
+            UsageError: it is of another version or layout, or another split follows this one.
             DamagedFile: a file of it is missing or damaged.
         """
         agreed = {name: value for name, value in self.LAYOUT.items() if not name.endswith("_size_in_mb")}
-        self._info = info = appendable_info(root, agreed)
-        link_files(root, self._folder, but={INFO, *self.REWRITTEN})
+        self._info = info = appendable_info(root, agreed, split)
+        count = info["total_episodes"]
+        self._splits = {split: f"{count}:", **(info.get("splits") or {TRAIN: f"0:{count}"})}
+        self._splits[split] = self._splits.pop(split)  # the last one grows
         self.episodes = self._earlier = int(info["total_episodes"])
         self.frames = int(info["total_frames"])
         self._tasks = {text: number for number, (text, _) in enumerate(self._texts(root, "task"))}
@@ -171,6 +193,10 @@ class LeRobotWriter(ABC):
         """Return counts in ``info.json`` that only this format has."""
         return {}
 
+    def _place_video(self, video: Path, target: Path) -> None:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        (link_or_copy if self._growing else shutil.copyfile)(video, target)
+
     @property
     def _features(self) -> dict[str, dict[str, Any]]:
         return self._info["features"]
@@ -205,6 +231,11 @@ class LeRobotWriter(ABC):
         return columns
 
 
+def lines_of(rows: Iterable[Mapping[str, Any]]) -> str:
+    """Return objects as lines of JSON."""
+    return "".join(json.dumps(row, ensure_ascii=False, allow_nan=False) + "\n" for row in rows)
+
+
 def _number(numbers: dict[str, int], text: str) -> int:
     """Return the number of a text, the next one for a new text."""
     return numbers.setdefault(text, len(numbers))
@@ -224,19 +255,3 @@ def _statistics(columns: Mapping[str, NDArray[Any]], episode: LeRobotEpisode) ->
     for camera in sorted(episode.videos):
         statistics[video_key(camera)] = picture_statistics(episode.histograms[camera], episode.sampled)
     return statistics
-
-
-def link_files(source: Path, target: Path, but: Collection[Path]) -> None:
-    """Give all files of a folder a second place in another one, without copying them where the disk allows it.
-
-    Args:
-        source: the folder; it is left unchanged.
-        target: the other folder.
-        but: files to leave out, relative to ``source``. Files that are written later belong here, as a linked file
-            would change in both places.
-    """
-    for inside in own_files(source):
-        if inside in but:
-            continue
-        (target / inside).parent.mkdir(parents=True, exist_ok=True)
-        link_or_copy((source / inside).resolve(), target / inside)
