@@ -101,14 +101,18 @@ def written(path: Path, frames: int = 30, seed: int = 0, **changes: Any) -> Path
     return write_episode(path, episode(frames, **changes), pictures(frames, seed))
 
 
-def collected(root: Path, count: int = 2, frames: int = 12) -> RunFolder:
-    """A run folder as ``collect`` leaves it: ``count`` accepted episodes and a rejected one."""
+def collected(root: Path, count: int = 2, frames: int = 12, seed: int | None = None, **changes: Any) -> RunFolder:
+    """A run folder as ``collect`` leaves it: ``count`` accepted episodes and a rejected one.
+
+    With a seed, motions and pictures depend on it, and no two episodes move alike.
+    """
     run = RunFolder(root)
     records = []
     for index in range(count):
         file = f"episodes/episode_{index:06d}.hdf5"
-        written(run.root / file, frames, seed=10 * index)
-        records.append(_record(index, True, file, frames))
+        own = {} if seed is None else {"qpos": episode(frames).qpos + 1e-3 * (seed + index)}
+        written(run.root / file, frames, seed=(seed or 0) + 10 * index, **own, **changes)
+        records.append(_record(index, True, file, frames, 7 if seed is None else seed))
     records.append(_record(count, False, None, 0))
     record = Episodes(
         provenance=Provenance(producer="collect", seed=7),
@@ -123,10 +127,10 @@ def collected(root: Path, count: int = 2, frames: int = 12) -> RunFolder:
     return run
 
 
-def _record(index: int, accepted: bool, file: str | None, frames: int) -> Episode:
+def _record(index: int, accepted: bool, file: str | None, frames: int, seed: int = 7) -> Episode:
     return Episode(
         index=index,
-        seed=7,
+        seed=seed,
         accepted=accepted,
         reason="verified" if accepted else "dropped",
         file=file,

@@ -9,12 +9,12 @@ from typing import Any
 
 import pytest
 
-from tests.recordings import collected, written
-from vcage.apps import appending
-from vcage.apps.appending import ADDED, append_to
-from vcage.base.errors import DamagedFile, DiskFull, MissingStage, StaleStage, UsageError
+from tests.recordings import collected
+from vcage.apps.appending import append_to
+from vcage.base.errors import DamagedFile, MissingStage, StaleStage, UsageError
 from vcage.base.files import RunFolder
 from vcage.datasets.lerobot.formats import FORMATS
+from vcage.datasets.lerobot.growing import SOURCES
 from vcage.datasets.lerobot.writer import LeRobotWriter
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.datasets.recordings.opening import open_recordings
@@ -33,9 +33,7 @@ def exported(
     **changes: Any,
 ) -> RunFolder:
     """A run of so many episodes, whose pictures depend on a seed, compressed at a CRF and exported; or made anew."""
-    run = collected(root, count=count, frames=6)
-    for index in range(count):
-        written(run.root / f"episodes/episode_{index:06d}.hdf5", 6, seed=seed + 10 * index)
+    run = collected(root, count=count, frames=6, seed=seed)
     compression = CompressionSettings(**{"crf": 8, "effort": "fast", **changes})
     redone = {"seed": 7, "workers": 1, "force": True}
     compress.execute(run, compress.Options(compression=compression, keep_raw=True, **redone), StageContext())
@@ -98,17 +96,6 @@ def test_an_interrupted_addition_is_made_up_for(runs, out, monkeypatch):
     assert episodes(out) == 3
 
 
-def test_a_data_set_does_not_grow_if_its_growth_cannot_be_recorded(runs, out, monkeypatch):
-    def full(path: Path, *_: object) -> None:
-        raise DiskFull(f"no space left to write {path}")
-
-    append_to(out, runs[0])
-    with monkeypatch.context() as patched, pytest.raises(DiskFull):
-        patched.setattr(appending, "write_json", full)
-        append_to(out, runs[1])
-    assert episodes(out) == 1
-
-
 def test_a_data_set_that_a_killed_addition_left_aside_is_added_to(runs, out):
     append_to(out, runs[0])
     (out / V3).rename(out / f"{V3}.replaced-1")
@@ -129,10 +116,10 @@ def test_a_data_set_is_begun_in_an_empty_folder(runs, out):
     assert episodes(out) == 1
 
 
-def test_notes_that_cannot_be_read_stop_the_addition(runs, out):
+def test_sources_that_cannot_be_read_stop_the_addition(runs, out):
     append_to(out, runs[0])
-    (out / ADDED).write_text('{"lerobot-v3.0": ["0a1b"]}')
-    with pytest.raises(DamagedFile, match="does not list the episodes"):
+    (out / V3 / SOURCES).write_text('["0a1b"]\n')
+    with pytest.raises(DamagedFile, match="is no JSON object"):
         append_to(out, runs[1])
 
 

@@ -3,42 +3,35 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from pydantic import TypeAdapter, ValidationError
-
-from vcage.base.errors import DamagedFile, StaleStage, UsageError
-from vcage.base.files import RunFolder, read_json, sha256_file, write_json
+from vcage.apps.adding import Known, Outcome, add_episodes
+from vcage.apps.run_episodes import Addition, additions_of, require_up_to_date
+from vcage.base.errors import DamagedFile, UsageError
+from vcage.base.files import RunFolder
 from vcage.base.hold import held
 from vcage.base.inside import name_complaint
-from vcage.base.leftovers import recover
 from vcage.base.progress import Progress, silent
 from vcage.datasets.lerobot.features import CAMERA, ENCODER
-from vcage.datasets.lerobot.formats import FORMATS, open_writer
-from vcage.datasets.lerobot.meta import INFO, appendable_info, data_set_info
+from vcage.datasets.lerobot.formats import FORMATS
+from vcage.datasets.lerobot.growing import GrowingSet
+from vcage.datasets.lerobot.meta import INFO, data_set_info
 from vcage.datasets.lerobot.places import placed
 from vcage.datasets.lerobot.repack import VIDEO_PATHS
-from vcage.runs.accepted import acceptance_files
-from vcage.runs.raw_pictures import EpisodeFile, accepted_files
+from vcage.runs.raw_pictures import accepted_files
 from vcage.schema.export import Export
-from vcage.stages.export import Footage, lerobot_episodes
+from vcage.stages.export import Footage
 
 logger = logging.getLogger(__name__)
-
-ADDED = "added.json"
-"""File in the folder of the data sets: format → SHA-256 of an episode's file → its number in the data set.
-
-It is written before the data set, so it may name episodes beyond its end, which were never added.
-"""
 
 
 def append_to(root: Path, run: RunFolder, progress: Progress = silent) -> dict[str, Path]:
     """Add the episodes of a run to the LeRobot data sets in a folder, one for each format that the run was exported to.
 
-    A missing data set is created. Each is whole at any time, and an episode already in it is left
-    out: an interrupted call can be repeated, and a run that has grown adds what is new. The videos are those of the
-    export.
+    A missing data set is created. Each is whole at any time, and an episode already in it is left out
+    (:mod:`vcage.apps.run_episodes` says which are the same): an interrupted call can be repeated, and a run that has
+    grown adds what is new. The videos are those of the export. No old file of the data set is written again.
 
     Example:
         >>> append_to(Path("datasets/all"), RunFolder("runs/blocks"))
@@ -60,47 +53,26 @@ def append_to(root: Path, run: RunFolder, progress: Progress = silent) -> dict[s
         OutputFolderError, DiskFull: the folder cannot be written.
     """
     export = Export.read(run.export)
-    if any(export.provenance.inputs.get(run.relative(path)) != sha256_file(path) for path in acceptance_files(run)):
-        raise StaleStage(f"{run.export} was made of other episodes")
+    require_up_to_date(run, export, run.export)
     sets = {one.format: run.file(one.path) for one in export.datasets if one.format in FORMATS}
     if not sets:
         raise UsageError("only LeRobot data sets can be added to", hint=f"give --formats {' '.join(FORMATS)}")
-    episodes = {export.provenance.inputs[file.name]: file for file in accepted_files(run)}
+    files = [file.name for file in accepted_files(run)]
     RunFolder(root).make()
     with held(root):
         for name, exported in sets.items():
-            footage = _footage_of(exported, [file.name for file in episodes.values()])
-            if not _append(root, name, episodes, footage, progress):
+            with GrowingSet(name, root / name) as data_set:
+                outcome, additions = Outcome(), additions_of(run, run.root.name, _footage_of(exported, files))
+                add_episodes([data_set], [Known(data_set)], _shown(additions, progress), outcome, strict=True)
+            if not outcome.added:
                 logger.info("%s holds the episodes of %s already", root / name, run)
     return {name: root / name for name in sets}
 
 
-def _append(root: Path, name: str, episodes: Mapping[str, EpisodeFile], footage: Footage, progress: Progress) -> bool:
-    """Add the episodes, by the SHA-256 of their files, that a data set lacks; True if there were any."""
-    recover(root / name)
-    count = appendable_info(root / name, {})["total_episodes"] if (root / name / INFO).is_file() else 0
-    added = _read_added(root / ADDED)
-    stored = {digest: number for digest, number in added.get(name, {}).items() if number < count}
-    new = {digest: file for digest, file in episodes.items() if digest not in stored}
-    if not new:
-        return False
-    coming = {digest: number for number, digest in enumerate(new, start=count)}
-    with open_writer(name, root / name, footage.facts, append=count > 0) as writer:
-        for episode in lerobot_episodes(list(new.values()), footage, progress):
-            writer.add(episode)
-        write_json(root / ADDED, {**added, name: {**stored, **coming}})
-    return True
-
-
-def _read_added(path: Path) -> dict[str, dict[str, int]]:
-    if not path.exists():
-        return {}
-    try:
-        return TypeAdapter(dict[str, dict[str, int]]).validate_python(read_json(path))
-    except ValidationError as error:
-        raise DamagedFile(
-            f"{path} does not list the episodes of the data sets", hint="begin new ones in another folder"
-        ) from error
+def _shown(additions: Sequence[Addition], progress: Progress) -> Iterator[Addition]:
+    for number, addition in enumerate(additions):
+        progress(Path(addition.file).stem, number, len(additions))
+        yield addition
 
 
 def _footage_of(exported: Path, files: Sequence[str]) -> Footage:

@@ -205,12 +205,13 @@ def lerobot_episodes(
         DamagedFile: an episode cannot be read.
     """
     with ThreadPoolExecutor(cores()) as pool:  # nearly all of it is decoding, which threads do side by side
-        for number, episode in enumerate(pool.map(partial(_lerobot_episode, footage), files)):
+        for number, episode in enumerate(pool.map(partial(lerobot_episode_of, footage), files)):
             progress(files[number].path.stem, number, len(files))
             yield episode
 
 
-def _lerobot_episode(footage: Footage, file: EpisodeFile) -> LeRobotEpisode:
+def lerobot_episode_of(footage: Footage, file: EpisodeFile) -> LeRobotEpisode:
+    """Return an episode with its videos; raises as :func:`lerobot_episodes`."""
     recording = open_hdf5(file.path)
     cameras = [camera.name for camera in recording.cameras]
     missing = [camera for camera in cameras if (file.name, camera) not in footage.files]

@@ -1,0 +1,146 @@
+"""Add episodes of runs to data sets that grow; each once, however often its run is given."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable, Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from vcage.apps.run_episodes import Addition, motion_key
+from vcage.base.errors import InputFileError, UsageError, VcageError
+from vcage.base.workers import cores
+from vcage.datasets.lerobot.episode import LeRobotEpisode
+from vcage.datasets.lerobot.growing import GrowingSet
+from vcage.schema.merge import LeftOut, Repeated
+
+
+@dataclass
+class Outcome:
+    """The result of an addition so far.
+
+    Args:
+        added: number of episodes by place of the data set.
+        repeated: episodes of other runs that were there already.
+        left_out: what could not be added.
+    """
+
+    added: dict[Path, int] = field(default_factory=dict)
+    repeated: list[Repeated] = field(default_factory=list)
+    left_out: list[LeftOut] = field(default_factory=list)
+
+    def leave_out(self, run: str, episode: str | None, error: VcageError) -> None:
+        """Note an error."""
+        self.left_out.append(LeftOut(run=run, episode=episode, code=error.code, reason=error.as_line()))
+
+
+class Known:
+    """Episodes of a data set, by the keys that tell them apart."""
+
+    def __init__(self, data_set: GrowingSet):
+        self._numbers: dict[int, int] = {}
+        self._places: list[int] = []
+        for source in data_set.sources():
+            self._note(source["drawn"], source["motion"], source["run"], source["episode"], source["episode_index"])
+
+    def number(self, *keys: str) -> int | None:
+        """Return the number of an episode with one of these keys."""
+        return next((number for key in keys if (number := self._numbers.get(int(key, 16))) is not None), None)
+
+    def is_from(self, number: int, run: str, file: str) -> bool:
+        """True if an episode came from this file."""
+        return self._places[number] == hash((run, file))
+
+    def note(self, addition: Addition, motion: str, number: int) -> None:
+        """Note an episode that was added."""
+        self._note(addition.drawn, motion, addition.run, addition.file, number)
+
+    def _note(self, drawn: str, motion: str, run: str, file: str, number: int) -> None:
+        for key in (drawn, motion):
+            self._numbers.setdefault(int(key, 16), number)
+        self._places += [0] * (number + 1 - len(self._places))
+        self._places[number] = hash((run, file))
+
+
+def add_episodes(
+    sets: Sequence[GrowingSet],
+    known: Sequence[Known],
+    additions: Iterable[Addition],
+    outcome: Outcome,
+    *,
+    commit_every: int | None = None,
+    strict: bool = False,
+) -> None:
+    """Add episodes to data sets, each to those that lack it, and commit them.
+
+    In memory are a few episodes, and the keys of all.
+
+    Args:
+        sets: the data sets, of different formats.
+        known: their episodes.
+        additions: in order.
+        outcome: is added to.
+        commit_every: number of episodes after which a data set is committed; None for once at the end.
+        strict: raise the first error about an episode, in place of leaving it out.
+
+    Raises:
+        DamagedFile, UsageError: a data set is damaged or cannot be added to; with ``strict``, an episode.
+        DiskFull, OutputFolderError: a data set cannot be written. What was committed stays.
+    """
+    pairs = list(zip(sets, known, strict=True))
+
+    def is_new(addition: Addition) -> bool:
+        numbers = [one.number(addition.drawn) for one in known]
+        for one, number in zip(known, numbers, strict=True):
+            if None not in numbers and number is not None and not one.is_from(number, addition.run, addition.file):
+                repeated = Repeated(run=addition.run, episode=addition.file, number=number)
+                outcome.repeated.append(repeated)
+                break
+        return None in numbers
+
+    for addition, loaded in _loaded(filter(is_new, additions)):
+        try:
+            episode = loaded.result()
+            for data_set, one in pairs:
+                data_set.ready()  # an error about the data set itself ends it all
+                _add(data_set, one, addition, episode, outcome)
+        except (InputFileError, UsageError) as error:
+            if strict:
+                raise
+            outcome.leave_out(addition.run, addition.file, error)
+        for data_set, _ in pairs:
+            if commit_every is not None and data_set.pending >= commit_every:
+                data_set.commit()
+    for data_set, _ in pairs:
+        data_set.commit()
+
+
+def _add(data_set: GrowingSet, known: Known, addition: Addition, episode: LeRobotEpisode, outcome: Outcome) -> None:
+    """Add an episode to a data set unless it is there."""
+    motion, number = motion_key(episode), data_set.episodes
+    there = known.number(addition.drawn, motion)
+    if there is not None:
+        if not known.is_from(there, addition.run, addition.file):
+            outcome.repeated.append(Repeated(run=addition.run, episode=addition.file, number=there))
+        return
+    source = {"run": addition.run, "episode": addition.file, "drawn": addition.drawn, "motion": motion}
+    data_set.add(episode, addition.encodings, source)
+    known.note(addition, motion, number)
+    outcome.added[data_set.root] = outcome.added.get(data_set.root, 0) + 1
+
+
+def _loaded(additions: Iterable[Addition]) -> Iterator[tuple[Addition, Future[LeRobotEpisode]]]:
+    """Yield additions in order with their episodes; threads load the next ones, as most of it is decoding."""
+    waiting: deque[tuple[Addition, Future[LeRobotEpisode]]] = deque()
+    with ThreadPoolExecutor(cores()) as pool:
+        try:
+            for addition in additions:
+                waiting.append((addition, pool.submit(addition.load)))
+                if len(waiting) > 2 * cores():
+                    yield waiting.popleft()
+            while waiting:
+                yield waiting.popleft()
+        finally:
+            for _, future in waiting:
+                future.cancel()
