@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -14,6 +15,8 @@ from vcage.base.workers import cores
 from vcage.datasets.lerobot.episode import LeRobotEpisode
 from vcage.datasets.lerobot.growing import GrowingSet
 from vcage.schema.merge import LeftOut, Repeated
+
+log = logging.getLogger(__name__)
 
 
 @dataclass
@@ -32,6 +35,7 @@ class Outcome:
 
     def leave_out(self, run: str, episode: str | None, error: VcageError) -> None:
         """Note an error."""
+        log.warning("left out: %s%s: %s", run, f"/{episode}" if episode else "", error.as_line())
         self.left_out.append(LeftOut(run=run, episode=episode, code=error.code, reason=error.as_line()))
 
 
@@ -100,10 +104,11 @@ def add_episodes(
         return None in numbers
 
     for addition, loaded in _loaded(filter(is_new, additions)):
+        for data_set, _ in pairs:
+            data_set.ready()  # an error about the data set itself is no error of the episode
         try:
             episode = loaded.result()
             for data_set, one in pairs:
-                data_set.ready()  # an error about the data set itself ends it all
                 _add(data_set, one, addition, episode, outcome)
         except (InputFileError, UsageError) as error:
             if strict:

@@ -121,7 +121,11 @@ class _Loading:
         """
         if not file.path.is_file():
             raise MissingStage(f"{file.path} does not exist", maker="collect")
-        if sha256_file(file.path) not in [written.get(file.name) for written in self._written]:
+        try:
+            digest = sha256_file(file.path)
+        except OSError as error:
+            raise InputFileError(f"{file.path} cannot be read: {error.strerror}", hint="make it readable") from error
+        if digest not in [written.get(file.name) for written in self._written]:
             raise DamagedFile(f"{file.path} has other bytes than its stage wrote", hint="restore it", maker="collect")
         for (episode, _), video in self.footage.files.items():
             if episode == file.name:

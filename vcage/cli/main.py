@@ -36,6 +36,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "render": ("vcage.cli.recorded.RenderEpisodes", "draw episodes again under other looks, without simulating"),
     "compress": ("vcage.cli.compress.Compress", "8. compress videos of a run, or any recordings"),
     "export": ("vcage.cli.export.ExportEpisodes", "9. write LeRobot data sets"),
+    "merge": ("vcage.cli.merge.MergeRuns", "write one LeRobot data set of many runs"),
     "decompress": ("vcage.cli.compress.Decompress", "put the pictures of compressed recordings back"),
     "replay": ("vcage.cli.recorded.Replay", "simulate recorded episodes again, and say what differs"),
     "report": ("vcage.cli.recorded.Report", "write the HTML page of a run"),

@@ -88,11 +88,14 @@ class GrowingSet:
         return self
 
     def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
         """Drop what was not committed."""
         if self._writer is not None:
             self._writer.close()
             shutil.rmtree(self.root / ADDING, ignore_errors=True)
-            self._writer = None
+            self._writer, self.pending = None, 0
 
     def add(
         self,

@@ -1,0 +1,231 @@
+"""One data set of all accepted episodes of many runs.
+
+Episodes are committed in parts (:mod:`vcage.datasets.lerobot.growing`), so a merge that is killed loses the last part
+at most, and goes on when it is called again. A run or an episode that cannot be read is left out and named.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from vcage.apps.adding import Known, Outcome, add_episodes
+from vcage.apps.run_episodes import Addition, additions_of
+from vcage.base.errors import InputFileError, MissingStage, UnknownName, UsageError
+from vcage.base.files import RunFolder
+from vcage.base.hold import held
+from vcage.base.progress import Progress, silent
+from vcage.base.text import listed
+from vcage.campaigns.found_runs import FoundRun, Kind, look_at, run_folders
+from vcage.datasets.lerobot.formats import FORMATS
+from vcage.datasets.lerobot.growing import GrowingSet
+from vcage.datasets.lerobot.meta import INFO, TRAIN, data_set_info
+from vcage.schema.merge import Merge, MergedSet
+
+logger = logging.getLogger(__name__)
+
+RECORD = "merge.json"
+
+TEST = "test"
+"""The split of the runs that are held out; its episodes come last."""
+
+DEFAULT_FORMATS = ("lerobot-v3.0",)
+
+
+@dataclass(frozen=True)
+class MergeSettings:
+    """How a merge works.
+
+    Args:
+        commit_episodes: after which they are part of the data set; a killed merge loses fewer.
+        most_named: kinds of runs that an error names.
+    """
+
+    commit_episodes: int = 250
+    most_named: int = 5
+
+
+SETTINGS = MergeSettings()
+
+
+@dataclass(frozen=True)
+class Order:
+    """The data sets that are wanted.
+
+    Args:
+        formats: of LeRobot's.
+        test: share of the runs whose episodes are held out, 0 to 1; all runs of one instruction, robot and seed are.
+        group: write a data set for each kind of runs, in a folder of its name; else several kinds are refused.
+    """
+
+    formats: Sequence[str] = DEFAULT_FORMATS
+    test: float = 0.0
+    group: bool = False
+
+
+def merge(folders: Sequence[Path], out: Path, order: Order = Order(), progress: Progress = silent) -> Merge:
+    """Write the accepted episodes of runs into one data set for each format, or add them to it.
+
+    Each episode is added once (:mod:`vcage.apps.run_episodes`): a repeated call does nothing, or adds what is new.
+
+    Example:
+        >>> merge([Path("campaign")], Path("datasets/all"), Order(formats=("lerobot-v2.1", "lerobot-v3.0")))
+
+    Args:
+        folders: run folders, or folders that contain some.
+        out: folder of the data sets, ``<out>/<format>``, and of :data:`RECORD`.
+        order: what is wanted.
+        progress: called for every run.
+
+    Returns:
+        The record, which names what was left out.
+
+    Raises:
+        UsageError: runs do not fit together, or not to the data set; names how they differ. Nothing is written then.
+        MissingStage: there is no run, or no episode could be added to anything.
+        DamagedFile: the data set cannot be read.
+        FolderInUse: another process adds to it.
+        OutputFolderError, DiskFull: it cannot be written; what was committed stays.
+    """
+    for name in set(order.formats) - set(FORMATS):
+        raise UnknownName("LeRobot format", name, FORMATS)
+    out, outcome = out.expanduser().resolve(), Outcome()
+    runs = _found(folders, outcome, progress)
+    if any(out.is_relative_to(run.root) for run in runs):
+        raise UsageError(f"{out} is in a run folder, which one run makes and replaces", hint="give another folder")
+    groups = _grouped(runs, out, order)
+    RunFolder(out).make()
+    sets: list[MergedSet] = []
+    with held(out):
+        for root, own in groups.items():
+            sets += _merge(own, root, out, order, outcome, progress)
+        record = Merge(runs=len(runs), datasets=sets, left_out=outcome.left_out, repeated=outcome.repeated)
+        record.write(out / RECORD)
+    if not sets:
+        raise MissingStage(
+            f"no episode of {len(runs)} runs could be added: {_first_reason(record)}",
+            hint=f"{out / RECORD} names what was left out",
+            details={"left_out": [one.model_dump() for one in record.left_out]},
+        )
+    return record
+
+
+def _found(folders: Sequence[Path], outcome: Outcome, progress: Progress) -> list[FoundRun]:
+    """Return the runs that have episodes; those that cannot be read are left out."""
+    for folder in folders:
+        if not folder.expanduser().is_dir():
+            raise MissingStage(f"{folder} is no folder", hint="give run folders, or folders that contain some")
+    found, count = [], 0
+    for count, (root, name) in enumerate(run_folders(folders), start=1):
+        progress(f"looking at {name}", count - 1, count)
+        try:
+            found.append(look_at(root, name))
+        except InputFileError as error:
+            outcome.leave_out(name, None, error)
+    if count == 0:
+        raise MissingStage(
+            f"there is no run folder at or below {', '.join(map(str, folders))}",
+            hint="a run folder holds episodes/episodes.json",
+        )
+    return [run for run in found if run is not None]
+
+
+def _grouped(runs: Sequence[FoundRun], out: Path, order: Order) -> Mapping[Path, list[FoundRun]]:
+    """Return folder of data sets → its runs; a run whose kind is unknown goes with the first.
+
+    Raises:
+        UsageError: runs do not fit together, or not to a data set.
+    """
+    kinds = list(dict.fromkeys(run.kind for run in runs if run.kind is not None))
+    if len(kinds) > 1 and not order.group:
+        examples = [f"{next(r.name for r in runs if r.kind == kind)} has {kind.name}" for kind in kinds]
+        differ = listed([d for kind in kinds[1:] for d in kinds[0].differences(kind)], most=SETTINGS.most_named)
+        raise UsageError(
+            f"one data set cannot hold runs of {len(kinds)} kinds: {listed(examples, most=SETTINGS.most_named)}",
+            hint="give --group for a data set of each kind, or leave the other folders out",
+            details={"kinds": [kind.name for kind in kinds], "other": differ},
+        )
+    roots = {kind: out / kind.name if order.group else out for kind in kinds}
+    for kind, root in roots.items():
+        for name in order.formats:
+            _require_fit(kind, root / name, next(run.name for run in runs if run.kind == kind))
+    first = next(iter(roots.values()), out)
+    groups: dict[Path, list[FoundRun]] = {}
+    for run in runs:
+        groups.setdefault(first if run.kind is None else roots[run.kind], []).append(run)
+    return groups
+
+
+def _require_fit(kind: Kind, root: Path, run: str) -> None:
+    if (root / INFO).is_file() and (differ := Kind.of_data_set(root).differences(kind)):
+        raise UsageError(
+            f"{run} does not fit {root}: it has {'; '.join(differ)}",
+            hint="give another --out for runs of its kind",
+            details={"run": run, "differences": differ},
+        )
+
+
+def _merge(
+    runs: Sequence[FoundRun], root: Path, out: Path, order: Order, outcome: Outcome, progress: Progress
+) -> list[MergedSet]:
+    """Add the episodes of runs of one kind."""
+    known = [Known(GrowingSet(name, root / name)) for name in order.formats]
+    held_out = _held_out(runs, order.test)
+    for split, own in (
+        (TRAIN, [r for r in runs if r.draw not in held_out]),
+        (TEST, [r for r in runs if r.draw in held_out]),
+    ):
+        sets = [GrowingSet(name, root / name, split) for name in order.formats]
+        _add(sets, known, _additions(own, outcome, progress), outcome)
+    return [_described(root / name, name, out, outcome) for name in order.formats if (root / name / INFO).is_file()]
+
+
+def _add(sets: Sequence[GrowingSet], known: Sequence[Known], additions: Iterable[Addition], outcome: Outcome) -> None:
+    try:
+        add_episodes(sets, known, additions, outcome, commit_every=SETTINGS.commit_episodes)
+    finally:
+        for data_set in sets:
+            data_set.close()
+
+
+def _held_out(runs: Sequence[FoundRun], share: float) -> set[int]:
+    """Return the draws of the runs that are held out: the lowest, so that most stay held out as runs are added."""
+    draws = sorted({run.draw for run in runs})
+    if share == 0:
+        return set()
+    if len(draws) < 2:
+        raise UsageError(
+            "a test split takes whole runs, of which there is one", hint="make runs of other seeds, or leave --test out"
+        )
+    return set(draws[: min(max(1, round(share * len(draws))), len(draws) - 1)])
+
+
+def _additions(runs: Sequence[FoundRun], outcome: Outcome, progress: Progress) -> Iterator[Addition]:
+    for number, run in enumerate(runs):
+        progress(run.name, number, len(runs))
+        try:
+            additions = additions_of(RunFolder(run.root), run.name)
+        except InputFileError as error:
+            outcome.leave_out(run.name, None, error)
+            continue
+        yield from additions
+
+
+def _described(root: Path, version: str, out: Path, outcome: Outcome) -> MergedSet:
+    info: dict[str, Any] = data_set_info(root)
+    return MergedSet(
+        format=version,
+        group="" if root.parent == out else root.parent.name,
+        path=root.relative_to(out).as_posix(),
+        episodes=info["total_episodes"],
+        frames=info["total_frames"],
+        added=outcome.added.get(root, 0),
+        splits=info["splits"],
+    )
+
+
+def _first_reason(record: Merge) -> str:
+    return record.left_out[0].reason if record.left_out else "none counts"

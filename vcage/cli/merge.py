@@ -1,0 +1,66 @@
+"""``vcage merge``: one data set of many runs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+from tyro.conf import Positional, arg
+
+from vcage.base.options import FOLDER, Flag, between, folder, several
+from vcage.cli.arguments import Command
+from vcage.cli.output import Result
+from vcage.cli.progress import progress
+from vcage.datasets.lerobot.formats import FORMATS
+
+MOST_NAMED = 20
+"""What was left out, in the result; all of it is in the record."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MergeRuns(Command):
+    """Write one LeRobot data set of all accepted episodes of many runs, or add them to it.
+
+    Each DIR is a run folder, or contains run folders at any depth, as a campaign does; other folders are passed over.
+    The videos are those of `vcage compress`, linked where the disk allows it. An episode is added once, whether its run
+    is given again, copied, simulated or rendered again. So the same command goes on after an interruption, and adds
+    what has come since. What is damaged is left out, and named in OUT/merge.json.
+    Runs of several robots, frame rates, codecs or sets of cameras are refused, or with --group get a data set each.
+
+    examples:
+      vcage merge runs/a runs/b --out datasets/all
+      vcage merge campaign --out datasets/campaign --formats lerobot-v2.1 lerobot-v3.0
+      vcage merge campaign --out datasets/by-robot --group --test 0.1
+    """
+
+    folders: Annotated[tuple[Path, ...], several("DIR ...", one=folder), Positional, arg(metavar="DIR ...")]
+    """run folders, or folders that contain some"""
+    out: Annotated[Path, FOLDER]
+    """folder of the data sets, OUT/<format>, and of merge.json"""
+    formats: Annotated[tuple[str, ...], several("{" + ",".join(FORMATS) + "} ...", choices=tuple(FORMATS))] = (
+        "lerobot-v3.0",
+    )
+    """what to write"""
+    test: Annotated[float, between(0, 0.9, "SHARE")] = 0.0
+    """share of the runs that are held out: their episodes come last, as the split 'test'"""
+    group: Flag = False
+    """write a data set for each kind of runs, into OUT/<kind>/<format>"""
+
+    def execute(self) -> Result:
+        """Merge."""
+        from vcage.campaigns.merge import RECORD, Order, merge
+
+        order = Order(self.formats, self.test, self.group)
+        with progress("merge") as show:
+            record = merge(self.folders, self.out, order, show)
+        summary = {
+            "runs": record.runs,
+            "datasets": [one.model_dump() for one in record.datasets],
+            "repeated": len(record.repeated),
+            "left_out": len(record.left_out),
+        }
+        named = [one.model_dump() for one in record.left_out[:MOST_NAMED]]
+        return Result(
+            output=self.out / RECORD, schema=record.SCHEMA, summary=summary, facts={"left_out": named} if named else {}
+        )
