@@ -66,7 +66,20 @@ class Order:
     group: bool = False
 
 
-def merge(folders: Sequence[Path], out: Path, order: Order = Order(), progress: Progress = silent) -> Merge:
+@dataclass(frozen=True)
+class Merged:
+    """The result of a merge.
+
+    Args:
+        record: as written.
+        added: path of a data set in the record → episodes that it gained by this call.
+    """
+
+    record: Merge
+    added: Mapping[str, int]
+
+
+def merge(folders: Sequence[Path], out: Path, order: Order = Order(), progress: Progress = silent) -> Merged:
     """Write the accepted episodes of runs into one data set for each format, or add them to it.
 
     Each episode is added once (:mod:`vcage.apps.run_episodes`): a repeated call does nothing, or adds what is new.
@@ -81,7 +94,7 @@ def merge(folders: Sequence[Path], out: Path, order: Order = Order(), progress: 
         progress: called for every run.
 
     Returns:
-        The record, which names what was left out.
+        The record, which names what was left out, and how much was added.
 
     Raises:
         UsageError: runs do not fit together, or not to the data set; names how they differ. Nothing is written then.
@@ -110,7 +123,7 @@ def merge(folders: Sequence[Path], out: Path, order: Order = Order(), progress: 
             hint=f"{out / RECORD} names what was left out",
             details={"left_out": [one.model_dump() for one in record.left_out]},
         )
-    return record
+    return Merged(record, {one.path: outcome.added.get(out / one.path, 0) for one in sets})
 
 
 def _found(folders: Sequence[Path], outcome: Outcome, progress: Progress) -> list[FoundRun]:
@@ -180,7 +193,7 @@ def _merge(
     ):
         sets = [GrowingSet(name, root / name, split) for name in order.formats]
         _add(sets, known, _additions(own, outcome, progress), outcome)
-    return [_described(root / name, name, out, outcome) for name in order.formats if (root / name / INFO).is_file()]
+    return [_described(root / name, name, out) for name in order.formats if (root / name / INFO).is_file()]
 
 
 def _add(sets: Sequence[GrowingSet], known: Sequence[Known], additions: Iterable[Addition], outcome: Outcome) -> None:
@@ -214,7 +227,7 @@ def _additions(runs: Sequence[FoundRun], outcome: Outcome, progress: Progress) -
         yield from additions
 
 
-def _described(root: Path, version: str, out: Path, outcome: Outcome) -> MergedSet:
+def _described(root: Path, version: str, out: Path) -> MergedSet:
     info: dict[str, Any] = data_set_info(root)
     return MergedSet(
         format=version,
@@ -222,7 +235,6 @@ def _described(root: Path, version: str, out: Path, outcome: Outcome) -> MergedS
         path=root.relative_to(out).as_posix(),
         episodes=info["total_episodes"],
         frames=info["total_frames"],
-        added=outcome.added.get(root, 0),
         splits=info["splits"],
     )
 

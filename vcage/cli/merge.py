@@ -53,10 +53,11 @@ class MergeRuns(Command):
 
         order = Order(self.formats, self.test, self.group)
         with progress("merge") as show:
-            record = merge(self.folders, self.out, order, show)
+            done = merge(self.folders, self.out, order, show)
+        record = done.record
         summary = {
             "runs": record.runs,
-            "datasets": [one.model_dump() for one in record.datasets],
+            "datasets": [{**one.model_dump(), "added": done.added[one.path]} for one in record.datasets],
             "repeated": len(record.repeated),
             "left_out": len(record.left_out),
         }

@@ -34,12 +34,11 @@ class MergedSet(Record):
     path: str = Field(description="from the folder of this record")
     episodes: int
     frames: int
-    added: int = Field(description="episodes, by this merge")
     splits: dict[str, str] = Field(description="name → range of its episodes, the end excluded")
 
 
 class Merge(Document):
-    """``merge.json`` beside the merged data sets, about the last merge."""
+    """``merge.json`` beside the merged data sets. An interrupted and repeated merge leaves the same as another."""
 
     SCHEMA: ClassVar[str] = "vcage.merge/1"
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Collection, Mapping
+from functools import cached_property
 from pathlib import Path
 from typing import ClassVar, Self
 
@@ -56,16 +57,20 @@ class VcageEpisode(ActEpisode):
 
     @property
     def subtasks(self) -> list[SubtaskSpan]:
-        with EpisodeReader(self.path) as reader:
-            episode = reader.episode
-        wordings = episode.meta.get("wordings", {})
-        return [SubtaskSpan(one.text, one.start, one.end, wordings.get(one.subtask, ())) for one in episode.segments]
+        return self._own_facts[0]
 
     @property
     def randomisation(self) -> str | None:
+        return self._own_facts[1]
+
+    @cached_property
+    def _own_facts(self) -> tuple[list[SubtaskSpan], str | None]:
+        """Sub-tasks and random draws, together: to read them is to check the whole file."""
         with EpisodeReader(self.path) as reader:
-            drawn = reader.episode.meta.get(DRAWN)
-        return None if drawn is None else json.dumps(drawn, sort_keys=True)
+            episode = reader.episode
+        wordings, drawn = episode.meta.get("wordings", {}), episode.meta.get(DRAWN)
+        spans = [SubtaskSpan(one.text, one.start, one.end, wordings.get(one.subtask, ())) for one in episode.segments]
+        return spans, None if drawn is None else json.dumps(drawn, sort_keys=True)
 
     @property
     def _names(self) -> tuple[str, ...]:
