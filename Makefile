@@ -8,8 +8,8 @@
 #   make docs     the pages of docs/ as a site, in build/site; links are checked
 #   make doctor   what was found, and the command that fixes what is missing
 #
-#   make test-lerobot   the real lerobot, in an environment of its own, loads what export writes; DATASET=PATH proves a
-#                       run folder or a LeRobot folder of yours instead of a small run made for it
+#   make test-lerobot   the real lerobot, in an environment of its own, loads what export and merge write; DATASET=PATH
+#                       proves a run folder or a LeRobot folder of yours instead of a small run made for it
 #   make test-llm       a real model server (llama.cpp with 135 million parameters), in an environment of its own, answers
 #                       every prompt under its JSON schema
 #   make test-wheel     the wheel in an empty environment outside the checkout, with an empty cache: set-up and one run
@@ -129,6 +129,10 @@ ifeq ($(DATASET),)
 endif
 	@for run in $(or $(DATASET),$(LEROBOT_RUNS)); do \
 	  $(LEROBOT_CHECK_V21) $$run && $(LEROBOT_CHECK) $$run || exit; done
+ifeq ($(DATASET),)
+	@for run in $(LEROBOT_RUNS); do \
+	  $(LEROBOT_CHECK_V21) $$run --sets $$run-merged && $(LEROBOT_CHECK) $$run --sets $$run-merged || exit; done
+endif
 
 $(LLM_STAMP): $(LLM_PACKAGES) | $(STAMP)
 	@test -x $(LLM)/bin/python && $(LLM)/bin/python -m pip --version >/dev/null 2>&1 || $(BIN)/python -m venv --clear $(LLM)

@@ -1,6 +1,6 @@
 """Let the real lerobot load the export of a run, and compare everything with the recording.
 
-    python -m tests.lerobot.check PATH [--self-check | --sabotage NAME]
+    python -m tests.lerobot.check PATH [--sets FOLDER | --self-check | --sabotage NAME]
 
 Prints a line per check and a JSON object on the last line; the exit code is 1 when anything differs.
 """
@@ -24,6 +24,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("path", type=Path, help="a run folder that was exported, or a LeRobot folder")
     alternatives = parser.add_mutually_exclusive_group()
+    alternatives.add_argument("--sets", type=Path, help="data sets made of the run, in place of its export")
     alternatives.add_argument("--sabotage", choices=SABOTAGES, help="break a copy of the v3.0 export, and check that")
     alternatives.add_argument("--self-check", action="store_true", help="check that every sabotage is found")
     arguments = parser.parse_args()
@@ -41,7 +42,7 @@ def main() -> int:
         elif arguments.sabotage:
             facts = proof.check_broken(report, arguments.path, scratch, arguments.sabotage)
         else:
-            facts = proof.check_export(report, arguments.path, scratch)
+            facts = proof.check_export(report, arguments.path, scratch, arguments.sets)
     outcome = {"passed": not report.differences if report.checks else None, "path": str(arguments.path), **facts}
     outcome |= {"checks": report.checks, "differences": report.differences}
     print(json.dumps({**outcome, "seconds": round(time.monotonic() - started, 1)}, ensure_ascii=False))

@@ -1,6 +1,8 @@
-"""Make the small run that `make test-lerobot` proves: episodes collected, compressed and exported.
+"""Make the small run that `make test-lerobot` proves: episodes collected, compressed, exported and merged.
 
     python -m tests.lerobot.make_run FOLDER KIND
+
+The merged data sets lie in FOLDER-merged; they were committed in several parts.
 
 No two episodes have the same length, motion, pictures or sub-tasks, and there are two instructions, so that any
 confusion by a reader is seen.
@@ -14,6 +16,9 @@ from typing import Any
 
 from tests.recordings import INSTRUCTION, collected, episode, segment, wordings_of, written
 from vcage.base.files import RunFolder
+from vcage.campaigns import merge as merging
+from vcage.campaigns.merge import MergeSettings, Order
+from vcage.datasets.lerobot.formats import FORMATS
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.runs.context import StageContext
 from vcage.schema.episodes import Episodes
@@ -41,6 +46,8 @@ def make_run(root: Path, kind: str) -> RunFolder:
     record.write(run.episodes)
     compress.execute(run, compress.Options(seed=7, keep_raw=True, compression=KINDS[kind]), StageContext())
     export.execute(run, export.Options(seed=7), StageContext())
+    merging.SETTINGS = MergeSettings(commit_episodes=3)
+    merging.merge([root], root.with_name(f"{root.name}-merged"), Order(formats=tuple(FORMATS)))
     return run
 
 

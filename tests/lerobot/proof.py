@@ -39,20 +39,28 @@ WORKERS = (2, 0)
 """Numbers of processes that load. Two first: a process that has decoded video had better not be forked."""
 
 
-def check_export(report: Report, path: Path, scratch: Path) -> dict[str, Any]:
-    """Check all that the installed lerobot can load of a run folder or a LeRobot folder; returns facts about it."""
+def check_export(report: Report, path: Path, scratch: Path, sets: Path | None = None) -> dict[str, Any]:
+    """Check all that the installed lerobot can load of a run folder or a LeRobot folder; returns facts about it.
+
+    Args:
+        report: is told.
+        path: the folder.
+        scratch: an existing folder.
+        sets: folder of the data sets made of a run; None for those of its export.
+    """
+    sets = sets or path / "export"
     if (path / INFO).exists():
         episodes = read_folder(path, scratch)
         folders = {json.loads((path / INFO).read_text())["codebase_version"]: path}
     else:
         episodes = read_run(path, scratch)
-        folders = {name: path / "export" / f"lerobot-{name}" for name in ("v2.1", "v3.0")}
+        folders = {name: sets / f"lerobot-{name}" for name in ("v2.1", "v3.0")}
     usable = _backends(report, episodes)
     extremes = Extremes()
     loadable = _loadable(folders, scratch)
     if CODEBASE_VERSION == "v2.1" and loadable:
         check_layout(report, folders["v2.1"], episodes)
-    in_words = path / "export" / "lerobot-v3.1"
+    in_words = sets / "lerobot-v3.1"
     if CODEBASE_VERSION == "v3.0" and in_words.exists():
         check_language(report, in_words, episodes)
     for workers in WORKERS:
