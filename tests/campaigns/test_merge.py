@@ -124,6 +124,15 @@ def test_a_repeated_merge_changes_no_data_set(made, out):
     assert digests(out / V3) == before
 
 
+def test_data_sets_and_links_below_a_folder_are_no_runs(campaign):
+    merge([campaign], campaign / "all")
+    (campaign / "linked").symlink_to(campaign / "jobs")
+    (campaign / ".trash").mkdir()
+    shutil.copytree(campaign / "jobs/red/0000", campaign / ".trash/0000")
+    done = merge([campaign], campaign / "all")
+    assert (done.record.runs, done.added, done.record.repeated) == (3, {V3: 0}, [])
+
+
 def test_a_run_given_twice_is_merged_once(made, out):
     record = merge([made, made / "jobs/red/0000", made / "jobs"], out).record
     assert (record.runs, record.datasets[0].episodes) == (3, 6)

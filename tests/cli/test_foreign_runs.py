@@ -25,6 +25,7 @@ COMMANDS = {
     "verify": ("verify", "--run", "{run}", *OFFLINE),
     "compress": ("compress", "--run", "{run}", "--force"),
     "export": ("export", "--run", "{run}", "--append-to", "{run}-sets"),
+    "merge": ("merge", "{run}", "--out", "{run}-merged"),
     "run": ("run", INSTRUCTION, "--out", "{run}", *OFFLINE),
     "report": ("report", "--run", "{run}"),
     "replay": ("replay", "{run}"),
@@ -32,7 +33,7 @@ COMMANDS = {
     "view": ("view", "{run}", "--save", "{run}.rrd"),
     "prompts show": ("prompts", "show", "judge_subtask", "--run", "{run}"),
 }
-THAT_READ_EPISODES = ("verify", "compress", "export", "report", "replay", "render", "view")
+THAT_READ_EPISODES = ("verify", "compress", "export", "merge", "report", "replay", "render", "view")
 
 
 @pytest.fixture(scope="module")

@@ -10,10 +10,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from vcage.apps.run_episodes import Addition, motion_key
-from vcage.base.errors import InputFileError, UsageError, VcageError
+from vcage.base.errors import DamagedFile, InputFileError, UsageError, VcageError
 from vcage.base.workers import cores
 from vcage.datasets.lerobot.episode import LeRobotEpisode
-from vcage.datasets.lerobot.growing import GrowingSet
+from vcage.datasets.lerobot.growing import SOURCES, GrowingSet
 from vcage.schema.merge import LeftOut, Repeated
 
 log = logging.getLogger(__name__)
@@ -40,13 +40,23 @@ class Outcome:
 
 
 class Known:
-    """Episodes of a data set, by the keys that tell them apart."""
+    """Episodes of a data set, by the keys that tell them apart.
+
+    Raises:
+        DamagedFile: its list of sources cannot be read.
+    """
 
     def __init__(self, data_set: GrowingSet):
         self._numbers: dict[int, int] = {}
         self._places: list[int] = []
-        for source in data_set.sources():
-            self._note(source["drawn"], source["motion"], source["run"], source["episode"], source["episode_index"])
+        try:
+            for source in data_set.sources():
+                self._note(source["drawn"], source["motion"], source["run"], source["episode"], source["episode_index"])
+        except (KeyError, TypeError, ValueError) as error:
+            where = data_set.root / SOURCES
+            raise DamagedFile(
+                f"{where} has a line without {error}", hint="restore it, or give another folder"
+            ) from error
 
     def number(self, *keys: str) -> int | None:
         """Return the number of an episode with one of these keys."""

@@ -15,7 +15,7 @@ from vcage.base.errors import InputFileError
 from vcage.base.files import RunFolder, whole
 from vcage.base.folders import entries
 from vcage.datasets.lerobot.features import CAMERA, number_names, video_facts, video_keys
-from vcage.datasets.lerobot.meta import data_set_info
+from vcage.datasets.lerobot.meta import INFO, data_set_info
 from vcage.datasets.recordings.recording import Recording
 from vcage.runs.raw_pictures import accepted_files
 from vcage.schema.compression import Compression
@@ -90,7 +90,8 @@ class FoundRun:
 def run_folders(folders: Iterable[Path]) -> Iterator[tuple[Path, str]]:
     """Yield each run folder at or below some folders once, in natural order, and its name.
 
-    A run folder is one with ``episodes/episodes.json``; links to folders are not followed, nor hidden names read.
+    A run folder is one with ``episodes/episodes.json``. Links to folders are not followed, and neither hidden folders nor
+    LeRobot data sets are looked into. A folder that cannot be read is yielded too: whoever reads it says why.
     """
     seen: set[str] = set()
     for given in folders:
@@ -102,12 +103,16 @@ def run_folders(folders: Iterable[Path]) -> Iterator[tuple[Path, str]]:
 
 
 def _below(folder: Path) -> Iterator[Path]:
-    if RunFolder(folder).root.joinpath("episodes", "episodes.json").is_file():
+    try:
+        found = (folder / "episodes" / "episodes.json").is_file()
+        inside = [] if found or (folder / INFO).is_file() else entries(folder)
+        folders = [path for path in inside if path.is_dir() and not path.is_symlink() and whole(path)]
+    except (OSError, InputFileError):
+        found, folders = True, []
+    if found:
         yield folder
-        return
-    for path in entries(folder):
-        if path.is_dir() and not path.is_symlink() and whole(path):
-            yield from _below(path)
+    for path in folders:
+        yield from _below(path)
 
 
 def look_at(root: Path, name: str) -> FoundRun | None:
