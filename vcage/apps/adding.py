@@ -53,10 +53,8 @@ class Known:
             for source in data_set.sources():
                 self._note(source["drawn"], source["motion"], source["run"], source["episode"], source["episode_index"])
         except (KeyError, TypeError, ValueError) as error:
-            where = data_set.root / SOURCES
-            raise DamagedFile(
-                f"{where} has a line without {error}", hint="restore it, or give another folder"
-            ) from error
+            where, hint = data_set.root / SOURCES, "restore it, or give another folder"
+            raise DamagedFile(f"{where} has a line without {error}", hint=hint) from error
 
     def number(self, *keys: str) -> int | None:
         """Return the number of an episode with one of these keys."""

@@ -90,7 +90,7 @@ class FoundRun:
 def run_folders(folders: Iterable[Path]) -> Iterator[tuple[Path, str]]:
     """Yield each run folder at or below some folders once, in natural order, and its name.
 
-    A run folder is one with ``episodes/episodes.json``. Links to folders are not followed, and neither hidden folders nor
+    A run folder is one with ``episodes/episodes.json``. Links to folders are not followed, neither hidden folders nor
     LeRobot data sets are looked into. A folder that cannot be read is yielded too: whoever reads it says why.
     """
     seen: set[str] = set()
