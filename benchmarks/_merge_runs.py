@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import shutil
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache
@@ -14,10 +14,12 @@ from numpy.typing import NDArray
 from vcage.base.files import RunFolder, sha256_file
 from vcage.datasets.episode import CameraTrack, EpisodeData
 from vcage.datasets.hdf5 import write_episode
+from vcage.datasets.packed import write_packed
 from vcage.datasets.packing.settings import CompressionSettings
-from vcage.datasets.packing.writing import compression_record
+from vcage.datasets.packing.writing import compression_record, link_to
+from vcage.datasets.recordings.opening import open_hdf5
 from vcage.runs.edits import seal
-from vcage.runs.raw_pictures import accepted_files, link_videos, packed_hashes
+from vcage.runs.raw_pictures import accepted_files
 from vcage.schema.base import PoseRecord, Provenance
 from vcage.schema.compression import VideoStream
 from vcage.schema.episodes import CriticCounts, Episode, Episodes
@@ -77,24 +79,26 @@ def make_run(root: Path, spec: RunSpec = RunSpec()) -> RunFolder:
 
 
 def _compress(run: RunFolder, spec: RunSpec) -> None:
-    """Encode at a given CRF; no loss is judged."""
-    files = accepted_files(run)
+    """Encode at a given CRF; no loss is judged, and no video decoded."""
+    files, settings = accepted_files(run), CompressionSettings(crf=spec.crf, codec=spec.codec, effort="fast")
     inputs = {run.relative(path): sha256_file(path) for path in (run.episodes, *(file.path for file in files))}
-    streams = []
+    streams, packed = [], {}
     run.compression.parent.mkdir()
     for index, file in enumerate(files):
+        own = []
         for camera in spec.cameras:
             video = run.compression.parent / f"{file.path.stem}.{camera}.mp4"
             video.write_bytes(_encoded(spec, _seam(spec, index, camera)))
-            streams.append(_stream(run, file.name, camera, video, spec))
-    scratch = run.root / "compress.working"
-    scratch.mkdir()
-    packed = packed_hashes(files, streams, scratch)
-    settings = CompressionSettings(crf=spec.crf, codec=spec.codec, effort="fast")
+            os.link(video, file.path.with_name(video.name))
+            own.append(_stream(run, file.name, camera, video, spec))
+        recording = open_hdf5(file.path)
+        os.replace(
+            write_packed(file.path, run.root / file.path.name, [link_to(recording, one) for one in own]), file.path
+        )
+        packed[file.name] = sha256_file(file.path)
+        streams += own
     provenance = Provenance(producer="compress", seed=spec.seed, options=settings.options(), inputs=inputs)
-    record = seal(compression_record(provenance, settings, streams, packed=packed), run.compression)
-    link_videos(run, files, record, scratch)
-    shutil.rmtree(scratch)
+    seal(compression_record(provenance, settings, streams, packed=packed), run.compression)
 
 
 def _stream(run: RunFolder, episode: str, camera: str, video: Path, spec: RunSpec) -> VideoStream:

@@ -22,7 +22,8 @@ from vcage.base.text import listed
 from vcage.campaigns.found_runs import FoundRun, Kind, look_at, run_folders
 from vcage.datasets.lerobot.formats import FORMATS
 from vcage.datasets.lerobot.growing import GrowingSet
-from vcage.datasets.lerobot.meta import INFO, TRAIN, data_set_info
+from vcage.datasets.lerobot.meta import INFO, data_set_info
+from vcage.datasets.lerobot.resuming import TRAIN
 from vcage.schema.merge import Merge, MergedSet
 
 logger = logging.getLogger(__name__)

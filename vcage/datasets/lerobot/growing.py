@@ -20,7 +20,8 @@ from vcage.base.folders import is_empty_folder
 from vcage.base.leftovers import recover
 from vcage.datasets.lerobot.episode import LeRobotEpisode
 from vcage.datasets.lerobot.formats import FORMATS
-from vcage.datasets.lerobot.meta import INFO, TRAIN, appendable_info, read_lines
+from vcage.datasets.lerobot.meta import INFO, read_lines
+from vcage.datasets.lerobot.resuming import TRAIN, appendable_info
 from vcage.datasets.lerobot.writer import LeRobotWriter, lines_of
 
 ADDING, COMMITTED = ".adding", ".committed"

@@ -4,31 +4,24 @@ from __future__ import annotations
 
 import json
 import math
-import os
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from vcage.base.errors import DamagedFile, InputFileError, OversizedFile, UsageError
-from vcage.base.folders import entries
+from vcage.base.errors import DamagedFile, InputFileError, OversizedFile
 from vcage.base.placeholders import require_fetched
 from vcage.base.reading import Unreadable, parse_json, read_json
-from vcage.datasets.lerobot.features import other_columns, video_keys
+from vcage.datasets.lerobot.features import video_keys
 from vcage.datasets.lerobot.parquet import FETCH_AGAIN, column_names, read_table
-from vcage.datasets.lerobot.places import INFO, inside, own_file, own_files
+from vcage.datasets.lerobot.places import INFO, inside, own_files
 
 EPISODES = Path("meta/episodes.jsonl")
 """The list of episodes in v2.1."""
 
 EPISODE_TABLES = Path("meta/episodes")
 """Folder of the list of episodes in v3.0: their lengths, statistics, and where their frames and videos are."""
-
-TRAIN = "train"
-"""The split of all episodes where nothing else was asked for."""
-
-NEW_SET = "write a new data set, or convert this one with lerobot's own tools first"
 
 PER_EPISODE = ("v2.0", "v2.1")
 """Versions with a file per episode and camera, and lists of lines; the first lacks statistics of single episodes."""
@@ -82,7 +75,7 @@ def data_set_info(root: Path) -> dict[str, Any]:
     except (InputFileError, ValueError) as error:
         raise DamagedFile(f"{path} cannot be read: {error}", hint=FETCH_AGAIN) from error
     version = info.get("codebase_version") if isinstance(info, dict) else None
-    _require(version is not None, f"{path} does not say codebase_version")
+    require(version is not None, f"{path} does not say codebase_version")
     if version not in VERSIONS:
         raise DamagedFile(
             f"{root} is a LeRobot data set of version {version}; {', '.join(VERSIONS)} are known",
@@ -108,28 +101,28 @@ def refuse_first_versions(root: Path) -> None:
 def _require_described(path: Path, info: Mapping[str, Any]) -> None:
     """Raise DamagedFile where ``info.json`` lacks a field that episodes are read by, or has one of another type."""
     missing = sorted(name for name in NEEDED if info.get(name) is None)
-    _require(not missing, f"{path} does not say {', '.join(missing)}")
+    require(not missing, f"{path} does not say {', '.join(missing)}")
     positive = _is_positive(info["fps"]) and _is_positive(info["chunks_size"]) and info["chunks_size"] >= 1
-    _require(positive, f"{path}: fps and chunks_size are not positive numbers")
+    require(positive, f"{path}: fps and chunks_size are not positive numbers")
     for field in filter(info.get, PATHS):
         inside(str(info[field]), f"{path}: {field}")
-    _require(isinstance(info["features"], dict), f"{path} does not name its features")
+    require(isinstance(info["features"], dict), f"{path} does not name its features")
     for name, feature in info["features"].items():
         _require_feature(path, name, feature)
     named = info.get("video_path") or not video_keys(info["features"])
-    _require(named, f"{path} does not say video_path")
+    require(named, f"{path} does not say video_path")
 
 
 def _require_feature(path: Path, name: str, feature: Any) -> None:
     """Raise DamagedFile where a feature lacks type or shape, or a camera's name is no part of a path, or too large."""
     described = isinstance(feature, dict) and isinstance(feature.get("dtype"), str) and _is_shape(feature)
-    _require(described, f"{path} does not say what {name} is")
+    require(described, f"{path} does not say what {name} is")
     if feature["dtype"] not in ("video", "image"):
         return
     shape = feature["shape"]
     if "/" in name or "\0" in name or not name.strip("."):
         raise DamagedFile(f"{path}: the feature {name!r} is not a camera name", hint="rename it, without a slash")
-    _require(min(shape) >= 1, f"{path} says that pictures of {name} have the shape {shape}")
+    require(min(shape) >= 1, f"{path} says that pictures of {name} have the shape {shape}")
     numbers = math.prod(shape)
     _require_at_most(numbers, LIMITS.max_picture_numbers, f"{path}: {name} has the shape {shape}, {numbers:,} numbers")
 
@@ -139,7 +132,7 @@ def _require_text(value: Any) -> None:
     json.dumps(value, ensure_ascii=False).encode()
 
 
-def _require(so: Any, complaint: str) -> None:
+def require(so: Any, complaint: str) -> None:
     if not so:
         raise DamagedFile(complaint, hint=FETCH_AGAIN)
 
@@ -161,51 +154,6 @@ def _is_shape(feature: Mapping[str, Any]) -> bool:
     return feature["dtype"] not in ("video", "image") or len(shape) in (2, 3)
 
 
-def appendable_info(root: Path, expected: dict[str, Any], split: str = TRAIN) -> dict[str, Any]:
-    """Return ``meta/info.json`` of a data set that can be added to.
-
-    Args:
-        root: folder of the data set.
-        expected: entries of ``info.json``, such as ``codebase_version``, that may only be missing or the same.
-        split: the one that new episodes belong to; its numbers are a range, so no other may follow it.
-
-    Raises:
-        DamagedFile: it lacks a count that any data set has.
-        UsageError: it is laid out in another way than new episodes would be; names the difference.
-    """
-    info = data_set_info(root)
-    for name in ("total_episodes", "total_frames"):
-        counted = isinstance(info.get(name), int) and info[name] >= 0
-        _require(counted, f"{root / INFO} does not count its {name.removeprefix('total_')}")
-    if info["total_episodes"] == 0:
-        raise UsageError(f"{root} holds no episode yet", hint="write a new data set in its place")
-    if strange := other_columns(info["features"]):
-        raise UsageError(
-            f"{root} cannot be added to: its frames have {', '.join(strange)}, which new episodes do not tell",
-            hint=NEW_SET,
-        )
-    for name, value in {**expected, "splits": _splits_before(info, split)}.items():
-        if info.get(name) not in (None, value):
-            raise UsageError(
-                f"{root} cannot be added to: its {name} is {json.dumps(info.get(name))}, not {json.dumps(value)}",
-                hint=NEW_SET,
-                details={"what": name, "found": info.get(name), "expected": value},
-            )
-    return info
-
-
-def _splits_before(info: Mapping[str, Any], split: str) -> dict[str, Any]:
-    """Return the splits of a data set if new episodes may belong to one of this name, else what would allow it."""
-    splits, count = info.get("splits"), info["total_episodes"]
-    whole = {TRAIN: f"0:{count}"}
-    if not isinstance(splits, dict) or not splits:
-        return whole
-    last, numbers = list(splits.items())[-1]
-    begin, _, end = str(numbers).partition(":")
-    follows = last == split or split not in splits
-    return splits if follows and begin.isdecimal() and end == str(count) else whole
-
-
 # --- the list of episodes ------------------------------------------------------------------------------
 
 
@@ -223,15 +171,15 @@ def episode_rows(root: Path, info: Mapping[str, Any]) -> list[dict[str, Any]]:
     old = info["codebase_version"] in PER_EPISODE
     where = root / (EPISODES if old else EPISODE_TABLES)
     rows = list(read_lines(where)) if old else _table_rows(root)
-    _require(rows, f"{where} lists no episode")
+    require(rows, f"{where} lists no episode")
     numbers: set[int] = set()
     for row in rows:
         for name in ("episode_index", "length"):
             found = row.get(name)
-            _require(isinstance(found, int) and found >= 0, f"{where} has an episode whose {name} is {found!r}")
+            require(isinstance(found, int) and found >= 0, f"{where} has an episode whose {name} is {found!r}")
         number, length = row["episode_index"], row["length"]
         _require_at_most(length, LIMITS.max_frames, f"{where}: episode {number} has {length:,} frames")
-        _require(number not in numbers, f"{where} lists episode {number} twice")
+        require(number not in numbers, f"{where} lists episode {number} twice")
         numbers.add(number)
     return sorted(rows, key=lambda row: row["episode_index"])
 
@@ -246,44 +194,6 @@ def episode_tables(root: Path) -> list[Path]:
     return [file for file in own_files(root, EPISODE_TABLES) if file.suffix == ".parquet"]
 
 
-def last_episode_table(root: Path) -> Path:
-    """Return the last file of a v3.0 list; its folders are read, not its files.
-
-    Raises:
-        DamagedFile: there is none.
-    """
-    where = root / EPISODE_TABLES
-    for folder in reversed(entries(where) if where.is_dir() else []):
-        for file in reversed(entries(folder) if folder.is_dir() else []):
-            if file.suffix == ".parquet":
-                require_fetched(own_file(root, file.relative_to(root)))
-                return file
-    raise DamagedFile(f"{where} holds no list of episodes", hint=FETCH_AGAIN)
-
-
-def last_line(path: Path) -> dict[str, Any]:
-    """Return the last object of a file of lines; no other is read.
-
-    Raises:
-        DamagedFile: it cannot be read, is empty, or its last line is not a JSON object.
-    """
-    require_fetched(path)
-    try:
-        with open(path, "rb") as handle:
-            end, size, text = handle.seek(0, os.SEEK_END), 1 << 12, b""
-            while b"\n" not in text.rstrip(b"\n") and len(text) < min(end, LIMITS.max_json_bytes):
-                size *= 4
-                handle.seek(max(0, end - size))
-                text = handle.read()
-    except OSError as error:
-        raise DamagedFile(f"{path} cannot be read: {error}", hint=FETCH_AGAIN) from error
-    lines = text.rstrip(b"\n").split(b"\n")
-    row = _parsed(path, "last", lines[-1]) if lines[-1].strip() else None
-    if not isinstance(row, dict):
-        raise DamagedFile(f"{path}: the last line is no JSON object", hint=FETCH_AGAIN)
-    return row
-
-
 def read_lines(path: Path) -> Iterator[dict[str, Any]]:
     """Yield the objects of a file; only a line feed ends a line, no other line break of Unicode.
 
@@ -296,14 +206,15 @@ def read_lines(path: Path) -> Iterator[dict[str, Any]]:
             for number, line in enumerate(iter(lambda: handle.readline(LIMITS.max_json_bytes), b""), start=1):
                 _require_at_most(len(line), LIMITS.max_json_bytes - 1, f"{path} line {number} has too many characters")
                 if line.strip():
-                    row = _parsed(path, number, line)
-                    _require(isinstance(row, dict), f"{path} line {number} is no JSON object")
+                    row = parsed_line(path, number, line)
+                    require(isinstance(row, dict), f"{path} line {number} is no JSON object")
                     yield row
     except OSError as error:
         raise DamagedFile(f"{path} cannot be read: {error}", hint=FETCH_AGAIN) from error
 
 
-def _parsed(path: Path, number: int | str, line: bytes) -> Any:
+def parsed_line(path: Path, number: int | str, line: bytes) -> Any:
+    """Return the value of a line of JSON; raises DamagedFile."""
     try:
         row = parse_json(line, nan=True)
         _require_text(row)

@@ -15,8 +15,9 @@ import pyarrow.parquet as pq
 from vcage.base.errors import DamagedFile
 from vcage.datasets.lerobot.episode import LeRobotEpisode
 from vcage.datasets.lerobot.features import SUBTASK, video_key
-from vcage.datasets.lerobot.meta import EPISODES, last_line, read_lines
+from vcage.datasets.lerobot.meta import EPISODES, read_lines
 from vcage.datasets.lerobot.parquet import COMPRESSION, FETCH_AGAIN
+from vcage.datasets.lerobot.resuming import last_line
 from vcage.datasets.lerobot.statistics import QUANTILES, Statistics
 from vcage.datasets.lerobot.writer import CHUNK, WORDINGS, LeRobotWriter, lines_of
 

@@ -19,8 +19,9 @@ import pyarrow.parquet as pq
 from vcage.base.errors import DamagedFile
 from vcage.datasets.lerobot.episode import LeRobotEpisode
 from vcage.datasets.lerobot.features import SUBTASK, video_key
-from vcage.datasets.lerobot.meta import EPISODE_TABLES, INFO, last_episode_table
+from vcage.datasets.lerobot.meta import EPISODE_TABLES, INFO
 from vcage.datasets.lerobot.parquet import COMPRESSION, FETCH_AGAIN, ParquetSeries, numbered, read_table
+from vcage.datasets.lerobot.resuming import last_episode_table
 from vcage.datasets.lerobot.statistics import Statistics, Totals
 from vcage.datasets.lerobot.writer import CHUNK, WORDINGS, LeRobotWriter
 

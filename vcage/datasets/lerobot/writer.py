@@ -21,8 +21,9 @@ from vcage.base.errors import DamagedFile, UsageError
 from vcage.base.files import link_or_copy, write_json
 from vcage.datasets.lerobot.episode import LANGUAGE, PERSISTENT, LeRobotEpisode, SubtaskSpan, span_starts, with_language
 from vcage.datasets.lerobot.features import SUBTASK, agreed_info, features_of, video_key, video_keys
-from vcage.datasets.lerobot.meta import INFO, TRAIN, appendable_info
+from vcage.datasets.lerobot.meta import INFO
 from vcage.datasets.lerobot.parquet import FETCH_AGAIN
+from vcage.datasets.lerobot.resuming import TRAIN, appendable_info
 from vcage.datasets.lerobot.statistics import Statistics, picture_statistics, vector_statistics
 
 CHUNK = 1000
