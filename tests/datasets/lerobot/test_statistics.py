@@ -85,7 +85,7 @@ def quantiles(folder: Path, values: np.ndarray, dtype: str) -> np.ndarray:
         rows = pa.array(list(values[start : start + 25]), pa.list_(pa.from_numpy_dtype(values.dtype)))
         files.append(folder / f"{start}.parquet")
         pq.write_table(pa.table({"x": rows}), files[-1])
-    return column_quantiles(files, "x", {"dtype": dtype, "shape": [values.shape[1]]})
+    return column_quantiles(files, {"x": {"dtype": dtype, "shape": [values.shape[1]]}})["x"]
 
 
 def expected(values: np.ndarray) -> np.ndarray:

@@ -208,14 +208,14 @@ class Totals:
             frames: of all episodes.
         """
         stats, exact = {name: self._moments[name].statistics() for name in features}, frames <= SETTINGS.exact_frames
-        data = [*self._earlier, *files_below(folder / "data")] if exact else []
+        columns = {name: features[name] for name in stats if name not in self._levels}
+        if exact:
+            found = column_quantiles([*self._earlier, *files_below(folder / "data")], columns)
+        else:
+            found = {name: self._values.quantiles(name, list(QUANTILES.values())) for name in columns}
         for name, entry in stats.items():
-            if name in self._levels:
-                entry |= self._picture_quantiles(name)
-                continue
-            shares = list(QUANTILES.values())
-            found = column_quantiles(data, name, features[name]) if exact else self._values.quantiles(name, shares)
-            entry |= dict(zip(QUANTILES, found.tolist(), strict=True))
+            own = self._picture_quantiles(name) if name in self._levels else dict(zip(QUANTILES, found[name].tolist()))
+            entry |= own
         write_json(folder / STATS, stats)
         counted = {
             key: {"count": stats[key]["count"], "levels": levels.tolist()}
@@ -241,20 +241,22 @@ class Totals:
         }
 
 
-def column_quantiles(files: Sequence[Path], name: str, feature: Mapping[str, Any]) -> NDArray[np.float64]:
-    """Return exact :data:`QUANTILES` of a column, as ``numpy.quantile`` finds them over all rows, which are in memory.
+def column_quantiles(files: Sequence[Path], features: Mapping[str, Any]) -> dict[str, NDArray[np.float64]]:
+    """Return exact :data:`QUANTILES` of columns, as ``numpy.quantile`` finds them over all rows, which are in memory.
 
     Args:
         files: Parquet files, with at least one row.
-        name: of the column.
-        feature: its entry of ``info.json``.
+        features: of these columns, as in ``info.json``.
 
     Returns:
-        (Q, D).
+        Column → (Q, D).
 
     Raises:
         DamagedFile: a file cannot be read.
     """
-    dtype = np.dtype(feature["dtype"])
-    values = np.concatenate([batch[name].astype(dtype) for batch in read_batches(files, [name])])
-    return np.quantile(values.astype(np.float64), list(QUANTILES.values()), axis=0)
+    batches = list(read_batches(files, list(features)))
+    found = {}
+    for name, feature in features.items():
+        values = np.concatenate([batch[name].astype(feature["dtype"]) for batch in batches])
+        found[name] = np.quantile(values.astype(np.float64), list(QUANTILES.values()), axis=0)
+    return found
