@@ -8,9 +8,11 @@ all episodes of a commit, or none.
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, Self
 
@@ -20,7 +22,7 @@ from vcage.base.folders import is_empty_folder
 from vcage.base.leftovers import recover
 from vcage.datasets.lerobot.episode import LeRobotEpisode
 from vcage.datasets.lerobot.formats import FORMATS
-from vcage.datasets.lerobot.meta import INFO, read_lines
+from vcage.datasets.lerobot.meta import INFO
 from vcage.datasets.lerobot.resuming import TRAIN, appendable_info
 from vcage.datasets.lerobot.writer import LeRobotWriter, lines_of
 
@@ -82,8 +84,17 @@ class GrowingSet:
 
     def sources(self) -> Iterator[dict[str, Any]]:
         """Yield where each episode comes from, as given to :meth:`add`; raises :class:`DamagedFile`."""
-        if self.there and (self.root / SOURCES).is_file():
-            yield from read_lines(self.root / SOURCES)
+        path = self.root / SOURCES
+        if not self.there or not path.is_file():
+            return
+        with open(path, "rb") as handle:
+            for number, line in enumerate(handle, start=1):  # of our own file, all of which is read at every addition
+                with suppress(ValueError):
+                    row = json.loads(line)
+                    if isinstance(row, dict):
+                        yield row
+                        continue
+                raise DamagedFile(f"{path} line {number} is no JSON object", hint="restore it, or name another folder")
 
     def __enter__(self) -> Self:
         return self
