@@ -94,7 +94,7 @@ def test_a_large_data_set_has_counts_and_close_quantiles(counting, episodes, tmp
 
 def test_a_large_data_set_grows_without_its_frames_being_read(counting, episodes, tmp_path, monkeypatch):
     root = write("lerobot-v3.0", tmp_path / "set", episodes)
-    monkeypatch.setattr(statistics, "read_batches", lambda *_: pytest.fail("read again"))
+    monkeypatch.setattr(statistics, "read_batches", lambda files, _: [pytest.fail(f"{file} is read") for file in files])
     add("lerobot-v3.0", root, episodes)
     once = write("lerobot-v3.0", tmp_path / "once", [*episodes, *episodes])
     for name in statistics.QUANTILES:

@@ -191,13 +191,11 @@ class Totals:
                     self._uncounted[key] = stats[key]
         except (KeyError, TypeError, ValueError, AttributeError) as error:
             raise DamagedFile(f"{root / STATS} does not describe all features: {error!r}", hint=FETCH_AGAIN) from error
-        columns = [name for name, feature in features.items() if feature["dtype"] != "video"]
         if frames > SETTINGS.exact_frames and (root / VALUE_COUNTS).is_file():
+            columns = [name for name, feature in features.items() if feature["dtype"] != "video"]
             self._values = ValueCounts.read(root / VALUE_COUNTS, columns)
-            return
-        self._earlier = files_below(root / "data")
-        for batch in read_batches(self._earlier, columns):
-            self._values.add(batch)
+        else:
+            self._earlier = files_below(root / "data")
 
     def write(self, folder: Path, features: Mapping[str, Any], frames: int) -> None:
         """Write ``meta/stats.json`` and the counts of levels and values.
@@ -212,6 +210,8 @@ class Totals:
         if exact:
             found = column_quantiles([*self._earlier, *files_below(folder / "data")], columns)
         else:
+            for batch in read_batches(self._earlier, list(columns)):
+                self._values.add(batch)
             found = {name: self._values.quantiles(name, list(QUANTILES.values())) for name in columns}
         for name, entry in stats.items():
             own = self._picture_quantiles(name) if name in self._levels else dict(zip(QUANTILES, found[name].tolist()))
