@@ -54,7 +54,8 @@ NUMBERS = {
     "task_index": pa.int64(),
 }
 SUBTASKS = "meta/subtasks.jsonl"
-OURS = {SUBTASKS}
+SOURCES = "meta/sources.jsonl"
+OURS = {SUBTASKS, SOURCES}
 """What we add; readers of the format look past it. So do frames have a ``subtask_index``, and episodes what was drawn
 for them (:data:`tests.lerobot.expected.RANDOMISATION`)."""
 

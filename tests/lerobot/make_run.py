@@ -21,6 +21,7 @@ from vcage.campaigns.merge import MergeSettings, Order
 from vcage.datasets.lerobot.formats import FORMATS
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.runs.context import StageContext
+from vcage.runs.edits import seal
 from vcage.schema.episodes import Episodes
 from vcage.stages import compress, export
 from vcage.video.choices import LOSSLESS
@@ -43,7 +44,7 @@ def make_run(root: Path, kind: str) -> RunFolder:
         file = str(record.episodes[index].file)
         written(run.root / file, frames, seed=10 * index, **_of_its_own(index, frames))
         record.episodes[index] = record.episodes[index].model_copy(update={"frames": frames})
-    record.write(run.episodes)
+    seal(record, run.episodes)
     compress.execute(run, compress.Options(seed=7, keep_raw=True, compression=KINDS[kind]), StageContext())
     export.execute(run, export.Options(seed=7), StageContext())
     merging.SETTINGS = MergeSettings(commit_episodes=3)
