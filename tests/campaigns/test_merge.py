@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import random
 import shutil
 import signal
@@ -24,7 +25,7 @@ from vcage.base.files import RunFolder
 from vcage.campaigns import merge as merging
 from vcage.campaigns.merge import RECORD, MergeSettings, Order, merge
 from vcage.datasets.lerobot.formats import FORMATS
-from vcage.datasets.lerobot.growing import ADDING, COMMITTED, SOURCES, GrowingSet
+from vcage.datasets.lerobot.growing import COMMITTED, SOURCES, GrowingSet
 from vcage.datasets.recordings.opening import open_recordings
 from vcage.schema.merge import Merge
 
@@ -381,26 +382,29 @@ def _start(made: Path, out: Path) -> subprocess.Popen[str]:
     return process
 
 
+def _files(out: Path) -> int:
+    return sum(len(files) for _, _, files in os.walk(out))  # which passes over what goes meanwhile
+
+
 @pytest.mark.slow
 def test_killed_merges_end_with_the_files_of_an_undisturbed_one(made, tmp_path):
-    begun = time.monotonic()
     assert _start(made, tmp_path / "whole").wait() == 0
-    length = time.monotonic() - begun
-    expected, rng, killed, interrupted = digests(tmp_path / "whole"), random.Random(0), 0, 0
+    expected, rng, killed = digests(tmp_path / "whole"), random.Random(0), 0
     for attempt in range(4):
         out = tmp_path / str(attempt)
         for _ in range(3):
+            enough = _files(out) + rng.randint(1, 16)
             process = _start(made, out)
-            time.sleep(rng.uniform(0, 0.4 * length))
+            while process.poll() is None and _files(out) < enough:
+                time.sleep(0.001)
             process.send_signal(signal.SIGKILL)
             killed += process.wait() == -signal.SIGKILL
-            interrupted += bool([*out.glob(f"*/{ADDING}"), *out.glob(f"*/{COMMITTED}")])
             for version in ("lerobot-v2.1", V3):
                 if (out / version / "meta/info.json").is_file() and not (out / version / COMMITTED).exists():
                     assert len(open_recordings(out / version)) == info(out, version)["total_episodes"]
         assert _start(made, out).wait() == 0
         assert digests(out) == expected
-    assert killed >= 6 and interrupted >= 1
+    assert killed >= 6
 
 
 # --- the command ---------------------------------------------------------------------------------------
