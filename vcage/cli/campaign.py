@@ -96,7 +96,11 @@ class Campaign(Command):
         error = left_over(schedule) or (None if self.shard else _too_few(status, folder))
         if error is not None:
             return Result(error=error, facts={"output": str(output), "summary": facts})
-        return Result(output=output, summary=facts, next=vcage_command("status", folder.root))
+        several = ["--group"] if len(plan.robots) > 1 else []
+        merge = vcage_command("merge", folder.root, "--out", folder.root / "dataset", *several)
+        return Result(
+            output=output, summary=facts, next=merge if status.ended else vcage_command("status", folder.root)
+        )
 
     def _for_scheduler(self, plan: Plan, folder: CampaignFolder) -> Result:
         from vcage.campaigns.schedulers import ShardedCommand, kubernetes_job, slurm_script
