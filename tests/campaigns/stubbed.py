@@ -13,6 +13,7 @@ from unittest import mock
 
 import yaml
 
+from tests.example_scenes import subtask
 from vcage.base.errors import DiskFull, UsageError
 from vcage.base.files import RunFolder
 from vcage.campaigns import job as job_module
@@ -72,10 +73,11 @@ def began(root: Path) -> list[str]:
 def record_episodes(run: RunFolder, verified: int, rejected: int) -> None:
     """Write what collect leaves, as far as a job reads it."""
     provenance = Provenance(producer="collect", seed=0)
-    chain = Chain(subtasks=["place_it"], text="Place it.")
-    Subtasks(provenance=provenance, instruction="Place it.", candidates=1, kept=[], refused=[], chains=[chain]).write(
-        run.subtasks
-    )
+    step = subtask()
+    chain = Chain(subtasks=[step.id], text=step.text)
+    Subtasks(
+        provenance=provenance, instruction="Place it.", candidates=1, kept=[step], refused=[], chains=[chain]
+    ).write(run.subtasks)
     episodes = [
         Episode(index=n, seed=n, accepted=n < verified, reason="" if n < verified else "it fell", fps=10)
         for n in range(verified + rejected)

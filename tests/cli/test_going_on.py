@@ -36,7 +36,8 @@ def sample(call: ast.Call) -> list[str]:
     """The words of a command printed by a module, with a likely value for everything known only at run time."""
     likely = {"part": "assets", "run": "/somewhere/a run", "imported[:8]": "mug"}
     likely |= {"str(folder)": "/a run/renders", "str(run.root / 'renders-compressed')": "/a run/renders-compressed"}
-    likely |= {"folder.root": "/a campaign", "folder.plan_file": "/a campaign/plan.yml"}
+    likely |= {"folder.root": "/a campaign", "folder.plan_file": "/a campaign/plan.yml", "several": "--group"}
+    likely |= {"folder.root / 'dataset'": "/a campaign/dataset"}
     words = []
     for argument in call.args:
         value = argument.value if isinstance(argument, ast.Starred) else argument

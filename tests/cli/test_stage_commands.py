@@ -14,8 +14,9 @@ import pytest
 from tests.run_folders import FPS, INSTRUCTION, QUICK_VIDEOS, Finished, command, copied, digests
 from vcage.base.errors import EndpointFailed, PartlyDone
 from vcage.base.files import RunFolder, read_json, sha256_file, write_json
+from vcage.scenes import feasible_layout
 from vcage.schema.episodes import Episodes
-from vcage.stages import collect, compress, optimize
+from vcage.stages import collect, compress
 from vcage.stages.chain import STAGES
 
 RUN = ["run", INSTRUCTION, "--models", "offline", "--episodes", "1", "--fps", str(FPS), *QUICK_VIDEOS]
@@ -335,7 +336,7 @@ def test_an_endpoint_that_fails_leaves_the_earlier_result(run, capsys, monkeypat
     def down(*_: object, **__: object) -> None:
         raise EndpointFailed("the endpoint answers 503", hint="try again later")
 
-    monkeypatch.setattr(optimize, "nearest_layout", down)
+    monkeypatch.setattr(feasible_layout, "nearest_layout", down)
     answer = command(capsys, "optimize", "--run", run, "--force")
     assert (answer.code, answer.error["retryable"]) == (6, True)
     assert digests(run.root) == files

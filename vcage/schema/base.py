@@ -183,7 +183,7 @@ class Document(Record):
         if found != cls.SCHEMA:
             raise SchemaMismatch(
                 f"{path} has the schema {found!r}, expected {cls.SCHEMA!r}",
-                hint="another version of vcage wrote it",
+                hint="it was written by another version",
                 maker=stage_of_file(path),
                 details={"path": str(path), "found": found, "expected": cls.SCHEMA},
             )
