@@ -77,7 +77,7 @@ def test_a_campaign_that_is_killed_at_random_moments_ends_with_the_same_files(
     plan: Path, undisturbed: Path, tmp_path: Path
 ):
     out, moments, kills = tmp_path / "campaign", random.Random(7), 0
-    for _ in range(4):
+    for _ in range(2):
         running = subprocess.Popen(
             list(map(str, campaign(plan, out))),
             cwd=REPOSITORY,

@@ -390,7 +390,7 @@ def _files(out: Path) -> int:
 def test_killed_merges_end_with_the_files_of_an_undisturbed_one(made, tmp_path):
     assert _start(made, tmp_path / "whole").wait() == 0
     expected, rng, killed = digests(tmp_path / "whole"), random.Random(0), 0
-    for attempt in range(4):
+    for attempt in range(2):
         out = tmp_path / str(attempt)
         for _ in range(3):
             enough = _files(out) + rng.randint(1, 16)
@@ -404,7 +404,7 @@ def test_killed_merges_end_with_the_files_of_an_undisturbed_one(made, tmp_path):
                     assert len(open_recordings(out / version)) == info(out, version)["total_episodes"]
         assert _start(made, out).wait() == 0
         assert digests(out) == expected
-    assert killed >= 6
+    assert killed >= 3
 
 
 # --- the command ---------------------------------------------------------------------------------------
