@@ -101,17 +101,7 @@ def add_episodes(
         DiskFull, OutputFolderError: a data set cannot be written. What was committed stays.
     """
     pairs = list(zip(sets, known, strict=True))
-
-    def is_new(addition: Addition) -> bool:
-        numbers = [one.number(addition.drawn) for one in known]
-        for one, number in zip(known, numbers, strict=True):
-            if None not in numbers and number is not None and not one.is_from(number, addition.run, addition.file):
-                repeated = Repeated(run=addition.run, episode=addition.file, number=number)
-                outcome.repeated.append(repeated)
-                break
-        return None in numbers
-
-    for addition, loaded in _loaded(filter(is_new, additions)):
+    for addition, loaded in _loaded(one for one in additions if _is_lacking(one, known, outcome)):
         for data_set, _ in pairs:
             data_set.ready()  # an error about the data set itself is no error of the episode
         try:
@@ -127,6 +117,18 @@ def add_episodes(
                 data_set.commit()
     for data_set, _ in pairs:
         data_set.commit()
+
+
+def _is_lacking(addition: Addition, known: Sequence[Known], outcome: Outcome) -> bool:
+    """True if a data set lacks an episode by its draw; one that all have from another file is noted as repeated."""
+    numbers = [one.number(addition.drawn) for one in known]
+    if None in numbers:
+        return True
+    for one, number in zip(known, numbers, strict=True):
+        if number is not None and not one.is_from(number, addition.run, addition.file):
+            outcome.repeated.append(Repeated(run=addition.run, episode=addition.file, number=number))
+            break
+    return False
 
 
 def _add(data_set: GrowingSet, known: Known, addition: Addition, episode: LeRobotEpisode, outcome: Outcome) -> None:

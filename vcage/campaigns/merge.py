@@ -10,7 +10,7 @@ import logging
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from vcage.apps.adding import Known, Outcome, add_episodes
 from vcage.apps.run_episodes import Addition, additions_of
@@ -154,23 +154,30 @@ def _grouped(runs: Sequence[FoundRun], out: Path, order: Order) -> Mapping[Path,
         UsageError: runs do not fit together, or not to a data set.
     """
     kinds = list(dict.fromkeys(run.kind for run in runs if run.kind is not None))
+    example = {kind: next(run.name for run in runs if run.kind == kind) for kind in kinds}
     if len(kinds) > 1 and not order.group:
-        examples = [f"{next(r.name for r in runs if r.kind == kind)} has {kind.name}" for kind in kinds]
-        differ = listed([d for kind in kinds[1:] for d in kinds[0].differences(kind)], most=SETTINGS.most_named)
-        raise UsageError(
-            f"one data set cannot hold runs of {len(kinds)} kinds: {listed(examples, most=SETTINGS.most_named)}",
-            hint="give --group for a data set of each kind, or leave the other folders out",
-            details={"kinds": [kind.name for kind in kinds], "other": differ},
-        )
+        _refuse_several(example)
     roots = {kind: out / kind.name if order.group else out for kind in kinds}
     for kind, root in roots.items():
         for name in order.formats:
-            _require_fit(kind, root / name, next(run.name for run in runs if run.kind == kind))
+            _require_fit(kind, root / name, example[kind])
     first = next(iter(roots.values()), out)
     groups: dict[Path, list[FoundRun]] = {}
     for run in runs:
         groups.setdefault(first if run.kind is None else roots[run.kind], []).append(run)
     return groups
+
+
+def _refuse_several(example: Mapping[Kind, str]) -> NoReturn:
+    """Name the kinds of runs, each with one of its runs."""
+    first, *others = example
+    differ = listed([one for kind in others for one in first.differences(kind)], most=SETTINGS.most_named)
+    named = listed([f"{run} has {kind.name}" for kind, run in example.items()], most=SETTINGS.most_named)
+    raise UsageError(
+        f"one data set cannot hold runs of {len(example)} kinds: {named}",
+        hint="give --group for a data set of each kind, or leave the other folders out",
+        details={"kinds": [kind.name for kind in example], "other": differ},
+    )
 
 
 def _require_fit(kind: Kind, root: Path, run: str) -> None:
