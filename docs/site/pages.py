@@ -29,7 +29,7 @@ PLACES |= {
     path.relative_to(ROOT).as_posix(): path.relative_to(ROOT).as_posix()
     for path in sorted(ROOT.glob("skills/*/**/*.md"))
 }
-"""Where each file of the repository lies in the site; those of ``docs/`` lie at its top."""
+"""Path in the repository → path in the site; files of ``docs/`` lie at its top."""
 
 _FENCED = re.compile(r"^(```|~~~).*?^\1\s*$", re.MULTILINE | re.DOTALL)
 _LINK = re.compile(r"\[(?P<text>[^\[\]]*)\]\((?P<target>[^()\s]+)\)")

@@ -51,7 +51,7 @@ def undisturbed(plan: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def files_of(out: Path) -> dict[str, Any]:
-    """What a campaign made, without times: path → hash of each file of its runs, and the records of its jobs."""
+    """The output of a campaign, without times: path → hash of each file of its runs, and the records of its jobs."""
     made: dict[str, Any] = {
         name: digest
         for name, digest in digests(out / "jobs").items()

@@ -1,4 +1,4 @@
-"""Which jobs of a cell may begin: gates, limits, and jobs that make up for what was not verified."""
+"""Jobs of a cell that may begin: gates, limits, and jobs that make up for episodes that were not verified."""
 
 from __future__ import annotations
 

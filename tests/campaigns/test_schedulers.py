@@ -1,4 +1,4 @@
-"""What SLURM and Kubernetes are given: each task runs one shard."""
+"""Files for SLURM and Kubernetes: each task runs one shard."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a campaign stands: figures per cell from the records alone, while others write them."""
+"""Progress of a campaign: figures per cell from the records alone, while others write them."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ _IN_CSS = re.compile(r"(?:url\(|@import\s+)\s*[\"']?((?:https?:)?//[^\"')\s]+)")
 
 
 class Page(HTMLParser):
-    """What a page links to, what it loads, and the anchors that it has."""
+    """The links, loaded files and anchors of a page."""
 
     def __init__(self, text: str):
         super().__init__()
@@ -45,7 +45,7 @@ class Page(HTMLParser):
 
 
 def complaints(site: Path) -> list[str]:
-    """What is wrong with the pages and styles of a site, each with the file's name."""
+    """The faults of the pages and styles of a site, each with the file's name."""
     pages = {path: Page(path.read_text(encoding="utf-8")) for path in sorted(site.rglob("*.html"))}
     found = [
         f"{path.relative_to(site)}: {what}" for path, page in pages.items() for what in _of_page(path, page, pages)

@@ -15,7 +15,7 @@ APPTAINER = REPOSITORY / "containers" / "apptainer.def"
 
 @dataclass
 class Recipe:
-    """What a recipe says.
+    """The content of a recipe.
 
     Args:
         base: the image that it starts from.

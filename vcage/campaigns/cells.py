@@ -1,4 +1,4 @@
-"""Where a cell stands: which of its jobs may begin, which wait for others, and why no more follow.
+"""State of a cell: jobs that may begin, jobs that wait for others, and why no more follow.
 
 All depends on the plan and on the records of earlier jobs of the cell, never on the order in which jobs end: whichever
 driver asks, and however often it was killed, the same jobs are run.

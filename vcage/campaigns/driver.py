@@ -58,7 +58,7 @@ SETTINGS = LoopSettings()
 
 
 class Crew(AbstractContextManager, Protocol):
-    """What runs the jobs of a driver: processes of this machine, or of others."""
+    """The processes, of this machine or others, that run the jobs of a driver."""
 
     def submit(self, task: Job, /) -> None:
         """Add a job; it begins as soon as there is room."""
@@ -137,7 +137,7 @@ class Schedule:
     # --- for reports ----------------------------------------------------------------------------------------
 
     def standing(self, cell: Cell) -> Standing:
-        """Where a cell stands, by the records that are known here."""
+        """State of a cell, by the records that are known here."""
         return standing(self.plan, cell, self._records[cell.id])
 
     @property

@@ -54,7 +54,7 @@ MACHINE_ERRORS = (*NO_ROOM, errno.EROFS, errno.EACCES, errno.EPERM, errno.EIO, e
 
 @dataclass(frozen=True)
 class Outcome:
-    """How a try of a job ended.
+    """The end of a try of a job.
 
     Args:
         job: which.
@@ -268,7 +268,7 @@ def _episodes(run: RunFolder, job: Job) -> dict[str, Any]:
 
 
 def _reached(run: RunFolder) -> tuple[int, int]:
-    """How far a job is: finished stages, and files; a try that raises neither got no further."""
+    """Progress of a job: finished stages, and files; a try that raises neither got no further."""
     names = (name for _, _, names in os.walk(run.root) for name in names)
     files = sum(PARTIAL not in name and name.partition(".")[0] not in ("in-use", "unfinished") for name in names)
     return sum(path.exists() for path in run.documents), files

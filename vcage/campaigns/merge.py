@@ -38,7 +38,7 @@ DEFAULT_FORMATS = ("lerobot-v3.0",)
 
 @dataclass(frozen=True)
 class MergeSettings:
-    """How a merge works.
+    """Settings of a merge.
 
     Args:
         commit_episodes: after which they are part of the data set; a killed merge loses fewer.

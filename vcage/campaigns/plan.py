@@ -33,7 +33,7 @@ Seed = Annotated[int, Field(ge=0, lt=2**63)]
 
 
 class Task(Record):
-    """What the robot shall do: an instruction, goals, or every sub-task of a scene."""
+    """A task of the robot: an instruction, goals, or every sub-task of a scene."""
 
     id: Identifier | None = Field(default=None, description="name in folders and tables; made of the task by default")
     instruction: str | None = Field(default=None, min_length=1)

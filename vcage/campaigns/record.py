@@ -1,4 +1,4 @@
-"""What is known of a job: its record when it is settled, and its tries until then."""
+"""The state of a job: its record when it is settled, and its tries until then."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What schedulers of clusters take: a SLURM array script, and an indexed Job of Kubernetes, each task one shard."""
+"""Files for schedulers of clusters: a SLURM array script, and an indexed Job of Kubernetes, each task one shard."""
 
 from __future__ import annotations
 

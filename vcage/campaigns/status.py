@@ -1,4 +1,4 @@
-"""How a campaign stands, from the records of its jobs alone: per cell, in all, and what models cost.
+"""Progress of a campaign, from the records of its jobs alone: per cell, in all, and the cost of models.
 
 Records appear whole, so they are read while other processes write them.
 """

@@ -15,7 +15,7 @@ from vcage.cli.progress import progress
 from vcage.datasets.lerobot.formats import FORMATS
 
 MOST_NAMED = 20
-"""What was left out, in the result; all of it is in the record."""
+"""Omissions named in the result; the record has all."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -22,7 +22,7 @@ from vcage.models.spending import Cap, Spending, cost
 
 @dataclass(frozen=True)
 class Shared:
-    """What runs share.
+    """Properties that runs share.
 
     Args:
         folder: of their exchanges, and of their bill.

@@ -73,7 +73,7 @@ class Spending:
     OF: ClassVar[str] = "run"
     CALLS: ClassVar[str] = "--most-calls"
     USD: ClassVar[str] = "--most-usd"
-    """What sets the limits, for errors."""
+    """The source of the limits, for errors."""
 
     def __init__(self, folder: Path, cap: Cap, provider: str, *, reports_cost: bool = False):
         self.price = price_of(provider)

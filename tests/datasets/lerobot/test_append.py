@@ -14,6 +14,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from tests.datasets.conftest import ENCODINGS, LENGTHS, add, write
+from tests.datasets.lerobot.conftest import contents
 from tests.recordings import CAMERAS
 from vcage.base.errors import DamagedFile, UsageError
 from vcage.datasets.lerobot.episode import SubtaskSpan
@@ -32,21 +33,6 @@ def four(episodes):
     """Two more episodes, with a task and a sub-task that the first two do not have."""
     spans = [SubtaskSpan("place block", 0, 5), SubtaskSpan("open drawer", 5, 12)]
     return [*episodes, replace(episodes[0], task="Open the drawer", subtasks=spans), episodes[1]]
-
-
-@pytest.fixture(params=list(FORMATS))
-def version(request):
-    return request.param
-
-
-@pytest.fixture
-def begun(version, v21, v3, v31, tmp_path) -> Path:
-    """A data set of the first two episodes that may be changed."""
-    return shutil.copytree({"lerobot-v2.1": v21, "lerobot-v3.0": v3, "lerobot-v3.1": v31}[version], tmp_path / "set")
-
-
-def contents(root: Path) -> dict[str, bytes]:
-    return {str(path.relative_to(root)): path.read_bytes() for path in root.rglob("*") if path.is_file()}
 
 
 def info(root: Path) -> dict:

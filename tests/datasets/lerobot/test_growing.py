@@ -13,30 +13,15 @@ from typing import Any
 import pytest
 
 from tests.datasets.conftest import ENCODINGS, add, write
+from tests.datasets.lerobot.conftest import contents
 from vcage.base.errors import DamagedFile, OutputFolderError, UnknownName, UsageError
 from vcage.datasets.lerobot import growing
-from vcage.datasets.lerobot.formats import FORMATS
 from vcage.datasets.lerobot.growing import ADDING, COMMITTED, SIZES, SOURCES, GrowingSet
 from vcage.datasets.recordings.opening import open_recordings
 
 
 class Killed(BaseException):
     """Stands for the end of the process."""
-
-
-@pytest.fixture(params=list(FORMATS))
-def version(request):
-    return request.param
-
-
-@pytest.fixture
-def begun(version, v21, v3, v31, tmp_path) -> Path:
-    """A data set of the first two episodes that may be changed."""
-    return shutil.copytree({"lerobot-v2.1": v21, "lerobot-v3.0": v3, "lerobot-v3.1": v31}[version], tmp_path / "set")
-
-
-def contents(root: Path) -> dict[str, bytes]:
-    return {path.relative_to(root).as_posix(): path.read_bytes() for path in root.rglob("*") if path.is_file()}
 
 
 def splits(root: Path) -> dict[str, str]:

@@ -124,7 +124,7 @@ def picture_statistics(histogram: NDArray[np.int64], frames: int) -> Statistics:
 
 @dataclass(frozen=True)
 class StatisticsSettings:
-    """How quantiles of columns are found.
+    """Settings of the quantiles of columns.
 
     Args:
         exact_frames: up to so many frames they are exact; beyond, values are counted (:mod:`.value_counts`).

@@ -26,7 +26,7 @@ VALUE_COUNTS = Path("meta/value_counts.parquet")
 
 @dataclass(frozen=True)
 class CountingSettings:
-    """How finely values are counted.
+    """Resolution of the counts of values.
 
     Args:
         bits: of a number's mantissa that tell values apart; a quantile is off by 2^-bits of itself at most.
