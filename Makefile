@@ -13,6 +13,8 @@
 #   make test-llm       a real model server (llama.cpp with 135 million parameters), in an environment of its own, answers
 #                       every prompt under its JSON schema
 #   make test-wheel     the wheel in an empty environment outside the checkout, with an empty cache: set-up and one run
+#   make test-ray       installs Ray, and runs campaigns on a cluster of two nodes on this machine, of which workers, nodes,
+#                       the driver and the head are killed
 #   make test-containers   what containers/Dockerfile says, done in a Debian 12 of its own and without Docker, and one run
 #                       there; needs root and debootstrap; BIND="FOLDER…" are folders in which pip finds packages
 #   make test-clients   the clients of agents, fetched into the user's cache (1.8 GB), find the skills
@@ -48,6 +50,9 @@ LLM := .venv-llm
 LLM_STAMP := $(LLM)/.made-from-packages
 LLM_PACKAGES := tests/llm/packages.txt
 
+# Ray brings three packages that nothing else here has, and changes none, so it may lie in the same environment.
+RAY_STAMP := .venv/.made-with-ray
+
 DOCS_STAMP := .venv/.made-with-docs
 SITE := build/site
 
@@ -58,7 +63,7 @@ CLIENT_PACKAGES := openclaw@2026.9.6 @anthropic-ai/claude-code@2.1.330 @openai/c
 DEMO := Pack the marker pens and the eraser into the box
 
 .DEFAULT_GOAL := help
-.PHONY: help venv vulkan assets setup demo skills lint test test-lerobot test-llm test-wheel test-containers test-clients dist docs \
+.PHONY: help venv vulkan assets setup demo skills lint test test-lerobot test-llm test-wheel test-ray test-containers test-clients dist docs \
   doctor clean
 
 help:
@@ -158,6 +163,13 @@ test-wheel: venv
 	mkdir "$$work/elsewhere"; cd "$$work/elsewhere"; \
 	vcage setup all; vcage doctor; \
 	vcage run "Put the apple into the bowl" --episodes 1 --models offline --out run
+
+$(RAY_STAMP): $(STAMP)
+	$(PIP) install -q -e '.[ray]'
+	@touch $@
+
+test-ray: $(RAY_STAMP)
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -q -n 0 -rs -p no:cacheprovider tests/campaigns/test_on_ray.py
 
 test-containers: venv
 	@set -e; work=$$(mktemp -d); trap 'rm -rf --one-file-system "$$work"' EXIT; chmod 755 "$$work"; \

@@ -314,6 +314,12 @@ class FetchFailed(PassingFault):
     code = "fetch_failed"
 
 
+class ClusterLost(PassingFault):
+    """A cluster does not answer, or cannot be joined."""
+
+    code = "cluster_lost"
+
+
 # --- 7: partly done ------------------------------------------------------------------------------------
 
 

@@ -23,6 +23,8 @@ from vcage.cli.progress import progress
 from vcage.cli.streams import print_text
 
 if TYPE_CHECKING:
+    from vcage.base.progress import Progress
+    from vcage.campaigns.driver import Schedule
     from vcage.campaigns.figures import Status
     from vcage.campaigns.folder import CampaignFolder
     from vcage.campaigns.plan import Plan
@@ -41,19 +43,30 @@ def _shard(text: str) -> tuple[int, int]:
 SHARD = value(_shard, "I/N", show=lambda shard: "/".join(map(str, shard or ())))
 
 
+def _address(text: str) -> str:
+    """The address of a Ray cluster."""
+    from vcage.campaigns.ray_cluster import address_of
+
+    return address_of(text)
+
+
+RAY = value(_address, "auto|HOST:PORT", show=str)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Campaign(Command):
     """Make a data set of many runs by one plan: instructions, robots, layouts, looks and seeds, with counts and limits.
 
     A job is one run folder of a few episodes. All that is done lies in DIR, so a campaign that was interrupted goes on
-    when it is started again, by whichever driver: processes of this machine, or shards that a scheduler runs. Several
-    may work on one DIR at a time. docs/campaigns.md explains the plan.
+    when it is started again, by whichever driver: processes of this machine, shards that a scheduler runs, or a Ray
+    cluster. Several may work on one DIR at a time. docs/campaigns.md explains the plan.
 
     examples:
       vcage campaign PLAN.yml --out campaigns/desk
       vcage campaign PLAN.yml --out campaigns/desk --workers 8
       vcage campaign PLAN.yml --out campaigns/desk --shard 3/16
       vcage campaign PLAN.yml --out campaigns/desk --slurm 16 --workers 4
+      vcage campaign PLAN.yml --out campaigns/desk --ray auto
     """
 
     plan: Annotated[Path, FILE, Positional, arg(metavar="PLAN")]
@@ -61,9 +74,12 @@ class Campaign(Command):
     out: Annotated[Path, FOLDER]
     """the folder of the campaign"""
     workers: Annotated[int | None, POSITIVE, UNSAID] = None
-    """processes (default: as many as cores and memory allow; with --slurm and --k8s 1 for each task)"""
+    """processes (default: as many as cores and memory allow; with --slurm and --k8s 1 for each task; with --ray as many
+    as the cluster has processors)"""
     shard: Annotated[tuple[int, int] | None, SHARD, UNSAID] = None
     """run only every N-th job, from the I-th on: for N schedulers' tasks, numbered from 0, on one shared folder"""
+    ray: Annotated[str | None, RAY, UNSAID] = None
+    """run jobs on the Ray cluster whose head is at HOST:PORT; "auto": on that of this machine, or one started for it"""
     slurm: Annotated[int | None, POSITIVE, UNSAID] = None
     """run nothing, and write a script of SLURM for an array of so many tasks"""
     k8s: Annotated[int | None, POSITIVE, UNSAID] = None
@@ -75,11 +91,13 @@ class Campaign(Command):
 
     def execute(self) -> Result:
         """Run the jobs, or write what a scheduler takes."""
-        from vcage.campaigns.driver import Shard, left_over, run_here
+        from vcage.campaigns.driver import left_over
         from vcage.campaigns.folder import CampaignFolder
         from vcage.campaigns.plan import Plan
         from vcage.campaigns.status import status_of, write_page
 
+        if self.ray and (self.shard or self.slurm or self.k8s):
+            raise UsageError("--ray shares the jobs out itself", hint="leave out --shard, --slurm and --k8s")
         plan, folder = Plan.load(self.plan), CampaignFolder(self.out)
         if self.dry_run:
             return Result(output=folder.root, summary=_asked(plan), next=not_dry())
@@ -88,9 +106,8 @@ class Campaign(Command):
             return self._for_scheduler(plan, folder)
         if self.retry and (count := folder.forget_failed()):
             logger.info("%d jobs are tried again", count)
-        shard = Shard(*self.shard) if self.shard else Shard()
         with progress("campaign") as show:
-            schedule = run_here(folder, self.workers, shard, show)
+            schedule = self._drive(folder, show)
         status = status_of(folder)
         output, facts = write_page(folder, status), status.facts()
         error = left_over(schedule) or (None if self.shard else _too_few(status, folder))
@@ -101,6 +118,16 @@ class Campaign(Command):
         return Result(
             output=output, summary=facts, next=merge if status.ended else vcage_command("status", folder.root)
         )
+
+    def _drive(self, folder: CampaignFolder, show: Progress) -> Schedule:
+        """Run jobs until none is left that may begin."""
+        from vcage.campaigns.driver import Shard, run_here
+
+        if self.ray:
+            from vcage.campaigns.on_ray import run_on_ray
+
+            return run_on_ray(folder, self.ray, self.workers, show)
+        return run_here(folder, self.workers, Shard(*self.shard) if self.shard else Shard(), show)
 
     def _for_scheduler(self, plan: Plan, folder: CampaignFolder) -> Result:
         from vcage.campaigns.schedulers import ShardedCommand, kubernetes_job, slurm_script

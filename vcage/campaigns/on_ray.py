@@ -1,0 +1,291 @@
+"""The driver that runs jobs on a Ray cluster: one actor, with one renderer, for each job that runs at a time.
+
+Actors are told paths and return records; all else lies in the folder of the campaign, which every node must see.
+"""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections import deque
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Self
+
+from vcage.base.commands import CALLED
+from vcage.base.errors import ConfigurationError, DiskFull, FolderInUse, OutputFolderError
+from vcage.base.progress import Progress, silent
+from vcage.base.version import __version__
+from vcage.campaigns.driver import Schedule, Shard, work_through, workers_here
+from vcage.campaigns.folder import CampaignFolder
+from vcage.campaigns.hanging import HangWatch
+from vcage.campaigns.job import Outcome, lost_job, run_job
+from vcage.campaigns.plan import Job
+from vcage.campaigns.ray_actor import actor_class
+from vcage.campaigns.ray_cluster import SETTINGS, RaySettings, connected, require_head
+
+logger = logging.getLogger(__name__)
+
+
+@dataclass(eq=False)
+class _Worker:
+    """An actor: what it was asked last, and since when (:func:`time.monotonic`)."""
+
+    actor: Any
+    asked: Any
+    job: Job | None = None
+    since: float = field(default_factory=time.monotonic)
+    ready: bool = False
+    rest_s: float = 0.0
+    rests_until: float = 0.0
+
+
+class RayCrew:
+    """Actors of a cluster, as many as it has processors, each on one job at a time.
+
+    An actor is asked first whether it sees the same folder by the same version of vcage. A node where that is not so is
+    named, and gets no job.
+
+    Args:
+        ray: the module, connected.
+        folder: of the campaign.
+        workers: actors at most; None for as many as the cluster has processors.
+        work: runs a job in an actor.
+        settings: of the driver.
+    """
+
+    def __init__(
+        self,
+        ray: Any,
+        folder: CampaignFolder,
+        workers: int | None = None,
+        work: Callable[[Path, Job], Outcome] = run_job,
+        settings: RaySettings = SETTINGS,
+    ):
+        self._ray, self._folder, self._most, self._work, self._settings = ray, folder, workers, work, settings
+        self._head = ray.get_runtime_context().gcs_address
+        self._watch = HangWatch(folder.root)
+        self._waiting: deque[Job] = deque()
+        self._workers: list[_Worker] = []
+        self._unfit: dict[str, str] = {}
+        self._unborn = 0
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        busy = [worker for worker in self._workers if worker.job is not None]
+        for worker in self._workers:
+            self._ray.kill(worker.actor)
+        if busy:
+            self._ray.wait([worker.asked for worker in busy], num_returns=len(busy), timeout=5)
+
+    def submit(self, job: Job, /) -> None:
+        """Add a job; it begins as soon as an actor is free."""
+        self._waiting.append(job)
+
+    def results(self) -> Iterator[Outcome]:
+        """Yield outcomes as they arrive, until none is awaited; more jobs may be submitted meanwhile.
+
+        Raises:
+            ClusterLost: the head of the cluster does not answer any more.
+            ConfigurationError: no node can run jobs of this campaign; says why.
+        """
+        looked = -self._settings.look_every_s
+        while self._waiting or any(worker.job for worker in self._workers):
+            if time.monotonic() - looked >= self._settings.look_every_s:
+                require_head(self._head)
+                self._employ()
+                looked = time.monotonic()
+            self._begin()
+            for worker in self._answered():
+                yield from self._answer_of(worker)
+            for worker in [worker for worker in self._workers if self._seconds_left(worker) <= 0]:
+                self._ray.kill(worker.actor, no_restart=False)
+                seconds = time.monotonic() - worker.since
+                yield from self._lost(worker, f"gave no sign of life and was ended after {seconds:.0f} s")
+
+    @property
+    def processors(self) -> int:
+        """Of the nodes that can run jobs."""
+        nodes = [node for node in self._ray.nodes() if node["Alive"] and node["NodeID"] not in self._unfit]
+        return sum(int(node["Resources"].get("CPU", 0)) for node in nodes)
+
+    # --- inside ---------------------------------------------------------------------------------------------
+
+    def _employ(self) -> None:
+        """Have as many actors as there are processors, or as were asked for; those without a place wait for one."""
+        wanted = self._most or max(self.processors, 1)
+        while len(self._workers) < wanted:
+            elsewhere = {"ray.io/node-id": f"!in({','.join(self._unfit)})"} if self._unfit else None
+            kind = self._ray.remote(actor_class()).options(
+                num_cpus=1, max_restarts=self._settings.restarts, label_selector=elsewhere
+            )
+            actor = kind.remote(str(self._folder.root), CALLED.get() or "vcage campaign --ray")
+            self._workers.append(_Worker(actor, self._look_around(actor)))
+
+    @staticmethod
+    def _look_around(actor: Any) -> Any:
+        """Ask an actor what it sees, as soon as it has a place."""
+        return actor.look_around.options(max_task_retries=-1).remote()
+
+    def _begin(self) -> None:
+        """Give jobs to actors that are free."""
+        now = time.monotonic()
+        for worker in self._workers:
+            if self._waiting and worker.ready and worker.job is None and worker.rests_until <= now:
+                worker.job, worker.since = self._waiting.popleft(), now
+                worker.asked = worker.actor.run.remote(self._work, worker.job)
+
+    def _answered(self) -> list[_Worker]:
+        asked = {worker.asked: worker for worker in self._workers if worker.asked is not None}
+        left = [self._seconds_left(worker) for worker in self._workers]
+        patience = max(0.0, min([self._settings.look_every_s, *left]))
+        if not asked:
+            time.sleep(patience)
+            return []
+        found, _ = self._ray.wait(list(asked), num_returns=len(asked), timeout=0)
+        if not found:
+            found, _ = self._ray.wait(list(asked), num_returns=1, timeout=patience)
+        return [asked[one] for one in found]
+
+    def _answer_of(self, worker: _Worker) -> Iterator[Outcome]:
+        """Take the answer of an actor: whether it is fit, or the outcome of its job."""
+        try:
+            answer = self._ray.get(worker.asked)
+        except self._ray.exceptions.RayTaskError as error:  # it cannot even read what it is told
+            self._dismiss(worker)
+            raise ConfigurationError(
+                f"a worker of the Ray cluster cannot run jobs: {_short(error)}",
+                hint=f"install vcage {__version__}, and what it needs, on every node",
+            ) from error
+        except self._ray.exceptions.RayError as error:
+            yield from self._lost(worker, f"was lost: {_short(error)}", error)
+            return
+        worker.asked = None
+        if isinstance(answer, Outcome):
+            worker.job = None
+            self._rest(worker, answer)
+            yield answer
+        elif answer is None:  # it was restarted meanwhile, perhaps on another node
+            assert worker.job is not None
+            self._waiting.appendleft(worker.job)
+            worker.job, worker.ready, worker.asked = None, False, self._look_around(worker.actor)
+        elif reason := self._unfit.get(answer["node"]) or self._reason_against(**answer):
+            self._leave_out(worker, answer["node"], reason)
+        else:
+            worker.ready, self._unborn = True, 0
+
+    def _lost(self, worker: _Worker, how: str, error: Exception | None = None) -> Iterator[Outcome]:
+        """Go on after an actor was lost: Ray restarts it, or another takes its place."""
+        job, worker.job = worker.job, None
+        if isinstance(error, self._ray.exceptions.ActorDiedError):
+            self._workers.remove(worker)
+            if not worker.ready:
+                self._unborn += 1
+            if self._unborn >= self._settings.unborn:
+                hint = f"install vcage {__version__}, and what it needs, on every node"
+                raise ConfigurationError(f"no worker of the Ray cluster can begin: {_short(error)}", hint=hint)
+            self._employ()
+        else:
+            worker.asked, worker.ready = self._look_around(worker.actor), False
+        if job is not None:
+            yield self._outcome_of_lost(job, how)
+
+    def _outcome_of_lost(self, job: Job, how: str) -> Outcome:
+        """Note the loss, once what is left of the actor has let go of the job."""
+        end = time.monotonic() + self._settings.freed_within_s
+        while True:
+            outcome = lost_job(self._folder.root, job, how)
+            if not isinstance(outcome.error, FolderInUse) or time.monotonic() > end:
+                return outcome
+            time.sleep(0.1)
+
+    def _rest(self, worker: _Worker, outcome: Outcome) -> None:
+        """Let a node whose disk is full or that cannot write rest, lest it takes one job after the other."""
+        if not isinstance(outcome.error, DiskFull | OutputFolderError):
+            worker.rest_s = 0.0
+            return
+        worker.rest_s = min(max(2 * worker.rest_s, self._settings.rest_s), self._settings.longest_rest_s)
+        worker.rests_until = time.monotonic() + worker.rest_s
+
+    def _reason_against(self, node: str, host: str, version: str, mark: str, fault: str) -> str:
+        """The reason why a node can run no jobs, by what an actor saw there; empty if it can."""
+        root = self._folder.root
+        if version != __version__:
+            return f"{host} ({node[:8]}): it has vcage {version}, not {__version__}"
+        if fault:
+            return f"{host} ({node[:8]}): {root} cannot be written there: {fault}"
+        end = time.monotonic() + self._settings.seen_within_s
+        while not (root / mark).exists():
+            if time.monotonic() > end:
+                return f"{host} ({node[:8]}): {root} is another folder there"
+            time.sleep(0.2)
+            root.touch()  # a file server's client then looks anew
+        (root / mark).unlink(missing_ok=True)
+        return ""
+
+    def _leave_out(self, worker: _Worker, node: str, reason: str) -> None:
+        """Give a node no job."""
+        if node not in self._unfit:
+            logger.warning("no job is given to a node of the Ray cluster: %s", reason)
+            self._unfit[node] = reason
+        self._ray.wait([worker.actor.leave.remote()], timeout=5)
+        self._dismiss(worker)
+        if self.processors == 0:
+            raise ConfigurationError(
+                f"no node of the Ray cluster can run this campaign: {'; '.join(self._unfit.values())}",
+                hint=f"every node needs vcage {__version__}, and {self._folder.root} as the same shared folder",
+            )
+        self._employ()
+
+    def _dismiss(self, worker: _Worker) -> None:
+        self._workers.remove(worker)
+        self._ray.kill(worker.actor)
+
+    def _seconds_left(self, worker: _Worker) -> float:
+        if worker.job is None:
+            return self._settings.look_every_s
+        return self._watch.seconds_left(worker.job, time.monotonic() - worker.since)
+
+
+def run_on_ray(
+    folder: CampaignFolder,
+    address: str,
+    workers: int | None = None,
+    progress: Progress = silent,
+    work: Callable[[Path, Job], Outcome] = run_job,
+    settings: RaySettings = SETTINGS,
+) -> Schedule:
+    """Run the jobs of a campaign on a Ray cluster.
+
+    Args:
+        folder: of the campaign, with its plan.
+        address: ``HOST:PORT`` of the head; ``auto`` for the cluster that this machine belongs to, or else one of its
+            own, for as long as the campaign runs.
+        workers: actors at most; by default as many as the cluster has processors.
+        progress: called before each job.
+        work: runs a job in an actor.
+        settings: of the driver.
+
+    Returns:
+        The schedule, with what is left.
+
+    Raises:
+        InputFileError: the plan, or a record, cannot be read.
+        MissingDependency: Ray is not installed.
+        ClusterLost: no cluster answers, or its head is lost.
+        ConfigurationError: no node of it can run jobs of this campaign.
+    """
+    schedule = Schedule(folder, Shard())
+    with connected(address, workers or workers_here()) as ray:
+        crew = RayCrew(ray, folder, workers, work, settings)
+        work_through(schedule, crew, workers or max(crew.processors, 1), progress)
+    return schedule
+
+
+def _short(error: Exception) -> str:
+    """The last line of an error of Ray's, which says the most."""
+    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+    return " ".join(lines[-1:])[:300] or type(error).__name__
