@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import ctypes
 import importlib.util
+import os
 import subprocess
 import sys
 import threading
@@ -18,7 +20,9 @@ import pytest
 from tests.campaigns.stubbed import began, begun, behave, run_stubbed
 from tests.campaigns.test_campaign import files_of
 from tests.run_folders import REPOSITORY, clean_environment
-from vcage.base.errors import ClusterLost, MissingDependency
+from vcage.base.errors import ClusterLost, ConfigurationError, MissingDependency
+from vcage.base.version import __version__
+from vcage.campaigns import on_ray
 from vcage.campaigns.driver import Schedule, left_over, run_here
 from vcage.campaigns.folder import CampaignFolder
 from vcage.campaigns.on_ray import run_on_ray
@@ -27,6 +31,9 @@ from vcage.campaigns.ray_cluster import LOCAL_ONLY, OBJECT_STORE_BYTES, RaySetti
 needs_ray = pytest.mark.skipif(
     importlib.util.find_spec("ray") is None, reason="Ray is not installed; `make test-ray` installs it"
 )
+
+CLONE_NEWNS = 0x00020000
+"""From <linux/sched.h>: mounts of its own."""
 
 QUICK = RaySettings(look_every_s=0.5, freed_within_s=3.0, rest_s=0.5, seen_within_s=1.0)
 
@@ -70,6 +77,26 @@ def meanwhile(do: Callable[[], None], folder: CampaignFolder, jobs: int) -> thre
     thread = threading.Thread(target=wait, daemon=True)
     thread.start()
     return thread
+
+
+def elsewhere(do: Callable[[], object], mount_over: Path) -> None:
+    """Do something in a thread for which, and for whose processes, another folder lies in some place."""
+    faults: list[BaseException] = []
+
+    def work() -> None:
+        try:
+            assert ctypes.CDLL(None, use_errno=True).unshare(CLONE_NEWNS) == 0, os.strerror(ctypes.get_errno())
+            subprocess.run(["mount", "--make-rprivate", "/"], check=True)
+            subprocess.run(["mount", "-t", "tmpfs", "none", mount_over], check=True)
+            do()
+        except BaseException as error:
+            faults.append(error)
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    thread.join()
+    if faults:
+        raise faults[0]
 
 
 def actors() -> list[psutil.Process]:
@@ -160,13 +187,41 @@ def test_a_job_that_ends_its_actor_each_time_is_given_up_and_keeps_no_other(clus
 
 @needs_ray
 def test_a_silent_actor_is_replaced(cluster: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("vcage.campaigns.hanging.silence_limit", lambda plan: 2.0)
+    monkeypatch.setattr("vcage.campaigns.hanging.silence_limit", lambda plan: 6.0)
     folder = begun(tmp_path, episodes=4, limits={"tries": 1})
     behave(tmp_path, n0="hang")
     driven(folder, cluster)
     lost = next(record for record in folder.records() if record.state == "given_up")
     assert lost.number == 0 and lost.error is not None and "gave no sign of life" in lost.error.message
     assert sum(record.verified for record in folder.records()) == 4
+
+
+@needs_ray
+def test_a_cluster_with_another_version_is_refused_and_its_nodes_are_named(
+    cluster: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(on_ray, "__version__", "9.9.9")
+    folder = begun(tmp_path)
+    with pytest.raises(ConfigurationError, match="no node of the Ray cluster can run") as caught:
+        driven(folder, cluster)
+    assert caught.value.message.count(f"it has vcage {__version__}, not 9.9.9") == 2
+    assert began(tmp_path) == []
+    assert not list(folder.root.glob("*.partial-*"))
+
+
+@needs_ray
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root may mount another folder for a node")
+def test_a_node_with_another_folder_gets_no_job_and_is_named(
+    cluster: Any, tmp_path: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+):
+    cluster.remove_node(next(iter(cluster.worker_nodes)))
+    folder = begun(tmp_path, episodes=4)
+    behave(tmp_path, all="slow")
+    monkeypatch.setattr(cluster, "_shutdown_at_exit", False)  # which takes signals, as only the main thread may
+    elsewhere(lambda: cluster.add_node(**NODE), mount_over=folder.root)
+    assert left_over(driven(folder, cluster)) is None
+    assert states(folder) == {"done": 4}
+    assert f"{folder.root} is another folder there" in caplog.text
 
 
 @needs_ray

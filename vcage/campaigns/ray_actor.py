@@ -17,10 +17,11 @@ def actor_class() -> type:
         Args:
             root: the folder of the campaign.
             command: that the user gave, for those who find a folder in use.
+            version: of vcage in the driver.
         """
 
-        def __init__(self, root: str, command: str):
-            self._root, self._command, self._asked, self._mark = root, command, False, ""
+        def __init__(self, root: str, command: str, version: str):
+            self._root, self._command, self._version, self._asked, self._mark = root, command, version, False, ""
 
         def look_around(self) -> dict[str, str]:
             """Say what there is on this node: its id and name, the version of vcage, and the name of a file that was
@@ -31,14 +32,19 @@ def actor_class() -> type:
             import uuid
             from pathlib import Path
 
-            import ray
-
             self._asked = True
-            seen = {"node": ray.get_runtime_context().get_node_id(), "host": platform.node(), "fault": ""}
+            seen = {
+                "node": importlib.import_module("ray").get_runtime_context().get_node_id(),
+                "host": platform.node(),
+                "fault": "",
+            }
             try:
                 seen["version"] = importlib.import_module("vcage.base.version").__version__
             except ImportError as error:
                 return seen | {"version": f"none ({error})", "mark": ""}
+            if seen["version"] == self._version:  # loaded before a job's time is taken
+                importlib.import_module("vcage.episodes.preload")
+                importlib.import_module("vcage.campaigns.job")
             self._mark = f"node.partial-{uuid.uuid4().hex}"
             try:
                 (Path(self._root) / self._mark).touch(exist_ok=False)

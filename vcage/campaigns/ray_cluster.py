@@ -6,6 +6,7 @@ happens here.
 
 from __future__ import annotations
 
+import importlib
 import logging
 import os
 import re
@@ -128,9 +129,10 @@ def require_head(address: str) -> None:
 
 def _ray() -> Any:
     try:
-        import ray
+        ray = importlib.import_module("ray")
     except ImportError as error:
         raise MissingDependency(f"Ray cannot be imported: {error}", command=pip_command("vcage[ray]")) from error
+    ray._private.worker._worker_logs_enabled = False  # it would print to stdout what the driver says in its own words
     return ray
 
 

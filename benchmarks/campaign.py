@@ -1,0 +1,118 @@
+"""Verified episodes an hour and CPU seconds for each, by one and two workers of each driver of campaigns."""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+import logging
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from benchmarks._process_times import timed
+from vcage.base.workers import cores
+from vcage.campaigns.folder import CampaignFolder
+
+logger = logging.getLogger(__name__)
+
+INSTRUCTION = "Put two blocks on the plate"
+
+DRIVERS = ("processes", "shards", "ray")
+"""Processes of one command, commands of one process each, or actors of one cluster: as many as there are workers."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The options of this benchmark."""
+    parser.add_argument("--jobs", type=int, default=12, help="jobs of a campaign (default: %(default)s; quick: 2)")
+    parser.add_argument(
+        "--episodes", type=int, default=5, help="episodes of a job (default: %(default)s; quick: 1)", metavar="N"
+    )
+    parser.add_argument(
+        "--drivers", nargs="+", choices=DRIVERS, default=DRIVERS, help="which (default: all that are installed)"
+    )
+
+
+def run(quick: bool, jobs: int, episodes: int, drivers: list[str]) -> dict[str, Any]:
+    """Run the same campaign, from its start to its end, by each driver with one and with two workers.
+
+    Each row: ``verified`` episodes, ``seconds`` of the whole command and ``cpu_seconds`` of all its processes, those of
+    Ray included; ``per_hour``; ``cpu_s_per_episode``; ``job_cpu_s``, the part of jobs by their records;
+    ``worker_mb``, the largest memory of a process that ran jobs. ``ray_overhead`` is the ratio of CPU seconds with Ray
+    to those with processes, and ``ray_overhead_s`` their difference, for each number of workers.
+
+    Args:
+        quick: two jobs of one episode.
+        jobs: of a campaign.
+        episodes: of a job.
+        drivers: which of :data:`DRIVERS`.
+    """
+    if quick:
+        jobs, episodes = 2, 1
+    left_out = [] if importlib.util.find_spec("ray") else ["ray"]
+    rows: list[dict[str, Any]] = []
+    with tempfile.TemporaryDirectory() as work:
+        plan = _plan(Path(work), jobs, episodes)
+        for workers in (1, 2):
+            for driver in drivers:
+                if driver not in left_out:
+                    rows.append(_row(plan, Path(work) / f"{driver}-{workers}", driver, workers))
+                    logger.info("%s", rows[-1])
+    cpu = {(row["driver"], row["workers"]): row["cpu_seconds"] for row in rows}
+    both = [workers for workers in (1, 2) if {("ray", workers), ("processes", workers)} <= cpu.keys()]
+    return {
+        "rows": rows,
+        "ray_overhead": {str(n): round(cpu["ray", n] / cpu["processes", n], 3) for n in both},
+        "ray_overhead_s": {str(n): round(cpu["ray", n] - cpu["processes", n], 1) for n in both},
+        "instruction": INSTRUCTION,
+        "jobs": jobs,
+        "episodes_per_job": episodes,
+        "cores": cores(),
+        "left_out": left_out,
+    }
+
+
+def _plan(folder: Path, jobs: int, episodes: int) -> Path:
+    path = folder / "PLAN.yml"
+    keys = {"name": "benchmark", "tasks": [{"id": "blocks", "instruction": INSTRUCTION}]}
+    counts = {"episodes": jobs * episodes, "episodes_per_job": episodes, "options": {"models": "offline"}}
+    path.write_text(yaml.safe_dump(keys | counts), encoding="utf-8")
+    return path
+
+
+def _row(plan: Path, out: Path, driver: str, workers: int) -> dict[str, Any]:
+    done = timed(_command(plan, out, driver, workers))
+    folder = CampaignFolder(out)
+    records = list(folder.records())
+    if done.code not in (0, 7) or not records:
+        raise RuntimeError(f"{driver} with {workers} workers ended with {done.code}: {done.stdout[-500:]}")
+    verified = sum(record.verified for record in records)
+    return {
+        "driver": driver,
+        "workers": workers,
+        "verified": verified,
+        "jobs": len(records),
+        "seconds": round(done.wall_s, 1),
+        "cpu_seconds": round(done.cpu_s, 1),
+        "per_hour": round(3600 * verified / done.wall_s, 1),
+        "cpu_s_per_episode": round(done.cpu_s / max(verified, 1), 2),
+        "job_cpu_s": round(sum(record.cpu_seconds for record in records), 1),
+        "worker_mb": round(max(record.memory_bytes for record in records) / 1e6),
+    }
+
+
+def _command(plan: Path, out: Path, driver: str, workers: int) -> list[str]:
+    """The command of a driver; shards are two commands, which a shell runs side by side."""
+    command = [sys.executable, "-m", "vcage.cli.main", "campaign", str(plan), "--out", str(out)]
+    if driver == "ray":
+        return [*command, "--ray", "auto", "--workers", str(workers)]
+    if driver == "processes":
+        return [*command, "--workers", str(workers)]
+    script = """
+index=0
+while [ $index -lt $SHARDS ]; do "$@" --workers 1 --shard $index/$SHARDS & index=$((index + 1)); done
+wait
+"""
+    return ["env", f"SHARDS={workers}", "sh", "-c", script, "sh", *command]
