@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import importlib.util
 import os
@@ -17,9 +18,10 @@ from typing import Any
 import psutil
 import pytest
 
+from tests.campaigns import test_campaign
 from tests.campaigns.stubbed import began, begun, behave, run_stubbed
-from tests.campaigns.test_campaign import files_of
-from tests.run_folders import REPOSITORY, clean_environment
+from tests.campaigns.test_campaign import PROGRAM, files_of
+from tests.run_folders import REPOSITORY, clean_environment, process
 from vcage.base.errors import ClusterLost, ConfigurationError, MissingDependency
 from vcage.base.version import __version__
 from vcage.campaigns import on_ray
@@ -36,6 +38,8 @@ CLONE_NEWNS = 0x00020000
 """From <linux/sched.h>: mounts of its own."""
 
 QUICK = RaySettings(look_every_s=0.5, freed_within_s=3.0, rest_s=0.5, seen_within_s=1.0)
+
+plan, undisturbed = test_campaign.plan, test_campaign.undisturbed  # fixtures: a real campaign of two jobs, and its plan
 
 NODE = {
     "num_cpus": 1,
@@ -102,12 +106,10 @@ def elsewhere(do: Callable[[], object], mount_over: Path) -> None:
 def actors() -> list[psutil.Process]:
     """The processes of actors on this machine that run jobs of a test here."""
     found = []
-    for process in psutil.Process().children(recursive=True):
-        try:
-            if process.name().startswith("ray::Worker") or process.cmdline()[:1] == ["ray::Worker.run"]:
-                found.append(process)
-        except psutil.NoSuchProcess:
-            continue
+    for one in psutil.Process().children(recursive=True):
+        with contextlib.suppress(psutil.NoSuchProcess):
+            if one.name().startswith("ray::Worker"):
+                found.append(one)
     return found
 
 
@@ -254,3 +256,17 @@ def test_a_lost_head_ends_the_driver_and_the_same_campaign_goes_on(cluster: Any,
     cluster.shutdown()
     assert left_over(run_here(folder, 1, work=run_stubbed)) is None
     assert states(folder) == {"done": 4}
+
+
+@needs_ray
+@pytest.mark.slow
+def test_a_real_campaign_on_a_cluster_of_its_own_makes_the_same_files(
+    plan: Path,
+    undisturbed: Path,
+    tmp_path: Path,
+):
+    out = tmp_path / "campaign"
+    done = process([*PROGRAM, "campaign", plan, "--out", out, "--ray", "auto", "--workers", "2"], REPOSITORY)
+    assert done.code == 0, done.record
+    assert (done.record["summary"]["verified"], done.record["summary"]["jobs"]) == (2, {"done": 2})
+    assert files_of(out) == files_of(undisturbed)

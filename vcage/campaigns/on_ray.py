@@ -279,7 +279,7 @@ def run_on_ray(
         ConfigurationError: no node of it can run jobs of this campaign.
     """
     schedule = Schedule(folder, Shard())
-    with connected(address, workers or workers_here()) as ray:
+    with connected(address, workers or workers_here(settings.actor_bytes)) as ray:
         crew = RayCrew(ray, folder, workers, work, settings)
         work_through(schedule, crew, workers or max(crew.processors, 1), progress)
     return schedule
