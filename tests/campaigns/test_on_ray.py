@@ -178,6 +178,23 @@ def test_a_node_that_is_removed_loses_no_job(cluster: Any, tmp_path: Path):
 
 
 @needs_ray
+def test_a_node_that_joins_takes_jobs(cluster: Any, tmp_path: Path):
+    cluster.remove_node(next(iter(cluster.worker_nodes)))
+    folder = begun(tmp_path, episodes=10)
+    behave(tmp_path, all="slow")
+    most: list[int] = []
+
+    def look(*_: object) -> None:
+        most.append(len(actors()))
+        if len(most) == 3:
+            cluster.add_node(**NODE)
+
+    assert left_over(driven(folder, cluster, progress=look)) is None
+    assert states(folder) == {"done": 10}
+    assert (most[0], most[2], most[-1]) == (0, 1, 2)
+
+
+@needs_ray
 def test_a_job_that_ends_its_actor_each_time_is_given_up_and_keeps_no_other(cluster: Any, tmp_path: Path):
     folder = begun(tmp_path, episodes=3, limits={"tries": 2, "attempts": 9})
     behave(tmp_path, n1="crash")
@@ -221,7 +238,7 @@ def test_a_node_with_another_folder_gets_no_job_and_is_named(
     behave(tmp_path, all="slow")
     monkeypatch.setattr(cluster, "_shutdown_at_exit", False)  # which takes signals, as only the main thread may
     elsewhere(lambda: cluster.add_node(**NODE), mount_over=folder.root)
-    assert left_over(driven(folder, cluster)) is None
+    assert left_over(driven(folder, cluster, workers=2)) is None
     assert states(folder) == {"done": 4}
     assert f"{folder.root} is another folder there" in caplog.text
 

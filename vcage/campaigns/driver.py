@@ -189,19 +189,19 @@ class Schedule:
             self._put_off.append(job)
 
 
-def work_through(schedule: Schedule, crew: Crew, width: int, progress: Progress = silent) -> None:
+def work_through(schedule: Schedule, crew: Crew, width: int | Callable[[], int], progress: Progress = silent) -> None:
     """Give jobs to a crew until none is left that may begin.
 
     Args:
         schedule: of the driver.
         crew: runs them.
-        width: jobs that it is given at a time.
+        width: jobs that it is given at a time, or what tells their number now.
         progress: called before each job.
     """
     running: dict[str, Job] = {}
 
     def fill() -> None:
-        while len(running) < width and (job := schedule.next()) is not None:
+        while len(running) < (width() if callable(width) else width) and (job := schedule.next()) is not None:
             progress(job.id, schedule.settled, schedule.known)
             running[job.id] = job
             crew.submit(job)

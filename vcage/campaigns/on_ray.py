@@ -23,7 +23,7 @@ from vcage.campaigns.hanging import HangWatch
 from vcage.campaigns.job import Outcome, lost_job, run_job
 from vcage.campaigns.plan import Job
 from vcage.campaigns.ray_actor import actor_class
-from vcage.campaigns.ray_cluster import SETTINGS, RaySettings, connected, require_head
+from vcage.campaigns.ray_cluster import SETTINGS, RaySettings, connected, last_line, require_head
 
 logger = logging.getLogger(__name__)
 
@@ -70,16 +70,17 @@ class RayCrew:
         self._workers: list[_Worker] = []
         self._unfit: dict[str, str] = {}
         self._unborn = 0
+        self._began, self._told = time.monotonic(), False
 
     def __enter__(self) -> Self:
+        self._employ()
         return self
 
     def __exit__(self, *_: object) -> None:
-        busy = [worker for worker in self._workers if worker.job is not None]
         for worker in self._workers:
             self._ray.kill(worker.actor)
-        if busy:
-            self._ray.wait([worker.asked for worker in busy], num_returns=len(busy), timeout=5)
+        if busy := [worker.asked for worker in self._workers if worker.job is not None]:
+            self._ray.wait(busy, num_returns=len(busy), timeout=5)
 
     def submit(self, job: Job, /) -> None:
         """Add a job; it begins as soon as an actor is free."""
@@ -97,6 +98,7 @@ class RayCrew:
             if time.monotonic() - looked >= self._settings.look_every_s:
                 require_head(self._head)
                 self._employ()
+                self._tell_of_waiting()
                 looked = time.monotonic()
             self._begin()
             for worker in self._answered():
@@ -105,6 +107,10 @@ class RayCrew:
                 self._ray.kill(worker.actor, no_restart=False)
                 seconds = time.monotonic() - worker.since
                 yield from self._lost(worker, f"gave no sign of life and was ended after {seconds:.0f} s")
+
+    def room(self) -> int:
+        """Jobs that it can be given at a time, as nodes come."""
+        return len(self._workers)
 
     @property
     def processors(self) -> int:
@@ -124,6 +130,17 @@ class RayCrew:
             )
             actor = kind.remote(str(self._folder.root), CALLED.get() or "vcage campaign --ray", __version__)
             self._workers.append(_Worker(actor, self._look_around(actor)))
+
+    def _tell_of_waiting(self) -> None:
+        """Say once that no actor has found a place."""
+        if any(worker.ready for worker in self._workers):
+            self._told = True
+        elif not self._told and time.monotonic() - self._began > self._settings.told_after_s:
+            free = self._ray.available_resources().get("CPU", 0)
+            logger.warning(
+                "no worker has begun yet: of %d processors of the cluster %d are free", self.processors, free
+            )
+            self._told = True
 
     @staticmethod
     def _look_around(actor: Any) -> Any:
@@ -157,11 +174,11 @@ class RayCrew:
         except self._ray.exceptions.RayTaskError as error:  # it cannot even read what it is told
             self._dismiss(worker)
             raise ConfigurationError(
-                f"a worker of the Ray cluster cannot run jobs: {_short(error)}",
+                f"a worker of the Ray cluster cannot run jobs: {last_line(error)}",
                 hint=f"install vcage {__version__}, and what it needs, on every node",
             ) from error
         except self._ray.exceptions.RayError as error:
-            yield from self._lost(worker, f"was lost: {_short(error)}", error)
+            yield from self._lost(worker, f"was lost: {last_line(error)}", error)
             return
         worker.asked = None
         if isinstance(answer, Outcome):
@@ -182,11 +199,12 @@ class RayCrew:
         job, worker.job = worker.job, None
         if isinstance(error, self._ray.exceptions.ActorDiedError):
             self._workers.remove(worker)
-            if not worker.ready:
-                self._unborn += 1
+            self._unborn += not worker.ready
             if self._unborn >= self._settings.unborn:
-                hint = f"install vcage {__version__}, and what it needs, on every node"
-                raise ConfigurationError(f"no worker of the Ray cluster can begin: {_short(error)}", hint=hint)
+                raise ConfigurationError(
+                    f"no worker of the Ray cluster can begin: {last_line(error)}",
+                    hint="look into Ray's logs on the nodes",
+                )
             self._employ()
         else:
             worker.asked, worker.ready = self._look_around(worker.actor), False
@@ -281,11 +299,5 @@ def run_on_ray(
     schedule = Schedule(folder, Shard())
     with connected(address, workers or workers_here(settings.actor_bytes)) as ray:
         crew = RayCrew(ray, folder, workers, work, settings)
-        work_through(schedule, crew, workers or max(crew.processors, 1), progress)
+        work_through(schedule, crew, crew.room, progress)
     return schedule
-
-
-def _short(error: Exception) -> str:
-    """The last line of an error of Ray's, which says the most."""
-    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-    return " ".join(lines[-1:])[:300] or type(error).__name__

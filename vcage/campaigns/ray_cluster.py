@@ -46,6 +46,7 @@ class RaySettings:
         unborn: actors in a row that ended before they could begin, after which the driver ends.
         seen_within_s: after which a file that an actor wrote should be seen here.
         actor_bytes: free memory for each on a cluster of this machine alone; measured, one takes 1.41 GB at most.
+        told_after_s: after which it is said that no actor has found a place.
     """
 
     look_every_s: float = 5.0
@@ -56,6 +57,7 @@ class RaySettings:
     unborn: int = 5
     seen_within_s: float = 10.0
     actor_bytes: int = 1_600_000_000
+    told_after_s: float = 60.0
 
 
 SETTINGS = RaySettings()
@@ -127,6 +129,12 @@ def require_head(address: str) -> None:
             f"the head of the Ray cluster at {address} does not answer any more",
             hint="start the cluster again and run the same command; what is finished is kept",
         )
+
+
+def last_line(error: Exception) -> str:
+    """The last line of an error of Ray's, which says the most."""
+    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+    return " ".join(lines[-1:])[:300] or type(error).__name__
 
 
 def _ray() -> Any:
