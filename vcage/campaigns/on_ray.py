@@ -118,8 +118,6 @@ class RayCrew:
         nodes = [node for node in self._ray.nodes() if node["Alive"] and node["NodeID"] not in self._unfit]
         return sum(int(node["Resources"].get("CPU", 0)) for node in nodes)
 
-    # --- inside ---------------------------------------------------------------------------------------------
-
     def _employ(self) -> None:
         """Have as many actors as there are processors, or as were asked for; those without a place wait for one."""
         wanted = self._most or max(self.processors, 1)
@@ -173,10 +171,8 @@ class RayCrew:
             answer = self._ray.get(worker.asked)
         except self._ray.exceptions.RayTaskError as error:  # it cannot even read what it is told
             self._dismiss(worker)
-            raise ConfigurationError(
-                f"a worker of the Ray cluster cannot run jobs: {last_line(error)}",
-                hint=f"install vcage {__version__}, and what it needs, on every node",
-            ) from error
+            hint = f"install vcage {__version__}, and what it needs, on every node"
+            raise ConfigurationError(f"a Ray worker cannot run jobs: {last_line(error)}", hint=hint) from error
         except self._ray.exceptions.RayError as error:
             yield from self._lost(worker, f"was lost: {last_line(error)}", error)
             return
