@@ -211,7 +211,7 @@ FUNCTION_WORDS = word_set(
 
 HANDLING = word_set(
     "put puts putting place places placed placing set sets setting move moves moved moving bring brings take",
-    "takes taking taken gather tidy sort stow pick picks picked picking lay lays laid lift grab grabs hold get",
+    "takes taking taken gather collect tidy sort stow pick picks picked picking lay lays laid lift grab grabs hold get",
     "keep fetch carry pop stick leave stand clear clean use uses using",
 )
 """Verbs of taking and putting, which any goal of a thing answers."""

@@ -8,6 +8,7 @@ import pytest
 from tests.models.catalogue import unchecked
 from vcage.models.checked_reading import Instructed
 from vcage.models.rules.reasoner import OfflineReasoner
+from vcage.models.second_look import second_look
 from vcage.models.selection_check import entries_of, name_objects
 from vcage.objects.library import Library
 from vcage.schema.asset import CatalogueEntry
@@ -152,3 +153,20 @@ def test_two_things_go_into_separate_drawers_that_are_opened_and_closed(kinds) -
     assert [(goal.relation, goal.part) for goal in goals] == [
         (word, drawer) for drawer in ("drawer_top", "drawer_bottom") for word in ("open", "inside", "closed")
     ]
+
+
+@pytest.mark.parametrize(
+    ("instruction", "goals"),
+    [
+        ("Pick four blocks and put them on the plate", 4),
+        ("Collect three marker pens and a whiteboard eraser, and place them into the packaging box", 4),
+        ("Gather the two lemons and put them in the basket", 2),
+        ("Weigh the chocolate bar, scan it and show the payment sign to the customer", 3),
+    ],
+)
+def test_a_sentence_that_picks_first_is_read_and_covers_every_word(kinds, instruction: str, goals: int) -> None:
+    things = entries_of(name_objects(Selection(objects=select(instruction, kinds)), kinds), kinds)
+    told = Instructed(instruction, things)
+    reading = OfflineReasoner().read_goals(told)
+    assert len(reading.goals) == goals
+    assert second_look(told, reading) == []

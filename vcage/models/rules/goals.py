@@ -193,7 +193,9 @@ class Goals:
         if goal.reference in self._meanings.excepted:
             raise Doubt(command.words, f"{goal.reference} is excepted")
         if goal not in [asked.goal for asked in self._added]:
-            self._added.append(AskedGoal(goal=goal, step=1, words=command.words, arm=arm))
+            picked = self._picked.get(subject)
+            words = f"{picked.words} {command.words}" if picked else command.words
+            self._added.append(AskedGoal(goal=goal, step=1, words=words, arm=arm))
 
     def _named(self, command: Command, besides: Collection[str] = (), least: int = 1) -> list[str]:
         """The objects of a command's nouns for things, and where they are taken from."""
