@@ -125,6 +125,7 @@ def marked_tokens(text: str) -> list[str]:
     return _WORD_OR_MARK.findall(text.lower().replace("_", " "))
 
 
+@functools.lru_cache(maxsize=100_000)
 def lemma(word: str) -> str:
     """Singular of an English noun in lower case."""
     if word in NO_PLURAL:
@@ -147,9 +148,16 @@ def is_plural(word: str) -> bool:
 
 def lemmas(text: str) -> list[str]:
     """Lemmas of the words of a text that carry meaning."""
-    return [lemma(word) for word in tokens(text) if word not in DETERMINERS]
+    return list(_lemmas(text))
 
 
+@functools.lru_cache(maxsize=100_000)
+def _lemmas(text: str) -> tuple[str, ...]:
+    """:func:`lemmas`, kept: choosing objects asks for those of every name of the catalogue, many times."""
+    return tuple(lemma(word) for word in tokens(text) if word not in DETERMINERS)
+
+
+@functools.lru_cache(maxsize=100_000)
 def colour_of(text: str) -> str | None:
     """The first colour word in a text, in one spelling."""
     for word in tokens(text):

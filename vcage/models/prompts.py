@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from typing import NamedTuple
 
 import jinja2
@@ -40,12 +41,8 @@ def fill(name: str, **values: object) -> Prompt:
     path = resource("prompts", f"{name}.md")
     if not path.is_file():
         raise UnknownName("prompt", name, names())
-    environment = jinja2.Environment(
-        undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True, finalize=_value
-    )
     try:
-        text = text_of(path.read_bytes())
-        wanted = jinja2.meta.find_undeclared_variables(environment.parse(text))
+        template, wanted = _compiled(text_of(path.read_bytes()))
     except Unreadable as error:
         raise ConfigurationError(f"{path}, {error}", hint="fix the prompt") from error
     except jinja2.TemplateSyntaxError as error:
@@ -55,7 +52,16 @@ def fill(name: str, **values: object) -> Prompt:
             f"{path} uses the placeholders {sorted(wanted)}, but gets {sorted(values)}",
             hint="name exactly these in the prompt",
         )
-    return Prompt(name, environment.from_string(text).render(**values).strip())
+    return Prompt(name, template.render(**values).strip())
+
+
+@functools.lru_cache(maxsize=64)
+def _compiled(text: str) -> tuple[jinja2.Template, frozenset[str]]:
+    """A prompt's template and its placeholders; kept, because compiling takes longer than filling."""
+    environment = jinja2.Environment(
+        undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True, finalize=_value
+    )
+    return environment.from_string(text), frozenset(jinja2.meta.find_undeclared_variables(environment.parse(text)))
 
 
 def _value(value: object) -> object:

@@ -85,7 +85,8 @@ def name_match(words: Sequence[str], entry: CatalogueEntry, look: Variant) -> in
     looks = {*lemmas(look.id), *lemmas(look.colour)} - COLOURS
     made_of = {f"{word}{end}" for word in looks if len(word) > 3 for end in ("en", "y")}
     rest = [word for word in words if word not in looks | made_of]
-    level = max(_name_level(stated, name, names) for stated in (words, rest) for name in names.all)
+    forms = (words,) if len(rest) == len(words) else (words, rest)
+    level = max(_name_level(stated, name, names) for stated in forms for name in names.all)
     if not level and len(words) == 1 and is_of_kind(words[0], entry, names):
         return KIND
     return level
