@@ -108,9 +108,10 @@ skills:
 lint: venv
 	@$(BIN)/ruff check . && $(BIN)/ruff format --check -q . && $(BIN)/pyrefly check --output-format min-text
 
-# Two processes on two cores: threads of OpenMP in each would wait for those of the other.
+# Two processes on two cores: threads of OpenMP in each would wait for those of the other. Compiled modules are kept,
+# whatever the shell says: tests start some hundred processes, and each would compile all that it imports.
 test: setup lint
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -q -n 2 --dist loadfile --no-loadscope-reorder
+	PYTHONDONTWRITEBYTECODE= OMP_NUM_THREADS=1 $(BIN)/python -m pytest -q -n 2 --dist loadfile --no-loadscope-reorder
 
 # torchcodec looks for FFmpeg's libraries under their usual names; PyAV brings them under names of its own.
 $(LEROBOT_STAMP): $(wildcard $(LEROBOT_PACKAGES)*.txt) | $(STAMP)
