@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cache
 
 import cv2
 import numpy as np
 
 from vcage.base.geometry import Camera, Pose, box_corners, world_aabb
 from vcage.models.protocols import CriticQuestion
-from vcage.models.rules.standing import cut
 from vcage.schema.base import CameraRecord, PoseRecord, Provenance
 from vcage.schema.goals import Goal
 from vcage.schema.scene import ObjectRecord, Scene, Table, Workspace
@@ -40,7 +40,7 @@ class Thing:
     def outline(self, share: float = 1.0) -> np.ndarray:
         """(n, 2) world corners, shrunk to ``share``."""
         if self.round:
-            angles = np.linspace(0, 2 * np.pi, 48, endpoint=False)
+            angles = np.linspace(0, 2 * np.pi, 24, endpoint=False)
             local = np.stack([np.cos(angles), np.sin(angles)], 1)
         else:
             local = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1.0]])
@@ -59,9 +59,9 @@ class Thing:
         return replace(self, **changes)
 
 
-def _pixels(camera: Camera, corners: np.ndarray, z: float) -> np.ndarray:
+def _pixels(camera: Camera, corners: np.ndarray, z: float, origin: tuple[int, int] = (0, 0)) -> np.ndarray:
     pixels = camera.project(np.hstack([corners, np.full((len(corners), 1), z)]))
-    return np.rint(pixels * 16 - 8).astype(np.int32)
+    return np.rint(pixels * 16 - 8).astype(np.int32) - 16 * np.array(origin, np.int32)
 
 
 def _fill(picture: np.ndarray, polygon: np.ndarray, colour: np.ndarray | tuple[float, ...] | float) -> None:
@@ -69,6 +69,7 @@ def _fill(picture: np.ndarray, polygon: np.ndarray, colour: np.ndarray | tuple[f
     cv2.fillPoly(picture, [polygon], value, lineType=cv2.LINE_AA if picture.ndim == 3 else cv2.LINE_8, shift=4)
 
 
+@cache
 def table_picture(camera: Camera = CAMERA, seed: int = 0) -> np.ndarray:
     """(H, W, 3) the empty table: wood with a grain."""
     noise = np.random.default_rng(seed).normal(size=(camera.height, camera.width)).astype(np.float32)
@@ -97,23 +98,27 @@ def _cast(picture: np.ndarray, thing: Thing, camera: Camera) -> None:
     picture *= 1 - 0.3 * cv2.GaussianBlur(shadow, (7, 7), 0)[..., None]
 
 
-def _draw(picture: np.ndarray, ids: np.ndarray, index: int, thing: Thing, camera: Camera) -> None:
+def _draw(
+    picture: np.ndarray, ids: np.ndarray, index: int, thing: Thing, camera: Camera, origin: tuple[int, int] = (0, 0)
+) -> None:
+    """Paint a thing into the part of a camera's picture whose first pixel is ``origin``, left and top."""
     colour = np.array(thing.colour, dtype=np.float64)
     bottom, top = HEIGHT + thing.base, HEIGHT + thing.base + thing.size[2]
     outline = thing.outline()
+    low, high = (_pixels(camera, outline, z, origin) for z in (bottom, top))
     for a, b in zip(range(len(outline)), np.roll(range(len(outline)), -1), strict=True):
-        low, high = _pixels(camera, outline[[a, b]], bottom), _pixels(camera, outline[[b, a]], top)
         for target, value in ((picture, colour * 0.7), (ids, index)):
-            _fill(target, np.concatenate([low, high]), value)
+            _fill(target, np.concatenate([low[[a, b]], high[[b, a]]]), value)
     for target, value in ((picture, colour), (ids, index)):
-        _fill(target, _pixels(camera, outline, top), value)
+        _fill(target, high, value)
     if thing.stripe is not None:
-        _fill(picture, _pixels(camera, thing.band(), top), thing.stripe)
+        _fill(picture, _pixels(camera, thing.band(), top, origin), thing.stripe)
     if thing.hollow:
         for level, shade in ((top - 0.002, 0.6), (bottom + 0.004, 0.8)):
-            _fill(picture, _pixels(camera, thing.outline(0.94), level), colour * shade)
+            _fill(picture, _pixels(camera, thing.outline(0.94), level, origin), colour * shade)
 
 
+@cache
 def reference(thing: Thing, phrase: str = "") -> Reference:
     """The thing alone, seen from straight above and far away, on nothing."""
     alone = thing.moved(at=(0.0, 0.0), yaw=0.0, base=0.0)
@@ -123,33 +128,43 @@ def reference(thing: Thing, phrase: str = "") -> Reference:
     return Reference(phrase or thing.id, np.dstack([picture, alpha]), 15 / camera.focal, thing.size)
 
 
-def view(things: list[Thing], seed: int = 0) -> View:
-    return View(draw(things, CAMERA, seed)[0], CAMERA)
+def view(things: list[Thing], camera: Camera = CAMERA) -> View:
+    return _view(tuple(things), camera)
 
 
-def critic_question(before: list[Thing], after: list[Thing], goal: Goal, text: str = "…") -> CriticQuestion:
-    """What a critic is asked about two views of things on the table."""
+@cache
+def _view(things: tuple[Thing, ...], camera: Camera) -> View:
+    return View(draw(list(things), camera)[0], camera)
+
+
+def critic_question(
+    before: list[Thing], after: list[Thing], goal: Goal, text: str = "…", camera: Camera = CAMERA
+) -> CriticQuestion:
+    """What a critic is asked about two views of things on the table. The pictures are shared: copy to change them."""
     by_id = {thing.id: thing for thing in before}
 
     def drawn(name: str, pose: Pose, camera: Camera, window: Window, _shares: object) -> Drawing:
         thing = by_id[name].moved(at=tuple(pose.p[:2]), yaw=pose.yaw, base=pose.p[2] - HEIGHT)
-        picture, ids = np.zeros((camera.height, camera.width, 3), np.float32), np.zeros((camera.height, camera.width))
-        _draw(picture, ids, 1, thing, camera)
-        covered = cut(ids, window) > 0
-        return Drawing(cut(picture, window).astype(np.uint8), covered, np.ones(covered.shape, np.float32))
+        picture, ids = np.zeros((window.side, window.side, 3), np.float32), np.zeros((window.side, window.side))
+        _draw(picture, ids, 1, thing, camera, (window.left, window.top))
+        rows, columns = (np.arange(window.side) + start for start in (window.top, window.left))
+        shown = ((rows >= 0) & (rows < camera.height))[:, None] & (columns >= 0) & (columns < camera.width)
+        if not shown.all():
+            picture[~shown] = ids[~shown] = 0
+        return Drawing(picture.astype(np.uint8), ids > 0, np.ones(ids.shape, np.float32))
 
     rooms = {goal: _room(by_id[goal.reference])[None]} if goal.reference in by_id else {}
     return CriticQuestion(
         text,
         [goal],
-        {"top": view(before)},
-        {"top": view(after)},
+        {"top": view(before, camera)},
+        {"top": view(after, camera)},
         {thing.id: reference(thing) for thing in before},
         draw=drawn,
         rooms=rooms,
         planned={t.id: Pose.from_yaw((*t.at, HEIGHT + t.base), t.yaw) for t in before},
         table_height=HEIGHT,
-        background=table_picture(),
+        background=table_picture(camera),
     )
 
 

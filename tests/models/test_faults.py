@@ -37,6 +37,8 @@ from vcage.models.transport import Transport, TransportLimits
 from vcage.schema.goals import Goal
 from vcage.schema.plan import LayoutPlan, Relation
 
+pytestmark = pytest.mark.slow
+
 SMALL = Camera(CAMERA.width // 2, CAMERA.height // 2, CAMERA.fovy, CAMERA.pose)
 
 
@@ -52,7 +54,7 @@ def to_edit() -> EditRequest:
 def to_judge() -> Any:
     goal = Goal(subject="black-marker", relation="inside", reference="box")
     things = [BOX, *MARKERS]
-    return critic_question(things, things, goal, "Put the black marker into the box.")
+    return critic_question(things, things, goal, "Put the black marker into the box.", SMALL)
 
 
 CHOSEN = {
@@ -146,14 +148,14 @@ ANYWHERE = [
         always(Special(manner="hang")),
         EndpointFailed,
         "does not answer",
-        limits=TransportLimits(connect_s=5.0, read_s=0.1, total_s=0.5),
+        limits=TransportLimits(connect_s=5.0, read_s=0.1, total_s=0.25),
     ),
     Fault(
         "slow drip",
         always(Special(manner="drip")),
         EndpointFailed,
         "no whole answer",
-        limits=TransportLimits(connect_s=5.0, read_s=5.0, total_s=0.3),
+        limits=TransportLimits(connect_s=5.0, read_s=5.0, total_s=0.2),
     ),
     Fault("reset in the middle", always(Special(manner="reset")), waits=(1.0,), asked=2),
     Fault("reset for ever", always(*[Special(manner="reset")] * 4), EndpointFailed, "does not answer", BACKOFF, 4),
