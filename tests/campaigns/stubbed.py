@@ -134,11 +134,11 @@ def _slow(run: RunFolder, options: Any, progress: Any) -> None:
 
 
 def _get_further(run: RunFolder, options: Any, _progress: Any) -> None:
-    """Leave a file, and end the process until there are five."""
+    """Leave a file, and end the process until there are three."""
     folder = run.root / "place"
     folder.mkdir(exist_ok=True)
     count = len(list(folder.iterdir()))
-    if count == 5:
+    if count == 3:
         record_episodes(run, options.episodes, 0)
         return
     (folder / f"{count}.png").touch()

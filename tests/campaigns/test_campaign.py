@@ -1,4 +1,7 @@
-"""A real campaign of two cells through the command, undisturbed and killed at random moments: the same files."""
+"""A real campaign of two cells through the command, undisturbed and killed at a random moment: the same files.
+
+``python -m benchmarks campaign_kills`` and ``make test-ray`` kill more often.
+"""
 
 from __future__ import annotations
 
@@ -16,12 +19,12 @@ import psutil
 import pytest
 import yaml
 
-from tests.campaigns.stubbed import TASKS
-from tests.run_folders import REPOSITORY, clean_environment, digests, process
+from tests.run_folders import REPOSITORY, clean_environment, command, digests, process
 from vcage.base.leftovers import PARTIAL
 
 PROGRAM: list[str | Path] = [sys.executable, "-m", "vcage.cli.main"]
 
+TASKS = [{"id": "apple", "instruction": "Put the apple into the bowl"}]
 QUICK = {"models": "offline", "fps": 5, "crf": 20, "effort": "fast", "keyframes": 2}
 
 TIMES = ("seconds", "cpu_seconds", "memory_bytes", "tries", "ended")
@@ -65,44 +68,39 @@ def files_of(out: Path) -> dict[str, Any]:
 
 
 @pytest.mark.slow
-def test_a_campaign_that_has_ended_does_nothing_when_it_is_started_again(plan: Path, undisturbed: Path):
+def test_a_campaign_that_has_ended_does_nothing_when_it_is_started_again(plan: Path, undisturbed: Path, capsys):
     before = {path: path.stat().st_mtime_ns for path in undisturbed.glob("jobs/**/*")}
-    done = process(campaign(plan, undisturbed), REPOSITORY)
+    done = command(capsys, "campaign", plan, "--out", undisturbed, "--workers", "2")
     assert (done.code, done.record["summary"]["verified"]) == (0, 2)
     assert {path: path.stat().st_mtime_ns for path in undisturbed.glob("jobs/**/*")} == before
 
 
 @pytest.mark.slow
-def test_a_campaign_that_is_killed_at_random_moments_ends_with_the_same_files(
+def test_a_campaign_that_is_killed_at_a_random_moment_ends_with_the_same_files(
     plan: Path, undisturbed: Path, tmp_path: Path
 ):
-    out, moments, kills = tmp_path / "campaign", random.Random(7), 0
-    for _ in range(2):
-        running = subprocess.Popen(
-            list(map(str, campaign(plan, out))),
-            cwd=REPOSITORY,
-            env=clean_environment(),
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        )
-        try:
-            running.wait(moments.uniform(3.0, 8.0))
-            break
-        except subprocess.TimeoutExpired:
-            kills += 1
-            _kill(running, moments)
+    out, moments = tmp_path / "campaign", random.Random(7)
+    running = subprocess.Popen(
+        list(map(str, campaign(plan, out))),
+        cwd=REPOSITORY,
+        env=clean_environment(),
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    with pytest.raises(subprocess.TimeoutExpired):
+        running.wait(moments.uniform(3.0, 8.0))
+    _kill(running, moments)
     done = process(campaign(plan, out), REPOSITORY)
     assert done.code == 0, done.record
-    assert kills >= 1
     assert files_of(out) == files_of(undisturbed)
     assert not [path for path in out.rglob(f"*{PARTIAL}*") if path.is_file()]
 
 
 def _kill(running: subprocess.Popen[bytes], moments: random.Random) -> None:
-    """Kill a worker, or the whole driver, by SIGKILL."""
+    """Kill a worker, if there is one, and then the whole driver, by SIGKILL."""
     children = psutil.Process(running.pid).children(recursive=True)
     workers = [child for child in children if not child.children()]
-    if workers and moments.random() < 0.5:
+    if workers:
         os.kill(moments.choice(workers).pid, signal.SIGKILL)
         time.sleep(0.5)
     running.kill()

@@ -33,7 +33,7 @@ from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
 from vcage.stages import collect, search_subtasks
 
-KILLS = 8
+KILLS = 3
 WITH_WORKERS = ["collect", "--models", "offline", "--episodes", "2", "--fps", str(FPS), "--workers", "2"]
 CAMERAS = ["cam_high", "cam_left_wrist", "cam_right_wrist"]
 
