@@ -51,6 +51,20 @@ def run(collection, tmp_path) -> RunFolder:
     return RunFolder(shutil.copytree(collection.root, tmp_path / "run"))
 
 
+@pytest.fixture(scope="module")
+def whole(collection, tmp_path_factory) -> RunFolder:
+    """Compressed without a break."""
+    run = RunFolder(shutil.copytree(collection.root, tmp_path_factory.mktemp("whole") / "run"))
+    compressed(run)
+    return run
+
+
+@pytest.fixture
+def done(whole, tmp_path) -> RunFolder:
+    """A copy of it."""
+    return RunFolder(shutil.copytree(whole.root, tmp_path / "done"))
+
+
 def test_an_episode_refers_to_its_videos_and_is_read_as_before(run):
     with EpisodeReader(files_of(run)[0]) as reader:
         raw, before = reader.images("cam_high")[:], reader.episode
@@ -82,9 +96,8 @@ def test_kept_raw_pictures_may_be_dropped_later(run):
     assert all(holds_links(file) for file in files_of(run))
 
 
-def test_a_compression_whose_raw_pictures_are_gone_is_finished(run):
-    compressed(run)
-    again = compress.execute(run, options(), StageContext("offline"))
+def test_a_compression_whose_raw_pictures_are_gone_is_finished(done):
+    again = compress.execute(done, options(), StageContext("offline"))
     assert not again.fresh
 
 
@@ -96,26 +109,23 @@ def test_an_export_with_raw_pictures_stays_up_to_date_without_them(run):
     assert first.fresh and not again.fresh
 
 
-def test_without_raw_pictures_all_formats_are_exported(run):
-    compressed(run)
+def test_without_raw_pictures_all_formats_are_exported(done):
     chosen = export.Options(seed=7, formats=export.EXPORTS)
-    record = export.execute(run, chosen, StageContext("offline")).record
+    record = export.execute(done, chosen, StageContext("offline")).record
     assert [dataset.frames for dataset in record.datasets] == [2 * FRAMES] * len(export.EXPORTS)
 
 
 @pytest.mark.parametrize("changes", [{"force": True}, {"force": True, "crf": 30}])
-def test_to_compress_again_without_raw_pictures_is_refused_with_the_way_out(run, changes):
-    compressed(run)
+def test_to_compress_again_without_raw_pictures_is_refused_with_the_way_out(done, changes):
     with pytest.raises(MissingStage, match="no raw pictures any more") as refused:
-        compressed(run, **changes)
+        compressed(done, **changes)
     assert refused.value.maker == "collect" and "--keep-raw" in refused.value.hint
-    assert run.compression.is_file()
+    assert done.compression.is_file()
 
 
-def test_another_codec_without_raw_pictures_is_refused(run):
-    compressed(run)
+def test_another_codec_without_raw_pictures_is_refused(done):
     with pytest.raises(MissingStage, match="no raw pictures any more"):
-        export.execute(run, export.Options(seed=7, codec="h264", crf=30), StageContext("offline"))
+        export.execute(done, export.Options(seed=7, codec="h264", crf=30), StageContext("offline"))
 
 
 def test_a_damaged_video_leaves_the_episode_its_pictures(run):
@@ -125,14 +135,6 @@ def test_a_damaged_video_leaves_the_episode_its_pictures(run):
     with pytest.raises(DamagedFile):
         compressed(run)
     assert not holds_links(files_of(run)[0])
-
-
-@pytest.fixture(scope="module")
-def whole(collection, tmp_path_factory) -> RunFolder:
-    """Compressed without a break."""
-    run = RunFolder(shutil.copytree(collection.root, tmp_path_factory.mktemp("whole") / "run"))
-    compressed(run)
-    return run
 
 
 @pytest.mark.parametrize("calls", [0, len(CAMERAS), len(CAMERAS) + 1], ids=["a video", "an episode", "the next"])
@@ -171,12 +173,12 @@ def test_episodes_that_join_later_leave_the_videos_of_the_first_as_they_are(coll
     assert all((run.root / stream.file).stat().st_size == stream.bytes for stream in both.streams)
 
 
-def test_a_list_of_episodes_that_changed_takes_the_videos_over(run):
-    record = compressed(run)
-    write_json(run.episodes, {**read_json(run.episodes), "attempts": 9})
-    again = compressed(run, force=True)
+def test_a_list_of_episodes_that_changed_takes_the_videos_over(done):
+    record = Compression.read(done.compression)
+    write_json(done.episodes, {**read_json(done.episodes), "attempts": 9})
+    again = compressed(done, force=True)
     assert (again.streams, again.packed) == (record.streams, record.packed)
-    assert again.provenance.inputs["episodes/episodes.json"] == sha256_file(run.episodes)
+    assert again.provenance.inputs["episodes/episodes.json"] == sha256_file(done.episodes)
 
 
 def test_episodes_that_join_later_are_not_mixed_with_other_settings(collection, run):
@@ -198,7 +200,6 @@ def test_videos_are_copied_where_there_are_no_hard_links(run, monkeypatch):
     assert (run.episodes.parent / video.name).read_bytes() == video.read_bytes()
 
 
-def test_an_episode_that_refers_to_videos_holds_no_pixels(run):
-    compressed(run)
-    with h5py.File(files_of(run)[0]) as file:
+def test_an_episode_that_refers_to_videos_holds_no_pixels(whole):
+    with h5py.File(files_of(whole)[0]) as file:
         assert all(not file["observations/images"][name].shape for name in CAMERAS)
