@@ -147,12 +147,14 @@ def unlikeness(pose: np.ndarray, height: float, sights: Sequence[Sight], draw: D
     costs = []
     for sight in sights:
         drawing = draw(Pose.from_yaw([pose[0], pose[1], height], float(pose[2])), sight.camera, sight.window)
-        if not drawing.covered.any():
+        covered = drawing.covered
+        if not covered.any():
             return SETTINGS.cap_lab
-        drawn = to_lab(as_bright(drawing, sight.picture, sight.hidden).astype(np.uint8))
-        seen = np.minimum(distance(sight.lab, drawn), SETTINGS.cap_lab)
-        apart = np.where(sight.hidden, SETTINGS.hidden_lab, seen)[drawing.covered].mean()
-        costs.append(apart + SETTINGS.unfilled_lab * (sight.outline & ~drawing.covered).sum() / drawing.covered.sum())
+        gain = brightness(drawing, sight.picture, sight.hidden)
+        lit = np.clip(drawing.picture[covered].astype(np.float32) * gain, 0, 255).astype(np.uint8)
+        seen = np.minimum(distance(sight.lab[covered], to_lab(lit[:, None])[:, 0]), SETTINGS.cap_lab)
+        apart = np.where(sight.hidden[covered], SETTINGS.hidden_lab, seen).mean()
+        costs.append(apart + SETTINGS.unfilled_lab * (sight.outline & ~covered).sum() / covered.sum())
     return float(np.mean(costs))
 
 

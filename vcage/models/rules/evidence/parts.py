@@ -112,16 +112,18 @@ class PartEvidence:
 
         own = drawings(part, POSITIONS)
         gain = brightness(own[-1] if start else own[0], before.picture)
-        sight = _Sight(own, gain, background)
         rivals = [other for other in question.parts.get(name, ()) if other != part]
-        sights = {part: sight} | {r: _Sight(drawings(r, POSITIONS), gain, background) for r in rivals}
+        drawn = {part: own} | {rival: drawings(rival, POSITIONS) for rival in rivals}
+        within = _around(np.any([one.covered for several in drawn.values() for one in several], axis=0))
+        sights = {moving: _Sight(several, gain, background, within) for moving, several in drawn.items()}
+        sight = sights[part]
         where = np.any([one.telling for one in sights.values()], axis=0)
         least: dict[str, float] = {}
         for moving, one in sights.items():
             costs = one.costs(after.picture, where)
             # Drawers look so similar that a step between two positions hides which of them moved.
-            between = _Sight(drawings(moving, [likeliest(costs)]), gain, background).costs(after.picture, where)
-            least[moving] = float(min(costs.min(), between.min()))
+            between = _Sight(drawings(moving, [likeliest(costs)]), gain, background, within)
+            least[moving] = float(min(costs.min(), between.costs(after.picture, where).min()))
         first, then = sight.costs(before.picture), sight.costs(after.picture)
         return cls(
             differing_px=int(sight.telling.sum()),
@@ -197,28 +199,35 @@ class _Sight:
         drawings: in their order.
         gain: (3,) by which they are made as bright as the pictures are.
         background: the empty table.
+        within: the rows and columns that are compared: all pictures are cut to them, as most of a picture is table.
 
     Attributes:
         covered: (H, W) bool, where the object is in any of them.
         telling: (H, W) bool, where they differ.
     """
 
-    def __init__(self, drawings: Sequence[Drawing], gain: np.ndarray, background: np.ndarray):
-        pictures = [_composed(drawing, background, gain) for drawing in drawings]
+    def __init__(
+        self, drawings: Sequence[Drawing], gain: np.ndarray, background: np.ndarray, within: tuple[slice, slice]
+    ):
+        pictures = [_composed(drawing, background, gain, within) for drawing in drawings]
+        self._within = within
         self._drawn = [_edges_and_hues(picture) for picture in pictures]
         self.covered = np.any([drawing.covered for drawing in drawings], axis=0)
         first, *rest = [to_lab(picture) for picture in pictures]
         differ = [distance(lab, first) > SETTINGS.different_lab for lab in rest]
-        self.telling = self.covered & np.any(differ, axis=0) if differ else np.zeros_like(self.covered)
+        self.telling = np.zeros_like(self.covered)
+        if differ:
+            self.telling[within] = self.covered[within] & np.any(differ, axis=0)
 
     def costs(self, picture: np.ndarray, where: np.ndarray | None = None) -> np.ndarray:
         """(n,) mean unlikeness of a picture (H, W, 3) uint8 RGB to each drawing, where drawings differ or ``where``
-        (H, W) bool says."""
+        (H, W) bool, of what is compared, says."""
         where = self.telling if where is None else where
         if not where.any():
             return np.zeros(len(self._drawn))
-        seen = _edges_and_hues(picture)[where]
-        return np.array([_unlike(seen, drawn[where]) for drawn in self._drawn])
+        there = where[self._within]
+        seen = _edges_and_hues(picture[self._within])[there]
+        return np.array([_unlike(seen, drawn[there]) for drawn in self._drawn])
 
 
 def _edges_and_hues(picture: np.ndarray) -> np.ndarray:
@@ -227,7 +236,7 @@ def _edges_and_hues(picture: np.ndarray) -> np.ndarray:
     grey = cv2.cvtColor(smooth, cv2.COLOR_RGB2GRAY).astype(np.float32) / 255
     light = np.log(grey**2.2 + SETTINGS.floor)
     along_x, along_y = (cv2.Sobel(light, cv2.CV_32F, *axis, ksize=3, scale=1 / 8) for axis in ((1, 0), (0, 1)))
-    return np.dstack([along_x, along_y, to_lab(smooth)[..., 1:]])
+    return cv2.merge([along_x, along_y, *cv2.split(to_lab(smooth))[1:]])
 
 
 def _unlike(seen: np.ndarray, drawn: np.ndarray) -> float:
@@ -249,7 +258,18 @@ def likeliest(costs: np.ndarray) -> float:
     return float(POSITIONS[k] + offset * (POSITIONS[1] - POSITIONS[0]))
 
 
-def _composed(drawing: Drawing, background: np.ndarray, gain: np.ndarray) -> np.ndarray:
-    """The drawing, brighter by a factor (3,), on the empty table."""
-    bright = np.clip(drawing.picture.astype(np.float32) * gain, 0, 255)
-    return np.where(drawing.covered[..., None], bright, background).astype(np.uint8)
+def _around(covered: np.ndarray, margin_px: int = 10) -> tuple[slice, slice]:
+    """The rows and columns of a mask, and some around it, so that a blur within it knows no edge; all, if it is
+    empty."""
+    if not covered.any():
+        return slice(None), slice(None)
+    rows, columns = (np.flatnonzero(covered.any(axis=axis)) for axis in (1, 0))
+    first, second = (slice(max(0, int(n[0]) - margin_px), int(n[-1]) + margin_px + 1) for n in (rows, columns))
+    return first, second
+
+
+def _composed(drawing: Drawing, background: np.ndarray, gain: np.ndarray, within: tuple[slice, slice]) -> np.ndarray:
+    """The part of a drawing, brighter by a factor (3,), on the empty table."""
+    composed, covered = background[within].copy(), drawing.covered[within]
+    composed[covered] = np.clip(drawing.picture[within][covered].astype(np.float32) * gain, 0, 255)
+    return composed
