@@ -81,8 +81,8 @@ class _Selector:
                 choose(command)
         catalogue, everything = list(self.entries.values()), quantified(self.instruction)
         clear = bystanders([self.instruction], self._there, catalogue)
-        clear = [entry for entry in clear if not any(quantifier.covers(entry) for quantifier in everything)]
-        self._chosen += self._occasion().standing_by(catalogue, lambda entry: entry not in clear, self.rng)
+        may = {entry.name for entry in clear if not any(quantifier.covers(entry) for quantifier in everything)}
+        self._chosen += self._occasion().standing_by(catalogue, lambda entry: entry.name not in may, self.rng)
         return Selection(objects=sorted(self._chosen, key=lambda chosen: _ROLES.index(chosen.role)))
 
     def _occasion(self) -> Occasion:
