@@ -22,6 +22,8 @@ from vcage.sim.robots import load_robot
 from vcage.sim.world import World
 from vcage.tasks.reading import reading_poses
 
+pytestmark = pytest.mark.slow
+
 BOX, PLATE, APPLE = thing("cereal_box", (-0.1, -0.05), 0.3), thing("plate", (0.15, 0.05)), thing("apple", (-0.3, 0.1))
 SCANNER, SCALE = thing("barcode_scanner", (0.3, -0.1)), thing("electronic_scale", (0.0, 0.1))
 GONE = Pose([0.0, 0.0, -3.0])
@@ -142,7 +144,7 @@ def test_a_scanner_seen_before_a_code_reads_it() -> None:
     assert told.accepted, told.reason
 
 
-@pytest.mark.parametrize("away", [(0.12, 0.0), (0.0, 0.12), (-0.12, 0.0), (0.0, -0.12)])
+@pytest.mark.parametrize("away", [(0.12, 0.0), (0.0, -0.12)])
 def test_a_scanner_seen_elsewhere_reads_nothing(away: tuple[float, float]) -> None:
     there = next(iter(reading_poses(SCANNER, BOX, TABLE_TOP)))
     assert not scanned(Pose(there.p + [*away, 0.0], there.q)).accepted
@@ -187,8 +189,10 @@ DONE = {
 SPOILT = {"black": np.zeros_like, "noise": noise, "a stranger": stranger, "upside down": lambda p: p[::-1, ::-1].copy()}
 
 
-@pytest.mark.parametrize("what", SPOILT)
-@pytest.mark.parametrize("done", DONE)
+CASES = [*(("on", what) for what in SPOILT), ("presented", "noise"), ("left_of", "black")]
+
+
+@pytest.mark.parametrize(("done", "what"), CASES)
 def test_a_picture_that_cannot_be_of_this_table_is_never_a_yes(done: str, what: str) -> None:
     goals, after, names = DONE[done]
     told = judged(goals, {"before": {}, "after": after}, *names, spoilt={"after": SPOILT[what]})

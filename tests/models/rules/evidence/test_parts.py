@@ -13,6 +13,8 @@ from vcage.schema.goals import Goal
 from vcage.sim.cameras import shoot
 from vcage.tasks.scene_objects import SceneObject
 
+pytestmark = pytest.mark.slow
+
 PARTS = {"cabinet_one_drawer": "drawer", "laptop": "screen", "kitchen_timer": "dial", "tap": "lever"}
 GRASP = {"kitchen_timer": "turned", "tap": "turned"}
 
@@ -77,11 +79,10 @@ def test_seen_positions_are_close_to_the_true_ones(context: StageContext) -> Non
         assert abs(seen - share) < 0.15, reason
 
 
-@pytest.mark.parametrize(("part", "moved"), [(0, 1), (2, 1)])
-def test_a_drawer_is_not_taken_for_the_one_above_or_below(context: StageContext, part: int, moved: int) -> None:
+def test_a_drawer_is_not_taken_for_the_one_above_or_below(context: StageContext) -> None:
     cabinet = thing("cabinet_three_drawers", (-0.05, 0.05), 0.1)
-    assert judged(context, cabinet, "open", 0.0, 1.0, moved, moved).accepted
-    assert not judged(context, cabinet, "open", 0.0, 1.0, part, moved).accepted
+    told = [judged(context, cabinet, "open", 0.0, 1.0, part, 1).accepted for part in range(3)]
+    assert told == [False, True, False]
 
 
 def test_a_door_left_ajar_is_not_shut(context: StageContext) -> None:
@@ -99,5 +100,5 @@ def test_a_grey_drawer_is_distinguished_from_the_table_in_the_shadow_of_its_cabi
     cabinet = thing("cabinet_three_drawers", (-0.05, 0.05), 0.0, variant="steel")
     done = judged(context, cabinet, word, start, end, table=table)
     assert done.accepted, done.reason
-    for stopped in (start, 0.5):
-        assert not judged(context, cabinet, word, start, stopped, table=table).accepted
+    stopped = start if word == "open" else 0.5
+    assert not judged(context, cabinet, word, start, stopped, table=table).accepted
