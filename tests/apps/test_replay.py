@@ -27,6 +27,8 @@ from vcage.sim.world import World
 from vcage.tasks.assemble import episode_data
 from vcage.tasks.loop import EpisodeRun, run_episode
 
+pytestmark = pytest.mark.slow
+
 MODELS = StageContext("offline").physical_models(scene_of(block_and_plate()))
 
 

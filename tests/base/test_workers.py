@@ -18,6 +18,8 @@ from threadpoolctl import threadpool_info
 from vcage.base.errors import DamagedFile, PartlyDone
 from vcage.base.workers import Processes, cores, map_in_processes, one_blas_thread
 
+pytestmark = pytest.mark.slow
+
 WAIT = 20.0
 """Seconds after which a process that should have ended counts as left behind."""
 

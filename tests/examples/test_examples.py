@@ -11,6 +11,8 @@ import pytest
 
 from tests.run_folders import REPOSITORY, Finished, clean_environment, copied
 
+pytestmark = pytest.mark.slow
+
 EXAMPLES = sorted((REPOSITORY / "examples").glob("*.py"))
 
 

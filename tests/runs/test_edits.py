@@ -26,6 +26,8 @@ from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
 from vcage.stages import chain, collect, compress, inpaint_plan, match, optimize, search_subtasks, select_place, verify
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def run(finished: Finished, tmp_path: Path) -> RunFolder:

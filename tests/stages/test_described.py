@@ -29,6 +29,8 @@ from vcage.sim.robots import load_randomisation
 from vcage.stages import inpaint_plan, match, optimize, search_subtasks, select_place
 from vcage.tasks.described import require_settled, untrue
 
+pytestmark = pytest.mark.slow
+
 TEXT = "Put the block on the left plate"
 LEFT = Description(subject="plate_white", relation="left_of", reference="plate_blue", words="the left plate")
 PLATES = [

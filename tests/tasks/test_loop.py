@@ -27,6 +27,8 @@ from vcage.tasks.chain_slots import slots_for_chain
 from vcage.tasks.loop import EpisodeRun, run_episode
 from vcage.tasks.task import Task, TaskFailed
 
+pytestmark = pytest.mark.slow
+
 FAR = Pose([0.3, 0.1, TABLE_TOP])
 
 

@@ -15,6 +15,8 @@ from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal
 from vcage.vision.protocols import View
 
+pytestmark = pytest.mark.slow
+
 SIDE = Camera(640, 480, 0.75, look_at(np.array([0.0, 1.1, HEIGHT + 0.5]), [0, 0, HEIGHT], up=(0, 0, 1)))
 RED, BLUE = BLOCKS[0], BLOCKS[2]
 ANOTHER = RED.moved(id="other", at=BLUE.at, yaw=BLUE.yaw)
