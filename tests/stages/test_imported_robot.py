@@ -43,7 +43,7 @@ def test_an_imported_robot_follows_an_instruction(tmp_path: Path, monkeypatch: p
     (folder / "config.yml").write_text(yaml.safe_dump(CONFIG))
     robot = import_robot(folder).name
     run, context = RunFolder(tmp_path / "run"), StageContext("offline")
-    chain.run_chain(run, replace(OPTIONS, robot=robot), context)
+    chain.run_chain(run, replace(OPTIONS, robot=robot, instruction="Put the red block on the plate"), context)
     (episode,) = [one for one in Episodes.read(run.episodes).episodes if one.accepted]
     path = run.root / str(episode.file)
     with EpisodeReader(path) as reader:
