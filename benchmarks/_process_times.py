@@ -6,13 +6,35 @@ import ctypes
 import os
 import resource
 import subprocess
+import sys
+import tempfile
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 _PR_SET_CHILD_SUBREAPER = 36
 """From <linux/prctl.h>: orphans below this process become its children, so that it can wait for them."""
+
+
+@dataclass(frozen=True)
+class Mark:
+    """The moment of a line on a command's stderr.
+
+    Args:
+        line: what it says.
+        wall_s: seconds since the command's start.
+        cpu_s: CPU seconds of its process and all descendants so far, without those of ``server_s``.
+        server_s: CPU seconds of the fork server of Python itself, most of them for imports.
+    """
+
+    line: str
+    wall_s: float
+    cpu_s: float
+    server_s: float
 
 
 @dataclass(frozen=True)
@@ -24,12 +46,14 @@ class Timed:
         stdout: what it printed.
         wall_s: seconds from its start to its end.
         cpu_s: CPU seconds of its process and all descendants, including those that outlive it.
+        marks: of all lines on stderr.
     """
 
     code: int
     stdout: str
     wall_s: float
     cpu_s: float
+    marks: list[Mark]
 
 
 def timed(command: Sequence[str]) -> Timed:
@@ -40,12 +64,40 @@ def timed(command: Sequence[str]) -> Timed:
     """
     ctypes.CDLL(None).prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
     others, before, start = _children(), _cpu_of_children(), time.perf_counter()
-    done = subprocess.run(command, stdout=subprocess.PIPE, text=True)
-    wall = time.perf_counter() - start
+    marks: list[Mark] = []
+    with (
+        tempfile.TemporaryFile("w+") as stdout,
+        subprocess.Popen(command, stdout=stdout, stderr=subprocess.PIPE, text=True) as process,
+    ):
+        for line in process.stderr or ():
+            sys.stderr.write(line)
+            marks.append(Mark(line.rstrip(), time.perf_counter() - start, *_cpu_of_tree(process.pid)))
+        process.wait()
+        wall = time.perf_counter() - start
+        stdout.seek(0)
+        printed = stdout.read()
     while orphans := _children() - others:
         for orphan in orphans:
             os.waitpid(orphan, 0)
-    return Timed(done.returncode, done.stdout, wall, _cpu_of_children() - before)
+    return Timed(process.returncode, printed, wall, _cpu_of_children() - before, marks)
+
+
+def _cpu_of_tree(process: int) -> tuple[float, float]:
+    """Return the CPU seconds of a process and all below it without a fork server's own, and those."""
+    total = server = 0
+    waiting = [(process, 0)]
+    while waiting:
+        number, depth = waiting.pop()
+        folder = Path(f"/proc/{number}")
+        with suppress(FileNotFoundError, ProcessLookupError):  # it ends meanwhile, and its parent has its seconds
+            below = [int(child) for path in folder.glob("task/*/children") for child in path.read_text().split()]
+            own, ended = np.reshape((folder / "stat").read_text().rpartition(")")[2].split()[11:15], (2, 2)).astype(int)
+            # its children have its command line too
+            server += own.sum() if depth == 1 and b"forkserver" in (folder / "cmdline").read_bytes() else 0
+            total += own.sum() + ended.sum()
+            waiting += [(child, depth + 1) for child in below]
+    ticks = os.sysconf("SC_CLK_TCK")
+    return float(total - server) / ticks, float(server) / ticks
 
 
 def _children() -> set[int]:

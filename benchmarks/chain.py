@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import logging
+import re
 import subprocess
 import sys
 import tempfile
@@ -16,7 +17,6 @@ from benchmarks._process_times import Timed, timed
 from vcage.base.errors import VcageError
 from vcage.base.files import RunFolder
 from vcage.objects.library import Library
-from vcage.runs.by_products import read_timings
 from vcage.schema.episodes import Episodes
 
 logger = logging.getLogger(__name__)
@@ -26,6 +26,47 @@ INSTRUCTION = "Pack the marker pens and the eraser into the box"
 
 SHADERS = ("default", "minimal")
 """Shaders of ManiSkill's runner: its default, and the fastest."""
+
+
+LONG = 10
+"""Episodes of the longer run."""
+
+STAGE = re.compile(r"\[\d+/\d+\] (\w+)")
+"""A line on stderr when a stage begins."""
+
+
+@dataclass(frozen=True)
+class Chain:
+    """Cost of a run of ours, and of its floor, for each pick-and-place.
+
+    Args:
+        wall_s, cpu_s: of the run.
+        stages: part of the run → (2,) its wall and CPU seconds.
+        floor: part of the floor → the same.
+        frames: of the accepted episodes.
+        placed: pick-and-places in these.
+    """
+
+    wall_s: float
+    cpu_s: float
+    stages: dict[str, np.ndarray]
+    floor: dict[str, np.ndarray]
+    frames: float
+    placed: int
+
+    def figures(self) -> dict[str, object]:
+        """Return the figures of the table."""
+        floor_wall, floor_cpu = self.floor["draw"] + self.floor["encode"]
+        return {
+            "vcage_seconds": round(self.wall_s, 2),
+            "vcage_cpu_seconds": round(self.cpu_s, 2),
+            "floor_seconds": round(float(floor_wall), 2),
+            "floor_cpu_seconds": round(float(floor_cpu), 2),
+            "floor_parts_cpu": {part: round(float(cpu), 2) for part, (_, cpu) in self.floor.items()},
+            "floor_ratio": round(self.cpu_s / float(floor_cpu), 3),
+            "stages": {stage: round(float(wall), 3) for stage, (wall, _) in self.stages.items()},
+            "stages_cpu": {stage: round(float(cpu), 3) for stage, (_, cpu) in self.stages.items()},
+        }
 
 
 @dataclass(frozen=True)
@@ -43,7 +84,12 @@ def run(quick: bool) -> dict[str, object]:
     - ``vcage_seconds``, ``vcage_cpu_seconds``: ``vcage run`` in a process of its own, from its start to its end
       (objects chosen, placed, drawn, matched and optimised, sub-tasks searched, episodes collected, verified,
       compressed, exported, and the report), divided by the pick-and-places in the episodes that were accepted. CPU
-      seconds are those of all its processes. The models of the objects are built before.
+      seconds are those of all its processes. The models of the objects are built before. ``…_long`` are those of a
+      run of more episodes: what a run costs once is shared by more.
+    - ``floor_seconds``, ``floor_cpu_seconds``: the same pictures drawn once and encoded once at the CRF that the run
+      chose, each in a process of its own and before and after the others (:mod:`benchmarks._floor`): worlds built,
+      frames drawn and encoded, to the same bytes. Without what a process does once (``floor_start_cpu_seconds`` in
+      all: Python, imports, the first picture), and without reading and writing files.
     - ``maniskill_seconds``, ``maniskill_cpu_seconds``: ManiSkill's motion-planning runner on StackCube in one process,
       divided by the trajectories that succeeded: its solver, its ``RecordEpisode`` (actions, states, pictures in HDF5
       with gzip) and the shaders that it takes by default, with three cameras of the size and frame rate of ours. Half
@@ -51,37 +97,35 @@ def run(quick: bool) -> dict[str, object]:
       at what it wrote.
     - ``maniskill_seconds_minimal``, ``maniskill_cpu_seconds_minimal``: the same with its fastest shaders, which its
       runner offers on demand.
-    - ``ratio``, ``cpu_ratio``: ours divided by theirs. ``stages``: our wall seconds by stage, of the same unit.
+    - ``ratio``, ``cpu_ratio``: ours divided by theirs. ``floor_ratio``, ``floor_ratio_long``: our CPU seconds divided
+      by those of the floor.
+    - ``stages``, ``stages_cpu``: our wall and CPU seconds by stage, of the same unit; before the first (``start``), and
+      of the fork server itself, which imports for all workers (``imports``). The last one has the report and the end.
     - ``frames``: per pick-and-place, ours and theirs.
 
     Args:
-        quick: one episode instead of three.
+        quick: one episode instead of three, and no long run.
     """
     Library.load().entries()
     half = 3 if quick else 7
     before = [_maniskill(half, shaders) for shaders in SHADERS]
     with tempfile.TemporaryDirectory() as folder:
-        ours, run_folder = _vcage(Path(folder) / "run", episodes=1 if quick else 3)
-        accepted = [e for e in Episodes.read(run_folder.episodes).episodes if e.accepted]
-        timings = read_timings(run_folder)
+        ours = [_vcage(Path(folder) / str(count), count) for count in ((1,) if quick else (3, LONG))]
     after = [_maniskill(half, shaders) for shaders in SHADERS]
-    placed = sum(len(episode.subtasks) for episode in accepted)
     theirs, fastest = map(_mean, before, after)
+    short, long = ours[0], ours[-1]
+    more = {} if quick else {f"{name}_long": value for name, value in long.figures().items()}
     return {
-        "vcage_seconds": round(ours.wall_s / placed, 2),
-        "vcage_cpu_seconds": round(ours.cpu_s / placed, 2),
+        **short.figures(),
+        **more,
         "maniskill_seconds": round(theirs.wall_s, 2),
         "maniskill_cpu_seconds": round(theirs.cpu_s, 2),
         "maniskill_seconds_minimal": round(fastest.wall_s, 2),
         "maniskill_cpu_seconds_minimal": round(fastest.cpu_s, 2),
-        "ratio": round(ours.wall_s / placed / theirs.wall_s, 3),
-        "cpu_ratio": round(ours.cpu_s / placed / theirs.cpu_s, 3),
-        "stages": {stage: round(seconds / placed, 3) for stage, seconds in timings.items()},
-        "frames": {
-            "vcage": round(sum(episode.frames for episode in accepted) / placed, 1),
-            "maniskill": round(theirs.frames, 1),
-        },
-        "pick_and_places": placed,
+        "ratio": round(short.wall_s / theirs.wall_s, 3),
+        "cpu_ratio": round(short.cpu_s / theirs.cpu_s, 3),
+        "frames": {"vcage": round(short.frames, 1), "maniskill": round(theirs.frames, 1)},
+        "pick_and_places": short.placed,
     }
 
 
@@ -90,15 +134,46 @@ def _mean(one: Recorded, other: Recorded) -> Recorded:
     return Recorded(*np.mean([astuple(one), astuple(other)], axis=0).tolist())
 
 
-def _vcage(folder: Path, episodes: int) -> tuple[Timed, RunFolder]:
-    """Time ``vcage run``; return it with its folder."""
+def _vcage(folder: Path, episodes: int) -> Chain:
+    """Time ``vcage run``, and the floor before and after it is known."""
     command = [sys.executable, "-m", "vcage.cli.main", "run", INSTRUCTION, "--out", str(folder)]
     done = timed([*command, "--episodes", str(episodes), "--models", "offline"])
     if done.code != 0:
         raise VcageError(f"vcage run ended with {done.code}: {done.stdout[-500:]}", hint="run: vcage doctor")
     summary = json.loads(done.stdout.splitlines()[-1])["summary"]
     logger.info("vcage run: %.1f s, %.1f CPU s, %s", done.wall_s, done.cpu_s, summary)
-    return done, RunFolder(folder)
+    accepted = [e for e in Episodes.read(RunFolder(folder).episodes).episodes if e.accepted]
+    placed = sum(len(episode.subtasks) for episode in accepted)
+    return Chain(
+        wall_s=done.wall_s / placed,
+        cpu_s=done.cpu_s / placed,
+        stages={stage: spent / placed for stage, spent in _stages(done).items()},
+        floor={part: spent / placed for part, spent in _floor(folder).items()},
+        frames=sum(episode.frames for episode in accepted) / placed,
+        placed=placed,
+    )
+
+
+def _stages(done: Timed) -> dict[str, np.ndarray]:
+    """Return (2,) wall and CPU seconds of each stage of a run, of its start, and of imports for all workers."""
+    begun = [(match[1], mark) for mark in done.marks if (match := STAGE.fullmatch(mark.line))]
+    imports = max(mark.server_s for _, mark in begun)
+    moments = [(0.0, 0.0), *((mark.wall_s, mark.cpu_s) for _, mark in begun), (done.wall_s, done.cpu_s - imports)]
+    names = ["start", *(name for name, _ in begun)]
+    return dict(zip(names, np.diff(moments, axis=0), strict=True)) | {"imports": np.array([0.0, imports])}
+
+
+def _floor(folder: Path) -> dict[str, np.ndarray]:
+    """Return (2,) wall and CPU seconds of drawing and of encoding the run's videos once, and of their process's start.
+
+    Raises:
+        VcageError: the process ended with an error.
+    """
+    done = timed([sys.executable, "-m", "benchmarks._floor", str(folder)])
+    if done.code != 0:
+        raise VcageError(f"drawing and encoding again ended with {done.code}: {done.stdout[-500:]}")
+    spent = {part: np.array(seconds) for part, seconds in json.loads(done.stdout.splitlines()[-1]).items()}
+    return spent | {"start": np.array([done.wall_s, done.cpu_s]) - sum(spent.values())}
 
 
 def _maniskill(count: int, shaders: str) -> Recorded:
