@@ -180,8 +180,8 @@ LONG = np.arange(60, dtype=np.uint8)[:, None, None, None] * np.ones((1, 48, 64, 
 class Losses:
     """Stands for encoder, decoder and metric: what a frame loses is a function of pixel format, CRF and the frame."""
 
-    def __init__(self, patch: pytest.MonkeyPatch, loss_of):
-        self.loss_of = loss_of
+    def __init__(self, patch: pytest.MonkeyPatch, loss_of, cheap: int = 500):
+        self.loss_of, self.sizes = loss_of, {BEST: 1000, CHEAP: cheap}
         self.encoded: list[tuple[str, int, int]] = []
         patch.setattr(judge, "encode", self._encode)
         patch.setattr(judge, "decode", self._decode)
@@ -189,7 +189,7 @@ class Losses:
 
     def _encode(self, frames, _fps, settings: EncoderSettings, crf: int, _starts=()) -> bytes:
         self.encoded.append((settings.pixel_format, crf, len(frames)))
-        size = (1000 if settings.pixel_format == BEST else 500) - crf
+        size = self.sizes[settings.pixel_format] - crf
         places = " ".join(str(number) for number in frames[:, 0, 0, 0])
         return f"{settings.pixel_format} {crf} {places}".encode().ljust(size)
 
@@ -216,6 +216,13 @@ def test_where_held_out_frames_fail_in_a_cheaper_format_the_best_one_gets_its_tu
     result = search(LONG, metric, keyframes=[0, 59], guard=True, choices=Choices(pixel_formats=(BEST, CHEAP)))
     assert (result.pixel_format, result.crf) == (BEST, 15)
     assert result.added and result.held_out is None
+
+
+@pytest.mark.parametrize(("size", "taken"), [(900, CHEAP), (980, BEST)])
+def test_a_pixel_format_with_less_colour_must_save_a_twentieth_of_the_bytes(monkeypatch, size, taken):
+    metric = Losses(monkeypatch, lambda _name, crf, _frame: growing(crf), cheap=size)
+    result = search(LONG, metric, keyframes=[0, 59], choices=Choices(pixel_formats=(BEST, CHEAP)))
+    assert (result.pixel_format, result.crf) == (taken, 15)
 
 
 def test_after_the_first_trial_only_the_worst_frames_are_encoded(monkeypatch):

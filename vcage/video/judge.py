@@ -97,7 +97,7 @@ class Judge:
     criterion: Criterion
     metric: JodMetric
     trials: list[Evaluation] = field(default_factory=list)
-    _wholes: dict[tuple[EncoderSettings, int | None], bytes] = field(default_factory=dict)
+    _videos: dict[tuple[EncoderSettings, int | None, tuple[int, ...]], bytes] = field(default_factory=dict)
     _known: KnownLosses = field(init=False)
 
     def __post_init__(self) -> None:
@@ -105,9 +105,16 @@ class Judge:
 
     def whole(self, settings: EncoderSettings, crf: int | None) -> bytes:
         """Return the whole clip as a video, encoded once; a CRF of None is without loss."""
-        if (settings, crf) not in self._wholes:
-            self._wholes[settings, crf] = encode(self.frames, self.fps, settings, crf)
-        return self._wholes[settings, crf]
+        return self.encoded(settings, crf, Excerpt(tuple(range(len(self.frames))), frozenset()))
+
+    def encoded(self, settings: EncoderSettings, crf: int | None, part: Excerpt) -> bytes:
+        """Return an excerpt as a video, encoded once."""
+        key = (settings, crf, part.frames)
+        if key not in self._videos:
+            whole = len(part.frames) == len(self.frames)
+            frames, starts = (self.frames, ()) if whole else (self.frames[list(part.frames)], part.starts)
+            self._videos[key] = encode(frames, self.fps, settings, crf, starts)
+        return self._videos[key]
 
     def losses(self, video: bytes, frames: Sequence[int]) -> NDArray[np.float64]:
         """Return (N,) losses of N increasing frames in a whole video, JOD."""
@@ -119,8 +126,8 @@ class Judge:
 
     def highest(
         self, settings: EncoderSettings, scored: Sequence[int], upper: int, first: int, gops: Sequence[int] = ()
-    ) -> int | None:
-        """Return the highest CRF at which some frames pass; None where they pass at none.
+    ) -> tuple[int | None, list[int]]:
+        """Return the highest CRF at which some frames pass, None where they pass at none; and those that decide.
 
         The first trial shows which of them decide (:meth:`Criterion.deciding`); the others score these alone.
 
@@ -135,11 +142,11 @@ class Judge:
 
         def loss_at(crf: int) -> float:
             nonlocal deciding
-            losses, _ = self.tried(settings, crf, self.part(settings, deciding, gops), deciding)
+            losses = self.tried(settings, crf, self.part(settings, deciding, gops), deciding)
             deciding = self.criterion.deciding(deciding, losses)
             return self.criterion.loss(losses)
 
-        return highest_passing(loss_at, self.criterion.threshold, upper, first, settings.facts.min_crf)
+        return highest_passing(loss_at, self.criterion.threshold, upper, first, settings.facts.min_crf), deciding
 
     def part(self, settings: EncoderSettings, scored: Sequence[int], gops: Sequence[int] = ()) -> Excerpt:
         """Return the excerpt to encode for a score.
@@ -151,28 +158,19 @@ class Judge:
         """
         return excerpt(len(self.frames), scored, settings.facts, gops or (settings.gop,))
 
-    def tried(
-        self, settings: EncoderSettings, crf: int, part: Excerpt, scored: Sequence[int]
-    ) -> tuple[NDArray[np.float64], int]:
-        """Encode an excerpt, and score frames of it.
+    def tried(self, settings: EncoderSettings, crf: int, part: Excerpt, scored: Sequence[int]) -> NDArray[np.float64]:
+        """Return (N,) losses in an encoded excerpt, JOD.
 
         Args:
             settings: the encoder's.
             crf: constant rate factor.
             part: to be encoded.
             scored: N frames of the clip that it holds, increasing.
-
-        Returns:
-            (N,) losses of the scored frames, JOD; bytes of the encoding.
         """
-        if len(part.frames) == len(self.frames):
-            video, places = self.whole(settings, crf), list(scored)
-        else:
-            video = encode(self.frames[list(part.frames)], self.fps, settings, crf, part.starts)
-            places = [bisect_left(part.frames, frame) for frame in scored]
-        losses = self.loss(decode(video, places), scored)
+        video = self.encoded(settings, crf, part)
+        losses = self.loss(decode(video, [bisect_left(part.frames, frame) for frame in scored]), scored)
         self.note(settings, crf, losses, video, len(part.frames))
-        return losses, len(video)
+        return losses
 
     def note(
         self, settings: EncoderSettings, crf: int | None, losses: NDArray[np.float64], video: bytes, frames: int

@@ -68,7 +68,7 @@ class Agreement:
     choices: Choices
     bound: Bound | None = None
     apart: bool = False
-    batch_growth: int = 4
+    batch_growth: int = 2
     _streams: dict[str, VideoStream] = field(default_factory=dict)
 
     def next_step(self) -> Step | None:
