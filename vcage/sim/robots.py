@@ -5,6 +5,7 @@ Robots that were imported lie in the same way in the user's data folder (:mod:`v
 
 from __future__ import annotations
 
+from functools import lru_cache
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TypeVar
@@ -88,7 +89,12 @@ def _load(kind: type[AnyDocument], what: str, folder: str, name: str) -> AnyDocu
     paths = _paths(folder)
     if name not in paths:
         raise UnknownName(what, name, paths)
-    return kind.parse(read_yaml(paths[name]), paths[name])
+    return _parsed(kind, paths[name], paths[name].stat().st_mtime_ns)
+
+
+@lru_cache(maxsize=32)
+def _parsed(kind: type[AnyDocument], path: Path, _changed: int) -> AnyDocument:
+    return kind.parse(read_yaml(path), path)
 
 
 def package_file(name: str) -> Path:

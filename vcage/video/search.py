@@ -89,15 +89,21 @@ def _cheapest(
     """
     part = judge.part(first, deciding, choices.gops)
     chosen, fewest = first, len(judge.encoded(first, crf, part))
-    variants = [(choices.settings(first.pixel_format, gop), 1.0) for gop in choices.gops[1:]]
-    variants += [(choices.settings(name), 1 - format_saving) for name in formats]
-    for settings, share in variants:
+
+    def passes(settings: EncoderSettings) -> bool:
+        return judge.criterion.loss(judge.tried(settings, crf, part, deciding)) < judge.criterion.threshold
+
+    for settings in (choices.settings(first.pixel_format, gop) for gop in choices.gops[1:]):
         size = len(judge.encoded(settings, crf, part))
-        if size >= share * fewest or (share < 1 and not _hopeful(judge, settings.pixel_format)):
-            continue
-        losses = judge.tried(settings, crf, part, deciding)
-        if judge.criterion.loss(losses) < judge.criterion.threshold:
+        if size < fewest and passes(settings):
             chosen, fewest = settings, size
+    for settings in map(
+        choices.settings, reversed(formats)
+    ):  # where the least colour saves too little, more saves less
+        if len(judge.encoded(settings, crf, part)) >= (1 - format_saving) * fewest:
+            break
+        if _hopeful(judge, settings.pixel_format) and passes(settings):
+            return settings
     return chosen
 
 
