@@ -86,10 +86,10 @@ def run(quick: bool) -> dict[str, object]:
       compressed, exported, and the report), divided by the pick-and-places in the episodes that were accepted. CPU
       seconds are those of all its processes. The models of the objects are built before. ``…_long`` are those of a
       run of more episodes: what a run costs once is shared by more.
-    - ``floor_seconds``, ``floor_cpu_seconds``: the same pictures drawn once and encoded once at the CRF that the run
-      chose, each in a process of its own and before and after the others (:mod:`benchmarks._floor`): worlds built,
-      frames drawn and encoded, to the same bytes. Without what a process does once (``floor_start_cpu_seconds`` in
-      all: Python, imports, the first picture), and without reading and writing files.
+    - ``floor_seconds``, ``floor_cpu_seconds``: the accepted frames drawn once, in worlds built from the recorded starts
+      and looks, and encoded once at the CRF that the run chose, to the same bytes, in a process of its own
+      (:mod:`benchmarks._floor`). Without what a process does once, Python's start, imports and its first picture, and
+      without reading and writing files; ``floor_parts_cpu`` names the parts, and that start.
     - ``maniskill_seconds``, ``maniskill_cpu_seconds``: ManiSkill's motion-planning runner on StackCube in one process,
       divided by the trajectories that succeeded: its solver, its ``RecordEpisode`` (actions, states, pictures in HDF5
       with gzip) and the shaders that it takes by default, with three cameras of the size and frame rate of ours. Half

@@ -14,3 +14,11 @@ def test_a_process_that_outlives_its_parent_is_counted() -> None:
     done = timed([sys.executable, "-c", orphan])
     assert (done.code, done.stdout) == (0, "ended\n")
     assert done.cpu_s > 0.35
+
+
+def test_a_line_on_stderr_marks_the_seconds_until_then_those_of_ended_children_too() -> None:
+    child = f"import subprocess, sys\nsubprocess.run([sys.executable, '-c', {BURN!r}])\nprint('half', file=sys.stderr)"
+    done = timed([sys.executable, "-c", f"{child}\n{BURN}"])
+    (half,) = done.marks
+    assert half.line == "half"
+    assert 0.35 < half.cpu_s < done.cpu_s - 0.35
