@@ -108,6 +108,8 @@ class Compress(Command):
         assert self.input is not None  # as there is no run
         if self.stage.keep_raw:
             raise UsageError("--keep-raw is for --run", hint="leave it out: INPUT is only read")
+        if self.stage.crf_of:
+            raise UsageError("--crf-of is for --run", hint="leave it out, or give the CRF with --crf")
         return self._inspect(self.input) if self.recordings.inspect else self._compress(self.input)
 
     def _inspect(self, recordings: Path) -> Result:

@@ -103,6 +103,17 @@ class CameraCompression(Record):
     held_out_max: Finite | None
 
 
+class TakenCrf(Record):
+    """A CRF that another run's episodes agreed on, at which this run began in place of a search."""
+
+    camera: str
+    run: str = Field(description="which found it: its folder, seen from this run's")
+    pixel_format: str
+    gop: int
+    crf: int
+    passed: bool = Field(description="true: every video here passes with it; false: a lower one was searched here")
+
+
 class ColourOrder(Record):
     """Order of red and blue in the encoded pictures of some recordings; the videos have them right."""
 
@@ -138,6 +149,7 @@ class Compression(StageDocument):
     encoding: Encoding
     cameras: list[CameraCompression]
     streams: list[VideoStream]
+    taken_crfs: list[TakenCrf] = Field(default_factory=list, description="one for each camera that began at another's")
     notes: dict[str, list[str]] = Field(default_factory=dict, description="recording → notes on how it was read")
     colours: list[ColourOrder] = Field(default_factory=list, description="of recordings with encoded pictures")
     other_streams: list[OtherStream] = Field(default_factory=list, description="of all recordings")

@@ -17,6 +17,7 @@ from vcage.base.workers import preload_module
 from vcage.runs.context import StageContext
 from vcage.runs.running import Stage, at_work, timed
 from vcage.runs.stage import StageResult
+from vcage.runs.taken_crfs import crfs_of
 from vcage.stages import collect, compress, export, inpaint_plan, match, optimize, search_subtasks, select_place, verify
 
 logger = logging.getLogger(__name__)
@@ -62,9 +63,12 @@ class ChainOptions(
 
         Raises:
             UsageError: there is neither, or both; says the way out.
-            UnknownName, MissingStage, InputFileError: such ranges do not exist, or are impossible.
+            UnknownName, MissingStage, InputFileError: such ranges do not exist, or are impossible; or there is no
+                compression in the run of ``crf_of``, or one with other options.
         """
         self.ranges()
+        if self.crf_of is not None:
+            crfs_of(self.crf_of, self.compression)
         has_task = self.instruction is not None or bool(self.goals)
         if not has_task and not self.all_subtasks:
             raise UsageError(

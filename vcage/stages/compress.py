@@ -10,7 +10,7 @@ from typing import Annotated, Any
 from tyro.conf import OmitArgPrefixes, arg
 
 from vcage.base.files import RunFolder
-from vcage.base.options import POSITIVE, UNSAID, Flag
+from vcage.base.options import FOLDER, POSITIVE, UNSAID, Flag
 from vcage.base.progress import Progress, silent
 from vcage.datasets.packing.agreement import agreed_by
 from vcage.datasets.packing.dataset_search import search_data_set
@@ -30,6 +30,7 @@ from vcage.runs.raw_pictures import (
     set_aside,
 )
 from vcage.runs.stage import Job, StageOptions, StageResult, stage_seed
+from vcage.runs.taken_crfs import begun_at, bound_of, judged
 from vcage.schema.base import Provenance
 from vcage.schema.compression import Compression
 
@@ -49,6 +50,8 @@ class Options(StageOptions):
     """processes that compress (default: as many as cores and memory allow)"""
     keep_raw: Flag = False
     """leave raw pictures in the episodes' files, which else refer to the videos once these are verified"""
+    crf_of: Annotated[Path | None, FOLDER, UNSAID] = None
+    """begin at the CRFs of this run, of episodes alike, without a search; lower ones are searched where videos fail"""
 
 
 def job(run: RunFolder, options: Options, _context: StageContext) -> Job:
@@ -88,6 +91,7 @@ def execute(
             aside then, or the raw pictures that it takes are gone.
         DamagedFile, SchemaMismatch: an episode cannot be read.
         MissingDependency: ColorVideoVDP or the encoder is missing.
+        UsageError, InputFileError: see :func:`vcage.runs.taken_crfs.crfs_of`.
     """
     stage, none = job(run, options, context), no_episode_counts(run)
     files, working = accepted_files(run), run.root / WORKING
@@ -98,7 +102,9 @@ def execute(
         before, settings = made_with(run, stage.options), options.compression
         aside = {} if before is None else set_aside(run, before, files)
         earlier, clips = earlier_videos(run, files, provenance), clips_of(files)
-        agreed = agreed_by(stream for _, stream in earlier.values())
+        own = agreed_by(stream for _, stream in earlier.values())
+        begun = begun_at(run, options.crf_of, settings, before, own)
+        agreed = {camera: bound_of(one) for camera, one in begun.items()} | own
         workers = options.workers
         found = (
             search_data_set(clips, settings, working, agreed=agreed, workers=workers, progress=progress)
@@ -113,7 +119,8 @@ def execute(
             shutil.copyfile(video, folder / file)
             streams.append(stream.model_copy(update={"episode": episode, "file": stage.inside(file)}))
         packed = packed_hashes(files, streams, working)
-        return compression_record(provenance, settings, streams, packed=packed, set_aside=aside)
+        taken = judged(begun.values(), streams)
+        return compression_record(provenance, settings, streams, taken_crfs=taken, packed=packed, set_aside=aside)
 
     result = stage.do(Compression, make, force=options.force or none is not None)
     if none:

@@ -102,6 +102,14 @@ def test_episodes_that_join_others_are_encoded_as_these_are_or_below(tmp_path, s
     assert searches.calls[0][1].upper == 20
 
 
+def test_what_others_agreed_on_is_not_taken_where_the_pictures_do_not_fit_its_pixel_format(tmp_path, searches):
+    (tmp_path / "in").mkdir()
+    episode(tmp_path / "in/0.hdf5", size=17, high=24)
+    before = {"high": Bound("yuv420p10le", 10, 20)}
+    (found,) = streams(clips_of(tmp_path / "in"), tmp_path / "work", agreed=before)
+    assert (found.pixel_format, found.crf, searches.calls[0][1].upper) == (ALL, 24, None)
+
+
 class Preferring(Searches):
     """Searches that prefer a pixel format where they may choose it."""
 

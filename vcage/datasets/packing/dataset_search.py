@@ -18,7 +18,7 @@ from vcage.datasets.packing.agreement import Agreement, Bound
 from vcage.datasets.packing.clips import Clip, EncodedVideo, Key, SearchTask, is_finished, known, perform
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.schema.compression import Evaluation, VideoStream
-from vcage.video.choices import Choices
+from vcage.video.choices import LOSSLESS, Choices
 from vcage.video.codec import formats_for
 from vcage.video.encoders import CODECS, require_encoder
 from vcage.video.jod import require_display
@@ -39,7 +39,7 @@ def search_data_set(
         clips: every camera of every recording.
         settings: of the search.
         folder: for the videos and their records.
-        agreed: camera → the agreement of other episodes, which stay unchanged.
+        agreed: camera → the agreement of other episodes, which stay unchanged; it is the highest that these get.
         workers: largest number of processes, up to one per clip; None for as many as cores and memory allow.
         progress: called for each encoded clip; its number falls where clips must be encoded again.
 
@@ -138,7 +138,7 @@ class _DataSetSearch:
     def _plan(self, camera: str) -> Agreement:
         clips = sorted((clip for clip in self.clips if clip.camera == camera), key=stored_per_frame, reverse=True)
         names, choices = [clip.name for clip in clips], self.settings.choices()
-        if self.settings.scope != "camera" or self.settings.crf is not None:
+        if not self.settings.agrees:
             return Agreement(names, choices, apart=True)
         cameras = [clip.recording.camera(camera) for clip in clips]
         fitting = [
@@ -148,7 +148,10 @@ class _DataSetSearch:
         common = [name for name in fitting[0] if all(name in names for names in fitting)]
         # without a lossless format, only the best is sure to leave no episode behind
         formats = common if choices.settings().facts.lossless_format else common[:1]
-        return Agreement(names, replace(choices, pixel_formats=tuple(formats)), self.agreed.get(camera))
+        bound = self.agreed.get(camera)
+        if bound is not None and bound.crf != LOSSLESS and bound.pixel_format not in formats:
+            bound = None  # of pictures of another size
+        return Agreement(names, replace(choices, pixel_formats=tuple(formats)), bound)
 
     def _go_on(self, camera: str) -> None:
         """Begin a camera's next step with work left; results of an earlier call are reused.

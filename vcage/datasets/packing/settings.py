@@ -98,6 +98,11 @@ class CompressionSettings:
         """Allowed pixel formats; empty for all of the codec."""
         return () if self.pixel_format == AUTO else (self.pixel_format,)
 
+    @property
+    def agrees(self) -> bool:
+        """True if the episodes of a camera share a CRF that is searched."""
+        return self.scope == "camera" and self.crf is None
+
     def choices(self) -> Choices:
         """Return the choices of the search."""
         gops = self.GOPS if self.gop == AUTO else (int(self.gop),)
