@@ -27,6 +27,9 @@ from vcage.schema.subtasks import Chain, Subtasks
 
 TASKS = [{"id": "blocks", "instruction": "Put two blocks on the plate"}]
 
+GIVEN_CRF = {"crf": 20}
+"""Options with which no job waits for the first one of its cell."""
+
 
 def begun(root: Path, **keys: Any) -> CampaignFolder:
     """A campaign of one task in a new folder."""
@@ -38,7 +41,8 @@ def begun(root: Path, **keys: Any) -> CampaignFolder:
 def plan(root: Path, **keys: Any) -> Plan:
     """A plan as a user writes it."""
     path = root / "PLAN.yml"
-    path.write_text(yaml.safe_dump({"name": "test", "tasks": TASKS, "episodes": 2, "episodes_per_job": 1} | keys))
+    usual = {"name": "test", "tasks": TASKS, "episodes": 2, "episodes_per_job": 1, "options": GIVEN_CRF}
+    path.write_text(yaml.safe_dump(usual | keys))
     return Plan.load(path)
 
 

@@ -16,11 +16,12 @@ from tests.campaigns.stubbed import began, begun, behave, plan, run_stubbed
 from tests.run_folders import REPOSITORY
 from vcage.base.errors import ConfigurationError, DiskFull, FolderInUse, InputFileError, MissingKey, PartlyDone
 from vcage.base.workers import Processes, SameProcess
-from vcage.campaigns.driver import LoopSettings, Schedule, Shard, left_over, run_here, work_through
+from vcage.campaigns.driver import run_here, work_through
 from vcage.campaigns.folder import CampaignFolder
 from vcage.campaigns.job import Outcome, lost_job
 from vcage.campaigns.plan import Job
 from vcage.campaigns.record import JobRecord, Tries
+from vcage.campaigns.schedule import LoopSettings, Schedule, Shard, left_over
 
 ALL = Shard()
 QUICK = LoopSettings(machine_tries=2, machine_faults=4, pause_s=0.01)
@@ -232,8 +233,9 @@ import sys
 from pathlib import Path
 from tests.campaigns.stubbed import run_stubbed
 from vcage.campaigns import driver
-from vcage.campaigns.driver import left_over, run_here
+from vcage.campaigns.driver import run_here
 from vcage.campaigns.folder import CampaignFolder
+from vcage.campaigns.schedule import left_over
 driver.preload_module = lambda *_: None  # nothing is simulated
 error = left_over(run_here(CampaignFolder(sys.argv[1]), 1, work=run_stubbed))
 print(error)

@@ -12,9 +12,10 @@ from tests.campaigns.stubbed import begun
 from tests.model_server import ModelServer
 from vcage.base.errors import SpendingCap
 from vcage.base.workers import SameProcess
-from vcage.campaigns.driver import Schedule, left_over, work_through
+from vcage.campaigns.driver import work_through
 from vcage.campaigns.folder import CampaignFolder
 from vcage.campaigns.job import run_job
+from vcage.campaigns.schedule import Schedule, left_over
 from vcage.campaigns.status import status_of
 from vcage.models.exchanges import Exchanges
 from vcage.stages import chain, select_place

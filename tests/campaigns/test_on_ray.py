@@ -25,10 +25,11 @@ from tests.run_folders import REPOSITORY, clean_environment, process
 from vcage.base.errors import ClusterLost, ConfigurationError, MissingDependency
 from vcage.base.version import __version__
 from vcage.campaigns import on_ray
-from vcage.campaigns.driver import Schedule, left_over, run_here
+from vcage.campaigns.driver import run_here
 from vcage.campaigns.folder import CampaignFolder
 from vcage.campaigns.on_ray import run_on_ray
 from vcage.campaigns.ray_cluster import LOCAL_ONLY, OBJECT_STORE_BYTES, RaySettings, address_of
+from vcage.campaigns.schedule import Schedule, left_over
 
 needs_ray = pytest.mark.skipif(
     importlib.util.find_spec("ray") is None, reason="Ray is not installed; `make test-ray` installs it"

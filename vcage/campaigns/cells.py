@@ -86,25 +86,37 @@ def _open_jobs(
 
     A job begins only where that is certain to be right, whatever those that still run will find.
     """
-    many = cell.task.all_subtasks  # of each sub-task, of which there may be any number
-    most = plan.limits.attempts or (math.inf if many else RUNS_PER_EPISODE * plan.episodes)
     ready: list[Job] = []
-    most_tried: float = 0  # if all unsettled jobs before run as many episodes as they may
+    most, most_tried = _most(plan, cell), 0.0  # if all unsettled jobs before run as many episodes as they may
     for job in jobs:
         settled = records.get(job.number)
-        if settled is None and job.number >= plan.probes:
-            if ready and ready[0].number < plan.probes:
-                return ready, True, ""
-            if reason := _gate(plan, records):
-                return ready, False, reason
+        if settled is None and (held := _held_back(plan, job, ready, records)) is not None:
+            return ready, *held
         if most_tried >= most:
             return (ready, True, "") if ready else ([], False, f"{most_tried:.0f} episodes were run, the most allowed")
         if settled is None:
             ready.append(job)
-            most_tried += math.inf if many else RUNS_PER_EPISODE * job.episodes
-        else:
-            most_tried += _tried({job.number: settled})
+        most_tried += _most_of(job) if settled is None else _tried({job.number: settled})
     return ready, False, ""
+
+
+def _most(plan: Plan, cell: Cell) -> float:
+    """Episodes that may be run in a cell; of each sub-task, of which there may be any number, without a limit."""
+    return plan.limits.attempts or (math.inf if cell.task.all_subtasks else RUNS_PER_EPISODE * plan.episodes)
+
+
+def _most_of(job: Job) -> float:
+    """Episodes that a job may run."""
+    return math.inf if job.cell.task.all_subtasks else RUNS_PER_EPISODE * job.episodes
+
+
+def _held_back(plan: Plan, job: Job, ready: Sequence[Job], records: Mapping[int, JobRecord]) -> tuple[bool, str] | None:
+    """Whether a job waits for those before it, or never begins, and why; None if it may begin."""
+    if ready and ready[0].number < plan.deciding(job.number):
+        return True, ""
+    if job.number >= plan.probes and (reason := _gate(plan, records)):
+        return False, reason
+    return None
 
 
 def _gate(plan: Plan, records: Mapping[int, JobRecord]) -> str:

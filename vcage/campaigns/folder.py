@@ -12,7 +12,7 @@ import yaml
 
 from vcage.base.errors import FolderInUse, InputFileError, MissingStage, OutputFolderError
 from vcage.base.files import RunFolder, read_json, write_json, write_text
-from vcage.base.hold import alone, one_at_a_time
+from vcage.base.hold import alone, holder_of, one_at_a_time
 from vcage.base.leftovers import PARTIAL
 from vcage.campaigns.plan import Job, Plan
 from vcage.campaigns.record import JobRecord, Tries
@@ -176,6 +176,10 @@ class CampaignFolder:
         except FolderInUse as error:
             error.details["job"] = job.id
             raise
+
+    def is_held(self, job: Job) -> bool:
+        """True while a process works on a job."""
+        return holder_of(self.beat_file(job)) is not None
 
     def beat(self, job: Job) -> None:
         """Show that a job got on."""

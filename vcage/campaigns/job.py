@@ -176,8 +176,10 @@ def _try(folder: CampaignFolder, job: Job) -> Outcome:
 
 
 def _run(folder: CampaignFolder, plan: Plan, job: Job) -> None:
-    run, options = folder.run(job), plan.options_of(job)
-    limits = plan.limits
+    run, options, limits = folder.run(job), plan.options_of(job), plan.limits
+    first = folder.run(plan.job(job.cell, 0))
+    if plan.shares_crfs and job.number > 0 and first.compression.exists():
+        options = replace(options, crf_of=first.root)
 
     def wait(seconds: float, step_s: float = 20.0) -> None:
         """Wait for a turn to ask, which is no reason to be taken for hanging."""

@@ -17,13 +17,14 @@ from vcage.base.commands import CALLED
 from vcage.base.errors import ConfigurationError, DiskFull, FolderInUse, OutputFolderError
 from vcage.base.progress import Progress, silent
 from vcage.base.version import __version__
-from vcage.campaigns.driver import Schedule, Shard, work_through, workers_here
+from vcage.campaigns.driver import work_through, workers_here
 from vcage.campaigns.folder import CampaignFolder
 from vcage.campaigns.hanging import HangWatch
 from vcage.campaigns.job import Outcome, lost_job, run_job
 from vcage.campaigns.plan import Job
 from vcage.campaigns.ray_actor import actor_class
 from vcage.campaigns.ray_cluster import SETTINGS, RaySettings, connected, last_line, require_head
+from vcage.campaigns.schedule import Schedule
 
 logger = logging.getLogger(__name__)
 
@@ -292,7 +293,7 @@ def run_on_ray(
         ClusterLost: no cluster answers, or its head is lost.
         ConfigurationError: no node of it can run jobs of this campaign.
     """
-    schedule = Schedule(folder, Shard())
+    schedule = Schedule(folder)
     with connected(address, workers or workers_here(settings.actor_bytes)) as ray:
         crew = RayCrew(ray, folder, workers, work, settings)
         work_through(schedule, crew, crew.room, progress)

@@ -35,7 +35,7 @@ ELSEWHERE = {
 }
 """Option of the chain → the place in a plan, or on the command line, that says it instead."""
 
-REFUSED = ("force", "replay", "script", "target")
+REFUSED = ("crf_of", "force", "replay", "script", "target")
 """Options that concern one run."""
 
 

@@ -197,6 +197,18 @@ class Plan(Document):
         """The jobs of a cell, from the first on, by which its gate is decided; 0 without gates."""
         return 0 if self.gates is None else ceil(self.gates.after / self.episodes_per_job)
 
+    @property
+    def shares_crfs(self) -> bool:
+        """True if the jobs of a cell begin at the CRFs that its first job finds.
+
+        Read from the options as they stand: to parse them takes all stages, which `vcage status` does without.
+        """
+        return self.options.get("crf") is None and self.options.get("scope", "camera") == "camera"
+
+    def deciding(self, number: int) -> int:
+        """The jobs of a cell, from the first on, that must be settled before the one with that number begins."""
+        return max(count for count in (0, int(self.shares_crfs), self.probes) if count <= number)
+
     def index_of(self, job: Job) -> int:
         """The place of a job in that order, by which ``--shard`` shares the jobs out."""
         return job.number * len(self.cells) + self._places[job.cell.id]

@@ -6,7 +6,6 @@ Records appear whole, so they are read while other processes write them.
 from __future__ import annotations
 
 import contextlib
-import fcntl
 import time
 from collections import Counter
 from collections.abc import Iterable
@@ -14,7 +13,7 @@ from pathlib import Path
 
 from vcage.apps.html import rendered
 from vcage.base.files import write_text
-from vcage.base.hold import one_at_a_time
+from vcage.base.hold import holder_of, one_at_a_time
 from vcage.campaigns.cells import by_cell, standing
 from vcage.campaigns.figures import CellStatus, RunningJob, Status
 from vcage.campaigns.folder import CampaignFolder
@@ -100,12 +99,9 @@ def _cell_status(plan: Plan, cell: Cell, records: dict[int, JobRecord], running:
 
 
 def _running(folder: CampaignFolder) -> Iterable[RunningJob]:
-    """Jobs whose lock another process holds, whatever its machine; to try it disturbs nobody for long."""
+    """Jobs whose lock another process holds."""
     for path in folder.begun():
-        with contextlib.suppress(OSError), open(path, encoding="utf-8", errors="replace") as handle:
-            try:
-                fcntl.flock(handle, fcntl.LOCK_SH | fcntl.LOCK_NB)
-            except BlockingIOError:
+        with contextlib.suppress(OSError):
+            if (holder := holder_of(path)) is not None:
                 silent_s = max(0.0, time.time() - path.stat().st_mtime)
-                holder = handle.readline().partition(":")[0].strip()
                 yield RunningJob(f"{path.parent.name}/{path.name.partition('.')[0]}", holder, silent_s)

@@ -24,10 +24,10 @@ from vcage.cli.streams import print_text
 
 if TYPE_CHECKING:
     from vcage.base.progress import Progress
-    from vcage.campaigns.driver import Schedule
     from vcage.campaigns.figures import Status
     from vcage.campaigns.folder import CampaignFolder
     from vcage.campaigns.plan import Plan
+    from vcage.campaigns.schedule import Schedule
 
 logger = logging.getLogger(__name__)
 
@@ -91,9 +91,9 @@ class Campaign(Command):
 
     def execute(self) -> Result:
         """Run the jobs, or write what a scheduler takes."""
-        from vcage.campaigns.driver import left_over
         from vcage.campaigns.folder import CampaignFolder
         from vcage.campaigns.plan import Plan
+        from vcage.campaigns.schedule import left_over
         from vcage.campaigns.status import status_of, write_page
 
         if self.ray and (self.shard or self.slurm or self.k8s):
@@ -121,13 +121,14 @@ class Campaign(Command):
 
     def _drive(self, folder: CampaignFolder, show: Progress) -> Schedule:
         """Run jobs until none is left that may begin."""
-        from vcage.campaigns.driver import Shard, run_here
+        from vcage.campaigns.driver import run_here
+        from vcage.campaigns.schedule import EVERY_JOB, Shard
 
         if self.ray:
             from vcage.campaigns.on_ray import run_on_ray
 
             return run_on_ray(folder, self.ray, self.workers, show)
-        return run_here(folder, self.workers, Shard(*self.shard) if self.shard else Shard(), show)
+        return run_here(folder, self.workers, Shard(*self.shard) if self.shard else EVERY_JOB, show)
 
     def _for_scheduler(self, plan: Plan, folder: CampaignFolder) -> Result:
         from vcage.campaigns.schedulers import ShardedCommand, kubernetes_job, slurm_script

@@ -34,8 +34,8 @@ def crfs_of(other: Path, settings: CompressionSettings) -> dict[str, Bound]:
         )
     record = Compression.read(RunFolder(other).compression)
     found, ours = record.provenance.options, settings.options()
-    if differing := [name for name in sorted(found.keys() | ours.keys()) if found.get(name) != ours.get(name)]:
-        said = ", ".join(f"{name} {found.get(name)}, not {ours.get(name)}" for name in differing)
+    if differing := [name for name in sorted(found.keys() & ours.keys()) if found[name] != ours[name]]:
+        said = ", ".join(f"{name} {found[name]}, not {ours[name]}" for name in differing)
         raise UsageError(
             f"{other} was compressed with other options: {said}", hint="give the same options, or leave out --crf-of"
         )
