@@ -42,6 +42,31 @@ def test_without_gates_all_jobs_may_begin_at_once(tmp_path: Path):
     assert (numbers(seen), seen.waits, seen.asked) == ([0, 1, 2, 3], False, 20)
 
 
+@pytest.mark.parametrize("state", ["done", "failed", "given_up"])
+def test_the_first_job_goes_ahead_where_crfs_are_searched_and_the_others_follow_however_it_ends(
+    tmp_path: Path, state: State
+):
+    found = plan(tmp_path, episodes=20, episodes_per_job=5, options={})
+    assert (numbers(look(found)), look(found).waits) == ([0], True)
+    late = settled(found, 2, 5, 5)
+    assert (numbers(look(found, late)), look(found, late).waits) == ([0], True)
+    seen = look(found, settled(found, 0, 0, 0, state), late)
+    assert (numbers(seen), seen.waits) == ([1, 3], False)
+
+
+def test_a_gate_is_decided_by_the_jobs_after_the_first_too(tmp_path: Path):
+    found = plan(tmp_path, episodes=20, episodes_per_job=5, options={}, gates={"acceptance": 0.5, "after": 8})
+    assert (numbers(look(found)), look(found).waits) == ([0], True)
+    seen = look(found, settled(found, 0, 5, 5))
+    assert (numbers(seen), seen.waits) == ([1], True)
+    assert numbers(look(found, settled(found, 0, 5, 5), settled(found, 1, 5, 5))) == [2, 3]
+
+
+def test_a_cell_of_one_job_waits_for_nothing(tmp_path: Path):
+    seen = look(plan(tmp_path, episodes=5, episodes_per_job=5, options={}))
+    assert (numbers(seen), seen.waits) == ([0], False)
+
+
 def test_a_gate_lets_the_first_jobs_begin_and_the_others_wait(tmp_path: Path):
     found = plan(tmp_path, episodes=20, episodes_per_job=5, gates={"acceptance": 0.5, "after": 8})
     assert (numbers(look(found)), look(found).waits) == ([0, 1], True)

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from collections import Counter
+from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
 
@@ -59,6 +60,48 @@ def test_a_shard_says_that_jobs_of_others_are_left(tmp_path: Path):
     assert isinstance(error, PartlyDone) and error.retryable
     assert error.message.startswith(f"1 of 2 cells are not finished ({folder.plan.cells[1].id}): ")
     assert error.message.endswith("their jobs are those of other shards, or wait for these")
+
+
+def test_the_first_jobs_of_all_cells_come_first_and_let_the_others_begin(tmp_path: Path):
+    folder = begun(tmp_path, seeds=2, episodes=3, options={})
+    assert left_over(driven(folder)) is None
+    assert began(tmp_path) == [job.id for job in folder.plan.jobs()]
+
+
+def test_jobs_begin_where_the_first_of_their_cell_failed(tmp_path: Path):
+    folder = begun(tmp_path, episodes=3, options={})
+    behave(tmp_path, n0="fail")
+    driven(folder)
+    assert states(folder) == {"failed": 1, "done": 3}
+
+
+def test_a_shard_runs_the_first_job_of_another_that_its_own_jobs_wait_for_after_its_own(tmp_path: Path):
+    folder = begun(tmp_path, seeds=3, episodes=3, options={})
+    driven(folder, Shard(1, 2))
+    jobs = [job.id for job in folder.plan.jobs()]
+    assert began(tmp_path) == [jobs[place] for place in (1, 7, 0, 3, 2, 5)]
+
+
+@pytest.mark.parametrize("lost", [False, True])
+def test_a_shard_waits_for_a_first_job_that_another_runs_and_takes_it_over_where_that_one_is_lost(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, lost: bool
+):
+    folder = begun(tmp_path, episodes=2, options={})
+    first, looks = folder.plan.jobs()[0], []
+    holding = ExitStack()
+    holding.enter_context(CampaignFolder(folder.root).held(first))
+
+    def sleep(_seconds: float) -> None:
+        looks.append(began(tmp_path))
+        if len(looks) == 5:
+            holding.close()
+            if not lost:
+                run_stubbed(folder.root, first)
+
+    monkeypatch.setattr("vcage.campaigns.schedule.time.sleep", sleep)
+    assert left_over(driven(folder, Shard(1, 2))) is None
+    assert looks == [[]] * 5
+    assert began(tmp_path) == [job.id for job in folder.plan.jobs()]
 
 
 def test_a_gate_stops_a_cell_and_no_other(tmp_path: Path):

@@ -14,7 +14,7 @@ from vcage.base.errors import FolderInUse, OutputFolderError
 from vcage.base.files import RunFolder
 from vcage.campaigns import job as job_module
 from vcage.campaigns.folder import CampaignFolder
-from vcage.campaigns.job import Outcome, lost_job
+from vcage.campaigns.job import Outcome, lost_job, run_job
 from vcage.campaigns.record import JobRecord
 
 
@@ -37,6 +37,25 @@ def test_a_job_is_run_once_and_its_record_says_what_came_of_it(tmp_path: Path):
     assert (first.bytes > 0, first.memory_bytes > 1e6, first.seconds > 0) == (True, True, True)
     assert record(run(folder)) == first
     assert began(tmp_path) == [f"{folder.plan.cells[0].id}/0000"]
+
+
+@pytest.mark.parametrize(
+    ("number", "options", "taken"),
+    [(0, {}, False), (1, {}, True), (1, {"crf": 20}, False), (1, {"scope": "episode"}, False)],
+)
+def test_a_job_takes_over_the_crfs_of_the_first_one_of_its_cell(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, number: int, options: dict[str, Any], taken: bool
+):
+    folder = begun(tmp_path, options=options)
+    first, job = (folder.plan.job(folder.plan.cells[0], n) for n in (0, number))
+    found: list[Any] = []
+    monkeypatch.setattr(job_module, "run_chain", lambda _run, options, *_: found.append(options.crf_of))
+    run_job(folder.root, job)
+    folder.record_file(job).unlink(missing_ok=True)
+    folder.run(first).compression.parent.mkdir(parents=True)
+    folder.run(first).compression.touch()
+    run_job(folder.root, job)
+    assert found == [None, folder.run(first).root if taken else None]
 
 
 def test_an_error_that_would_come_again_settles_a_job(tmp_path: Path):

@@ -94,6 +94,7 @@ def test_a_long_instruction_gives_a_short_folder_name(tmp_path: Path):
         ({"options": {"fps": 7}}, UsageError, "field options.fps: .*7"),
         ({"options": {"crf": "small"}}, UsageError, "field options.crf: .*small"),
         ({"options": {"episodes": 7}}, UsageError, "field options.episodes: not here"),
+        ({"options": {"crf_of": "runs/blocks"}}, UnknownName, "unknown field of options 'crf_of'"),
         ({"options": {"models": "agent"}}, UsageError, "agent cannot answer in a campaign"),
         ({"layouts": ["fixed"], "looks": ["full"]}, UsageError, "layouts that are drawn"),
     ],
@@ -117,6 +118,14 @@ def test_options_of_any_stage_are_taken_as_the_command_line_takes_them():
     options = options_of_plan({"weights": "collision=2", "pixel-format": "yuv420p", "review": False, "retries": 0})
     assert options.weights.collision == 2
     assert (options.compression.pixel_format, options.review, options.retries) == ("yuv420p", False, 0)
+
+
+@pytest.mark.parametrize(
+    "options", [{}, {"crf": 20}, {"crf": "lossless"}, {"crf": None}, {"scope": "episode"}, {"scope": "camera"}]
+)
+def test_a_plan_knows_without_the_stages_whether_jobs_share_crfs(tmp_path: Path, options: dict[str, Any]):
+    found = plan(tmp_path, options=options)
+    assert found.shares_crfs == found.chain_options.compression.agrees
 
 
 def test_options_that_a_plan_says_elsewhere_are_options_of_the_chain():
