@@ -12,6 +12,7 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
+from statistics import mean
 from typing import Any
 
 import psutil
@@ -20,6 +21,8 @@ import yaml
 from benchmarks._process_times import Timed, timed
 from vcage.base.workers import cores
 from vcage.campaigns.folder import CampaignFolder
+from vcage.runs.by_products import read_timings
+from vcage.schema.compression import Compression
 
 logger = logging.getLogger(__name__)
 
@@ -44,7 +47,9 @@ def run(quick: bool, jobs: int, episodes: int, drivers: list[str]) -> dict[str, 
     """Run the same campaign, from its start to its end, by each driver with one and with two workers.
 
     Each row: ``verified`` episodes, ``seconds`` of the whole command and ``cpu_seconds`` of all its processes, those of
-    Ray included; ``per_hour``; ``cpu_s_per_episode``; ``job_cpu_s``, the part of jobs by their records;
+    Ray included; ``per_hour``; ``cpu_s_per_episode``; ``first_compress_s``, wall time of compression in the job that
+    searches CRFs, and ``later_compress_s``, the mean of those that take them over; ``crfs_taken``, of cameras of these
+    jobs, and ``crfs_passed``; ``job_cpu_s``, the part of jobs by their records;
     ``worker_mb``, the largest memory of a process that ran jobs. ``ray_overhead`` is the ratio of CPU seconds with Ray
     to those with processes, and ``ray_overhead_s`` their difference, for each number of workers.
 
@@ -105,8 +110,22 @@ def _row(plan: Path, out: Path, driver: str, workers: int) -> dict[str, Any]:
         "cpu_seconds": round(done.cpu_s, 1),
         "per_hour": round(3600 * verified / done.wall_s, 1),
         "cpu_s_per_episode": round(done.cpu_s / max(verified, 1), 2),
+        **_compression(folder),
         "job_cpu_s": round(sum(record.cpu_seconds for record in records), 1),
         "worker_mb": round(max(record.memory_bytes for record in records) / 1e6),
+    }
+
+
+def _compression(folder: CampaignFolder) -> dict[str, Any]:
+    """Seconds of compression in the first job, and the mean in those that begin at its CRFs; how many of these pass."""
+    jobs = [folder.run(job) for job in folder.plan.jobs() if folder.run(job).compression.exists()]
+    seconds = [read_timings(run)["compress"] for run in jobs]
+    taken = [one for run in jobs for one in Compression.read(run.compression).taken_crfs]
+    return {
+        "first_compress_s": seconds[0],
+        "later_compress_s": round(mean(seconds[1:]), 2) if seconds[1:] else None,
+        "crfs_taken": len(taken),
+        "crfs_passed": sum(one.passed for one in taken),
     }
 
 

@@ -1,4 +1,4 @@
-"""A real campaign of two cells through the command, undisturbed and killed at a random moment: the same files.
+"""A real campaign of three jobs through the command, undisturbed and killed at a random moment: the same files.
 
 ``python -m benchmarks campaign_kills`` and ``make test-ray`` kill more often.
 """
@@ -21,11 +21,12 @@ import yaml
 
 from tests.run_folders import REPOSITORY, clean_environment, command, digests, process
 from vcage.base.leftovers import PARTIAL
+from vcage.schema.compression import Compression
 
 PROGRAM: list[str | Path] = [sys.executable, "-m", "vcage.cli.main"]
 
 TASKS = [{"id": "apple", "instruction": "Put the apple into the bowl"}]
-QUICK = {"models": "offline", "fps": 5, "crf": 20, "effort": "fast", "keyframes": 2}
+QUICK = {"models": "offline", "fps": 5, "effort": "fast", "keyframes": 2}
 
 TIMES = ("seconds", "cpu_seconds", "memory_bytes", "tries", "ended")
 """Fields of a job's record that tell how long it took, and how often it was interrupted."""
@@ -38,7 +39,7 @@ def campaign(plan: Path, out: Path) -> list[str | Path]:
 @pytest.fixture(scope="module")
 def plan(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("plan") / "PLAN.yml"
-    keys = {"name": "two-cells", "tasks": TASKS, "seeds": 2, "episodes": 1, "episodes_per_job": 1}
+    keys = {"name": "three-jobs", "tasks": TASKS, "episodes": 3, "episodes_per_job": 1}
     path.write_text(yaml.safe_dump(keys | {"limits": {"tries": 20}, "options": QUICK}))
     return path
 
@@ -48,7 +49,7 @@ def undisturbed(plan: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("undisturbed") / "campaign"
     done = process(campaign(plan, out), REPOSITORY)
     assert done.code == 0, done.record
-    assert (done.record["summary"]["verified"], done.record["summary"]["jobs"]) == (2, {"done": 2})
+    assert (done.record["summary"]["verified"], done.record["summary"]["jobs"]) == (3, {"done": 3})
     assert (out / "status.html").exists()
     return out
 
@@ -71,8 +72,19 @@ def files_of(out: Path) -> dict[str, Any]:
 def test_a_campaign_that_has_ended_does_nothing_when_it_is_started_again(plan: Path, undisturbed: Path, capsys):
     before = {path: path.stat().st_mtime_ns for path in undisturbed.glob("jobs/**/*")}
     done = command(capsys, "campaign", plan, "--out", undisturbed, "--workers", "2")
-    assert (done.code, done.record["summary"]["verified"]) == (0, 2)
+    assert (done.code, done.record["summary"]["verified"]) == (0, 3)
     assert {path: path.stat().st_mtime_ns for path in undisturbed.glob("jobs/**/*")} == before
+
+
+@pytest.mark.slow
+def test_jobs_begin_at_the_crfs_of_the_first_one_and_their_records_say_so(undisturbed: Path):
+    first, *others = [Compression.read(path) for path in sorted(undisturbed.glob("jobs/*/*/compress/compression.json"))]
+    found = {camera.camera: camera.crf for camera in first.cameras}
+    assert first.taken_crfs == [] and len(others) == 2
+    for record in others:
+        assert {one.camera: one.crf for one in record.taken_crfs} == found
+        assert {one.run for one in record.taken_crfs} == {"../0000"}
+        assert [one.passed for one in record.taken_crfs] == [one.crf == found[one.camera] for one in record.cameras]
 
 
 @pytest.mark.slow
