@@ -68,6 +68,15 @@ def test_the_first_jobs_of_all_cells_come_first_and_let_the_others_begin(tmp_pat
     assert began(tmp_path) == [job.id for job in folder.plan.jobs()]
 
 
+def test_progress_counts_jobs_that_wait_and_none_of_cells_that_ended(tmp_path: Path):
+    folder = begun(tmp_path, episodes=3, options={}, gates={"acceptance": 0.5, "after": 1})
+    behave(tmp_path, all="reject")
+    schedule = Schedule(folder, settings=QUICK)
+    before = schedule.known
+    work_through(schedule, SameProcess(partial(run_stubbed, folder.root)), 1)
+    assert (before, schedule.known, schedule.settled) == (3, 1, 1)
+
+
 def test_jobs_begin_where_the_first_of_their_cell_failed(tmp_path: Path):
     folder = begun(tmp_path, episodes=3, options={})
     behave(tmp_path, n0="fail")

@@ -72,6 +72,7 @@ class Schedule:
         """Jobs that are settled."""
         self._settled_before = self.settled
         self._known: set[str] = set()
+        self._to_come: dict[str, int] = {}
         self._ready: list[tuple[bool, int, str]] = []
         self._jobs: dict[str, Job] = {}
         self._awaited: dict[str, int] = {}
@@ -134,8 +135,8 @@ class Schedule:
 
     @property
     def known(self) -> int:
-        """Jobs of this driver's share that may begin so far, and those settled before."""
-        return self._settled_before + len(self._known)
+        """Jobs that were settled before, and those of this driver's share that may begin, now or later by the plan."""
+        return self._settled_before + len(self._known) + sum(self._to_come.values())
 
     # --- inside ---------------------------------------------------------------------------------------------
 
@@ -187,6 +188,10 @@ class Schedule:
             if (decides or self._is_ours(job)) and job.id not in self._known:
                 self._known.add(job.id)
                 self._push(job)
+        left = (job for job in self.plan.jobs_of(cell) if job.number not in self._records[cell.id])
+        self._to_come[cell.id] = sum(self._is_ours(job) and job.id not in self._known for job in left)
+        if found.closed:
+            self._to_come[cell.id] = 0
 
     def _reread(self, cell: Cell) -> None:
         """Read the records of jobs that others may have settled meanwhile."""
