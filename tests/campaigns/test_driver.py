@@ -287,9 +287,9 @@ from tests.campaigns.stubbed import run_stubbed
 from vcage.campaigns import driver
 from vcage.campaigns.driver import run_here
 from vcage.campaigns.folder import CampaignFolder
-from vcage.campaigns.schedule import left_over
+from vcage.campaigns.schedule import Shard, left_over
 driver.preload_module = lambda *_: None  # nothing is simulated
-error = left_over(run_here(CampaignFolder(sys.argv[1]), 1, work=run_stubbed))
+error = left_over(run_here(CampaignFolder(sys.argv[1]), 1, Shard(*map(int, sys.argv[2:])), work=run_stubbed))
 print(error)
 """
 
@@ -308,6 +308,25 @@ def test_two_drivers_at_once_run_each_job_once(tmp_path: Path):
     assert "None" in (str(ours), theirs)
     assert sorted(Counter(began(tmp_path)).values()) == [1] * 4
     assert states(folder) == {"done": 4}
+
+
+@pytest.mark.slow
+def test_shards_that_run_at_once_wait_for_a_first_job_that_was_killed_in_one_and_taken_by_another(tmp_path: Path):
+    folder = begun(tmp_path, episodes=3, options={})
+    behave(tmp_path, all="slow")
+    first, program = folder.plan.jobs()[0], [sys.executable, "-c", DRIVER, str(folder.root)]
+    killed, *others = (
+        subprocess.Popen([*program, str(index), "3"], cwd=REPOSITORY, stdout=subprocess.PIPE, text=True)
+        for index in range(3)
+    )
+    while not began(tmp_path):
+        time.sleep(0.05)
+    killed.kill()
+    ends = [shard.communicate(timeout=120)[0].strip() for shard in (killed, *others)]
+    assert "None" in ends
+    ran = Counter(began(tmp_path))
+    assert (ran.pop(first.id) <= 2, set(ran.values())) == (True, {1})
+    assert states(folder) == {"done": 3}
 
 
 def test_no_two_jobs_of_a_plan_share_a_file(tmp_path: Path):
