@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import errno
-import logging
 import os
 import platform
 import resource
@@ -16,40 +14,23 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from vcage.base.errors import (
-    ConfigurationError,
-    DiskFull,
-    MissingStage,
-    NotJudged,
-    OutputFolderError,
-    PartlyDone,
-    PassingFault,
-    TooFewVerified,
-    VcageError,
-)
-from vcage.base.files import NO_ROOM, RunFolder
+from vcage.base.errors import NotJudged, PartlyDone, VcageError
+from vcage.base.files import RunFolder
 from vcage.base.leftovers import PARTIAL
 from vcage.base.memory import largest_memory, measure_memory_anew
 from vcage.base.progress import Progress
 from vcage.campaigns.folder import CampaignFolder
+from vcage.campaigns.job_errors import OF_THE_MACHINE, Meaning, meaning_of, named, of_the_system
 from vcage.campaigns.plan import Job, Plan
 from vcage.campaigns.record import JobError, JobRecord, State, Tries
 from vcage.episodes.quota import Wanted
 from vcage.models.shared import Shared
 from vcage.models.spending import Cap
-from vcage.runs.accepted import no_episode_counts, refusals
+from vcage.runs.accepted import refusals
 from vcage.runs.context import StageContext
 from vcage.schema.episodes import Episodes
 from vcage.schema.subtasks import Subtasks
 from vcage.stages.chain import run_chain
-
-logger = logging.getLogger(__name__)
-
-OF_THE_MACHINE = (PassingFault, DiskFull, OutputFolderError, ConfigurationError)
-"""Errors that say nothing about the job: it stays open, and the try does not count."""
-
-MACHINE_ERRORS = (*NO_ROOM, errno.EROFS, errno.EACCES, errno.EPERM, errno.EIO, errno.ESTALE)
-"""Numbers of such errors of the system: of its disks, or of a file server that is gone."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +72,7 @@ def run_job(root: Path, job: Job) -> Outcome:
     except VcageError as error:
         return Outcome(job, error=error)
     except OSError as error:
-        return Outcome(job, error=_of_the_system(error))
+        return Outcome(job, error=of_the_system(error))
 
 
 def lost_job(root: Path, job: Job, how: str) -> Outcome:
@@ -139,40 +120,38 @@ def uncount_try(root: Path, job: Job) -> None:
 def _try(folder: CampaignFolder, job: Job) -> Outcome:
     if (settled := folder.record(job)) is not None:
         return Outcome(job, settled)
-    plan, run, before = folder.plan, folder.run(job), folder.tries(job)
-    reached = _reached(run)
-    further = reached > before.reached
-    count = 0 if further else before.count
-    if count >= plan.limits.tries:
+    before = folder.tries(job)
+    tries = _next_try(folder, job, before)
+    if tries.count > folder.plan.limits.tries:
         return Outcome(job, _given_up(folder, job, before))
-    tries = Tries(count=count + 1, total=before.total + 1, open=True, reached=max(reached, before.reached))
     folder.note_tries(job, tries)
     measure_memory_anew()
     wall, cpu = time.perf_counter(), _cpu_seconds()
-    try:
-        _run(folder, plan, job)
-        error = None
-    except TooFewVerified:  # all episodes were run, and none verified: that is a result
-        error = None
-    except MissingStage as found:  # verify refused all, which is a result too
-        error = None if no_episode_counts(run) else found
-    except OF_THE_MACHINE:
+    error, meaning = _error_of_run(folder, job)
+    if error is not None and meaning is Meaning.MACHINE:
         folder.note_tries(job, before)
-        raise
-    except VcageError as found:
-        if found.retryable:
-            return _again(folder, job, tries, found)
-        error = found
-    except (OSError, MemoryError) as found:
-        if getattr(found, "errno", None) not in MACHINE_ERRORS:
-            return _again(folder, job, tries, found)
-        folder.note_tries(job, before)
-        raise
-    except Exception as found:
-        logger.error("%s: this is a bug in vcage", job.id, exc_info=found)
-        return _again(folder, job, tries, found)
+        raise error
+    if error is not None and meaning is Meaning.AGAIN:
+        return _again(folder, job, tries, error)
     spent = {"seconds": round(time.perf_counter() - wall, 3), "cpu_seconds": round(_cpu_seconds() - cpu, 3)}
-    return Outcome(job, _settle(folder, job, tries, "done" if error is None else "failed", error, spent))
+    state, kept = ("done", None) if meaning is Meaning.RESULT else ("failed", error)
+    return Outcome(job, _settle(folder, job, tries, state, kept, spent))
+
+
+def _next_try(folder: CampaignFolder, job: Job, before: Tries) -> Tries:
+    """The try that would begin now; it is the first again where the last one got further."""
+    reached = _reached(folder.run(job))
+    count = 0 if reached > before.reached else before.count
+    return Tries(count=count + 1, total=before.total + 1, open=True, reached=max(reached, before.reached))
+
+
+def _error_of_run(folder: CampaignFolder, job: Job) -> tuple[Exception | None, Meaning]:
+    """Run the chain; its error, if one ended it, and what that means."""
+    try:
+        _run(folder, folder.plan, job)
+    except Exception as error:
+        return error, meaning_of(error, folder.run(job))
+    return None, Meaning.RESULT
 
 
 def _run(folder: CampaignFolder, plan: Plan, job: Job) -> None:
@@ -204,11 +183,11 @@ def _run(folder: CampaignFolder, plan: Plan, job: Job) -> None:
 
 def _again(folder: CampaignFolder, job: Job, tries: Tries, error: Exception) -> Outcome:
     """Keep the error of a try that may go better another time, or give the job up."""
-    tries = tries.model_copy(update={"error": _named(error), "open": False})
+    tries = tries.model_copy(update={"error": named(error), "open": False})
     folder.note_tries(job, tries)
     if tries.count >= folder.plan.limits.tries and _reached(folder.run(job)) <= tries.reached:
         return Outcome(job, _given_up(folder, job, tries))
-    kept = error if isinstance(error, VcageError) else PartlyDone(f"{job.id}: {_named(error).message}")
+    kept = error if isinstance(error, VcageError) else PartlyDone(f"{job.id}: {named(error).message}")
     return Outcome(job, error=kept)
 
 
@@ -234,7 +213,7 @@ def _settle(
         state=state,
         episodes=job.episodes,
         tries=max(tries.total, 1),
-        error=error if error is None or isinstance(error, JobError) else _named(error),
+        error=error if error is None or isinstance(error, JobError) else named(error),
         host=platform.node(),
         ended=datetime.now(UTC).isoformat(timespec="seconds"),
         bytes=_bytes(run.root),
@@ -283,15 +262,3 @@ def _bytes(folder: Path) -> int:
 def _cpu_seconds() -> float:
     own, others = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
     return own.ru_utime + own.ru_stime + others.ru_utime + others.ru_stime
-
-
-def _named(error: Exception) -> JobError:
-    if isinstance(error, VcageError):
-        return JobError(code=error.code, message=error.as_line()[:2000])
-    return JobError(code="bug", message=" ".join(f"{type(error).__name__}: {error}".split())[:2000])
-
-
-def _of_the_system(error: OSError) -> VcageError:
-    if error.errno in NO_ROOM:
-        return DiskFull(f"no space left: {error}", hint="free some space and run the same command again")
-    return OutputFolderError(f"cannot write: {error}", hint="make the folder of the campaign writable")
