@@ -45,6 +45,14 @@ def test_an_impossible_shard_is_refused(path: Path, tmp_path: Path, capsys, shar
     assert "--shard" in done.error["message"]
 
 
+@pytest.mark.parametrize("options", [["--ray", "auto", "--shard", "0/2"], ["--slurm", "2", "--k8s", "2"]])
+def test_two_drivers_at_once_are_refused(path: Path, tmp_path: Path, capsys, options: list[str]):
+    done = command(capsys, "campaign", path, "--out", tmp_path / "out", *options)
+    assert (done.code, done.error["code"]) == (2, "usage")
+    assert f"{options[0]} and {options[2]}" in done.error["message"]
+    assert not (tmp_path / "out").exists()
+
+
 def test_a_folder_with_something_else_in_it_is_refused(path: Path, tmp_path: Path, capsys):
     done = command(capsys, "campaign", path, "--out", tmp_path)
     assert (done.code, done.error["code"]) == (2, "output_not_writable")

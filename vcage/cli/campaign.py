@@ -93,11 +93,8 @@ class Campaign(Command):
         """Run the jobs, or write what a scheduler takes."""
         from vcage.campaigns.folder import CampaignFolder
         from vcage.campaigns.plan import Plan
-        from vcage.campaigns.schedule import left_over
-        from vcage.campaigns.status import status_of, write_page
 
-        if self.ray and (self.shard or self.slurm or self.k8s):
-            raise UsageError("--ray shares the jobs out itself", hint="leave out --shard, --slurm and --k8s")
+        self._require_one_driver()
         plan, folder = Plan.load(self.plan), CampaignFolder(self.out)
         if self.dry_run:
             return Result(output=folder.root, summary=_asked(plan), next=not_dry())
@@ -108,12 +105,34 @@ class Campaign(Command):
             logger.info("%d jobs are tried again", count)
         with progress("campaign") as show:
             schedule = self._drive(folder, show)
+        return self._report(schedule)
+
+    def _require_one_driver(self) -> None:
+        """Refuse options of which each shares the jobs out in another way.
+
+        Raises:
+            UsageError: two of them are given.
+        """
+        ways = {"--ray": self.ray, "--shard": self.shard, "--slurm": self.slurm, "--k8s": self.k8s}
+        given = [name for name, value in ways.items() if value is not None]
+        if len(given) > 1:
+            raise UsageError(
+                f"{' and '.join(given)} cannot be given together: each shares the jobs out itself",
+                hint=f"leave out {' and '.join(given[1:])}",
+            )
+
+    def _report(self, schedule: Schedule) -> Result:
+        """The state of the campaign after this driver, and what to do next."""
+        from vcage.campaigns.schedule import left_over
+        from vcage.campaigns.status import status_of, write_page
+
+        folder = schedule.folder
         status = status_of(folder)
         output, facts = write_page(folder, status), status.facts()
         error = left_over(schedule) or (None if self.shard else _too_few(status, folder))
         if error is not None:
             return Result(error=error, facts={"output": str(output), "summary": facts})
-        several = ["--group"] if len(plan.robots) > 1 else []
+        several = ["--group"] if len(schedule.plan.robots) > 1 else []
         merge = vcage_command("merge", folder.root, "--out", folder.root / "dataset", *several)
         return Result(
             output=output, summary=facts, next=merge if status.ended else vcage_command("status", folder.root)
@@ -133,10 +152,6 @@ class Campaign(Command):
     def _for_scheduler(self, plan: Plan, folder: CampaignFolder) -> Result:
         from vcage.campaigns.schedulers import ShardedCommand, kubernetes_job, slurm_script
 
-        if self.slurm and self.k8s:
-            raise UsageError("--slurm and --k8s cannot be given together", hint="leave out one of them")
-        if self.shard:
-            raise UsageError("--shard is what the tasks of a scheduler are given", hint="leave it out")
         command = tuple(shlex.split(vcage_command("campaign", folder.plan_file, "--out", folder.root)))
         job = ShardedCommand(plan.name, command, folder.root, self.slurm or self.k8s or 1, self.workers or 1)
         if self.slurm:
