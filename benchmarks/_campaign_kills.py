@@ -1,0 +1,190 @@
+"""Campaigns by each driver, whose processes are killed: their commands, their victims, and what was at work."""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import os
+import re
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import psutil
+
+from benchmarks._ray_nodes import RayNodes
+from vcage.campaigns.folder import CampaignFolder
+
+PROGRAM = [sys.executable, "-m", "vcage.cli.main"]
+
+WORKER, DRIVER, NODE, HEAD = "worker", "driver", "node", "head"
+"""Victims: a process that runs a job, one that shares jobs out, all processes of a Ray node, and the head's server."""
+
+_PR_SET_CHILD_SUBREAPER = 36
+"""From <linux/prctl.h>: orphans below this process become its children, so that no process is lost from sight."""
+
+
+def adopt_orphans() -> None:
+    """Become the parent of every process below this one whose parent is killed."""
+    ctypes.CDLL(None).prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
+
+
+@dataclass
+class KilledCampaign:
+    """The commands of one driver on one campaign, and its processes.
+
+    Args:
+        plan: its file.
+        out: the folder of the campaign.
+        options: of each command; two commands are two shards.
+        nodes: of a Ray cluster, for that driver.
+    """
+
+    plan: Path
+    out: Path
+    options: Sequence[Sequence[str]]
+    nodes: RayNodes | None = None
+    complaints: list[str] = field(default_factory=list)
+    """The last words of commands that ended by themselves with an error,"""
+    unexpected: list[str] = field(default_factory=list)
+    """and of those for which there was no reason."""
+    _head_lost: bool = False
+    _running: dict[int, subprocess.Popen[str]] = field(default_factory=dict)
+
+    @property
+    def victims(self) -> dict[str, float]:
+        """What may be killed → its share of kills."""
+        return {WORKER: 0.7, DRIVER: 0.3} if self.nodes is None else {WORKER: 0.5, DRIVER: 0.25, NODE: 0.2, HEAD: 0.05}
+
+    def start(self) -> None:
+        """Start those commands that do not run."""
+        if self.nodes is not None:
+            self.nodes.start()
+        address = () if self.nodes is None else ("--ray", self.nodes.address)
+        for index, options in enumerate(self.options):
+            if index not in self._running:
+                self._running[index] = subprocess.Popen(
+                    [*PROGRAM, "campaign", str(self.plan), "--out", str(self.out), *options, *address],
+                    stdout=subprocess.DEVNULL,
+                    stderr=subprocess.PIPE,
+                    text=True,
+                    env=os.environ | (self.nodes.environment if self.nodes else {}),
+                )
+
+    def look(self) -> bool:
+        """Note which commands have ended; True while any runs."""
+        for index, process in list(self._running.items()):
+            if process.poll() is not None:
+                del self._running[index]
+                _, said = process.communicate()
+                if process.returncode:
+                    self.complaints.append(f"exit {process.returncode}: {' '.join(said.splitlines()[-1:])}")
+                if process.returncode not in (0, 7, 6 if self._head_lost else 0):
+                    self.unexpected += self.complaints[-1:]
+        return bool(self._running)
+
+    def drawn(self, rng: np.random.Generator) -> str:
+        """The next victim."""
+        return str(rng.choice([*self.victims], p=[*self.victims.values()]))
+
+    def at_work(self) -> dict[str, int]:
+        """Jobs at work → the processes that run them."""
+        return dict(_at_work(self.out))
+
+    def kill(self, victim: str, rng: np.random.Generator) -> list[str] | None:
+        """Kill a victim by SIGKILL, and start another where it does not end the command.
+
+        Returns:
+            The jobs that it had at work; None if there is no such process now.
+        """
+        found = self._killed(victim, self.at_work(), rng)
+        if found is not None and victim in (DRIVER, NODE):
+            self.start()
+        return found
+
+    def _killed(self, victim: str, jobs: dict[str, int], rng: np.random.Generator) -> list[str] | None:
+        if victim == WORKER:
+            return self._kill_worker(jobs, rng)
+        if victim == DRIVER:
+            return self._kill_driver(jobs, rng)
+        assert self.nodes is not None
+        if victim == HEAD:
+            self._head_lost = self._head_lost or self.nodes.kill_head()
+            return [*jobs] if self._head_lost else None
+        killed = self.nodes.kill_node(rng)
+        return None if killed is None else [job for job, process in jobs.items() if process in killed]
+
+    def end(self) -> None:
+        """Kill whatever is left."""
+        for process in self._running.values():
+            for one in (*_below(process.pid), process):
+                with contextlib.suppress(psutil.NoSuchProcess):
+                    one.kill()
+            process.communicate()
+        self._running.clear()
+
+    @staticmethod
+    def _kill_worker(jobs: dict[str, int], rng: np.random.Generator) -> list[str] | None:
+        if not jobs:
+            return None
+        job = rng.choice(sorted(jobs))
+        with contextlib.suppress(ProcessLookupError):  # it has ended since
+            os.kill(jobs[job], signal.SIGKILL)
+            return [job]
+        return None
+
+    def _kill_driver(self, jobs: dict[str, int], rng: np.random.Generator) -> list[str] | None:
+        if not self._running:
+            return None
+        process = self._running.pop(int(rng.choice(sorted(self._running))))
+        below = {one.pid for one in _below(process.pid)}
+        process.kill()
+        process.communicate()
+        # Actors of a driver that is gone are no processes below it: their jobs are all that are at work.
+        return sorted(job for job, number in jobs.items() if self.nodes is not None or number in below)
+
+
+def _at_work(out: Path) -> Iterator[tuple[str, int]]:
+    ours = {one.pid for one in psutil.Process().children(recursive=True)}
+    for path in CampaignFolder(out).begun():
+        with contextlib.suppress(OSError):
+            found = re.match(r"process (\d+) on ", path.read_text(encoding="utf-8"))
+            if found and int(found[1]) in ours:
+                yield path.relative_to(out / "jobs").with_suffix("").as_posix(), int(found[1])
+
+
+def _below(number: int) -> list[psutil.Process]:
+    try:
+        return psutil.Process(number).children(recursive=True)
+    except psutil.NoSuchProcess:
+        return []
+
+
+class Settled:
+    """Watches the records of jobs, and tells which were settled more than once.
+
+    Args:
+        out: the folder of the campaign.
+    """
+
+    def __init__(self, out: Path):
+        self._folder = CampaignFolder(out)
+        self._seen: dict[str, tuple[int, int]] = {}
+        self.twice: set[str] = set()
+
+    def look(self) -> None:
+        """Look at all records: one that was replaced was settled twice."""
+        for path in self._folder.root.glob("jobs/*/*.job.json"):
+            found, job = path.stat(), f"{path.parent.name}/{path.name.removesuffix('.job.json')}"
+            mark = found.st_ino, found.st_mtime_ns
+            if self._seen.setdefault(job, mark) != mark:
+                self._seen[job] = mark
+                self.twice.add(job)
+
+    def states(self) -> dict[str, str]:
+        """Job → the state in its record."""
+        return {f"{record.cell}/{record.number:04d}": record.state for record in self._folder.records()}

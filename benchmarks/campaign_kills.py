@@ -1,0 +1,261 @@
+"""Campaigns by each driver, of which processes are killed at random moments: what is lost, made twice, or differs."""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+import logging
+import shutil
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from benchmarks._campaign_kills import KilledCampaign, Settled, adopt_orphans
+from benchmarks._campaign_outputs import differing, outputs
+from benchmarks._ray_nodes import RayNodes
+from vcage.base.errors import VcageError
+from vcage.base.leftovers import PARTIAL
+
+logger = logging.getLogger(__name__)
+
+PLAN = {
+    "name": "kills",
+    "tasks": [{"id": "block", "goals": ["block on plate"], "objects": "block, plate"}],
+    "episodes_per_job": 1,
+    "limits": {"tries": 1000},
+    "options": {
+        "models": "offline",
+        "fps": 5,
+        "crf": 20,
+        "effort": "fast",
+        "keyframes": 1,
+        "restarts": 1,
+        "guard": False,
+    },
+}
+"""Jobs of one episode with a block and a plate, by every stage of the chain."""
+
+DRIVERS: dict[str, list[list[str]]] = {
+    "processes": [["--workers", "2"]],
+    "shards": [["--workers", "1", "--shard", "0/2"], ["--workers", "1", "--shard", "1/2"]],
+    "ray": [[]],
+}
+"""Driver → the options of its commands."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Settings of the kills.
+
+    Args:
+        gap_share: mean time between two kills, of the time of an undisturbed campaign over the number of kills.
+        look_every_s: between two looks at processes and records.
+        most_calls: of a driver's command in one campaign, beyond which it does not get on.
+        longest_s: of one campaign, after which it hangs.
+    """
+
+    gap_share: float = 1.0
+    look_every_s: float = 0.1
+    most_calls: int = 100
+    longest_s: float = 3000.0
+
+
+SETTINGS = Settings()
+
+COUNTS = ("kills", "hit", "resumed", "lost", "twice", "differing", "left")
+"""Columns of the table."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The options of this benchmark."""
+    parser.add_argument("--jobs", type=int, default=40, help="jobs of a campaign (default: %(default)s; quick: 4)")
+    parser.add_argument("--kills", type=int, default=34, help="of each driver (default: %(default)s; quick: 3)")
+    parser.add_argument("--seed", type=int, default=0, help="of the moments and victims (default: %(default)s)")
+    parser.add_argument(
+        "--drivers", nargs="+", choices=DRIVERS, default=[*DRIVERS], help="which (default: all that are installed)"
+    )
+
+
+def run(quick: bool, jobs: int, kills: int, seed: int, drivers: list[str]) -> dict[str, Any]:
+    """Kill processes of campaigns by SIGKILL, and go on by the same commands until the campaign has ended.
+
+    Victims are drawn: a process that runs a job (``worker``: of the driver, or an actor of Ray), a process that shares
+    jobs out (``driver``), with Ray all processes of a ``node`` at once, and the server of its ``head``. A campaign that
+    ends before all kills were made is followed by another one of the same plan.
+
+    Each row, by driver and victim: ``kills``; ``hit``, jobs that were at work in what was killed; ``resumed``, those of
+    them that were done in the end; ``lost``, those that were not; ``twice``, those that were settled more than once;
+    ``differing``, files of theirs that differ from those of an undisturbed campaign of the same plan, but for times.
+    The row ``all`` of a driver is about all jobs of its campaigns; ``left`` are files of partial work that stayed.
+
+    Args:
+        quick: few jobs and kills.
+        jobs: of a campaign.
+        kills: of each driver.
+        seed: of moments and victims.
+        drivers: which of :data:`DRIVERS`.
+    """
+    if quick:
+        jobs, kills = 4, 3
+    left_out = [name for name in drivers if name == "ray" and importlib.util.find_spec("ray") is None]
+    rng, begun, done = np.random.default_rng(seed), time.monotonic(), list[Series]()
+    adopt_orphans()
+    with tempfile.TemporaryDirectory(prefix="kills-") as folder:
+        plan = write_plan(Path(folder), jobs)
+        undisturbed = Undisturbed.made(plan, Path(folder) / "undisturbed")
+        logger.info("undisturbed: %d jobs in %.0f s", jobs, undisturbed.seconds)
+        for driver in drivers:
+            if driver not in left_out:
+                series = Series(driver, plan, Path(folder) / driver, undisturbed)
+                series.make(kills, rng)
+                done.append(series)
+                shutil.rmtree(Path(folder) / driver)
+    rows = [row for series in done for row in series.rows()]
+    return {
+        "kills": sum(row["kills"] for row in rows if row["victim"] == "all"),
+        **{key: sum(row[key] for row in rows if row["victim"] == "all") for key in ("lost", "twice", "differing")},
+        "rows": rows,
+        "jobs": jobs,
+        "seconds_undisturbed": round(undisturbed.seconds, 1),
+        "seconds": round(time.monotonic() - begun, 1),
+        "campaigns": {series.driver: series.campaigns for series in done},
+        "files": sorted({name for series in done for name in series.files}),
+        "errors": [error for series in done for error in series.errors],
+        "left_out": left_out,
+    }
+
+
+def write_plan(folder: Path, jobs: int) -> Path:
+    """Write a plan of so many jobs; 8 in a cell, or fewer."""
+    cells = next(count for count in range(-(-jobs // 8), jobs + 1) if jobs % count == 0)
+    path = folder / "PLAN.yml"
+    path.write_text(yaml.safe_dump(PLAN | {"seeds": cells, "episodes": jobs // cells}), encoding="utf-8")
+    return path
+
+
+@dataclass(frozen=True)
+class Undisturbed:
+    """A campaign of which nothing was killed: the files that it made, the states of its jobs, and how long it took."""
+
+    outputs: dict[str, Any]
+    states: dict[str, str]
+    seconds: float
+
+    @classmethod
+    def made(cls, plan: Path, out: Path) -> Undisturbed:
+        """Run a campaign to its end.
+
+        Raises:
+            VcageError: it failed.
+        """
+        campaign, start = KilledCampaign(plan, out, DRIVERS["processes"]), time.monotonic()
+        campaign.start()
+        while campaign.look():
+            time.sleep(SETTINGS.look_every_s)
+        if campaign.complaints:
+            raise VcageError(f"the undisturbed campaign failed: {campaign.complaints}")
+        return cls(outputs(out), Settled(out).states(), time.monotonic() - start)
+
+
+@dataclass(frozen=True)
+class Kill:
+    """A kill: of what, and the jobs that it had at work."""
+
+    victim: str
+    jobs: list[str]
+
+
+@dataclass
+class Series:
+    """Kills of one driver, in as many campaigns as it takes.
+
+    Args:
+        driver: of :data:`DRIVERS`.
+        plan: its file.
+        folder: in which the campaigns lie.
+        undisturbed: the campaign to compare with.
+    """
+
+    driver: str
+    plan: Path
+    folder: Path
+    undisturbed: Undisturbed
+    campaigns: int = 0
+    files: set[str] = field(default_factory=set)
+    """Files that differed from those of the undisturbed campaign."""
+    errors: list[str] = field(default_factory=list)
+    """The last words of commands that ended as they should not."""
+    _rows: dict[str, dict[str, int]] = field(default_factory=dict)
+
+    def make(self, kills: int, rng: np.random.Generator) -> None:
+        """Make so many kills."""
+        gap_s = SETTINGS.gap_share * self.undisturbed.seconds / kills
+        with ExitStack() as stack:
+            nodes = stack.enter_context(RayNodes()) if self.driver == "ray" else None
+            made = 0
+            while made < kills:
+                out = self.folder / f"campaign-{self.campaigns}"
+                self.campaigns += 1
+                campaign, settled = KilledCampaign(self.plan, out, DRIVERS[self.driver], nodes), Settled(out)
+                stack.callback(campaign.end)
+                found = []
+                for kill in self._kills(campaign, settled, kills - made, gap_s, rng):
+                    found.append(kill)
+                    made += 1
+                    logger.info("%s: kill %d of %d: %s, %s", self.driver, made, kills, kill.victim, kill.jobs)
+                self._count(out, found, settled)
+
+    def rows(self) -> list[dict[str, Any]]:
+        """The table of this driver."""
+        return [{"driver": self.driver, "victim": victim, **row} for victim, row in self._rows.items()]
+
+    def _kills(
+        self, campaign: KilledCampaign, settled: Settled, most: int, gap_s: float, rng: np.random.Generator
+    ) -> Iterator[Kill]:
+        """Run a campaign to its end, and kill meanwhile; yields each kill."""
+        start, calls, made = time.monotonic(), 1, 0
+        due, victim = start + rng.uniform(0, 2 * gap_s), campaign.drawn(rng)
+        campaign.start()
+        while calls <= SETTINGS.most_calls and time.monotonic() - start < SETTINGS.longest_s:
+            time.sleep(SETTINGS.look_every_s)
+            settled.look()
+            if made < most and time.monotonic() >= due and (jobs := campaign.kill(victim, rng)) is not None:
+                made += 1
+                yield Kill(victim, jobs)
+                due, victim = time.monotonic() + rng.uniform(0, 2 * gap_s), campaign.drawn(rng)
+            if not campaign.look():
+                if settled.states().keys() >= self.undisturbed.states.keys():
+                    break
+                calls += 1
+                campaign.start()
+        else:
+            self.errors.append(f"campaign {self.campaigns} did not end in {calls} calls: {campaign.complaints[-3:]}")
+        self.errors += campaign.unexpected
+        campaign.end()
+
+    def _count(self, out: Path, kills: list[Kill], settled: Settled) -> None:
+        """Compare a campaign with the undisturbed one."""
+        settled.look()
+        done = {job for job, state in settled.states().items() if state == "done"}
+        files = differing(self.undisturbed.outputs, outputs(out))
+        self.files |= set(files)
+        for kill in kills:
+            self._add(kill.victim, 1, kill.jobs, done, settled.twice, files)
+        self._add("all", len(kills), [*self.undisturbed.states], done, settled.twice, files)
+        self._rows["all"]["left"] += sum(path.is_file() for path in out.rglob(f"*{PARTIAL}*"))
+
+    def _add(self, victim: str, kills: int, jobs: list[str], done: set[str], twice: set[str], files: list[str]) -> None:
+        row = self._rows.setdefault(victim, dict.fromkeys(COUNTS, 0))
+        row["kills"] += kills
+        row["hit"] += len(jobs)
+        row["resumed"] += sum(job in done for job in jobs)
+        row["lost"] += sum(job not in done for job in jobs)
+        row["twice"] += sum(job in twice for job in jobs)
+        row["differing"] += sum(name.startswith(tuple(f"{job}/" for job in jobs)) for name in files)
