@@ -19,7 +19,10 @@ import psutil
 from benchmarks._ray_nodes import RayNodes
 from vcage.campaigns.folder import CampaignFolder
 
-PROGRAM = [sys.executable, "-m", "vcage.cli.main"]
+PROGRAM = (sys.executable, "-m", "vcage.cli.main")
+
+STUBBED = (sys.executable, "-m", "tests.campaigns.stubbed_command")
+"""The same with jobs that only wait, and write their counts."""
 
 WORKER, DRIVER, NODE, HEAD = "worker", "driver", "node", "head"
 """Victims: a process that runs a job, one that shares jobs out, all processes of a Ray node, and the head's server."""
@@ -42,12 +45,14 @@ class KilledCampaign:
         out: the folder of the campaign.
         options: of each command; two commands are two shards.
         nodes: of a Ray cluster, for that driver.
+        program: whose command ``campaign`` it is.
     """
 
     plan: Path
     out: Path
     options: Sequence[Sequence[str]]
     nodes: RayNodes | None = None
+    program: Sequence[str] = PROGRAM
     complaints: list[str] = field(default_factory=list)
     """The last words of commands that ended by themselves with an error,"""
     unexpected: list[str] = field(default_factory=list)
@@ -68,7 +73,7 @@ class KilledCampaign:
         for index, options in enumerate(self.options):
             if index not in self._running:
                 self._running[index] = subprocess.Popen(
-                    [*PROGRAM, "campaign", str(self.plan), "--out", str(self.out), *options, *address],
+                    [*self.program, "campaign", str(self.plan), "--out", str(self.out), *options, *address],
                     stdout=subprocess.DEVNULL,
                     stderr=subprocess.PIPE,
                     text=True,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import secrets
 import shutil
 import socket
 import subprocess
@@ -17,7 +18,7 @@ from typing import Self
 import numpy as np
 import psutil
 
-from vcage.campaigns.ray_cluster import LOCAL_ONLY, OBJECT_STORE_BYTES
+from vcage.campaigns.ray_cluster import OBJECT_STORE_BYTES
 
 RAY = [sys.executable, "-m", "ray.scripts.scripts"]
 """Ray's command, of this environment."""
@@ -32,13 +33,16 @@ class RayNodes:
     Args:
         workers: nodes beside the head.
         cpus: processors of each node.
+        hidden: from other machines; else they have this machine's address, as those of a cluster have.
         begin_within_s: after which a node should answer.
     """
 
     workers: int = 1
     cpus: int = 1
+    hidden: bool = True
     begin_within_s: float = 60.0
     _folder: Path = field(default_factory=lambda: Path(tempfile.mkdtemp(prefix="ray-", dir="/tmp")))  # sockets: short
+    _token: str = field(default_factory=lambda: secrets.token_hex(32))
     _port: int = 0
     _head: subprocess.Popen[bytes] | None = None
     _others: list[subprocess.Popen[bytes]] = field(default_factory=list)
@@ -60,7 +64,8 @@ class RayNodes:
     @property
     def environment(self) -> dict[str, str]:
         """Variables for all processes of this cluster, that no other cluster of this machine is touched."""
-        return {"RAY_TMPDIR": str(self._folder), LOCAL_ONLY: "0", "RAY_USAGE_STATS_ENABLED": "0"}
+        token = {"RAY_AUTH_MODE": "token", "RAY_AUTH_TOKEN": self._token}
+        return {"RAY_TMPDIR": str(self._folder), "RAY_USAGE_STATS_ENABLED": "0", **token}
 
     def start(self) -> None:
         """Start the head, or another where it was lost, and as many nodes as are missing.
@@ -93,7 +98,12 @@ class RayNodes:
         return False
 
     def _started(self, *options: str) -> subprocess.Popen[bytes]:
-        common = [f"--node-ip-address={ADDRESS}", f"--num-cpus={self.cpus}", "--disable-usage-stats", "--block"]
+        common = [
+            *([f"--node-ip-address={ADDRESS}"] if self.hidden else []),
+            f"--num-cpus={self.cpus}",
+            "--disable-usage-stats",
+            "--block",
+        ]
         return subprocess.Popen(
             [*RAY, "start", *options, *common, f"--object-store-memory={OBJECT_STORE_BYTES}"],
             env=_environment() | self.environment,

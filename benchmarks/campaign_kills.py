@@ -6,9 +6,11 @@ import argparse
 import importlib.util
 import logging
 import shutil
+import signal
+import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,7 +19,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from benchmarks._campaign_kills import KilledCampaign, Settled, adopt_orphans
+from benchmarks._campaign_kills import PROGRAM, STUBBED, KilledCampaign, Settled, adopt_orphans
 from benchmarks._campaign_outputs import differing, outputs
 from benchmarks._ray_nodes import RayNodes
 from vcage.base.errors import VcageError
@@ -55,15 +57,13 @@ class Settings:
     """Settings of the kills.
 
     Args:
-        gap_share: mean time between two kills, of the time of an undisturbed campaign over the number of kills.
         look_every_s: between two looks at processes and records.
         most_calls: of a driver's command in one campaign, beyond which it does not get on.
         longest_s: of one campaign, after which it hangs.
     """
 
-    gap_share: float = 1.0
     look_every_s: float = 0.1
-    most_calls: int = 100
+    most_calls: int = 60
     longest_s: float = 3000.0
 
 
@@ -79,11 +79,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--kills", type=int, default=34, help="of each driver (default: %(default)s; quick: 3)")
     parser.add_argument("--seed", type=int, default=0, help="of the moments and victims (default: %(default)s)")
     parser.add_argument(
+        "--gap",
+        type=float,
+        help="mean seconds between two kills (default: those of the campaign without any, shared out among kills)",
+    )
+    parser.add_argument(
+        "--stubbed", action="store_true", help="jobs that wait for 2 s and write counts, in place of the chain"
+    )
+    parser.add_argument(
         "--drivers", nargs="+", choices=DRIVERS, default=[*DRIVERS], help="which (default: all that are installed)"
     )
 
 
-def run(quick: bool, jobs: int, kills: int, seed: int, drivers: list[str]) -> dict[str, Any]:
+def run(
+    quick: bool, jobs: int, kills: int, seed: int, drivers: list[str], gap: float | None, stubbed: bool
+) -> dict[str, Any]:
     """Kill processes of campaigns by SIGKILL, and go on by the same commands until the campaign has ended.
 
     Victims are drawn: a process that runs a job (``worker``: of the driver, or an actor of Ray), a process that shares
@@ -101,21 +111,27 @@ def run(quick: bool, jobs: int, kills: int, seed: int, drivers: list[str]) -> di
         kills: of each driver.
         seed: of moments and victims.
         drivers: which of :data:`DRIVERS`.
+        gap: mean seconds between two kills; by default those of an undisturbed campaign, shared out among kills.
+        stubbed: whether jobs run the stub of the tests in place of the chain.
     """
     if quick:
         jobs, kills = 4, 3
     left_out = [name for name in drivers if name == "ray" and importlib.util.find_spec("ray") is None]
     rng, begun, done = np.random.default_rng(seed), time.monotonic(), list[Series]()
     adopt_orphans()
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # so that what was begun is ended
+    program = STUBBED if stubbed else PROGRAM
     with tempfile.TemporaryDirectory(prefix="kills-") as folder:
         plan = write_plan(Path(folder), jobs)
-        undisturbed = Undisturbed.made(plan, Path(folder) / "undisturbed")
+        undisturbed = Undisturbed.made(plan, _begun(Path(folder) / "undisturbed"), program)
         logger.info("undisturbed: %d jobs in %.0f s", jobs, undisturbed.seconds)
         for driver in drivers:
             if driver not in left_out:
-                series = Series(driver, plan, Path(folder) / driver, undisturbed)
-                series.make(kills, rng)
+                series = Series(driver, plan, _begun(Path(folder) / driver), undisturbed, program)
+                series.make(kills, gap or undisturbed.seconds / kills, rng)
                 done.append(series)
+                for row in series.rows():
+                    logger.info("%s", row)
                 shutil.rmtree(Path(folder) / driver)
     rows = [row for series in done for row in series.rows()]
     return {
@@ -123,6 +139,7 @@ def run(quick: bool, jobs: int, kills: int, seed: int, drivers: list[str]) -> di
         **{key: sum(row[key] for row in rows if row["victim"] == "all") for key in ("lost", "twice", "differing")},
         "rows": rows,
         "jobs": jobs,
+        "stubbed": stubbed,
         "seconds_undisturbed": round(undisturbed.seconds, 1),
         "seconds": round(time.monotonic() - begun, 1),
         "campaigns": {series.driver: series.campaigns for series in done},
@@ -130,6 +147,13 @@ def run(quick: bool, jobs: int, kills: int, seed: int, drivers: list[str]) -> di
         "errors": [error for series in done for error in series.errors],
         "left_out": left_out,
     }
+
+
+def _begun(folder: Path) -> Path:
+    """A new folder, in which stubbed jobs are slow."""
+    folder.mkdir()
+    (folder / "behaviour.json").write_text('{"all": "slow"}', encoding="utf-8")
+    return folder
 
 
 def write_plan(folder: Path, jobs: int) -> Path:
@@ -149,13 +173,14 @@ class Undisturbed:
     seconds: float
 
     @classmethod
-    def made(cls, plan: Path, out: Path) -> Undisturbed:
+    def made(cls, plan: Path, folder: Path, program: Sequence[str] = PROGRAM) -> Undisturbed:
         """Run a campaign to its end.
 
         Raises:
             VcageError: it failed.
         """
-        campaign, start = KilledCampaign(plan, out, DRIVERS["processes"]), time.monotonic()
+        out, start = folder / "campaign", time.monotonic()
+        campaign = KilledCampaign(plan, out, DRIVERS["processes"], program=program)
         campaign.start()
         while campaign.look():
             time.sleep(SETTINGS.look_every_s)
@@ -181,12 +206,14 @@ class Series:
         plan: its file.
         folder: in which the campaigns lie.
         undisturbed: the campaign to compare with.
+        program: whose command ``campaign`` is run.
     """
 
     driver: str
     plan: Path
     folder: Path
     undisturbed: Undisturbed
+    program: Sequence[str] = PROGRAM
     campaigns: int = 0
     files: set[str] = field(default_factory=set)
     """Files that differed from those of the undisturbed campaign."""
@@ -194,16 +221,18 @@ class Series:
     """The last words of commands that ended as they should not."""
     _rows: dict[str, dict[str, int]] = field(default_factory=dict)
 
-    def make(self, kills: int, rng: np.random.Generator) -> None:
-        """Make so many kills."""
-        gap_s = SETTINGS.gap_share * self.undisturbed.seconds / kills
+    def make(self, kills: int, gap_s: float, rng: np.random.Generator) -> None:
+        """Make so many kills, with so long a time between two of them on average."""
         with ExitStack() as stack:
             nodes = stack.enter_context(RayNodes()) if self.driver == "ray" else None
             made = 0
             while made < kills:
                 out = self.folder / f"campaign-{self.campaigns}"
                 self.campaigns += 1
-                campaign, settled = KilledCampaign(self.plan, out, DRIVERS[self.driver], nodes), Settled(out)
+                campaign, settled = (
+                    KilledCampaign(self.plan, out, DRIVERS[self.driver], nodes, self.program),
+                    Settled(out),
+                )
                 stack.callback(campaign.end)
                 found = []
                 for kill in self._kills(campaign, settled, kills - made, gap_s, rng):

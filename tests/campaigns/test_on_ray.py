@@ -6,8 +6,10 @@ import contextlib
 import ctypes
 import importlib.util
 import os
+import signal
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 from collections import Counter
@@ -55,12 +57,14 @@ def cluster(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
     """A cluster of two nodes; the head is the first."""
     monkeypatch.setenv(LOCAL_ONLY, "0")  # before Ray is imported
     monkeypatch.setenv("RAY_USAGE_STATS_ENABLED", "0")
-    from ray.cluster_utils import Cluster
+    with tempfile.TemporaryDirectory(prefix="ray-", dir="/tmp") as folder:  # short, as paths of sockets must be
+        monkeypatch.setenv("RAY_TMPDIR", folder)
+        from ray.cluster_utils import Cluster
 
-    started = Cluster(initialize_head=True, head_node_args=NODE, shutdown_at_exit=True)
-    started.add_node(**NODE)
-    yield started
-    started.shutdown()
+        started = Cluster(initialize_head=True, head_node_args=NODE, shutdown_at_exit=True)
+        started.add_node(**NODE)
+        yield started
+        started.shutdown()
 
 
 def driven(folder: CampaignFolder, cluster: Any, settings: RaySettings = QUICK, **keys: Any) -> Schedule:
@@ -214,6 +218,54 @@ def test_a_silent_actor_is_replaced(cluster: Any, tmp_path: Path, monkeypatch: p
     lost = next(record for record in folder.records() if record.state == "given_up")
     assert lost.number == 0 and lost.error is not None and "gave no sign of life" in lost.error.message
     assert sum(record.verified for record in folder.records()) == 4
+
+
+@needs_ray
+def test_a_stopped_actor_is_ended_and_its_job_is_done_once(
+    cluster: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr("vcage.campaigns.hanging.silence_limit", lambda plan: 8.0)
+    folder = begun(tmp_path, episodes=4)
+    behave(tmp_path, all="slow")
+    stopped: list[psutil.Process] = []
+
+    def stop() -> None:
+        stopped.append(actors()[0])
+        stopped[0].send_signal(signal.SIGSTOP)
+
+    thread = meanwhile(stop, folder, 1)
+    assert left_over(driven(folder, cluster)) is None
+    thread.join()
+    assert not stopped[0].is_running()
+    assert states(folder) == {"done": 4}
+    assert len(began(tmp_path)) == 5
+
+
+@needs_ray
+def test_a_stopped_node_gives_its_job_back_and_does_not_go_on_with_it_later(
+    cluster: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr("vcage.campaigns.hanging.silence_limit", lambda plan: 8.0)
+    folder = begun(tmp_path, episodes=4)
+    behave(tmp_path, all="slow")
+    node = cluster.worker_nodes.copy().pop()
+    stopped: list[psutil.Process] = []
+
+    def stop() -> None:
+        raylet = psutil.Process(node.all_processes["raylet"][0].process.pid)
+        stopped.extend([raylet, *raylet.children(recursive=True)])
+        for one in stopped:
+            one.suspend()
+
+    thread = meanwhile(stop, folder, 2)
+    assert left_over(driven(folder, cluster)) is None
+    thread.join()
+    assert states(folder) == {"done": 4}
+    before = files_of(folder.root), list(folder.records())
+    for one in stopped:
+        one.resume()
+    psutil.wait_procs(stopped, timeout=20)
+    assert (files_of(folder.root), list(folder.records())) == before
 
 
 @needs_ray

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import logging
 import os
 from collections.abc import Iterator
 from functools import lru_cache
@@ -12,10 +13,12 @@ import yaml
 
 from vcage.base.errors import FolderInUse, InputFileError, MissingStage, OutputFolderError
 from vcage.base.files import RunFolder, read_json, write_json, write_text
-from vcage.base.hold import alone, holder_of, one_at_a_time
+from vcage.base.hold import IN_USE, alone, holder_of, one_at_a_time
 from vcage.base.leftovers import PARTIAL
 from vcage.campaigns.plan import Job, Plan
 from vcage.campaigns.record import JobRecord, Tries
+
+logger = logging.getLogger(__name__)
 
 PLAN = "plan.yml"
 
@@ -30,6 +33,7 @@ class CampaignFolder:
     def __init__(self, root: str | Path):
         self.root = Path(root).expanduser().resolve()
         self._records: dict[str, tuple[int, JobRecord]] = {}
+        self._locks: dict[str, int] = {}  # jobs held here → the inode of their lock
 
     def __str__(self) -> str:
         return str(self.root)
@@ -172,19 +176,31 @@ class CampaignFolder:
         RunFolder(path.parent).make()
         try:
             with alone(path):
+                self._locks[job.id] = path.stat().st_ino
                 yield
         except FolderInUse as error:
             error.details["job"] = job.id
             raise
+        finally:
+            self._locks.pop(job.id, None)
 
     def is_held(self, job: Job) -> bool:
         """True while a process works on a job."""
         return holder_of(self.beat_file(job)) is not None
 
     def beat(self, job: Job) -> None:
-        """Show that a job got on."""
+        """Show that a job got on. A process from which it was taken back ends here, at once: another one runs it."""
         with contextlib.suppress(OSError):  # what it works on will say what is wrong with the disk
+            lock = self._locks.get(job.id)
+            if lock is not None and self.beat_file(job).stat().st_ino != lock:
+                logger.error("%s was taken back, as this process hung; it ends", job.id)
+                os._exit(1)  # it must change nothing more, nor release locks by their names
             os.utime(self.beat_file(job))
+
+    def take_back(self, job: Job) -> None:
+        """Take a job from a process that hangs where nobody can end it. Should it wake, it ends at its next step."""
+        for lock in (self.beat_file(job), self.run(job).root / IN_USE):
+            lock.unlink(missing_ok=True)
 
     def last_beat(self, job: Job) -> int:
         """The time of its last step, ns, by the clock that the file system goes by; 0 if there was none."""

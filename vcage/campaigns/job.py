@@ -87,6 +87,8 @@ def lost_job(root: Path, job: Job, how: str) -> Outcome:
     error = PartlyDone(f"{job.id}: its process {how}", hint="it is tried again")
     try:
         with folder.held(job):
+            if (settled := folder.record(job)) is not None:  # lost after it had ended
+                return Outcome(job, settled)
             tries = folder.tries(job)
             if not tries.open:  # lost before it could count the try
                 tries = tries.model_copy(update={"count": tries.count + 1, "total": tries.total + 1})
@@ -205,6 +207,7 @@ def _settle(
     error: Exception | JobError | None,
     spent: dict[str, Any],
 ) -> JobRecord:
+    folder.beat(job)
     run = folder.run(job)
     record = JobRecord(
         cell=job.cell.id,

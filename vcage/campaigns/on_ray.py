@@ -14,17 +14,18 @@ from pathlib import Path
 from typing import Any, Self
 
 from vcage.base.commands import CALLED
-from vcage.base.errors import ConfigurationError, DiskFull, FolderInUse, OutputFolderError
+from vcage.base.errors import ConfigurationError, DiskFull, OutputFolderError
 from vcage.base.progress import Progress, silent
 from vcage.base.version import __version__
 from vcage.campaigns.driver import work_through, workers_here
 from vcage.campaigns.folder import CampaignFolder
 from vcage.campaigns.hanging import HangWatch
-from vcage.campaigns.job import Outcome, lost_job, run_job
+from vcage.campaigns.job import Outcome, run_job
 from vcage.campaigns.plan import Job
 from vcage.campaigns.ray_actor import actor_class
 from vcage.campaigns.ray_cluster import SETTINGS, RaySettings, connected, last_line, require_head
 from vcage.campaigns.schedule import Schedule
+from vcage.campaigns.stranded import Stranded
 
 logger = logging.getLogger(__name__)
 
@@ -67,6 +68,7 @@ class RayCrew:
         self._ray, self._folder, self._most, self._work, self._settings = ray, folder, workers, work, settings
         self._head = ray.get_runtime_context().gcs_address
         self._watch = HangWatch(folder.root)
+        self._stranded = Stranded(folder, self._watch, settings.freed_within_s)
         self._waiting: deque[Job] = deque()
         self._workers: list[_Worker] = []
         self._unfit: dict[str, str] = {}
@@ -95,19 +97,20 @@ class RayCrew:
             ConfigurationError: no node can run jobs of this campaign; says why.
         """
         looked = -self._settings.look_every_s
-        while self._waiting or any(worker.job for worker in self._workers):
+        while self._waiting or self._stranded or any(worker.job for worker in self._workers):
             if time.monotonic() - looked >= self._settings.look_every_s:
                 require_head(self._head)
                 self._employ()
                 self._tell_of_waiting()
                 looked = time.monotonic()
             self._begin()
+            yield from self._stranded.outcomes()
             for worker in self._answered():
                 yield from self._answer_of(worker)
             for worker in [worker for worker in self._workers if self._seconds_left(worker) <= 0]:
                 self._ray.kill(worker.actor, no_restart=False)
                 seconds = time.monotonic() - worker.since
-                yield from self._lost(worker, f"gave no sign of life and was ended after {seconds:.0f} s")
+                self._lost(worker, f"gave no sign of life and was ended after {seconds:.0f} s")
 
     def room(self) -> int:
         """Jobs that it can be given at a time, as nodes come."""
@@ -157,7 +160,8 @@ class RayCrew:
     def _answered(self) -> list[_Worker]:
         asked = {worker.asked: worker for worker in self._workers if worker.asked is not None}
         left = [self._seconds_left(worker) for worker in self._workers]
-        patience = max(0.0, min([self._settings.look_every_s, *left]))
+        longest = self._settings.look_for_freed_s if self._stranded else self._settings.look_every_s
+        patience = max(0.0, min([longest, *left]))
         if not asked:
             time.sleep(patience)
             return []
@@ -175,7 +179,7 @@ class RayCrew:
             hint = f"install vcage {__version__}, and what it needs, on every node"
             raise ConfigurationError(f"a Ray worker cannot run jobs: {last_line(error)}", hint=hint) from error
         except self._ray.exceptions.RayError as error:
-            yield from self._lost(worker, f"was lost: {last_line(error)}", error)
+            self._lost(worker, f"was lost: {last_line(error)}", error)
             return
         worker.asked = None
         if isinstance(answer, Outcome):
@@ -191,9 +195,11 @@ class RayCrew:
         else:
             worker.ready, self._unborn = True, 0
 
-    def _lost(self, worker: _Worker, how: str, error: Exception | None = None) -> Iterator[Outcome]:
+    def _lost(self, worker: _Worker, how: str, error: Exception | None = None) -> None:
         """Go on after an actor was lost: Ray restarts it, or another takes its place."""
-        job, worker.job = worker.job, None
+        if worker.job is not None:
+            self._stranded.add(worker.job, worker.since, how)
+            worker.job = None
         if isinstance(error, self._ray.exceptions.ActorDiedError):
             self._workers.remove(worker)
             self._unborn += not worker.ready
@@ -205,17 +211,6 @@ class RayCrew:
             self._employ()
         else:
             worker.asked, worker.ready = self._look_around(worker.actor), False
-        if job is not None:
-            yield self._outcome_of_lost(job, how)
-
-    def _outcome_of_lost(self, job: Job, how: str) -> Outcome:
-        """Note the loss, once what is left of the actor has let go of the job."""
-        end = time.monotonic() + self._settings.freed_within_s
-        while True:
-            outcome = lost_job(self._folder.root, job, how)
-            if not isinstance(outcome.error, FolderInUse) or time.monotonic() > end:
-                return outcome
-            time.sleep(0.1)
 
     def _rest(self, worker: _Worker, outcome: Outcome) -> None:
         """Let a node whose disk is full or that cannot write rest, lest it takes one job after the other."""

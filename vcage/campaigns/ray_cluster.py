@@ -41,6 +41,7 @@ class RaySettings:
         look_every_s: at most so long between two looks at the cluster.
         restarts: of an actor by Ray, before another takes its place.
         freed_within_s: after which a lost actor should have let go of its job.
+        look_for_freed_s: between two looks whether it has.
         rest_s: of an actor on whose node a disk is full, or the folder cannot be written; doubled each time,
         longest_rest_s: up to this.
         unborn: actors in a row that ended before they could begin, after which the driver ends.
@@ -52,6 +53,7 @@ class RaySettings:
     look_every_s: float = 5.0
     restarts: int = 3
     freed_within_s: float = 5.0
+    look_for_freed_s: float = 0.2
     rest_s: float = 10.0
     longest_rest_s: float = 300.0
     unborn: int = 5
@@ -95,19 +97,12 @@ def connected(address: str, cpus: int) -> Iterator[Any]:
     started = {"num_cpus": cpus, "include_dashboard": False, "object_store_memory": OBJECT_STORE_BYTES}
     try:
         try:
-            ray.init(
-                address=found or "local",
-                log_to_driver=False,
-                configure_logging=False,
-                # An actor without a GPU of its own shall see those that there are: they draw.
-                runtime_env={"env_vars": {"RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO": "0"}},
-                **({} if found else started),
-            )
+            _join(ray, found, {} if found else started)
         except (ConnectionError, RuntimeError, ValueError) as error:
             raise ClusterLost(
                 f"cannot join the Ray cluster at {found or 'this machine'}: {' '.join(str(error).split())[:400]}",
-                hint=f"make this machine a node of it, with the same versions of Python and Ray: "
-                f"ray start --address={found}",
+                hint=f"make this machine a node of it, with the same versions of Python and Ray, and the same token if "
+                f"it has one (RAY_AUTH_MODE=token, ~/.ray/auth_token): ray start --address={found}",
             ) from error
         finally:
             for number, handler in handlers.items():
@@ -144,6 +139,33 @@ def _ray() -> Any:
         raise MissingDependency(f"Ray cannot be imported: {error}", command=pip_command("vcage[ray]")) from error
     ray._private.worker._worker_logs_enabled = False  # it would print to stdout what the driver says in its own words
     return ray
+
+
+def _join(ray: Any, address: str | None, started: dict[str, Any]) -> None:
+    """Join a cluster, or start one.
+
+    ``ray start --head`` uses a token as soon as its user has one, which ``ray.init`` makes with each cluster that it
+    starts. Given an address, ``ray.init`` uses it only where ``RAY_AUTH_MODE`` says so.
+    """
+
+    def init() -> None:
+        ray.init(
+            address=address or "local",
+            log_to_driver=False,
+            configure_logging=False,
+            # An actor without a GPU of its own shall see those that there are: they draw.
+            runtime_env={"env_vars": {"RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO": "0"}},
+            **started,
+        )
+
+    try:
+        init()
+    except ConnectionError:
+        tokens = importlib.import_module("ray._private.authentication.authentication_token_setup")
+        unsaid = address is not None and tokens.AUTH_MODE_ENV_VAR not in os.environ
+        if not unsaid or not tokens.maybe_enable_token_auth_if_token_available(warn_if_disabled=False):
+            raise
+        init()
 
 
 def _answering(address: str) -> str:

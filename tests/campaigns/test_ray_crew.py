@@ -1,0 +1,144 @@
+"""The crew of actors beside a stand-in of Ray: actors that rest, and actors that cannot begin."""
+
+from __future__ import annotations
+
+import itertools
+import time
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from tests.campaigns.stubbed import begun
+from vcage.base.errors import ConfigurationError, DiskFull, OutputFolderError, VcageError
+from vcage.base.version import __version__
+from vcage.campaigns import on_ray
+from vcage.campaigns.folder import CampaignFolder
+from vcage.campaigns.job import Outcome
+from vcage.campaigns.on_ray import RayCrew
+from vcage.campaigns.plan import Job
+from vcage.campaigns.ray_cluster import RaySettings
+
+QUICK = RaySettings(look_every_s=0.05, rest_s=0.2, longest_rest_s=0.3, unborn=3)
+
+
+class RayError(Exception):
+    """As in ``ray.exceptions``."""
+
+
+class TaskError(RayError):
+    pass
+
+
+class DiedError(RayError):
+    pass
+
+
+class StandIn:
+    """What a crew uses of Ray; every call of an actor is answered at once by a function.
+
+    Args:
+        look_around: answers the question of that name.
+        run: answers for a job.
+    """
+
+    def __init__(self, root: Path, look_around: Callable[[], Any], run: Callable[[Job], Any]):
+        self.root, self._look_around, self._run = root, look_around, run
+        self.exceptions = SimpleNamespace(RayError=RayError, RayTaskError=TaskError, ActorDiedError=DiedError)
+        self.started, self._numbers = 0, itertools.count()
+        self._calls: dict[int, Callable[[], Any]] = {}
+
+    def get_runtime_context(self) -> Any:
+        return SimpleNamespace(gcs_address="head:1")
+
+    def nodes(self) -> list[dict[str, Any]]:
+        return [{"Alive": True, "NodeID": "node", "Resources": {"CPU": 1.0}}]
+
+    def remote(self, _kind: type) -> Any:
+        return SimpleNamespace(options=lambda **_: SimpleNamespace(remote=self._actor))
+
+    def wait(self, asked: list[int], **_: Any) -> tuple[list[int], list[int]]:
+        return asked, []
+
+    def get(self, asked: int) -> Any:
+        return self._calls.pop(asked)()
+
+    def kill(self, _actor: Any, **_: Any) -> None:
+        pass
+
+    def _actor(self, *_: Any) -> Any:
+        self.started += 1
+        look = SimpleNamespace(remote=lambda: self._asked(self._look_around))
+        return SimpleNamespace(
+            look_around=SimpleNamespace(options=lambda **_: look),
+            run=SimpleNamespace(remote=lambda _work, job: self._asked(lambda: self._run(job))),
+        )
+
+    def _asked(self, answer: Callable[[], Any]) -> int:
+        number = next(self._numbers)
+        self._calls[number] = answer
+        return number
+
+
+@pytest.fixture(autouse=True)
+def head(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(on_ray, "require_head", lambda address: None)
+
+
+def fit(folder: CampaignFolder) -> Callable[[], dict[str, str]]:
+    """The answer of an actor on a node that can run jobs."""
+
+    def look_around() -> dict[str, str]:
+        (folder.root / "mark").touch()
+        return {"node": "node", "host": "here", "version": __version__, "mark": "mark", "fault": ""}
+
+    return look_around
+
+
+@pytest.mark.parametrize("kind", [DiskFull, OutputFolderError])
+def test_an_actor_rests_longer_each_time_where_its_disk_takes_nothing_and_not_where_it_does(
+    tmp_path: Path, kind: type[VcageError]
+):
+    folder, moments = begun(tmp_path, episodes=6), list[float]()
+
+    def run(job: Job) -> Outcome:
+        moments.append(time.monotonic())
+        return Outcome(job, error=kind("nothing can be written") if job.number < 3 else None)
+
+    with RayCrew(StandIn(folder.root, fit(folder), run), folder, settings=QUICK) as crew:
+        for job in folder.plan.jobs():
+            crew.submit(job)
+        assert len(list(crew.results())) == 6
+    gaps = [later - earlier for earlier, later in itertools.pairwise(moments)]
+    assert gaps[0] >= 0.2 and gaps[1] >= 0.3 and gaps[2] >= 0.3
+    assert max(gaps[3:]) < 0.15
+
+
+def test_the_driver_ends_where_no_actor_can_begin(tmp_path: Path):
+    folder = begun(tmp_path)
+
+    def die() -> None:
+        raise DiedError("the node has no memory left")
+
+    ray = StandIn(folder.root, die, lambda job: Outcome(job))
+    with RayCrew(ray, folder, settings=QUICK) as crew:
+        crew.submit(folder.plan.jobs()[0])
+        with pytest.raises(ConfigurationError, match="no worker of the Ray cluster can begin: the node has no memory"):
+            list(crew.results())
+    assert ray.started == QUICK.unborn
+
+
+def test_actors_that_die_now_and_then_do_not_end_the_driver(tmp_path: Path):
+    folder, tries = begun(tmp_path, episodes=8), itertools.count()
+
+    def run(job: Job) -> Outcome:
+        if next(tries) % 2:
+            raise DiedError("it was killed")
+        return Outcome(job)
+
+    with RayCrew(StandIn(folder.root, fit(folder), run), folder, settings=QUICK) as crew:
+        for job in folder.plan.jobs():
+            crew.submit(job)
+        assert len(list(crew.results())) == 8
