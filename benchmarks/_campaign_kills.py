@@ -77,6 +77,7 @@ class KilledCampaign:
                     stdout=subprocess.DEVNULL,
                     stderr=subprocess.PIPE,
                     text=True,
+                    cwd=Path(__file__).parents[1],
                     env=os.environ | (self.nodes.environment if self.nodes else {}),
                 )
 

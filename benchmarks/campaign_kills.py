@@ -117,17 +117,17 @@ def run(
     if quick:
         jobs, kills = 4, 3
     left_out = [name for name in drivers if name == "ray" and importlib.util.find_spec("ray") is None]
-    rng, begun, done = np.random.default_rng(seed), time.monotonic(), list[Series]()
+    rng, start, done = np.random.default_rng(seed), time.monotonic(), list[Series]()
     adopt_orphans()
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # so that what was begun is ended
     program = STUBBED if stubbed else PROGRAM
     with tempfile.TemporaryDirectory(prefix="kills-") as folder:
         plan = write_plan(Path(folder), jobs)
-        undisturbed = Undisturbed.made(plan, _begun(Path(folder) / "undisturbed"), program)
+        undisturbed = Undisturbed.made(plan, begun(Path(folder) / "undisturbed"), program)
         logger.info("undisturbed: %d jobs in %.0f s", jobs, undisturbed.seconds)
         for driver in drivers:
             if driver not in left_out:
-                series = Series(driver, plan, _begun(Path(folder) / driver), undisturbed, program)
+                series = Series(driver, plan, begun(Path(folder) / driver), undisturbed, program)
                 series.make(kills, gap or undisturbed.seconds / kills, rng)
                 done.append(series)
                 for row in series.rows():
@@ -141,7 +141,7 @@ def run(
         "jobs": jobs,
         "stubbed": stubbed,
         "seconds_undisturbed": round(undisturbed.seconds, 1),
-        "seconds": round(time.monotonic() - begun, 1),
+        "seconds": round(time.monotonic() - start, 1),
         "campaigns": {series.driver: series.campaigns for series in done},
         "files": sorted({name for series in done for name in series.files}),
         "errors": [error for series in done for error in series.errors],
@@ -149,9 +149,9 @@ def run(
     }
 
 
-def _begun(folder: Path) -> Path:
+def begun(folder: Path) -> Path:
     """A new folder, in which stubbed jobs are slow."""
-    folder.mkdir()
+    folder.mkdir(parents=True)
     (folder / "behaviour.json").write_text('{"all": "slow"}', encoding="utf-8")
     return folder
 

@@ -7,6 +7,7 @@ import os
 import signal
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 from unittest import mock
@@ -137,6 +138,21 @@ def _slow(run: RunFolder, options: Any, progress: Any) -> None:
     record_episodes(run, options.episodes, 0)
 
 
+def _jump(run: RunFolder, options: Any, progress: Any, by_s: float) -> None:
+    """Take steps on a machine whose clock jumps meanwhile, and with it the times of its files."""
+    clock, touch = time.time, os.utime
+    for step in range(8):
+        time.sleep(0.25)
+        off = by_s if step >= 4 else 0.0
+        with (
+            mock.patch.object(time, "time", lambda off=off: clock() + off),
+            mock.patch.object(os, "utime", lambda path, off=off: touch(path, (clock() + off, clock() + off))),
+        ):
+            progress("step", step, 8)
+            if step == 7:
+                record_episodes(run, options.episodes, 0)
+
+
 def _get_further(run: RunFolder, options: Any, _progress: Any) -> None:
     """Leave a file, and end the process until there are three."""
     folder = run.root / "place"
@@ -160,4 +176,6 @@ WAYS: dict[str, Callable[..., None]] = {
     "hang": _hang,
     "slow": _slow,
     "get_further": _get_further,
+    "jump_ahead": partial(_jump, by_s=86400.0),
+    "jump_back": partial(_jump, by_s=-86400.0),
 }

@@ -1,35 +1,27 @@
-"""A real campaign of three jobs through the command, undisturbed and killed at a random moment: the same files.
+"""A real campaign of three jobs through the command, undisturbed and killed at random moments: the same files.
 
 ``python -m benchmarks campaign_kills`` and ``make test-ray`` kill more often.
 """
 
 from __future__ import annotations
 
-import json
-import os
-import random
-import signal
-import subprocess
 import sys
-import time
 from pathlib import Path
-from typing import Any
 
-import psutil
+import numpy as np
 import pytest
 import yaml
 
-from tests.run_folders import REPOSITORY, clean_environment, command, digests, process
-from vcage.base.leftovers import PARTIAL
+from benchmarks._campaign_kills import STUBBED, Settled
+from benchmarks._campaign_outputs import outputs
+from benchmarks.campaign_kills import Series, Undisturbed, begun, write_plan
+from tests.run_folders import REPOSITORY, command, process
 from vcage.schema.compression import Compression
 
 PROGRAM: list[str | Path] = [sys.executable, "-m", "vcage.cli.main"]
 
 TASKS = [{"id": "apple", "instruction": "Put the apple into the bowl"}]
 QUICK = {"models": "offline", "fps": 5, "effort": "fast", "keyframes": 2}
-
-TIMES = ("seconds", "cpu_seconds", "memory_bytes", "tries", "ended")
-"""Fields of a job's record that tell how long it took, and how often it was interrupted."""
 
 
 def campaign(plan: Path, out: Path) -> list[str | Path]:
@@ -54,20 +46,6 @@ def undisturbed(plan: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return out
 
 
-def files_of(out: Path) -> dict[str, Any]:
-    """The output of a campaign, without times: path → hash of each file of its runs, and the records of its jobs."""
-    made: dict[str, Any] = {
-        name: digest
-        for name, digest in digests(out / "jobs").items()
-        if not name.endswith((".beat", ".job.json")) and PARTIAL not in name
-    }
-    for path in out.glob("jobs/*/*.job.json"):
-        record = {key: value for key, value in json.loads(path.read_text()).items() if key not in TIMES}
-        record["bytes"] = None  # of by-products with times, too
-        made[path.name + path.parent.name] = record
-    return made
-
-
 @pytest.mark.slow
 def test_a_campaign_that_has_ended_does_nothing_when_it_is_started_again(plan: Path, undisturbed: Path, capsys):
     before = {path: path.stat().st_mtime_ns for path in undisturbed.glob("jobs/**/*")}
@@ -88,33 +66,25 @@ def test_jobs_begin_at_the_crfs_of_the_first_one_and_their_records_say_so(undist
 
 
 @pytest.mark.slow
-def test_a_campaign_that_is_killed_at_a_random_moment_ends_with_the_same_files(
+def test_a_real_campaign_that_is_killed_at_random_moments_ends_with_the_same_files(
     plan: Path, undisturbed: Path, tmp_path: Path
 ):
-    out, moments = tmp_path / "campaign", random.Random(7)
-    running = subprocess.Popen(
-        list(map(str, campaign(plan, out))),
-        cwd=REPOSITORY,
-        env=clean_environment(),
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-    )
-    with pytest.raises(subprocess.TimeoutExpired):
-        running.wait(moments.uniform(3.0, 8.0))
-    _kill(running, moments)
-    done = process(campaign(plan, out), REPOSITORY)
-    assert done.code == 0, done.record
-    assert files_of(out) == files_of(undisturbed)
-    assert not [path for path in out.rglob(f"*{PARTIAL}*") if path.is_file()]
+    states = Settled(undisturbed).states()
+    series = Series("processes", plan, begun(tmp_path / "series"), Undisturbed(outputs(undisturbed), states, 0.0))
+    series.make(2, 4.0, np.random.default_rng(7))
+    require_unharmed(series, kills=2)
 
 
-def _kill(running: subprocess.Popen[bytes], moments: random.Random) -> None:
-    """Kill a worker, if there is one, and then the whole driver, by SIGKILL."""
-    children = psutil.Process(running.pid).children(recursive=True)
-    workers = [child for child in children if not child.children()]
-    if workers:
-        os.kill(moments.choice(workers).pid, signal.SIGKILL)
-        time.sleep(0.5)
-    running.kill()
-    running.wait()
-    psutil.wait_procs(workers, timeout=20)
+@pytest.mark.slow
+def test_shards_that_are_killed_at_random_moments_lose_nothing_and_make_nothing_twice(tmp_path: Path):
+    plan = write_plan(tmp_path, jobs=4)
+    undisturbed = Undisturbed.made(plan, begun(tmp_path / "undisturbed"), STUBBED)
+    series = Series("shards", plan, begun(tmp_path / "series"), undisturbed, STUBBED)
+    series.make(3, 2.0, np.random.default_rng(3))
+    require_unharmed(series, kills=3)
+
+
+def require_unharmed(series: Series, kills: int) -> None:
+    found = next(row for row in series.rows() if row["victim"] == "all")
+    assert (found["kills"], found["lost"], found["twice"], found["differing"], found["left"]) == (kills, 0, 0, 0, 0)
+    assert series.errors == []

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks._campaign_outputs import outputs
 from tests.campaigns.stubbed import began, begun, behave, plan, run_stubbed
 from tests.run_folders import REPOSITORY
 from vcage.base.errors import ConfigurationError, DiskFull, FolderInUse, InputFileError, MissingKey, PartlyDone
@@ -273,6 +274,19 @@ def test_a_job_that_hangs_is_ended_and_given_up_by_name(tmp_path: Path):
     assert (found[0].state, found[1].state, found[2].state) == ("given_up", "done", "done")
     assert "its process gave no answer and was ended after" in said(found[0])
     assert Counter(began(tmp_path))[folder.plan.jobs()[0].id] == 2
+
+
+@pytest.mark.slow
+def test_clocks_that_jump_by_a_day_while_jobs_run_change_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr("vcage.campaigns.hanging.silence_limit", lambda plan: 60.0)
+    folders = []
+    for name, ways in (("jumps", {"n0": "jump_ahead", "n1": "jump_back"}), ("undisturbed", {})):
+        (tmp_path / name).mkdir()
+        folders.append(begun(tmp_path / name, episodes=3))
+        behave(tmp_path / name, **ways)
+        assert left_over(run_here(folders[-1], 2, work=run_stubbed)) is None
+    assert [record.tries for record in folders[0].records()] == [1, 1, 1]
+    assert outputs(folders[0].root) == outputs(folders[1].root)
 
 
 def said(record: JobRecord) -> str:

@@ -168,6 +168,14 @@ def test_a_job_whose_process_was_lost_too_often_is_given_up_with_the_reason(tmp_
     assert found.error.message.endswith("the last: its process was ended from outside")
 
 
+def test_a_job_that_ended_before_its_process_was_lost_stays_as_it_ended(tmp_path: Path):
+    folder = begun(tmp_path)
+    ended = record(run(folder))
+    job = folder.plan.jobs()[0]
+    assert record(lost_job(folder.root, job, "was lost")) == ended
+    assert not folder.tries_file(job).exists()
+
+
 def test_tries_that_were_begun_by_processes_that_are_gone_count(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     folder = begun(tmp_path, limits={"tries": 3})
 
