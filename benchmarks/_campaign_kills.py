@@ -99,7 +99,7 @@ class KilledCampaign:
 
     def at_work(self) -> dict[str, int]:
         """Jobs at work → the processes that run them."""
-        return dict(_at_work(self.out))
+        return at_work(self.out)
 
     def kill(self, victim: str, rng: np.random.Generator) -> list[str] | None:
         """Kill a victim by SIGKILL, and start another where it does not end the command.
@@ -154,7 +154,12 @@ class KilledCampaign:
         return sorted(job for job, number in jobs.items() if self.nodes is not None or number in below)
 
 
-def _at_work(out: Path) -> Iterator[tuple[str, int]]:
+def at_work(out: Path) -> dict[str, int]:
+    """Jobs of a campaign at work → the processes below this one that hold them."""
+    return dict(_holders(out))
+
+
+def _holders(out: Path) -> Iterator[tuple[str, int]]:
     ours = {one.pid for one in psutil.Process().children(recursive=True)}
     for path in CampaignFolder(out).begun():
         with contextlib.suppress(OSError):

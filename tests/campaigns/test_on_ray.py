@@ -6,7 +6,6 @@ import contextlib
 import ctypes
 import importlib.util
 import os
-import signal
 import subprocess
 import sys
 import tempfile
@@ -20,6 +19,7 @@ from typing import Any
 import psutil
 import pytest
 
+from benchmarks._campaign_kills import at_work
 from benchmarks._campaign_outputs import outputs
 from benchmarks._ray_nodes import RayNodes
 from tests.campaigns import test_campaign
@@ -232,8 +232,8 @@ def test_a_stopped_actor_is_ended_and_its_job_is_done_once(
     stopped: list[psutil.Process] = []
 
     def stop() -> None:
-        stopped.append(actors()[0])
-        stopped[0].send_signal(signal.SIGSTOP)
+        stopped.append(psutil.Process(min(at_work(folder.root).values())))
+        stopped[0].suspend()
 
     thread = meanwhile(stop, folder, 1)
     assert left_over(driven(folder, cluster)) is None
