@@ -9,7 +9,8 @@ import pytest
 import yaml
 
 from tests.campaigns.stubbed import TASKS, plan
-from vcage.base.errors import SchemaMismatch, UnknownName, UsageError, VcageError
+from vcage.base.errors import InputFileError, SchemaMismatch
+from vcage.campaigns.impossible import require_readable
 from vcage.campaigns.options import ELSEWHERE, REFUSED, options_of_plan
 from vcage.campaigns.plan import Plan
 from vcage.stages.chain import ChainOptions
@@ -76,35 +77,99 @@ def test_a_long_instruction_gives_a_short_folder_name(tmp_path: Path):
 
 
 @pytest.mark.parametrize(
-    ("keys", "kind", "said"),
+    ("keys", "said"),
     [
-        ({"episode": 3}, SchemaMismatch, "field episode: Extra inputs"),
-        ({"episodes": 0}, SchemaMismatch, "field episodes: .*greater than 0"),
-        ({"layouts": ["random"]}, SchemaMismatch, "field layouts.0: .*'varied' or 'fixed'"),
-        ({"gates": {"acceptance": 1.5, "after": 4}}, SchemaMismatch, "field gates.acceptance"),
-        ({"limits": {"per_minute": {"gemin": 3}}}, SchemaMismatch, "per_minute names gemin; expected some of"),
-        ({"seeds": -1}, SchemaMismatch, "field seeds"),
-        ({"robots": ["three_arms"]}, UnknownName, "unknown robot 'three_arms'"),
-        ({"looks": ["dark"]}, UnknownName, "unknown randomisation 'dark'"),
-        ({"tasks": [{"scene": "moon", "all_subtasks": True}]}, UnknownName, "unknown scene 'moon'"),
-        ({"tasks": [{"scene": "office_desk"}]}, UsageError, "there is no instruction"),
-        ({"tasks": [{"goals": ["marker inside"]}]}, UsageError, "marker inside"),
-        ({"tasks": TASKS + TASKS}, UsageError, "two cells are called blocks_dual-panda_varied_light_0"),
-        ({"options": {"fsp": 10}}, UnknownName, "unknown field of options 'fsp'"),
-        ({"options": {"fps": 7}}, UsageError, "field options.fps: .*7"),
-        ({"options": {"crf": "small"}}, UsageError, "field options.crf: .*small"),
-        ({"options": {"episodes": 7}}, UsageError, "field options.episodes: not here"),
-        ({"options": {"crf_of": "runs/blocks"}}, UnknownName, "unknown field of options 'crf_of'"),
-        ({"options": {"models": "agent"}}, UsageError, "agent cannot answer in a campaign"),
-        ({"layouts": ["fixed"], "looks": ["full"]}, UsageError, "layouts that are drawn"),
+        ({"episode": 3}, "field episode: unknown; did you mean episodes"),
+        ({"episodes": 0}, "field episodes: got 0; expected more than 0"),
+        ({"episodes": True}, "field episodes: got True; expected a whole number"),
+        ({"episodes": 10**8}, "field episodes: 100,000,000 jobs in all; expected at most"),
+        ({"layouts": ["random"]}, "field layouts.0: got 'random'; expected 'varied' or 'fixed'"),
+        ({"looks": [False]}, "field looks.0: got False; expected text, in quotes"),
+        ({"robots": "dual_panda"}, "field robots: got 'dual_panda'; expected a list"),
+        ({"gates": {"acceptance": 1.5, "after": 4}}, "field gates.acceptance: got 1.5; expected at most 1"),
+        ({"gates": {"acceptence": 0.5, "after": 4}}, "gates.acceptence: unknown; did you mean acceptance"),
+        ({"limits": {"per_minute": {"gemin": 3}}}, "field limits.per_minute: got .*gemin.*; expected some of gemini"),
+        ({"seeds": -1}, "field seeds: got -1; expected more than 0, or a list"),
+        ({"seeds": [1, -2]}, "field seeds.1: got -2; expected 0 or more"),
+        ({"seeds": [1, 2, 1]}, "field seeds.2: 1 is the name of seeds.0, too"),
+        ({"robots": ["three_arms"]}, "field robots.0: unknown robot 'three_arms'"),
+        ({"looks": ["dark"]}, "field looks.0: unknown randomisation 'dark'"),
+        ({"looks": ["mine.yml"]}, "field looks.0: .*mine.yml does not exist"),
+        ({"tasks": ["Put two blocks on the plate"]}, "field tasks.0: got .*; expected keys with values"),
+        ({"tasks": [{"scene": "moon", "all_subtasks": True}]}, "field tasks.0.scene: unknown scene 'moon'"),
+        ({"tasks": [{"scene": "office_desk"}]}, "field tasks.0: nothing to do; expected one of instruction, goals"),
+        ({"tasks": [TASKS[0] | {"all_subtasks": True}]}, "field tasks.0: all_subtasks runs every sub-task"),
+        ({"tasks": [{"instruction": " "}]}, "field tasks.0: the instruction is empty"),
+        ({"tasks": [{"goals": ["marker inside"]}]}, "field tasks.0: .*marker inside"),
+        ({"tasks": [TASKS[0] | {"objects": "block"}]}, "field tasks.0: objects needs goals"),
+        ({"tasks": TASKS + TASKS}, "field tasks.1: 'blocks' is the name of tasks.0, too"),
+        ({"options": {"fsp": 10}}, "field options.fsp: unknown option 'fsp'"),
+        ({"options": {"fps": 7}}, "field options.fps: .*7"),
+        ({"options": {"crf": "small"}}, "field options.crf: .*small"),
+        ({"options": {"episodes": 7}}, "field options.episodes: episodes is not said here"),
+        ({"options": {"crf_of": "runs/blocks"}}, "field options.crf_of: unknown option 'crf_of'"),
+        ({"options": {"models": "agent"}}, "field options.models: agent cannot answer in a campaign"),
+        ({"layouts": ["fixed"], "looks": ["full"]}, "field looks.0: .*layouts that are drawn, not layouts fixed"),
     ],
 )
-def test_an_impossible_plan_is_refused_with_file_and_field(
-    tmp_path: Path, keys: dict[str, Any], kind: type[VcageError], said: str
-):
-    with pytest.raises(kind, match=said) as refused:
+def test_an_impossible_plan_is_refused_with_file_and_field(tmp_path: Path, keys: dict[str, Any], said: str):
+    with pytest.raises(SchemaMismatch, match=said) as refused:
         plan(tmp_path, **keys)
     assert "PLAN.yml" in refused.value.message
+
+
+def test_all_wrong_fields_are_named_at_once_and_the_file_once(tmp_path: Path):
+    (tmp_path / "PLAN.yml").write_text("name: x\ntaks: []\nepisodes: many\nlimits: {attemps: 3}\n")
+    with pytest.raises(SchemaMismatch, match="4 fields are wrong") as refused:
+        Plan.load(tmp_path / "PLAN.yml")
+    assert sorted(refused.value.details["fields"]) == ["episodes", "limits.attemps", "taks", "tasks"]
+    assert "field taks: unknown; did you mean tasks?" in refused.value.message
+    assert refused.value.message.count("PLAN.yml") == 1
+
+
+def test_all_impossible_values_are_named_at_once(tmp_path: Path):
+    with pytest.raises(SchemaMismatch) as refused:
+        plan(tmp_path, robots=["panda"], looks=["dark"], options={"fsp": 10, "seed": 3}, tasks=[{"scene": "moon"}])
+    named = ["robots.0", "options.fsp", "options.seed", "looks.0", "tasks.0.scene", "tasks.0"]
+    assert refused.value.details["fields"] == named
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "got nothing; expected name, tasks, episodes"),
+        ("- a\n", "got a list; expected name, tasks, episodes"),
+        ("name: x\ntasks:\n\t- a\n", "line 3: found character '.t'"),
+        ("name: x\nname: y\n", "line 2: the key 'name' stands twice"),
+    ],
+)
+def test_a_file_that_is_no_plan_is_refused_with_its_path(tmp_path: Path, text: str, said: str):
+    (tmp_path / "PLAN.yml").write_text(text)
+    with pytest.raises(InputFileError, match=said) as refused:
+        Plan.load(tmp_path / "PLAN.yml")
+    assert str(tmp_path / "PLAN.yml") in refused.value.message
+
+
+@pytest.mark.parametrize(
+    ("task", "said"),
+    [
+        ({"goals": ["marker inside packagng_box"]}, r"tasks.0.goals: unknown object .*'packagng_box'"),
+        ({"goals": ["plate inside block"]}, r"tasks.0.goals: .*nothing can achieve"),
+        ({"goals": ["mug on plate with the middle arm"]}, r"tasks.0.goals: unknown arm"),
+        ({"instruction": "Write me a poem"}, r"tasks.0.instruction: 'Write' .* is not understood"),
+    ],
+)
+def test_a_task_that_no_job_could_begin_is_refused(tmp_path: Path, task: dict[str, Any], said: str):
+    found = plan(tmp_path, tasks=[task], options={"models": "offline"})
+    with pytest.raises(SchemaMismatch, match=said):
+        require_readable(tmp_path / "PLAN.yml", found)
+
+
+def test_tasks_that_were_checked_before_and_instructions_for_a_model_are_not_read(tmp_path: Path):
+    tasks = [{"instruction": "Write me a poem"}]
+    found = plan(tmp_path, tasks=tasks, options={"models": "offline"})
+    require_readable(tmp_path / "PLAN.yml", found, earlier=found)
+    require_readable(tmp_path / "PLAN.yml", plan(tmp_path, tasks=tasks, options={"models": "gemini"}))
 
 
 def test_a_plan_survives_being_written_and_read_again(tmp_path: Path):

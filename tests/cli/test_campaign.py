@@ -53,15 +53,22 @@ def test_two_drivers_at_once_are_refused(path: Path, tmp_path: Path, capsys, opt
     assert not (tmp_path / "out").exists()
 
 
-def test_a_folder_with_something_else_in_it_is_refused(path: Path, tmp_path: Path, capsys):
-    done = command(capsys, "campaign", path, "--out", tmp_path)
+@pytest.mark.parametrize("dry", [[], ["--dry-run"]])
+@pytest.mark.parametrize("out", ["", "PLAN.yml"])
+def test_a_folder_with_something_else_in_it_or_a_file_is_refused(
+    path: Path, tmp_path: Path, capsys, dry: list[str], out: str
+):
+    done = command(capsys, "campaign", path, "--out", tmp_path / out, *dry)
     assert (done.code, done.error["code"]) == (2, "output_not_writable")
 
 
-def test_another_plan_in_the_same_folder_is_refused_with_the_way_out(path: Path, tmp_path: Path, capsys):
+@pytest.mark.parametrize("dry", [[], ["--dry-run"]])
+def test_another_plan_in_the_same_folder_is_refused_with_the_way_out(
+    path: Path, tmp_path: Path, capsys, dry: list[str]
+):
     begun(tmp_path, seed=3)
     plan(tmp_path)
-    done = command(capsys, "campaign", path, "--out", tmp_path / "campaign")
+    done = command(capsys, "campaign", path, "--out", tmp_path / "campaign", *dry)
     assert (done.code, done.error["code"]) == (3, "bad_input_file")
     assert "another value of seed" in done.error["message"] and "may be added" in done.error["hint"]
 

@@ -65,25 +65,42 @@ class CampaignFolder:
             OutputFolderError: the folder cannot be written, or holds something else.
             InputFileError: another campaign lies here.
         """
-        self._require_ours()
+        self.require_fit(plan)
         RunFolder(self.root).make()
         with one_at_a_time(self.plan_file):
-            if self.plan_file.exists() and (reason := plan.difference_to(self.plan)):
-                raise InputFileError(
-                    f"{self.root} holds a campaign of another plan: the new one has {reason}",
-                    hint="give another --out; tasks, values of axes, seeds and episodes may be added to a plan, "
-                    "and limits, gates and the name may change, all else must stay",
-                )
+            self.require_fit(plan)
             said = plan.model_dump(mode="json", by_alias=True, exclude_defaults=True)
             text = yaml.safe_dump({"schema": Plan.SCHEMA} | said, sort_keys=False, allow_unicode=True, width=120)
             if not self.plan_file.exists() or self.plan_file.read_text(encoding="utf-8") != text:
                 write_text(self.plan_file, text)
         return self.plan
 
-    def _require_ours(self) -> None:
-        """Refuse a folder that holds something, and no campaign."""
-        if not self.root.is_dir() or self.plan_file.exists():
+    @property
+    def earlier(self) -> Plan | None:
+        """The plan of the campaign; None where there is none yet."""
+        return self.plan if self.plan_file.exists() else None
+
+    def require_fit(self, plan: Plan) -> None:
+        """Check that a plan can begin here, or continue the one that is here; nothing is written.
+
+        Raises:
+            OutputFolderError: this is a file, or a folder of something else.
+            InputFileError: another campaign lies here.
+        """
+        if (earlier := self.earlier) is None:
+            self._require_empty()
+        elif reason := plan.difference_to(earlier):
+            raise InputFileError(
+                f"{self.root} holds a campaign of another plan: the new one has {reason}",
+                hint="give another --out; tasks, values of axes, seeds and episodes may be added to a plan, "
+                "and limits, gates and the name may change, all else must stay",
+            )
+
+    def _require_empty(self) -> None:
+        if not self.root.exists():
             return
+        if not self.root.is_dir():
+            raise OutputFolderError(f"{self.root} is no folder", hint="give a new or an empty folder as --out")
         names = sorted(path.name for path in self.root.iterdir())
         if others := [name for name in names if PARTIAL not in name and name != f"{PLAN}.lock"]:
             hint = "give a new or an empty folder as --out"

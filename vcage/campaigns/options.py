@@ -54,18 +54,16 @@ def options_of_plan(given: Mapping[str, Any]) -> ChainOptions:
     for key, value in given.items():
         name = str(key).replace("-", "_")
         if name in ELSEWHERE:
-            raise UsageError(f"field options.{key}: not here", hint=f"say it with {ELSEWHERE[name]}")
+            raise UsageError(f"{key} is not said here", hint=f"say it with {ELSEWHERE[name]}")
         if name not in known:
-            raise UnknownName("field of options", str(key), known.keys() - ELSEWHERE.keys())
+            raise UnknownName("option", str(key), known.keys() - ELSEWHERE.keys())
         own = _words(name, value) if value != known[name] else []
-        _parsed(own, f"options.{key}")
+        _parsed(own)
         words += own
-    options = _parsed(words, "options")
+    options = _parsed(words)
     for role in ("models", "reasoner", "editor", "critic"):
         if (who := getattr(options, role)) in (agent.PROVIDER, "replay"):
-            raise UsageError(
-                f"field options.{role}: {who} cannot answer in a campaign", hint="name a provider, or offline"
-            )
+            raise UsageError(f"{who} cannot answer in a campaign", hint="name a provider, or offline")
     return options
 
 
@@ -86,7 +84,7 @@ def _words(name: str, value: Any) -> list[str]:
     return [flag, *map(str, value if isinstance(value, list) else [value])]
 
 
-def _parsed(words: list[str], field: str) -> ChainOptions:
+def _parsed(words: list[str]) -> ChainOptions:
     complaint = io.StringIO()
     try:
         with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(complaint):
@@ -94,4 +92,4 @@ def _parsed(words: list[str], field: str) -> ChainOptions:
     except SystemExit:
         parts = re.split(r"\n *-{3,} *\n", complaint.getvalue())
         said = " ".join(parts[min(1, len(parts) - 1)].split())
-        raise UsageError(f"field {field}: {said}", hint="see", command=vcage_command("run", "--help")) from None
+        raise UsageError(said, hint="see", command=vcage_command("run", "--help")) from None

@@ -15,10 +15,12 @@ from math import ceil
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationError, field_validator
 
-from vcage.base.errors import UsageError, VcageError
+from vcage.base.errors import SchemaMismatch, mismatch
+from vcage.base.problems import require_none
 from vcage.base.reading import read_yaml
+from vcage.campaigns.wrong_fields import problems_of_fields
 from vcage.models.providers import PROVIDERS
 from vcage.schema.base import Document, Finite, Identifier, Record
 from vcage.sim.robots import load_template
@@ -29,7 +31,10 @@ if TYPE_CHECKING:
 MOST_SEED = 2**62
 """Seeds of jobs lie below; two of 10^6 jobs draw the same with a chance of 10^-7."""
 
-Seed = Annotated[int, Field(ge=0, lt=2**63)]
+Seed = Annotated[int, Field(ge=0, lt=2**63, strict=True)]
+Count = Annotated[int, Field(gt=0, le=10**9, strict=True)]
+
+EXPLAINED = "see docs/campaigns.md for what a plan says"
 
 
 class Task(Record):
@@ -47,33 +52,34 @@ class Task(Record):
     def name(self) -> str:
         """The id, or one made of the task."""
         goals = " ".join(self.goals)
-        return self.id or _slug(self.instruction or goals or f"{self.scene} subtasks")
+        return self.id or slug(self.instruction or goals or f"{self.scene} subtasks")
 
 
 class Limits(Record):
     """Bounds on a campaign."""
 
-    attempts: int | None = Field(default=None, gt=0, description="episodes run per cell; three for each asked one")
+    attempts: Count | None = Field(default=None, description="episodes run per cell; three for each asked one")
     seconds: float | None = Field(default=None, gt=0, allow_inf_nan=False, description="of one try of a job")
     usd: float | None = Field(default=None, ge=0, allow_inf_nan=False, description="for models online, of all jobs")
-    calls: int | None = Field(default=None, ge=0, description="answers of models online, of all jobs")
-    tries: int = Field(default=3, gt=0, description="tries of a job that get no further, before it is given up")
+    calls: int | None = Field(default=None, ge=0, strict=True, description="answers of models online, of all jobs")
+    tries: Count = Field(default=3, description="tries of a job that get no further, before it is given up")
     per_minute: dict[str, Annotated[float, Field(gt=0, allow_inf_nan=False)]] = Field(
         default={}, description="provider → questions a minute, of all jobs"
     )
 
-    @model_validator(mode="after")
-    def _known_providers(self) -> Self:
-        if unknown := sorted(self.per_minute.keys() - PROVIDERS.keys()):
-            raise ValueError(f"per_minute names {', '.join(unknown)}; expected some of {', '.join(PROVIDERS)}")
-        return self
+    @field_validator("per_minute")
+    @classmethod
+    def _known_providers(cls, given: dict[str, float]) -> dict[str, float]:
+        if given.keys() - PROVIDERS.keys():
+            raise ValueError(f"expected some of {', '.join(PROVIDERS)}, each with a number")
+        return given
 
 
 class Gates(Record):
     """When a cell is stopped."""
 
     acceptance: Finite = Field(gt=0, le=1, description="smallest share of accepted episodes")
-    after: int = Field(gt=0, description="episodes of a cell after which its share is looked at, once")
+    after: Count = Field(description="episodes of a cell after which its share is looked at, once")
 
 
 class Cell(Record):
@@ -117,11 +123,11 @@ class Plan(Document):
     robots: tuple[str, ...] = Field(default=(), description="none for that of each task's scene")
     layouts: tuple[Literal["varied", "fixed"], ...] = Field(default=("varied",), min_length=1)
     looks: tuple[str, ...] = Field(default=("light",), min_length=1, description="as `vcage run --randomise`")
-    seeds: Annotated[int, Field(gt=0)] | tuple[Seed, ...] = Field(
+    seeds: Count | Annotated[tuple[Seed, ...], Field(min_length=1)] = Field(
         default=1, description="independent repetitions of each combination: their number, or the list"
     )
-    episodes: int = Field(gt=0, description="verified episodes per cell; per sub-task where all are run")
-    episodes_per_job: int = Field(default=5, gt=0)
+    episodes: Count = Field(description="verified episodes per cell; per sub-task where all are run")
+    episodes_per_job: Count = 5
     limits: Limits = Limits()
     gates: Gates | None = None
     options: dict[str, Any] = Field(default={}, description="further options of `vcage run`, of all jobs")
@@ -135,13 +141,21 @@ class Plan(Document):
             check: that each of its cells is possible, too.
 
         Raises:
-            InputFileError: the file cannot be read, or a field of it is wrong: names file and field.
-            UsageError: a cell is not possible: names file and cell.
+            InputFileError: the file cannot be read, or fields of it are wrong: names the file and all of these.
         """
         data = read_yaml(path)
-        if isinstance(data, dict):
-            data = {"schema": cls.SCHEMA, **data}
-        plan = cls.parse(data, path)
+        if not isinstance(data, dict):
+            got = "nothing" if data is None else f"a {type(data).__name__}"
+            raise mismatch(
+                path, "(whole file)", f"got {got}; expected name, tasks, episodes and further keys", EXPLAINED
+            )
+        data = {"schema": cls.SCHEMA, **data}
+        try:
+            plan = cls.parse(data, path)
+        except SchemaMismatch as error:
+            if isinstance(error.__cause__, ValidationError):
+                require_none(problems_of_fields(path, data, error.__cause__, cls))
+            raise
         near = tuple(_beside(look, path) for look in plan.looks)
         plan = plan.model_copy(update={"looks": near})
         if check:
@@ -161,11 +175,14 @@ class Plan(Document):
         seeds = tuple(range(self.seeds)) if isinstance(self.seeds, int) else self.seeds
         found = []
         for task in self.tasks:
-            robots = self.robots or (load_template(task.scene).robot,)
-            for robot, layout, look, seed in product(robots, self.layouts, self.looks, seeds):
-                name = f"{task.name}_{_slug(robot)}_{layout}_{_slug(Path(look).stem)}_{seed}"
+            for robot, layout, look, seed in product(self.robots_of(task), self.layouts, self.looks, seeds):
+                name = f"{task.name}_{slug(robot)}_{layout}_{slug(Path(look).stem)}_{seed}"
                 found.append(Cell(id=name, task=task, robot=robot, layout=layout, look=look, seed=seed))
         return tuple(found)
+
+    def robots_of(self, task: Task) -> tuple[str, ...]:
+        """The robots that do a task."""
+        return self.robots or (load_template(task.scene).robot,)
 
     def job(self, cell: Cell, number: int, episodes: int | None = None) -> Job:
         """The job of a cell with that number."""
@@ -255,26 +272,14 @@ class Plan(Document):
         """Check every cell without running it.
 
         Raises:
-            UsageError: two cells have one id, or the options of one are impossible.
+            SchemaMismatch: some are not possible; names all fields for which they are not.
         """
-        try:
-            self.chain_options  # noqa: B018  parsed here
-            ids = [cell.id for cell in self.cells]
-            if twice := sorted({name for name in ids if ids.count(name) > 1} if len(set(ids)) < len(ids) else ()):
-                raise UsageError(f"two cells are called {twice[0]}", hint="give their tasks different ids")
-            for scene, robot in sorted({(cell.task.scene, cell.robot) for cell in self.cells}):
-                load_template(scene, robot)
-            for cell in {(c.task.name, c.layout, c.look): c for c in self.cells}.values():
-                options = self.options_of(self.job(cell, 0))
-                options.require_possible()
-                options.stated()
-        except VcageError as error:
-            if str(path) not in error.message:
-                error.message = f"{path}: {error.message}"
-            raise
+        from vcage.campaigns.impossible import problems_of_values  # all stages, as above
+
+        require_none(list(problems_of_values(path, self)))
 
 
-def _slug(text: str, most: int = 40) -> str:
+def slug(text: str, most: int = 40) -> str:
     """Text as a part of a folder's name; a long one, or one with other characters than its words, keeps a hash."""
     plain = re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")
     if len(plain) <= most and plain:

@@ -92,10 +92,13 @@ class Campaign(Command):
     def execute(self) -> Result:
         """Run the jobs, or write what a scheduler takes."""
         from vcage.campaigns.folder import CampaignFolder
+        from vcage.campaigns.impossible import require_readable
         from vcage.campaigns.plan import Plan
 
         self._require_one_driver()
         plan, folder = Plan.load(self.plan), CampaignFolder(self.out)
+        folder.require_fit(plan)
+        require_readable(self.plan, plan, folder.earlier)
         if self.dry_run:
             return Result(output=folder.root, summary=_asked(plan), next=not_dry())
         plan = folder.begin(plan)

@@ -76,12 +76,13 @@ class Options(ModelOptions):
         return StatedTask.of(self.goals, self.starts, self.objects)
 
 
-def job(run: RunFolder, options: Options, context: StageContext) -> Job:
-    """Return the work of the stage.
+def asked_by(options: Options) -> dict[str, Any]:
+    """Return what options ask for, as the provenance of the scene keeps it.
 
     Raises:
         UsageError: the instruction is empty, too long or no text; or there is none, and nothing belongs to the scene;
             or goals, start conditions or objects are not of their grammar.
+        UnknownName: there is no such scene or robot.
     """
     asked: dict[str, Any] = {"instruction": None, "template": options.template}
     asked["robot"] = load_template(options.template, options.robot).robot
@@ -92,12 +93,18 @@ def job(run: RunFolder, options: Options, context: StageContext) -> Job:
         asked |= stated.record()
     elif options.instruction is None:
         asked["contents"] = [one.model_dump(mode="json") for one in _with_contents(options.template).contents]
+    return asked
+
+
+def job(run: RunFolder, options: Options, context: StageContext) -> Job:
+    """Return the work of the stage; raises as :func:`asked_by`."""
+    asked, stated = asked_by(options), bool(options.goals)
     return Job(
         run=run,
         output=run.scene,
         seed=options.seed or 0,
         options=asked,
-        providers=context.models.providers("reasoner") if asked["instruction"] and stated is None else {},
+        providers=context.models.providers("reasoner") if asked["instruction"] and not stated else {},
     )
 
 

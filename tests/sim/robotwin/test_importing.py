@@ -259,7 +259,8 @@ def test_all_missing_or_wrong_fields_are_named_in_one_error(folder, data):
         import_robot(write(folder, config(**changes)))
     named = ["ee_joints", "gripper_scale", "srdf_path", "static_camera_list.0.forward"]
     assert sorted(error.value.details["fields"]) == named
-    assert all(f"config.yml: field {name}: " in error.value.message for name in named)
+    assert all(f" field {name}: " in error.value.message for name in named)
+    assert "config.yml: 4 fields" in error.value.message
     assert list(data.glob("robots/*")) == []
 
 

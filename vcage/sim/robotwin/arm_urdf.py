@@ -16,8 +16,8 @@ from pathlib import Path
 import numpy as np
 
 from vcage.base.errors import DamagedFile
+from vcage.base.problems import Problem, require_none
 from vcage.sim.robotwin.embodiment import ArmConfig, Embodiment
-from vcage.sim.robotwin.problems import Problem, require_none
 
 FULL_TURN = 2 * np.pi
 """Range to either side of a continuous joint, radians."""

@@ -23,8 +23,8 @@ from pydantic import (
 )
 
 from vcage.base.errors import DamagedFile, InputFileError
+from vcage.base.problems import Problem, require_none
 from vcage.base.reading import read_yaml
-from vcage.sim.robotwin.problems import Problem, require_none
 
 SIDES = ("left", "right")
 

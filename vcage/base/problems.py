@@ -1,4 +1,4 @@
-"""Problems of a robot's files, gathered so that one error names all of them."""
+"""Problems of files, gathered so that one error names all of them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from vcage.base.errors import SchemaMismatch, mismatch
 
 @dataclass(frozen=True)
 class Problem:
-    """A field with which the robot cannot be made.
+    """A wrong field of a file.
 
     Args:
         path: of the file.
@@ -30,7 +30,7 @@ class Problem:
 
 
 def require_none(problems: Sequence[Problem]) -> None:
-    """Refuse a robot with problems.
+    """Refuse files with problems.
 
     Raises:
         SchemaMismatch: there are problems; one error names all of them.
@@ -39,8 +39,11 @@ def require_none(problems: Sequence[Problem]) -> None:
     if len(problems) == 1:
         raise mismatch(problems[0].path, problems[0].field, problems[0].text, problems[0].hint)
     if problems:
+        only = f"{problems[0].path}: " if len({problem.path for problem in problems}) == 1 else ""  # named once
+        hints = [f" ({problem.hint})" if problem.hint != Problem.hint else "" for problem in problems]
+        said = [f"{problem}{hint}".removeprefix(only) for problem, hint in zip(problems, hints, strict=True)]
         raise SchemaMismatch(
-            f"{len(problems)} fields are wrong: {'; '.join(map(str, problems))}",
+            f"{only}{len(problems)} fields are wrong: {'; '.join(said)}",
             hint="fix them",
             details={"path": str(problems[0].path), "fields": [problem.field for problem in problems]},
         )
