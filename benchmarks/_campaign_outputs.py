@@ -35,5 +35,5 @@ def differing(one: Mapping[str, Any], other: Mapping[str, Any]) -> list[str]:
 
 def _record(path: Path) -> dict[str, Any]:
     record = {key: value for key, value in json.loads(path.read_text(encoding="utf-8")).items() if key not in TIMES}
-    record["bytes"] = None  # of by-products with times, too
+    record["bytes"] = record["files"] = None  # of by-products with times, too
     return record

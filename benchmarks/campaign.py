@@ -49,9 +49,10 @@ def run(quick: bool, jobs: int, episodes: int, drivers: list[str]) -> dict[str, 
     Each row: ``verified`` episodes, ``seconds`` of the whole command and ``cpu_seconds`` of all its processes, those of
     Ray included; ``per_hour``; ``cpu_s_per_episode``; ``first_compress_s``, wall time of compression in the job that
     searches CRFs, and ``later_compress_s``, the mean of those that take them over; ``crfs_taken``, of cameras of these
-    jobs, and ``crfs_passed``; ``job_cpu_s``, the part of jobs by their records;
-    ``worker_mb``, the largest memory of a process that ran jobs. ``ray_overhead`` is the ratio of CPU seconds with Ray
-    to those with processes, and ``ray_overhead_s`` their difference, for each number of workers.
+    jobs, and ``crfs_passed``; ``job_cpu_s``, the part of jobs by their records; ``mb_per_episode`` and
+    ``files_per_episode`` of their run folders; ``worker_mb``, the largest memory of a process that ran jobs.
+    ``ray_overhead`` is the ratio of CPU seconds with Ray to those with processes, and ``ray_overhead_s`` their
+    difference, for each number of workers.
 
     Args:
         quick: two jobs of one episode, with fewer frames and a fixed CRF.
@@ -112,6 +113,8 @@ def _row(plan: Path, out: Path, driver: str, workers: int) -> dict[str, Any]:
         "cpu_s_per_episode": round(done.cpu_s / max(verified, 1), 2),
         **_compression(folder),
         "job_cpu_s": round(sum(record.cpu_seconds for record in records), 1),
+        "mb_per_episode": round(sum(record.bytes for record in records) / 1e6 / max(verified, 1), 3),
+        "files_per_episode": round(sum(record.files for record in records) / max(verified, 1), 1),
         "worker_mb": round(max(record.memory_bytes for record in records) / 1e6),
     }
 

@@ -257,7 +257,7 @@ def test_a_repaired_episode_is_added_by_the_next_merge(campaign, out):
 
 def test_nothing_to_merge_is_an_error_with_the_first_reason(campaign, out):
     cut(campaign / "jobs/red/0000/compress/compression.json")
-    with pytest.raises(MissingStage, match=r"no episode of 0 runs could be added: .*compression\.json"):
+    with pytest.raises(MissingStage, match=r"no episode could be added: .*compression\.json"):
         merge([campaign / "jobs/red/0000"], out)
     with pytest.raises(MissingStage, match="no run folder"):
         merge([campaign / "exchanges"], out)
@@ -280,6 +280,15 @@ def test_a_run_that_does_not_fit_the_data_set_is_refused(made, tmp_path, out):
     another(tmp_path / "other", robot="aloha_agilex")
     with pytest.raises(UsageError, match=r"other does not fit .*robot aloha_agilex"):
         merge([tmp_path / "other"], out)
+
+
+def test_a_data_set_that_no_merge_made_is_refused_as_its_episodes_could_be_there_twice(made, out):
+    merge([made], out)
+    (out / V3 / SOURCES).unlink()  # as an export, which has no such list
+    before = digests(out)
+    with pytest.raises(UsageError, match="holds 6 episodes, of which 6 are not of a merge"):
+        merge([made], out)
+    assert digests(out) == before
 
 
 def test_groups_are_a_data_set_for_each_kind_of_runs(made, tmp_path, out):

@@ -12,7 +12,7 @@ import pytest
 from tests.campaigns.stubbed import began, begun, behave, run_stubbed
 from tests.campaigns.test_driver import driven
 from tests.run_folders import REPOSITORY
-from vcage.base.errors import MissingStage
+from vcage.base.errors import MissingStage, OutputFolderError
 from vcage.campaigns.folder import CampaignFolder
 from vcage.campaigns.status import status_of, table, write_page
 from vcage.models.shared import Shared
@@ -120,3 +120,10 @@ def test_a_job_is_running_while_its_process_lives_and_no_longer(working):
     process.kill()
     process.wait()
     assert status_of(folder).running == []
+
+
+def test_a_folder_in_place_of_the_page_is_named(tmp_path: Path):
+    folder = begun(tmp_path)
+    folder.page.mkdir()
+    with pytest.raises(OutputFolderError, match=r"status\.html"):
+        write_page(folder, status_of(folder))

@@ -76,6 +76,9 @@ def sha256_file(path: Path) -> str:
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 """The disk, the quota or the largest size of a file is reached."""
 
+REFUSED = (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOTDIR, errno.EISDIR, errno.EEXIST)
+"""A path may not be written, or something of another kind is in its place."""
+
 ANOTHER_FOLDER = "give another --out, or make the folder writable"
 
 
@@ -89,7 +92,7 @@ def writing(path: Path, hint: str = ANOTHER_FOLDER) -> Iterator[None]:
             raise DiskFull(
                 f"no space left to write {path}", hint="free some space and run the same command again"
             ) from error
-        if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOTDIR, errno.EEXIST):
+        if error.errno in REFUSED:
             raise OutputFolderError(f"cannot write {path}: {error.strerror}", hint=hint) from error
         raise
 

@@ -209,6 +209,7 @@ def _settle(
 ) -> JobRecord:
     folder.beat(job)
     run = folder.run(job)
+    size, files = _size(run.root)
     record = JobRecord(
         cell=job.cell.id,
         number=job.number,
@@ -219,7 +220,8 @@ def _settle(
         error=error if error is None or isinstance(error, JobError) else named(error),
         host=platform.node(),
         ended=datetime.now(UTC).isoformat(timespec="seconds"),
-        bytes=_bytes(run.root),
+        bytes=size,
+        files=files,
         memory_bytes=largest_memory(),
         **_episodes(run, job),
         **spent,
@@ -258,8 +260,10 @@ def _reached(run: RunFolder) -> tuple[int, int]:
     return sum(path.exists() for path in run.documents), files
 
 
-def _bytes(folder: Path) -> int:
-    return sum(path.stat().st_size for path in folder.rglob("*") if path.is_file() and not path.is_symlink())
+def _size(folder: Path) -> tuple[int, int]:
+    """Bytes of a folder, and files and folders in it; videos with several names count once, as on the disk."""
+    found = {path.lstat().st_ino: path for path in folder.rglob("*")}
+    return sum(path.lstat().st_size for path in found.values() if not path.is_dir()), len(found)
 
 
 def _cpu_seconds() -> float:

@@ -21,7 +21,7 @@ from vcage.base.progress import Progress, silent
 from vcage.base.text import listed
 from vcage.campaigns.found_runs import FoundRun, Kind, look_at, run_folders
 from vcage.datasets.lerobot.formats import FORMATS
-from vcage.datasets.lerobot.growing import GrowingSet
+from vcage.datasets.lerobot.growing import SOURCES, GrowingSet
 from vcage.datasets.lerobot.meta import INFO, data_set_info
 from vcage.datasets.lerobot.resuming import TRAIN
 from vcage.schema.merge import Merge, MergedSet
@@ -120,7 +120,7 @@ def merge(folders: Sequence[Path], out: Path, order: Order = Order(), progress: 
         record.write(out / RECORD)
     if not sets:
         raise MissingStage(
-            f"no episode of {len(runs)} runs could be added: {_first_reason(record)}",
+            f"no episode could be added: {_first_reason(record)}",
             hint=f"{out / RECORD} names what was left out",
             details={"left_out": [one.model_dump() for one in record.left_out]},
         )
@@ -151,7 +151,8 @@ def _grouped(runs: Sequence[FoundRun], out: Path, order: Order) -> Mapping[Path,
     """Return folder of data sets → its runs; a run whose kind is unknown goes with the first.
 
     Raises:
-        UsageError: runs do not fit together, or not to a data set.
+        UsageError: runs do not fit together, or not to a data set; or it has episodes of unknown sources.
+        DamagedFile: it cannot be read.
     """
     kinds = list(dict.fromkeys(run.kind for run in runs if run.kind is not None))
     example = {kind: next(run.name for run in runs if run.kind == kind) for kind in kinds}
@@ -161,6 +162,7 @@ def _grouped(runs: Sequence[FoundRun], out: Path, order: Order) -> Mapping[Path,
     for kind, root in roots.items():
         for name in order.formats:
             _require_fit(kind, root / name, example[kind])
+            _require_known(root / name)
     first = next(iter(roots.values()), out)
     groups: dict[Path, list[FoundRun]] = {}
     for run in runs:
@@ -186,6 +188,24 @@ def _require_fit(kind: Kind, root: Path, run: str) -> None:
             f"{run} does not fit {root}: it has {'; '.join(differ)}",
             hint="give another --out for runs of its kind",
             details={"run": run, "differences": differ},
+        )
+
+
+def _require_known(root: Path) -> None:
+    """Refuse a data set with episodes of unknown sources, as an export: they could be added a second time.
+
+    Nothing is written: another process may be adding to it.
+    """
+    if not (root / INFO).is_file():
+        return
+    there, known = data_set_info(root)["total_episodes"], 0
+    if (root / SOURCES).is_file():
+        with open(root / SOURCES, "rb") as lines:
+            known = sum(1 for _ in lines)
+    if known < there:
+        raise UsageError(
+            f"{root} holds {there} episodes, of which {there - known} are not of a merge: they could be added twice",
+            hint="give another --out, and merge the runs that they came from",
         )
 
 

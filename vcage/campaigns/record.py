@@ -45,7 +45,8 @@ class JobRecord(Document):
     spread: dict[str, Spread] = Field(default={}, description="object → where it started, in the verified episodes")
     seconds: Finite = Field(default=0.0, ge=0, description="wall time of the try that settled it")
     cpu_seconds: Finite = Field(default=0.0, ge=0, description="of that try, in all its processes")
-    bytes: int = Field(default=0, ge=0, description="of its run folder")
+    bytes: int = Field(default=0, ge=0, description="of its run folder, files with several names once")
+    files: int = Field(default=0, ge=0, description="files and folders in it, likewise")
     memory_bytes: int = Field(default=0, ge=0, description="largest, of the process that ran it")
     tries: int = Field(ge=1)
     error: JobError | None = None

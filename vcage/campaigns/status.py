@@ -24,8 +24,12 @@ from vcage.models.bill import Bill
 TEMPLATE = Path(__file__).with_name("status.html.jinja")
 
 
-def status_of(folder: CampaignFolder) -> Status:
+def status_of(folder: CampaignFolder, plan: Plan | None = None) -> Status:
     """Look at a campaign; nothing is written.
+
+    Args:
+        folder: of the campaign.
+        plan: to go on with; None for the one in the folder.
 
     Example:
         >>> status_of(CampaignFolder("campaigns/desk")).total.verified
@@ -34,7 +38,7 @@ def status_of(folder: CampaignFolder) -> Status:
         MissingStage: the folder holds no campaign.
         InputFileError: its plan or a record cannot be read.
     """
-    plan = folder.plan
+    plan = plan or folder.plan
     records = by_cell(plan, folder.records())
     running = list(_running(folder))
     of_cell = Counter(one.job.rpartition("/")[0] for one in running)

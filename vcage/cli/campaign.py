@@ -87,10 +87,11 @@ class Campaign(Command):
     retry: Flag = False
     """try jobs again that failed or were given up"""
     dry_run: Flag = False
-    """say what would be done, and do nothing"""
+    """say what would be done, and what it would take; do nothing"""
 
     def execute(self) -> Result:
         """Run the jobs, or write what a scheduler takes."""
+        from vcage.campaigns.estimate import Estimate
         from vcage.campaigns.folder import CampaignFolder
         from vcage.campaigns.impossible import require_readable
         from vcage.campaigns.plan import Plan
@@ -100,7 +101,8 @@ class Campaign(Command):
         folder.require_fit(plan)
         require_readable(self.plan, plan, folder.earlier)
         if self.dry_run:
-            return Result(output=folder.root, summary=_asked(plan), next=not_dry())
+            found = Estimate.of(plan, folder)
+            return Result(output=folder.root, summary=found.facts(), text=found.text(), next=not_dry())
         plan = folder.begin(plan)
         if self.slurm or self.k8s:
             return self._for_scheduler(plan, folder)
@@ -153,6 +155,7 @@ class Campaign(Command):
         return run_here(folder, self.workers, Shard(*self.shard) if self.shard else EVERY_JOB, show)
 
     def _for_scheduler(self, plan: Plan, folder: CampaignFolder) -> Result:
+        from vcage.campaigns.estimate import Estimate
         from vcage.campaigns.schedulers import ShardedCommand, kubernetes_job, slurm_script
 
         command = tuple(shlex.split(vcage_command("campaign", folder.plan_file, "--out", folder.root)))
@@ -162,13 +165,9 @@ class Campaign(Command):
         else:
             text, name, submit = kubernetes_job(job), "campaign.k8s.yml", "kubectl apply -f"
         path = write_text(folder.root / name, text)
-        return Result(output=path, summary=_asked(plan), text=text, next=f"{submit} {shlex.quote(str(path))}")
-
-
-def _asked(plan: Plan) -> dict[str, int]:
-    """The size of a plan."""
-    jobs = sum(len(plan.jobs_of(cell)) for cell in plan.cells)
-    return {"cells": len(plan.cells), "jobs": jobs, "episodes": len(plan.cells) * plan.episodes}
+        return Result(
+            output=path, summary=Estimate.of(plan, folder).facts(), text=text, next=f"{submit} {shlex.quote(str(path))}"
+        )
 
 
 def _too_few(status: Status, folder: CampaignFolder) -> TooFewVerified | None:
