@@ -5,7 +5,7 @@ import os
 import pytest
 
 from vcage.base.errors import InputFileError, OutputFolderError
-from vcage.base.folders import entries, files_below, is_empty_folder, natural_key, require_utf8
+from vcage.base.folders import entries, files_below, is_empty_folder, natural_key, require_utf8, size_of
 
 
 def made(folder, *names):
@@ -83,3 +83,12 @@ def test_a_path_that_is_not_utf8_is_refused_and_shown_with_escapes(tmp_path):
     caught.value.message.encode()
     with pytest.raises(OutputFolderError):
         require_utf8(bad, OutputFolderError)
+
+
+def test_a_file_with_two_names_counts_once_in_the_size_of_a_folder(tmp_path):
+    (tmp_path / "a").mkdir()
+    (tmp_path / "a" / "video").write_bytes(bytes(100))
+    (tmp_path / "again").hardlink_to(tmp_path / "a" / "video")
+    (tmp_path / "link").symlink_to(tmp_path / "a")
+    assert size_of(tmp_path) == (100, 3)
+    assert size_of(tmp_path / "none") == (0, 0)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import re
+import stat
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -94,6 +95,15 @@ def _walk(top: Path, repeated: bool, max_folders: int) -> Iterator[Path]:
                 links.append((path, around | {real}))
             else:
                 folders.append((path, around | {real}))
+
+
+def size_of(folder: Path) -> tuple[int, int]:
+    """Return the bytes of all files below a folder, and the number of files and folders there.
+
+    A file with several names counts once, as it does on the disk; links are not followed.
+    """
+    found = {status.st_ino: status for status in (path.lstat() for path in folder.rglob("*"))}
+    return sum(one.st_size for one in found.values() if stat.S_ISREG(one.st_mode)), len(found)
 
 
 def require_utf8(path: Path, refused: type[VcageError] = InputFileError) -> None:

@@ -25,8 +25,15 @@ from vcage.sim.robots import load_robot, load_template
 from vcage.stages.chain import ChainOptions
 from vcage.stages.select_place import asked_by
 
-OPTION = re.compile(r"--(goal|start|objects|scene|all-subtasks|layout|randomise)\b")
-KEYS = {"goal": "goals", "start": "starts", "all-subtasks": "all_subtasks", "layout": "layouts", "randomise": "looks"}
+OPTION = re.compile(r"--(goal|start|objects|scene|all-subtasks|layout|randomise|models)\b")
+KEYS = {
+    "goal": "goals",
+    "start": "starts",
+    "all-subtasks": "all_subtasks",
+    "layout": "layouts",
+    "randomise": "looks",
+    "models": "options.models",
+}
 """Option of `vcage run` → key of a plan, where they differ."""
 
 MOST_JOBS = 2_000_000

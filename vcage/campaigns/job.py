@@ -16,6 +16,7 @@ from typing import Any
 
 from vcage.base.errors import NotJudged, PartlyDone, VcageError
 from vcage.base.files import RunFolder
+from vcage.base.folders import size_of
 from vcage.base.leftovers import PARTIAL
 from vcage.base.memory import largest_memory, measure_memory_anew
 from vcage.base.progress import Progress
@@ -209,7 +210,7 @@ def _settle(
 ) -> JobRecord:
     folder.beat(job)
     run = folder.run(job)
-    size, files = _size(run.root)
+    size, files = size_of(run.root)
     record = JobRecord(
         cell=job.cell.id,
         number=job.number,
@@ -258,12 +259,6 @@ def _reached(run: RunFolder) -> tuple[int, int]:
     names = (name for _, _, names in os.walk(run.root) for name in names)
     files = sum(PARTIAL not in name and name.partition(".")[0] not in ("in-use", "unfinished") for name in names)
     return sum(path.exists() for path in run.documents), files
-
-
-def _size(folder: Path) -> tuple[int, int]:
-    """Bytes of a folder, and files and folders in it; videos with several names count once, as on the disk."""
-    found = {path.lstat().st_ino: path for path in folder.rglob("*")}
-    return sum(path.lstat().st_size for path in found.values() if not path.is_dir()), len(found)
 
 
 def _cpu_seconds() -> float:
