@@ -116,6 +116,7 @@ def test_a_dry_run_of_a_run_estimates_the_output(capsys, tmp_path):
         (["--to", "lerobot-v3.0"], "usage", "--task"),
         (["--run", "runs/one"], "usage", "INPUT or --run"),
         (["--keep-raw"], "usage", "only read"),
+        (["--crf-of", "runs/blocks"], "usage", "--crf-of is for --run"),
     ],
 )
 def test_a_wrong_option_is_refused_with_the_right_one_before_any_work(capsys, tmp_path, source, options, code, said):
