@@ -111,7 +111,7 @@ def _most_of(job: Job) -> float:
 
 
 def _held_back(plan: Plan, job: Job, ready: Sequence[Job], records: Mapping[int, JobRecord]) -> tuple[bool, str] | None:
-    """Whether a job waits for those before it, or never begins, and why; None if it may begin."""
+    """(True, "") if a job waits for those before it, (False, reason) if it never begins; None if it may begin."""
     if ready and ready[0].number < plan.deciding(job.number):
         return True, ""
     if job.number >= plan.probes and (reason := _gate(plan, records)):
