@@ -135,7 +135,7 @@ def _mean(one: Recorded, other: Recorded) -> Recorded:
 
 
 def _vcage(folder: Path, episodes: int) -> Chain:
-    """Time ``vcage run``, and the floor before and after it is known."""
+    """Time ``vcage run``, and then its floor."""
     command = [sys.executable, "-m", "vcage.cli.main", "run", INSTRUCTION, "--out", str(folder)]
     done = timed([*command, "--episodes", str(episodes), "--models", "offline"])
     if done.code != 0:
