@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-import ctypes
+import json
 import os
 import re
 import signal
@@ -26,14 +26,6 @@ STUBBED = (sys.executable, "-m", "tests.campaigns.stubbed_command")
 
 WORKER, DRIVER, NODE, HEAD = "worker", "driver", "node", "head"
 """Victims: a process that runs a job, one that shares jobs out, all processes of a Ray node, and the head's server."""
-
-_PR_SET_CHILD_SUBREAPER = 36
-"""From <linux/prctl.h>: orphans below this process become its children, so that no process is lost from sight."""
-
-
-def adopt_orphans() -> None:
-    """Become the parent of every process below this one whose parent is killed."""
-    ctypes.CDLL(None).prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
 
 
 @dataclass
@@ -155,16 +147,18 @@ class KilledCampaign:
 
 
 def at_work(out: Path) -> dict[str, int]:
-    """Jobs of a campaign at work → the processes below this one that hold them."""
+    """Jobs of a campaign at work → the processes below this one that run them."""
     return dict(_holders(out))
 
 
 def _holders(out: Path) -> Iterator[tuple[str, int]]:
     ours = {one.pid for one in psutil.Process().children(recursive=True)}
     for path in CampaignFolder(out).begun():
-        with contextlib.suppress(OSError):
+        with contextlib.suppress(OSError, ValueError):
+            tries = json.loads(path.with_suffix(".tries.json").read_text(encoding="utf-8"))
             found = re.match(r"process (\d+) on ", path.read_text(encoding="utf-8"))
-            if found and int(found[1]) in ours:
+            # A driver that notes the loss of a job holds it for a moment, and leaves its own number there.
+            if tries["open"] and found and int(found[1]) in ours:
                 yield path.relative_to(out / "jobs").with_suffix("").as_posix(), int(found[1])
 
 

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from benchmarks._campaign_kills import PROGRAM, STUBBED, KilledCampaign, Settled, adopt_orphans
+from benchmarks._campaign_kills import PROGRAM, STUBBED, KilledCampaign, Settled
 from benchmarks._campaign_outputs import differing, outputs
 from benchmarks._ray_nodes import RayNodes
 from vcage.base.errors import VcageError
@@ -118,7 +118,6 @@ def run(
         jobs, kills = 4, 3
     left_out = [name for name in drivers if name == "ray" and importlib.util.find_spec("ray") is None]
     rng, start, done = np.random.default_rng(seed), time.monotonic(), list[Series]()
-    adopt_orphans()
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # so that what was begun is ended
     program = STUBBED if stubbed else PROGRAM
     with tempfile.TemporaryDirectory(prefix="kills-") as folder:
@@ -144,6 +143,7 @@ def run(
         "seconds": round(time.monotonic() - start, 1),
         "campaigns": {series.driver: series.campaigns for series in done},
         "files": sorted({name for series in done for name in series.files}),
+        "left": [name for series in done for name in series.left],
         "errors": [error for series in done for error in series.errors],
         "left_out": left_out,
     }
@@ -217,6 +217,8 @@ class Series:
     campaigns: int = 0
     files: set[str] = field(default_factory=set)
     """Files that differed from those of the undisturbed campaign."""
+    left: list[str] = field(default_factory=list)
+    """Files of partial work that stayed."""
     errors: list[str] = field(default_factory=list)
     """The last words of commands that ended as they should not."""
     _rows: dict[str, dict[str, int]] = field(default_factory=dict)
@@ -278,7 +280,9 @@ class Series:
         for kill in kills:
             self._add(kill.victim, 1, kill.jobs, done, settled.twice, files)
         self._add("all", len(kills), [*self.undisturbed.states], done, settled.twice, files)
-        self._rows["all"]["left"] += sum(path.is_file() for path in out.rglob(f"*{PARTIAL}*"))
+        left = [path.relative_to(out).as_posix() for path in out.rglob(f"*{PARTIAL}*") if path.is_file()]
+        self._rows["all"]["left"] += len(left)
+        self.left += left
 
     def _add(self, victim: str, kills: int, jobs: list[str], done: set[str], twice: set[str], files: list[str]) -> None:
         row = self._rows.setdefault(victim, dict.fromkeys(COUNTS, 0))

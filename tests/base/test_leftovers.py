@@ -132,3 +132,14 @@ def test_files_of_a_living_process_are_left_alone(tmp_path):
     other.wait()
     recover(tmp_path / "x")
     assert not part.exists()
+
+
+def test_those_of_a_killed_process_go_though_its_parent_has_not_asked_how_it_ended(tmp_path):
+    other = subprocess.Popen(["sleep", "60"])
+    part = tmp_path / f"x{PARTIAL}{other.pid}"
+    part.mkdir()
+    other.kill()
+    os.waitid(os.P_PID, other.pid, os.WEXITED | os.WNOWAIT)
+    recover(tmp_path / "x")
+    other.wait()
+    assert not part.exists()

@@ -153,7 +153,16 @@ def is_written(part: Path) -> bool:
         return False
     except PermissionError:  # another user's
         return True
-    return True
+    return not _has_ended(int(number))
+
+
+def _has_ended(number: int) -> bool:
+    """True for a process that has ended, but whose parent has not asked how, as the first one of a container never may."""
+    try:
+        status = Path(f"/proc/{number}/stat").read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return False
+    return status.rpartition(")")[2].split()[:1] == ["Z"]
 
 
 def recover(path: Path) -> None:
