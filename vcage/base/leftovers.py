@@ -157,7 +157,7 @@ def is_written(part: Path) -> bool:
 
 
 def _has_ended(number: int) -> bool:
-    """True for a process that has ended while its parent never asked how, as the first one of a container may not do."""
+    """True for a process that has ended and still has a number, as its parent never asked how it ended."""
     try:
         status = Path(f"/proc/{number}/stat").read_text(encoding="utf-8", errors="replace")
     except OSError:
