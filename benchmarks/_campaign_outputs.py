@@ -21,11 +21,17 @@ def outputs(campaign: Path) -> dict[str, Any]:
     """Path below ``jobs/`` → SHA-256 of each file of the runs, and the records of the jobs without times."""
     made: dict[str, Any] = {}
     for path in sorted((campaign / "jobs").rglob("*")):
-        if path.is_dir() or path.name in BY_PRODUCTS or path.suffix in (".beat", ".pyc") or PARTIAL in path.name:
-            continue
         name = path.relative_to(campaign / "jobs").as_posix()
+        if path.is_dir() or path.name in BY_PRODUCTS or path.suffix in (".beat", ".pyc") or PARTIAL in name:
+            continue
         made[name] = _record(path) if name.endswith(".job.json") else sha256_file(path)
     return made
+
+
+def left_over(campaign: Path) -> list[str]:
+    """Files of partial work that are still there."""
+    names = (path.relative_to(campaign).as_posix() for path in campaign.rglob("*") if path.is_file())
+    return sorted(name for name in names if PARTIAL in name)
 
 
 def differing(one: Mapping[str, Any], other: Mapping[str, Any]) -> list[str]:

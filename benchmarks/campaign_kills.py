@@ -20,10 +20,9 @@ import numpy as np
 import yaml
 
 from benchmarks._campaign_kills import PROGRAM, STUBBED, KilledCampaign, Settled
-from benchmarks._campaign_outputs import differing, outputs
+from benchmarks._campaign_outputs import differing, left_over, outputs
 from benchmarks._ray_nodes import RayNodes
 from vcage.base.errors import VcageError
-from vcage.base.leftovers import PARTIAL
 
 logger = logging.getLogger(__name__)
 
@@ -280,7 +279,7 @@ class Series:
         for kill in kills:
             self._add(kill.victim, 1, kill.jobs, done, settled.twice, files)
         self._add("all", len(kills), [*self.undisturbed.states], done, settled.twice, files)
-        left = [path.relative_to(out).as_posix() for path in out.rglob(f"*{PARTIAL}*") if path.is_file()]
+        left = left_over(out)
         self._rows["all"]["left"] += len(left)
         self.left += left
 
