@@ -131,20 +131,27 @@ def run(
                 for row in series.rows():
                     logger.info("%s", row)
                 shutil.rmtree(Path(folder) / driver)
-    rows = [row for series in done for row in series.rows()]
     return {
-        "kills": sum(row["kills"] for row in rows if row["victim"] == "all"),
-        **{key: sum(row[key] for row in rows if row["victim"] == "all") for key in ("lost", "twice", "differing")},
-        "rows": rows,
+        **_figures(done),
         "jobs": jobs,
         "stubbed": stubbed,
         "seconds_undisturbed": round(undisturbed.seconds, 1),
         "seconds": round(time.monotonic() - start, 1),
+        "left_out": left_out,
+    }
+
+
+def _figures(done: Sequence[Series]) -> dict[str, Any]:
+    """The table of all drivers, and its sums."""
+    rows = [row for series in done for row in series.rows()]
+    whole = [row for row in rows if row["victim"] == "all"]
+    return {
+        **{key: sum(row[key] for row in whole) for key in ("kills", "lost", "twice", "differing")},
+        "rows": rows,
         "campaigns": {series.driver: series.campaigns for series in done},
         "files": sorted({name for series in done for name in series.files}),
         "left": [name for series in done for name in series.left],
         "errors": [error for series in done for error in series.errors],
-        "left_out": left_out,
     }
 
 
