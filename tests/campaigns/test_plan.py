@@ -89,6 +89,7 @@ def test_a_long_instruction_gives_a_short_folder_name(tmp_path: Path):
         ({"gates": {"acceptance": 1.5, "after": 4}}, "field gates.acceptance: got 1.5; expected at most 1"),
         ({"gates": {"acceptence": 0.5, "after": 4}}, "gates.acceptence: unknown; did you mean acceptance"),
         ({"limits": {"per_minute": {"gemin": 3}}}, "field limits.per_minute: got .*gemin.*; expected some of gemini"),
+        ({"limits": None}, "field limits: got nothing; expected keys with values"),
         ({"seeds": -1}, "field seeds: got -1; expected more than 0, or a list"),
         ({"seeds": [1, -2]}, "field seeds.1: got -2; expected 0 or more"),
         ({"seeds": [1, 2, 1]}, "field seeds.2: 1 is the name of seeds.0, too"),
@@ -105,6 +106,7 @@ def test_a_long_instruction_gives_a_short_folder_name(tmp_path: Path):
         ({"tasks": TASKS + TASKS}, "field tasks.1: 'blocks' is the name of tasks.0, too"),
         ({"options": {"fsp": 10}}, "field options.fsp: unknown option 'fsp'"),
         ({"options": {"fps": 7}}, "field options.fps: .*7"),
+        ({"options": {"fps": [5, 10]}}, "field options.fps: fps takes one value, not"),
         ({"options": {"crf": "small"}}, "field options.crf: .*small"),
         ({"options": {"episodes": 7}}, "field options.episodes: episodes is not said here"),
         ({"options": {"crf_of": "runs/blocks"}}, "field options.crf_of: unknown option 'crf_of'"),
@@ -112,7 +114,7 @@ def test_a_long_instruction_gives_a_short_folder_name(tmp_path: Path):
         ({"layouts": ["fixed"], "looks": ["full"]}, "field looks.0: .*layouts that are drawn, not layouts fixed"),
     ],
 )
-def test_an_impossible_plan_is_refused_with_file_and_field(tmp_path: Path, keys: dict[str, Any], said: str):
+def test_an_impossible_plan_is_refused_with_file_and_field(tmp_path: Path, keys: dict[Any, Any], said: str):
     with pytest.raises(SchemaMismatch, match=said) as refused:
         plan(tmp_path, **keys)
     assert "PLAN.yml" in refused.value.message

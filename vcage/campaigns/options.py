@@ -58,7 +58,8 @@ def options_of_plan(given: Mapping[str, Any]) -> ChainOptions:
         if name not in known:
             raise UnknownName("option", str(key), known.keys() - ELSEWHERE.keys())
         own = _words(name, value) if value != known[name] else []
-        _parsed(own)
+        if _parsed(own).instruction is not None:  # the words after the one that the option takes
+            raise UsageError(f"{key} takes one value, not {value!r}", hint="give one")
         words += own
     options = _parsed(words)
     for role in ("models", "reasoner", "editor", "critic"):

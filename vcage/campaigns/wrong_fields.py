@@ -12,6 +12,7 @@ from pydantic import BaseModel, ValidationError
 from vcage.base.problems import Problem
 
 EXPECTED = {
+    "invalid_key": "keys that are text, in quotes where YAML takes them for something else",
     "int": "a whole number",
     "float": "a number",
     "finite": "a finite number",
@@ -23,7 +24,7 @@ EXPECTED = {
     "tuple": "a list, as in [one, two]",
     "too_short": "a list with something in it",
     "dict": "keys with values, as in {{fps: 10}}",
-    "model": "keys with values, as in {{instruction: Put two blocks on the plate}}",
+    "model": "keys with values, as docs/campaigns.md shows",
     "literal": "{expected}",
     "greater_than_equal": "{ge} or more",
     "greater_than": "more than {gt}",
