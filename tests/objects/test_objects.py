@@ -93,17 +93,11 @@ def test_pieces_do_not_stand_out_of_the_mesh(kinds: list[Asset]) -> None:
     assert _failing(kinds, within) == []
 
 
-def _fills_its_hull(mesh: trimesh.Trimesh) -> bool:
-    return mesh.convex_hull.volume == pytest.approx(mesh.volume, rel=1e-3)
-
-
 def test_collision_files_are_convex_and_closed(kinds: list[Asset]) -> None:
     def convex(path: str) -> bool:
         mesh = trimesh.load_mesh(path)
-        above = mesh.face_normals @ mesh.vertices.T - np.sum(mesh.face_normals * mesh.triangles[:, 0], axis=1)[:, None]
-        flat = mesh.area_faces > 1e-8  # the normal of a sliver is not exact
-        within = above[flat].max() <= 1e-3 * mesh.scale or _fills_its_hull(mesh)
-        return mesh.is_watertight and mesh.volume > 0 and len(mesh.vertices) < 255 and within
+        same = mesh.convex_hull.volume == pytest.approx(mesh.volume, rel=1e-3)
+        return mesh.is_watertight and mesh.volume > 0 and len(mesh.vertices) < 255 and same
 
     def all_convex(asset: Asset) -> bool:
         return all(map(convex, [*asset.model.hulls, *(path for link in asset.model.links for path in link.hulls)]))
