@@ -8,10 +8,11 @@ from pathlib import Path
 
 from tests.campaigns.stubbed import run_stubbed
 from vcage.base.errors import VcageError
-from vcage.campaigns.driver import Schedule, Shard, left_over, run_here
+from vcage.campaigns.driver import run_here
 from vcage.campaigns.folder import CampaignFolder
 from vcage.campaigns.on_ray import run_on_ray
 from vcage.campaigns.plan import Plan
+from vcage.campaigns.schedule import Schedule, Shard, left_over
 
 
 def main() -> int:

@@ -130,7 +130,7 @@ class RayCrew:
             kind = self._ray.remote(actor_class()).options(
                 num_cpus=1, max_restarts=self._settings.restarts, label_selector=elsewhere
             )
-            actor = kind.remote(str(self._folder.root), CALLED.get() or "vcage campaign --ray", __version__)
+            actor = kind.remote(str(self._folder.root), CALLED.get() or "a campaign on Ray", __version__)
             self._workers.append(_Worker(actor, self._look_around(actor)))
 
     def _tell_of_waiting(self) -> None:
