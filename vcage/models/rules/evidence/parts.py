@@ -6,15 +6,17 @@ a grey table in the shade. So pictures and drawings are compared by their edges 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import cv2
 import numpy as np
 
 from vcage.base.errors import InputFileError
+from vcage.base.geometry import Camera, Pose
 from vcage.models.rules.critic_view import AROUND_PX, CriticView
-from vcage.models.rules.drawings import brightness, drawn_whole
+from vcage.models.rules.drawings import Draw, brightness, drawn_whole
 from vcage.models.rules.evidence.judgement import Judged, decided, refused
 from vcage.models.rules.pixels import changed, grown
 from vcage.schema.episodes import Verdict
@@ -91,38 +93,23 @@ class PartEvidence:
         Raises:
             InputFileError: there is no picture of the empty table, or nothing draws the object.
         """
-        question, name, part = view.question, goal.subject, str(goal.part)
-        if question.draw is None or question.background is None:
-            raise InputFileError(
-                f"whether the {part_words(part)} of {name!r} moved is told beside the empty table",
-                hint="give pictures from episodes/critic, as stored by collect",
-            )
-        before, after, background = view.before["top"], view.after["top"], question.background
-        start = float(goal.relation == "closed")  # share of its range that the part is at before, by the plan
-        rest = {**dict.fromkeys(question.opened.get(name, ()), 1.0), part: start}
-        thing = replace(view.sought(name), look=question.looks[name], draw=view.draw(name, rest))
-        stands = thing.found({"top": before})
-        if stands is None:
+        thing, part = _PosedObject.found(view, goal), str(goal.part)
+        if thing is None:
             return None
-        pose = stands.pose
-
-        def drawings(moving: str, shares: Iterable[float]) -> list[Drawing]:
-            draws = (view.draw(name, {**rest, moving: float(share)}) for share in shares)
-            return [drawn_whole(draw, pose, view.camera) for draw in draws]
-
-        own = drawings(part, POSITIONS)
-        gain = brightness(own[-1] if start else own[0], before.picture)
-        rivals = [other for other in question.parts.get(name, ()) if other != part]
-        drawn = {part: own} | {rival: drawings(rival, POSITIONS) for rival in rivals}
+        before, after = view.before["top"], view.after["top"]
+        own = thing.drawings(part, POSITIONS)
+        gain = brightness(own[-1] if thing.rest[part] else own[0], before.picture)
+        rivals = [other for other in view.question.parts.get(goal.subject, ()) if other != part]
+        drawn = {part: own} | {rival: thing.drawings(rival, POSITIONS) for rival in rivals}
         within = _around(np.any([one.covered for several in drawn.values() for one in several], axis=0))
-        sights = {moving: _Sight(several, gain, background, within) for moving, several in drawn.items()}
+        sights = {moving: _Sight(several, gain, thing.background, within) for moving, several in drawn.items()}
         sight = sights[part]
         where = np.any([one.telling for one in sights.values()], axis=0)
         least: dict[str, float] = {}
         for moving, one in sights.items():
             costs = one.costs(after.picture, where)
             # Drawers look so similar that a step between two positions hides which of them moved.
-            between = _Sight(drawings(moving, [likeliest(costs)]), gain, background, within)
+            between = _Sight(thing.drawings(moving, [likeliest(costs)]), gain, thing.background, within)
             least[moving] = float(min(costs.min(), between.costs(after.picture, where).min()))
         first, then = sight.costs(before.picture), sight.costs(after.picture)
         return cls(
@@ -190,6 +177,49 @@ def _touched(sight: _Sight, view: CriticView) -> float:
         return 0.0
     part = sight.telling if sight.telling.any() else sight.covered
     return float(changed(*(to_lab(one["top"].picture) for one in (view.after, view.moment)))[part].mean())
+
+
+@dataclass(frozen=True)
+class _PosedObject:
+    """An object at the pose where it is seen before, drawn with one of its parts at any position.
+
+    Args:
+        draw_at: shares of the ranges of its joints → how it is drawn.
+        rest: part → share of its range that it is at before, by the plan; others are closed.
+        pose: of the object.
+        camera: that sees it.
+        background: (H, W, 3) uint8 RGB, the empty table.
+    """
+
+    draw_at: Callable[[Mapping[str, float]], Draw]
+    rest: Mapping[str, float]
+    pose: Pose
+    camera: Camera
+    background: np.ndarray
+
+    @classmethod
+    def found(cls, view: CriticView, goal: Goal) -> _PosedObject | None:
+        """Find the subject of a goal in the picture before; None where it is not seen.
+
+        Raises:
+            InputFileError: there is no picture of the empty table, or nothing draws the object.
+        """
+        question, name = view.question, goal.subject
+        if question.draw is None or question.background is None:
+            raise InputFileError(
+                f"no picture of the empty table shows whether the {part_words(str(goal.part))} of {name!r} moved",
+                hint="give pictures from episodes/critic, as stored by collect",
+            )
+        rest = {**dict.fromkeys(question.opened.get(name, ()), 1.0), str(goal.part): float(goal.relation == "closed")}
+        draw_at = partial(view.draw, name)
+        sought = replace(view.sought(name), look=question.looks[name], draw=draw_at(rest))
+        seen = sought.found({"top": view.before["top"]})
+        return None if seen is None else cls(draw_at, rest, seen.pose, view.camera, question.background)
+
+    def drawings(self, moving: str, shares: Iterable[float]) -> list[Drawing]:
+        """Draw the object with a part at one share of its range after another."""
+        draws = (self.draw_at({**self.rest, moving: float(share)}) for share in shares)
+        return [drawn_whole(draw, self.pose, self.camera) for draw in draws]
 
 
 class _Sight:
