@@ -140,18 +140,24 @@ class _DataSetSearch:
         names, choices = [clip.name for clip in clips], self.settings.choices()
         if not self.settings.agrees:
             return Agreement(names, choices, apart=True)
-        cameras = [clip.recording.camera(camera) for clip in clips]
-        fitting = [
-            formats_for(choices.settings(), *size, choices.pixel_formats)
-            for size in {(c.width, c.height) for c in cameras}
-        ]
+        formats = self._formats({(c.width, c.height) for c in (clip.recording.camera(camera) for clip in clips)})
+        return Agreement(names, replace(choices, pixel_formats=formats), self._bound(camera, formats))
+
+    def _formats(self, sizes: Iterable[tuple[int, int]]) -> tuple[str, ...]:
+        """Return the pixel formats that videos of several sizes (width, height) can share."""
+        choices = self.settings.choices()
+        fitting = [formats_for(choices.settings(), *size, choices.pixel_formats) for size in sizes]
         common = [name for name in fitting[0] if all(name in names for names in fitting)]
         # without a lossless format, only the best is sure to leave no episode behind
-        formats = common if choices.settings().facts.lossless_format else common[:1]
+        return tuple(common if choices.settings().facts.lossless_format else common[:1])
+
+    def _bound(self, camera: str, formats: Sequence[str]) -> Bound | None:
+        """Return the agreement of a camera's other episodes; None without one, or where their pictures' size differs,
+        so that its pixel format does not fit."""
         bound = self.agreed.get(camera)
-        if bound is not None and bound.crf != LOSSLESS and bound.pixel_format not in formats:
-            bound = None  # of pictures of another size
-        return Agreement(names, replace(choices, pixel_formats=tuple(formats)), bound)
+        if bound is None or bound.crf == LOSSLESS or bound.pixel_format in formats:
+            return bound
+        return None
 
     def _go_on(self, camera: str) -> None:
         """Begin a camera's next step with work left; results of an earlier call are reused.
