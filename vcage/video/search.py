@@ -97,9 +97,8 @@ def _cheapest(
         size = len(judge.encoded(settings, crf, part))
         if size < fewest and passes(settings):
             chosen, fewest = settings, size
-    for settings in map(
-        choices.settings, reversed(formats)
-    ):  # where the least colour saves too little, more saves less
+    for settings in map(choices.settings, reversed(formats)):
+        # Where the format with the least colour saves too little, the others save less.
         if len(judge.encoded(settings, crf, part)) >= (1 - format_saving) * fewest:
             break
         if _hopeful(judge, settings.pixel_format) and passes(settings):
