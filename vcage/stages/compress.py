@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
@@ -12,7 +13,7 @@ from tyro.conf import OmitArgPrefixes, arg
 from vcage.base.files import RunFolder
 from vcage.base.options import FOLDER, POSITIVE, UNSAID, Flag
 from vcage.base.progress import Progress, silent
-from vcage.datasets.packing.agreement import agreed_by
+from vcage.datasets.packing.agreement import Bound, agreed_by
 from vcage.datasets.packing.dataset_search import search_data_set
 from vcage.datasets.packing.settings import CompressionSettings
 from vcage.datasets.packing.writing import compression_record
@@ -20,6 +21,7 @@ from vcage.runs.accepted import acceptance_files, no_episode_counts, remove_expo
 from vcage.runs.context import StageContext
 from vcage.runs.edits import Editable
 from vcage.runs.raw_pictures import (
+    EpisodeFile,
     accepted_files,
     clips_of,
     earlier_videos,
@@ -32,10 +34,14 @@ from vcage.runs.raw_pictures import (
 from vcage.runs.stage import Job, StageOptions, StageResult, stage_seed
 from vcage.runs.taken_crfs import begun_at, bound_of, judged
 from vcage.schema.base import Provenance
-from vcage.schema.compression import Compression
+from vcage.schema.compression import Compression, VideoStream
 
 WORKING = "compress.working"
 """Folder of the run in which videos gather; an interrupted stage goes on there."""
+
+
+Videos = dict[tuple[str, str], tuple[Path, VideoStream]]
+"""(episode, camera) → a video's file and record."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -101,23 +107,12 @@ def execute(
     def make(folder: Path, provenance: Provenance) -> Compression:
         before, settings = made_with(run, stage.options), options.compression
         aside = {} if before is None else set_aside(run, before, files)
-        earlier, clips = earlier_videos(run, files, provenance), clips_of(files)
+        earlier = earlier_videos(run, files, provenance)
         own = agreed_by(stream for _, stream in earlier.values())
         begun = begun_at(run, options.crf_of, settings, before, own)
         agreed = {camera: bound_of(one) for camera, one in begun.items()} | own
-        workers = options.workers
-        found = (
-            search_data_set(clips, settings, working, agreed=agreed, workers=workers, progress=progress)
-            if clips
-            else {}
-        )
-        names = {file.path.stem: file.name for file in files}
-        videos = {(names[name], camera): (video.file, video.stream) for (name, camera), video in found.items()}
-        streams = []
-        for (episode, _), (video, stream) in sorted((videos | earlier).items()):
-            file = Path(stream.file).name
-            shutil.copyfile(video, folder / file)
-            streams.append(stream.model_copy(update={"episode": episode, "file": stage.inside(file)}))
+        found = _searched(files, options, working, agreed, progress)
+        streams = _copied(found | earlier, stage, folder)
         packed = packed_hashes(files, streams, working)
         taken = judged(begun.values(), streams)
         return compression_record(provenance, settings, streams, taken_crfs=taken, packed=packed, set_aside=aside)
@@ -130,6 +125,29 @@ def execute(
         link_videos(run, files, result.record, working)
     shutil.rmtree(working, ignore_errors=True)  # not before the stage is whole: a search takes long
     return result
+
+
+def _searched(
+    files: Sequence[EpisodeFile], options: Options, working: Path, agreed: Mapping[str, Bound], progress: Progress
+) -> Videos:
+    """Search and encode the videos of episodes with raw pictures."""
+    if not (clips := clips_of(files)):
+        return {}
+    found = search_data_set(
+        clips, options.compression, working, agreed=agreed, workers=options.workers, progress=progress
+    )
+    names = {file.path.stem: file.name for file in files}
+    return {(names[name], camera): (video.file, video.stream) for (name, camera), video in found.items()}
+
+
+def _copied(videos: Videos, stage: Job, folder: Path) -> list[VideoStream]:
+    """Copy videos into the folder of the stage; return their records, which name the copies."""
+    streams = []
+    for (episode, _), (video, stream) in sorted(videos.items()):
+        file = Path(stream.file).name
+        shutil.copyfile(video, folder / file)
+        streams.append(stream.model_copy(update={"episode": episode, "file": stage.inside(file)}))
+    return streams
 
 
 EDITABLE = Editable(Compression)
