@@ -54,6 +54,16 @@ def test_two_drivers_at_once_are_refused(path: Path, tmp_path: Path, capsys, opt
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.parametrize("option", ["--slurm", "--k8s"])
+def test_a_retry_is_refused_where_a_script_is_written_and_no_job_is_run(
+    path: Path, tmp_path: Path, capsys, option: str
+):
+    done = command(capsys, "campaign", path, "--out", tmp_path / "out", option, "2", "--retry")
+    assert (done.code, done.error["code"]) == (2, "usage")
+    assert f"--retry and {option} cannot be given together" in done.error["message"]
+    assert not (tmp_path / "out").exists()
+
+
 @pytest.mark.parametrize("dry", [[], ["--dry-run"]])
 @pytest.mark.parametrize("out", ["", "PLAN.yml"])
 def test_a_folder_with_something_else_in_it_or_a_file_is_refused(

@@ -1,4 +1,4 @@
-"""``vcage campaign`` and ``vcage status``: many runs by one plan, and how they stand."""
+"""``vcage campaign`` and ``vcage status``: many runs by one plan, and their progress."""
 
 from __future__ import annotations
 
@@ -85,9 +85,9 @@ class Campaign(Command):
     k8s: Annotated[int | None, POSITIVE, UNSAID] = None
     """run nothing, and write a Job of Kubernetes with so many indices"""
     retry: Flag = False
-    """try jobs again that failed or were given up"""
+    """first try jobs again that failed or were given up"""
     dry_run: Flag = False
-    """say what would be done, and what it would take; do nothing"""
+    """check the plan and estimate what it will take; do nothing"""
 
     def execute(self) -> Result:
         """Run the jobs, or write what a scheduler takes."""
@@ -113,10 +113,10 @@ class Campaign(Command):
         return self._report(schedule)
 
     def _require_one_driver(self) -> None:
-        """Refuse options of which each shares the jobs out in another way.
+        """Refuse several options that each share the jobs out, and a retry where no job is run.
 
         Raises:
-            UsageError: two of them are given.
+            UsageError: more than one is given, or ``--retry`` with one that writes a script.
         """
         ways = {"--ray": self.ray, "--shard": self.shard, "--slurm": self.slurm, "--k8s": self.k8s}
         given = [name for name, value in ways.items() if value is not None]
@@ -124,6 +124,11 @@ class Campaign(Command):
             raise UsageError(
                 f"{' and '.join(given)} cannot be given together: each shares the jobs out itself",
                 hint=f"leave out {' and '.join(given[1:])}",
+            )
+        if self.retry and (self.slurm or self.k8s):
+            raise UsageError(
+                f"--retry and {given[0]} cannot be given together: {given[0]} runs no job",
+                hint=f"run the command with --retry and without {given[0]} first, or leave out --retry",
             )
 
     def _report(self, schedule: Schedule) -> Result:
@@ -186,9 +191,9 @@ def _too_few(status: Status, folder: CampaignFolder) -> TooFewVerified | None:
 
 @dataclass(frozen=True, kw_only=True)
 class CampaignStatus(Command):
-    """Say how a campaign stands: per cell what is asked, runs, is accepted, rejected and left; what models cost.
+    """Report on a campaign: episodes of each cell that are asked for, verified, rejected and left; the cost of models.
 
-    Reads the records of jobs only, so it may be run at any time, on any machine that sees the folder.
+    It reads the records of jobs only, so it may be run at any time, on any machine that sees the folder.
 
     examples:
       vcage status campaigns/desk
@@ -198,14 +203,14 @@ class CampaignStatus(Command):
     folder: Annotated[Path, FOLDER, Positional, arg(metavar="DIR")]
     """the folder of the campaign"""
     html: Flag = False
-    """write status.html too: acceptance, reasons, the critic's counts, spread, speed, bytes"""
+    """write status.html too: acceptance, reasons of rejections, errors of the critic, speed, disk"""
     watch: Flag = False
-    """look again until the campaign has ended"""
+    """repeat until the campaign has ended"""
     every: Annotated[float, between(0.1, 3600, "SECONDS")] = 5.0
-    """seconds between two looks"""
+    """seconds between two reports"""
 
     def execute(self) -> Result:
-        """Look, and print a table."""
+        """Print a table, once or until the end."""
         from vcage.campaigns.folder import CampaignFolder
         from vcage.campaigns.status import status_of, table, write_page
 

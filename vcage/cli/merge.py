@@ -23,9 +23,9 @@ class MergeRuns(Command):
     """Write one LeRobot data set of all accepted episodes of many runs, or add them to it.
 
     Each DIR is a run folder, or contains run folders at any depth, as a campaign does; other folders are passed over.
-    The videos are those of `vcage compress`, linked where the disk allows it. An episode is added once, whether its run
-    is given again, copied, simulated or rendered again. So the same command goes on after an interruption, and adds
-    what has come since. What is damaged is left out, and named in OUT/merge.json.
+    The videos are those of `vcage compress`, linked where the disk allows it. Each episode is added once, even where
+    its run is given again, copied, simulated or rendered again. So the same command continues after an interruption,
+    and adds new episodes. Damaged ones are left out, and named in OUT/merge.json.
     Runs of several robots, frame rates, codecs or sets of cameras are refused, or with --group get a data set each.
 
     examples:
@@ -41,7 +41,7 @@ class MergeRuns(Command):
     formats: Annotated[tuple[str, ...], several("{" + ",".join(FORMATS) + "} ...", choices=tuple(FORMATS))] = (
         "lerobot-v3.0",
     )
-    """what to write"""
+    """formats of the data sets"""
     test: Annotated[float, between(0, 0.9, "SHARE")] = 0.0
     """share of the runs that are held out: their episodes come last, as the split 'test'"""
     group: Flag = False
