@@ -9,7 +9,7 @@ import re
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -46,9 +46,9 @@ class KilledCampaign:
     nodes: RayNodes | None = None
     program: Sequence[str] = PROGRAM
     complaints: list[str] = field(default_factory=list)
-    """The last words of commands that ended by themselves with an error,"""
+    """The last lines of commands that ended by themselves with an error,"""
     unexpected: list[str] = field(default_factory=list)
-    """and of those for which there was no reason."""
+    """and of those that no kill explains."""
     _head_lost: bool = False
     _running: dict[int, subprocess.Popen[str]] = field(default_factory=dict)
 
@@ -78,9 +78,9 @@ class KilledCampaign:
         for index, process in list(self._running.items()):
             if process.poll() is not None:
                 del self._running[index]
-                _, said = process.communicate()
+                _, stderr = process.communicate()
                 if process.returncode:
-                    self.complaints.append(f"exit {process.returncode}: {' '.join(said.splitlines()[-1:])}")
+                    self.complaints.append(f"exit {process.returncode}: {' '.join(stderr.splitlines()[-1:])}")
                 if process.returncode not in (0, 7, 6 if self._head_lost else 0):
                     self.unexpected += self.complaints[-1:]
         return bool(self._running)
@@ -89,17 +89,13 @@ class KilledCampaign:
         """The next victim."""
         return str(rng.choice([*self.victims], p=[*self.victims.values()]))
 
-    def at_work(self) -> dict[str, int]:
-        """Jobs at work → the processes that run them."""
-        return at_work(self.out)
-
     def kill(self, victim: str, rng: np.random.Generator) -> list[str] | None:
         """Kill a victim by SIGKILL, and start another where it does not end the command.
 
         Returns:
             The jobs that it had at work; None if there is no such process now.
         """
-        found = self._killed(victim, self.at_work(), rng)
+        found = self._killed(victim, at_work(self.out), rng)
         if found is not None and victim in (DRIVER, NODE):
             self.start()
         return found
@@ -148,18 +144,16 @@ class KilledCampaign:
 
 def at_work(out: Path) -> dict[str, int]:
     """Jobs of a campaign at work → the processes below this one that run them."""
-    return dict(_holders(out))
-
-
-def _holders(out: Path) -> Iterator[tuple[str, int]]:
+    found = {}
     ours = {one.pid for one in psutil.Process().children(recursive=True)}
     for path in CampaignFolder(out).begun():
         with contextlib.suppress(OSError, ValueError):
             tries = json.loads(path.with_suffix(".tries.json").read_text(encoding="utf-8"))
-            found = re.match(r"process (\d+) on ", path.read_text(encoding="utf-8"))
+            holder = re.match(r"process (\d+) on ", path.read_text(encoding="utf-8"))
             # A driver that notes the loss of a job holds it for a moment, and leaves its own number there.
-            if tries["open"] and found and int(found[1]) in ours:
-                yield path.relative_to(out / "jobs").with_suffix("").as_posix(), int(found[1])
+            if tries["open"] and holder and int(holder[1]) in ours:
+                found[path.relative_to(out / "jobs").with_suffix("").as_posix()] = int(holder[1])
+    return found
 
 
 def _below(number: int) -> list[psutil.Process]:
@@ -192,4 +186,4 @@ class Settled:
 
     def states(self) -> dict[str, str]:
         """Job → the state in its record."""
-        return {f"{record.cell}/{record.number:04d}": record.state for record in self._folder.records()}
+        return {record.job_id: record.state for record in self._folder.records()}

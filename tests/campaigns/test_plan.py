@@ -108,7 +108,7 @@ def test_a_long_instruction_gives_a_short_folder_name(tmp_path: Path):
         ({"options": {"fps": 7}}, "field options.fps: .*7"),
         ({"options": {"fps": [5, 10]}}, "field options.fps: fps takes one value, not"),
         ({"options": {"crf": "small"}}, "field options.crf: .*small"),
-        ({"options": {"episodes": 7}}, "field options.episodes: episodes is not said here"),
+        ({"options": {"episodes": 7}}, "field options.episodes: episodes does not belong here"),
         ({"options": {"crf_of": "runs/blocks"}}, "field options.crf_of: unknown option 'crf_of'"),
         ({"options": {"models": "agent"}}, "field options.models: agent cannot answer in a campaign"),
         ({"layouts": ["fixed"], "looks": ["full"]}, "field looks.0: .*layouts that are drawn, not layouts fixed"),

@@ -1,4 +1,4 @@
-"""What a plan will take: CPU hours, hours, bytes, files, memory and money, from the measured cost of an episode."""
+"""Estimate of a plan: CPU hours, hours, bytes, files, memory and money, from the measured cost of an episode."""
 
 from __future__ import annotations
 
@@ -130,8 +130,8 @@ class Estimate:
         lines = ["  ".join((name.ljust(widths[0]), *map(str.rjust, cells, widths[1:]))) for name, *cells in rows]
         many = " (of a scene that is done whole, more)" if any(task.all_subtasks for task in self.plan.tasks) else ""
         head = f"{self.plan.name}: {found['cells']:,} cells, {found['jobs']:,} jobs, {found['episodes']:,} episodes"
-        said = [f"{head}{many}, {found['left']:,} left", f"unit costs: {costs.source}", ""]
-        return "\n".join([*said, *lines])
+        above = [f"{head}{many}, {found['left']:,} left", f"unit costs: {costs.source}", ""]
+        return "\n".join([*above, *lines])
 
 
 def _time(hours: float) -> str:

@@ -39,8 +39,8 @@ class CampaignFolder:
         return str(self.root)
 
     plan_file = property(lambda self: self.root / PLAN)
-    exchanges = property(lambda self: self.root / "exchanges", doc="The folder of what models were asked by all jobs.")
-    bill = property(lambda self: self.exchanges / "bill.jsonl", doc="What these cost.")
+    exchanges = property(lambda self: self.root / "exchanges", doc="The folder of all jobs' exchanges with models.")
+    bill = property(lambda self: self.exchanges / "bill.jsonl", doc="The file with their costs.")
     page = property(lambda self: self.root / "status.html")
 
     @property
@@ -56,7 +56,7 @@ class CampaignFolder:
         return _loaded(self.plan_file, self.plan_file.stat().st_mtime_ns)
 
     def begin(self, plan: Plan) -> Plan:
-        """Keep a plan in the folder, as it is or in place of an earlier one that it continues.
+        """Write a plan into the folder, new or in place of an earlier one that it continues.
 
         Returns:
             The plan as it was read back, which every later process reads too.
@@ -69,8 +69,8 @@ class CampaignFolder:
         RunFolder(self.root).make()
         with one_at_a_time(self.plan_file):
             self.require_fit(plan)
-            said = plan.model_dump(mode="json", by_alias=True, exclude_defaults=True)
-            text = yaml.safe_dump({"schema": Plan.SCHEMA} | said, sort_keys=False, allow_unicode=True, width=120)
+            keys = plan.model_dump(mode="json", by_alias=True, exclude_defaults=True)
+            text = yaml.safe_dump({"schema": Plan.SCHEMA} | keys, sort_keys=False, allow_unicode=True, width=120)
             if not self.plan_file.exists() or self.plan_file.read_text(encoding="utf-8") != text:
                 write_text(self.plan_file, text)
         return self.plan
@@ -114,7 +114,7 @@ class CampaignFolder:
         """
         failed = [record for record in self.records() if record.state != "done"]
         for record in failed:
-            (self.root / "jobs" / f"{record.cell}/{record.number:04d}.job.json").unlink(missing_ok=True)
+            self._beside(record.job_id, "job.json").unlink(missing_ok=True)
         return len(failed)
 
     # --- jobs ---------------------------------------------------------------------------------------------
@@ -125,15 +125,18 @@ class CampaignFolder:
 
     def record_file(self, job: Job) -> Path:
         """The file of a job's record, beside its run folder."""
-        return self.root / "jobs" / f"{job.id}.job.json"
+        return self._beside(job.id, "job.json")
 
     def tries_file(self, job: Job) -> Path:
         """The file that counts its tries."""
-        return self.root / "jobs" / f"{job.id}.tries.json"
+        return self._beside(job.id, "tries.json")
 
     def beat_file(self, job: Job) -> Path:
         """The file that is touched at every step, and locked by the process that runs the job."""
-        return self.root / "jobs" / f"{job.id}.beat"
+        return self._beside(job.id, "beat")
+
+    def _beside(self, job: str, ending: str) -> Path:
+        return self.root / "jobs" / f"{job}.{ending}"
 
     def record(self, job: Job) -> JobRecord | None:
         """The record of a job; None while it is not settled, or asked for fewer episodes than there should be now.
@@ -179,7 +182,7 @@ class CampaignFolder:
         return Tries()
 
     def note_tries(self, job: Job, tries: Tries) -> None:
-        """Keep the tries of a job."""
+        """Write down the tries of a job."""
         write_json(self.tries_file(job), tries.model_dump(mode="json"))
 
     @contextlib.contextmanager
@@ -239,4 +242,4 @@ def _record(path: Path) -> JobRecord:
 
 @lru_cache(maxsize=4)
 def _loaded(path: Path, _changed_ns: int) -> Plan:
-    return Plan.load(path, check=False)  # it was checked before it was kept
+    return Plan.load(path, check=False)  # it was checked before it was written

@@ -96,7 +96,7 @@ def lost_job(root: Path, job: Job, how: str) -> Outcome:
             lost = JobError(code="lost", message=f"its process {how}")
             tries = tries.model_copy(update={"error": lost, "open": False})
             folder.note_tries(job, tries)
-            if tries.count >= folder.plan.limits.tries and _reached(folder.run(job)) <= tries.reached:
+            if _is_last(folder, job, tries):
                 return Outcome(job, _given_up(folder, job, tries))
     except VcageError as other:
         error = other
@@ -137,8 +137,9 @@ def _try(folder: CampaignFolder, job: Job) -> Outcome:
     if error is not None and meaning is Meaning.AGAIN:
         return _again(folder, job, tries, error)
     spent = {"seconds": round(time.perf_counter() - wall, 3), "cpu_seconds": round(_cpu_seconds() - cpu, 3)}
-    state, kept = ("done", None) if meaning is Meaning.RESULT else ("failed", error)
-    return Outcome(job, _settle(folder, job, tries, state, kept, spent))
+    if meaning is Meaning.RESULT:
+        return Outcome(job, _settle(folder, job, tries, "done", None, spent))
+    return Outcome(job, _settle(folder, job, tries, "failed", error, spent))
 
 
 def _next_try(folder: CampaignFolder, job: Job, before: Tries) -> Tries:
@@ -164,7 +165,7 @@ def _run(folder: CampaignFolder, plan: Plan, job: Job) -> None:
         options = replace(options, crf_of=first.root)
 
     def wait(seconds: float, step_s: float = 20.0) -> None:
-        """Wait for a turn to ask, which is no reason to be taken for hanging."""
+        """Wait for a turn to ask; beats, lest the job seems to hang."""
         end = time.monotonic() + seconds
         while (left := end - time.monotonic()) > 0:
             folder.beat(job)
@@ -185,13 +186,18 @@ def _run(folder: CampaignFolder, plan: Plan, job: Job) -> None:
 
 
 def _again(folder: CampaignFolder, job: Job, tries: Tries, error: Exception) -> Outcome:
-    """Keep the error of a try that may go better another time, or give the job up."""
+    """Note the error of a try that may go better another time, or give the job up."""
     tries = tries.model_copy(update={"error": named(error), "open": False})
     folder.note_tries(job, tries)
-    if tries.count >= folder.plan.limits.tries and _reached(folder.run(job)) <= tries.reached:
+    if _is_last(folder, job, tries):
         return Outcome(job, _given_up(folder, job, tries))
-    kept = error if isinstance(error, VcageError) else PartlyDone(f"{job.id}: {named(error).message}")
-    return Outcome(job, error=kept)
+    reason = error if isinstance(error, VcageError) else PartlyDone(f"{job.id}: {named(error).message}")
+    return Outcome(job, error=reason)
+
+
+def _is_last(folder: CampaignFolder, job: Job, tries: Tries) -> bool:
+    """True if the plan allows no further try after one that got no further."""
+    return tries.count >= folder.plan.limits.tries and _reached(folder.run(job)) <= tries.reached
 
 
 def _given_up(folder: CampaignFolder, job: Job, tries: Tries) -> JobRecord:
@@ -240,12 +246,12 @@ def _episodes(run: RunFolder, job: Job) -> dict[str, Any]:
     with contextlib.suppress(NotJudged):  # given up before verify
         refused = refusals(run)
     wanted = Wanted.of(job.episodes, Subtasks.read(run.subtasks))
-    kept = [episode for episode in found.episodes if episode.accepted and episode.file not in refused]
+    verified = [episode for episode in found.episodes if episode.accepted and episode.file not in refused]
     reasons = Counter(e.reason for e in found.episodes if not e.accepted)
     reasons.update(refused[str(e.file)] for e in found.episodes if e.accepted and e.file in refused)
     return {
         "asked": wanted.total,
-        "verified": len(kept),
+        "verified": len(verified),
         "tried": len(found.episodes),
         "attempts": found.attempts,
         "rejected": dict(sorted(reasons.items())),

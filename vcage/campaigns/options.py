@@ -33,7 +33,7 @@ ELSEWHERE = {
     "most_calls": "limits.calls",
     "most_usd": "limits.usd",
 }
-"""Option of the chain → the place in a plan, or on the command line, that says it instead."""
+"""Option of the chain → the place in a plan, or on the command line, where it is given instead."""
 
 REFUSED = ("crf_of", "force", "replay", "script", "target")
 """Options that concern one run."""
@@ -47,14 +47,14 @@ def options_of_plan(given: Mapping[str, Any]) -> ChainOptions:
 
     Raises:
         UnknownName: there is no such option.
-        UsageError: another field of the plan says it, a value is wrong, or an agent or a record shall answer.
+        UsageError: an option belongs to another field, a value is wrong, or an agent or a record is to answer.
     """
     known = {name: default for name, default in _names(ChainOptions) if name not in REFUSED}
     words = []
     for key, value in given.items():
         name = str(key).replace("-", "_")
         if name in ELSEWHERE:
-            raise UsageError(f"{key} is not said here", hint=f"say it with {ELSEWHERE[name]}")
+            raise UsageError(f"{key} does not belong here", hint=f"give it as {ELSEWHERE[name]}")
         if name not in known:
             raise UnknownName("option", str(key), known.keys() - ELSEWHERE.keys())
         own = _words(name, value) if value != known[name] else []
@@ -92,5 +92,5 @@ def _parsed(words: list[str]) -> ChainOptions:
             return tyro.cli(ChainOptions, args=words)
     except SystemExit:
         parts = re.split(r"\n *-{3,} *\n", complaint.getvalue())
-        said = " ".join(parts[min(1, len(parts) - 1)].split())
-        raise UsageError(said, hint="see", command=vcage_command("run", "--help")) from None
+        message = " ".join(parts[min(1, len(parts) - 1)].split())
+        raise UsageError(message, hint="see", command=vcage_command("run", "--help")) from None

@@ -34,7 +34,7 @@ MOST_SEED = 2**62
 Seed = Annotated[int, Field(ge=0, lt=2**63, strict=True)]
 Count = Annotated[int, Field(gt=0, le=10**9, strict=True)]
 
-EXPLAINED = "see docs/campaigns.md for what a plan says"
+EXPLAINED = "see docs/campaigns.md for the keys of a plan"
 
 
 class Task(Record):
@@ -76,10 +76,10 @@ class Limits(Record):
 
 
 class Gates(Record):
-    """When a cell is stopped."""
+    """The acceptance below which a cell is stopped."""
 
     acceptance: Finite = Field(gt=0, le=1, description="smallest share of accepted episodes")
-    after: Count = Field(description="episodes of a cell after which its share is looked at, once")
+    after: Count = Field(description="episodes of a cell after which its share is checked, once")
 
 
 class Cell(Record):
@@ -98,7 +98,7 @@ class Job(Record):
 
     Example:
         >>> Plan.load(Path("PLAN.yml")).jobs()[0].id
-        'put-two-blocks-on-the-plate_dual_panda_varied_light_0/0000'
+        'put-two-blocks-on-the-plate_dual-panda_varied_light_0/0000'
     """
 
     cell: Cell
@@ -109,7 +109,12 @@ class Job(Record):
     @property
     def id(self) -> str:
         """Its folder below ``jobs/``."""
-        return f"{self.cell.id}/{self.number:04d}"
+        return job_id(self.cell.id, self.number)
+
+
+def job_id(cell: str, number: int) -> str:
+    """The id of a job by the id of its cell and its number."""
+    return f"{cell}/{number:04d}"
 
 
 class Plan(Document):
@@ -211,19 +216,19 @@ class Plan(Document):
 
     @property
     def probes(self) -> int:
-        """The jobs of a cell, from the first on, by which its gate is decided; 0 without gates."""
+        """The number of first jobs of a cell that decide its gate; 0 without gates."""
         return 0 if self.gates is None else ceil(self.gates.after / self.episodes_per_job)
 
     @property
     def shares_crfs(self) -> bool:
         """True if the jobs of a cell begin at the CRFs that its first job finds.
 
-        Read from the options as they stand: to parse them takes all stages, which `vcage status` does without.
+        Read from the options as they stand: parsing them imports all stages, which `vcage status` does without.
         """
         return self.options.get("crf") is None and self.options.get("scope", "camera") == "camera"
 
     def deciding(self, number: int) -> int:
-        """The jobs of a cell, from the first on, that must be settled before the one with that number begins."""
+        """The number of first jobs of a cell that must be settled before the one with that number begins."""
         return max(count for count in (0, int(self.shares_crfs), self.probes) if count <= number)
 
     def index_of(self, job: Job) -> int:
@@ -280,7 +285,7 @@ class Plan(Document):
 
 
 def slug(text: str, most: int = 40) -> str:
-    """Text as a part of a folder's name; a long one, or one with other characters than its words, keeps a hash."""
+    """Text as a part of a folder's name; a hash is added where it is long or has no letter or digit of ASCII."""
     plain = re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")
     if len(plain) <= most and plain:
         return plain

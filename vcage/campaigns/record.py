@@ -6,7 +6,7 @@ from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from vcage.campaigns.plan import Seed
+from vcage.campaigns.plan import Seed, job_id
 from vcage.schema.base import Document, Finite, Record
 from vcage.schema.episodes import CriticCounts, Spread
 
@@ -16,7 +16,7 @@ would repeat; ``given_up``: too many tries ended without getting further."""
 
 
 class JobError(Record):
-    """Why a job is not done."""
+    """The reason why a job is not done."""
 
     code: str
     message: str
@@ -26,7 +26,7 @@ class JobRecord(Document):
     """``jobs/<cell>/<number>.job.json``: a settled job.
 
     Example:
-        >>> JobRecord.read(CampaignFolder("campaigns/desk").record("blocks_dual_panda_varied_light_0/0000")).verified
+        >>> JobRecord.read(Path("campaigns/desk/jobs/blocks_dual-panda_varied_light_0/0000.job.json")).verified
     """
 
     SCHEMA: ClassVar[str] = "vcage.job/1"
@@ -52,6 +52,11 @@ class JobRecord(Document):
     error: JobError | None = None
     host: str
     ended: str = Field(description="when, UTC, ISO 8601")
+
+    @property
+    def job_id(self) -> str:
+        """The id of its job."""
+        return job_id(self.cell, self.number)
 
 
 class Tries(Record):

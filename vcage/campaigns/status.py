@@ -90,7 +90,7 @@ def table(status: Status, most: int = 60) -> str:
         lines.append(f"… and {len(listed) - most} more cells")
     for record in status.not_done[:10]:
         assert record.error is not None
-        lines.append(f"{record.state.replace('_', ' ')}: {record.cell}/{record.number:04d}: {record.error.message}")
+        lines.append(f"{record.state.replace('_', ' ')}: {record.job_id}: {record.error.message}")
     return "\n".join(lines)
 
 

@@ -53,7 +53,7 @@ def problems_of_fields(path: Path, data: Any, error: ValidationError, kind: type
     for place, expected in found.items():
         if any(other != place and other[: len(place)] == place for other in found):
             continue  # another form of a field that is wrong further inside
-        problems.append(Problem(path, ".".join(map(str, place)), _said(place, values[place], expected, kind)))
+        problems.append(Problem(path, ".".join(map(str, place)), _sentence(place, values[place], expected, kind)))
     return problems
 
 
@@ -78,8 +78,8 @@ def _expectation(code: str, message: str, limits: Mapping[str, Any]) -> str:
     return next(known, message.removeprefix("Value error, expected "))
 
 
-def _said(place: Sequence[str | int], value: Any, expected: Sequence[str], kind: type[BaseModel]) -> str:
-    """One sentence about a field."""
+def _sentence(place: Sequence[str | int], value: Any, expected: Sequence[str], kind: type[BaseModel]) -> str:
+    """The error of a field in words."""
     if expected[0] == "missing":
         return "missing"
     if expected[0] == "extra_forbidden":

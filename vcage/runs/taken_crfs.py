@@ -1,4 +1,4 @@
-"""CRFs that a run takes over from another one, whose episodes are alike: they are checked, and spare it the search."""
+"""CRFs that a run takes over from another one, whose episodes are alike: it checks them, and saves the search."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from vcage.video.choices import LOSSLESS
 
 
 def crfs_of(other: Path, settings: CompressionSettings) -> dict[str, Bound]:
-    """Return camera → what the episodes of another run agreed on; without cameras that are lossless there.
+    """Return camera → the agreement of another run's episodes; without cameras that are lossless there.
 
     Args:
         other: the folder of that run.
@@ -35,9 +35,9 @@ def crfs_of(other: Path, settings: CompressionSettings) -> dict[str, Bound]:
     record = Compression.read(RunFolder(other).compression)
     found, ours = record.provenance.options, settings.options()
     if differing := [name for name in sorted(found.keys() & ours.keys()) if found[name] != ours[name]]:
-        said = ", ".join(f"{name} {found[name]}, not {ours[name]}" for name in differing)
+        differ = ", ".join(f"{name} {found[name]}, not {ours[name]}" for name in differing)
         raise UsageError(
-            f"{other} was compressed with other options: {said}", hint="give the same options, or leave out --crf-of"
+            f"{other} was compressed with other options: {differ}", hint="give the same options, or leave out --crf-of"
         )
     return {camera: bound for camera, bound in agreed_by(record.streams).items() if bound.crf != LOSSLESS}
 
@@ -68,12 +68,12 @@ def begun_at(
 
 
 def bound_of(taken: TakenCrf) -> Bound:
-    """Return what the search of a camera begins at."""
+    """Return the agreement at which the search of a camera begins."""
     return Bound(taken.pixel_format, taken.gop, taken.crf)
 
 
 def judged(begun: Iterable[TakenCrf], streams: Iterable[VideoStream]) -> list[TakenCrf]:
-    """Return the record of what was taken over, by the videos that came of it; without cameras that have none."""
+    """Return the record of the CRFs taken over, judged by the videos; without cameras that have none."""
     videos = list(streams)
     found = []
     for one in sorted(begun, key=lambda one: one.camera):
