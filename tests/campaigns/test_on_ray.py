@@ -123,7 +123,7 @@ def actors() -> list[psutil.Process]:
 def test_an_address_is_checked_where_it_is_given():
     assert address_of("auto") == "auto"
     assert address_of("10.0.0.1:6379") == "10.0.0.1:6379"
-    for wrong in ("ray://10.0.0.1:10001", "10.0.0.1", "head:"):
+    for wrong in ("ray://10.0.0.1:10001", "10.0.0.1", "head:", "head:65536"):
         with pytest.raises(ValueError, match="expected auto, or HOST:PORT"):
             address_of(wrong)
 

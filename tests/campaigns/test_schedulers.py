@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shlex
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import yaml
@@ -31,6 +32,11 @@ def test_a_task_of_the_slurm_array_runs_its_shard(tmp_path: Path):
     expected = ["campaign", str(out / "plan.yml"), "--out", str(out), "--workers", "4", "--shard", "5/8"]
     assert said.splitlines() == expected
     assert "#SBATCH --array=0-7\n#SBATCH --cpus-per-task=4\n#SBATCH --mem=8G\n" in script.read_text()
+
+
+def test_a_name_that_kubernetes_would_refuse_is_mended(tmp_path: Path):
+    document = yaml.safe_load(kubernetes_job(replace(job(tmp_path), name="a" * 51 + "_b")))
+    assert document["metadata"]["name"] == "a" * 51
 
 
 def test_an_index_of_the_kubernetes_job_runs_its_shard(tmp_path: Path):

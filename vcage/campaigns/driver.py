@@ -1,6 +1,6 @@
 """The loop that all drivers share, and the driver that runs jobs in processes of this machine.
 
-What is done lies in the folder of the campaign alone, so any driver may be killed, and any other go on.
+All progress lies in the folder of the campaign, so any driver may be killed, and any other go on.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def work_through(schedule: Schedule, crew: Crew, width: int | Callable[[], int],
     Args:
         schedule: of the driver.
         crew: runs them.
-        width: jobs that it is given at a time, or what tells their number now.
+        width: number of jobs at a time, or a function that returns it.
         progress: called before each job.
     """
     running: dict[str, Job] = {}
@@ -83,7 +83,7 @@ def run_here(
         work: runs a job in a process.
 
     Returns:
-        The schedule, with what is left.
+        The schedule, with the jobs that are left.
 
     Raises:
         InputFileError: the plan, or a record, cannot be read.
@@ -103,6 +103,6 @@ def workers_here(memory_bytes: int = 1_200_000_000) -> int:
     """Processes that this machine has cores and memory for.
 
     Args:
-        memory_bytes: free memory for each process; measured, one takes 0.94 GB at most.
+        memory_bytes: free memory for each process; measured, one takes 1.0 GB at most (``unit_costs.yml``).
     """
     return max(1, min(cores(), free_memory() // memory_bytes))

@@ -10,12 +10,12 @@ from vcage.campaigns.plan import Job, Plan
 
 
 class HangWatch:
-    """Tells how long a job may still be silent. It compares a job's beats only with each other, and measures time by
-    this process's own monotonic clock, so that neither a clock that jumps nor one of another machine matters.
+    """Limits how long a job may be silent. It compares a job's beats only with each other, and measures time by this
+    process's own monotonic clock, so that neither a clock that jumps nor one of another machine matters.
 
     Args:
         root: the folder of the campaign.
-        look_every_s: at most so long between two looks.
+        look_every_s: longest time between two looks.
     """
 
     def __init__(self, root: Path, look_every_s: float = 10.0):

@@ -1,4 +1,4 @@
-"""Errors that end a try of a job, and what they say about the job."""
+"""Errors that end a try of a job, and their meaning for the job."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Meaning(Enum):
 
 
 def meaning_of(error: Exception, run: RunFolder) -> Meaning:
-    """Tell what an error of the chain means.
+    """Tell a job's result from errors of the job and of its machine.
 
     Args:
         error: raised by it.
@@ -63,7 +63,7 @@ def named(error: Exception) -> JobError:
 
 
 def of_the_system(error: OSError) -> VcageError:
-    """An error of the system's, as drivers take it."""
+    """An error of the operating system, as drivers take it."""
     if error.errno in NO_ROOM:
         return DiskFull(f"no space left: {error}", hint="free some space and run the same command again")
     return OutputFolderError(f"cannot write: {error}", hint="make the folder of the campaign writable")

@@ -1,6 +1,6 @@
 """The driver that runs jobs on a Ray cluster: one actor, with one renderer, for each job that runs at a time.
 
-Actors are told paths and return records; all else lies in the folder of the campaign, which every node must see.
+Actors get paths and return records; all else lies in the folder of the campaign, which every node must see.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ logger = logging.getLogger(__name__)
 
 @dataclass(eq=False)
 class _Worker:
-    """An actor: what it was asked last, and since when (:func:`time.monotonic`)."""
+    """An actor, its last unanswered call, and its job since when (:func:`time.monotonic`)."""
 
     actor: Any
     asked: Any
@@ -46,8 +46,8 @@ class _Worker:
 class RayCrew:
     """Actors of a cluster, as many as it has processors, each on one job at a time.
 
-    An actor is asked first whether it sees the same folder by the same version of vcage. A node where that is not so is
-    named, and gets no job.
+    Each actor first reports its version of vcage and leaves a mark in the folder of the campaign. A node with another
+    version or another folder is named, and gets no job.
 
     Args:
         ray: the module, connected.
@@ -73,7 +73,7 @@ class RayCrew:
         self._workers: list[_Worker] = []
         self._unfit: dict[str, str] = {}
         self._unborn = 0
-        self._began, self._told = time.monotonic(), False
+        self._began, self._warned = time.monotonic(), False
 
     def __enter__(self) -> Self:
         self._employ()
@@ -101,7 +101,7 @@ class RayCrew:
             if time.monotonic() - looked >= self._settings.look_every_s:
                 require_head(self._head)
                 self._employ()
-                self._tell_of_waiting()
+                self._warn_of_waiting()
                 looked = time.monotonic()
             self._begin()
             yield from self._stranded.outcomes()
@@ -113,17 +113,17 @@ class RayCrew:
                 self._lost(worker, f"gave no sign of life and was ended after {seconds:.0f} s")
 
     def room(self) -> int:
-        """Jobs that it can be given at a time, as nodes come."""
+        """Number of jobs to submit at a time; it changes as nodes come and go."""
         return len(self._workers)
 
     @property
     def processors(self) -> int:
-        """Of the nodes that can run jobs."""
+        """Processors of the nodes that can run jobs."""
         nodes = [node for node in self._ray.nodes() if node["Alive"] and node["NodeID"] not in self._unfit]
         return sum(int(node["Resources"].get("CPU", 0)) for node in nodes)
 
     def _employ(self) -> None:
-        """Have as many actors as there are processors, or as were asked for; those without a place wait for one."""
+        """Add actors up to the number of processors, or of workers; those without a place wait for one."""
         wanted = self._most or max(self.processors, 1)
         while len(self._workers) < wanted:
             elsewhere = {"ray.io/node-id": f"!in({','.join(self._unfit)})"} if self._unfit else None
@@ -133,20 +133,20 @@ class RayCrew:
             actor = kind.remote(str(self._folder.root), CALLED.get() or "a campaign on Ray", __version__)
             self._workers.append(_Worker(actor, self._look_around(actor)))
 
-    def _tell_of_waiting(self) -> None:
-        """Say once that no actor has found a place."""
+    def _warn_of_waiting(self) -> None:
+        """Warn once if no actor finds a place."""
         if any(worker.ready for worker in self._workers):
-            self._told = True
-        elif not self._told and time.monotonic() - self._began > self._settings.told_after_s:
+            self._warned = True
+        elif not self._warned and time.monotonic() - self._began > self._settings.warn_after_s:
             free = self._ray.available_resources().get("CPU", 0)
             logger.warning(
                 "no worker has begun yet: of %d processors of the cluster %d are free", self.processors, free
             )
-            self._told = True
+            self._warned = True
 
     @staticmethod
     def _look_around(actor: Any) -> Any:
-        """Ask an actor what it sees, as soon as it has a place."""
+        """Let an actor examine its node, as soon as it has a place."""
         return actor.look_around.options(max_task_retries=-1).remote()
 
     def _begin(self) -> None:
@@ -171,10 +171,10 @@ class RayCrew:
         return [asked[one] for one in found]
 
     def _answer_of(self, worker: _Worker) -> Iterator[Outcome]:
-        """Take the answer of an actor: whether it is fit, or the outcome of its job."""
+        """Take the answer of an actor: its view of the node, or the outcome of its job."""
         try:
             answer = self._ray.get(worker.asked)
-        except self._ray.exceptions.RayTaskError as error:  # it cannot even read what it is told
+        except self._ray.exceptions.RayTaskError as error:  # it cannot even load its arguments
             self._dismiss(worker)
             hint = f"install vcage {__version__}, and what it needs, on every node"
             raise ConfigurationError(f"a Ray worker cannot run jobs: {last_line(error)}", hint=hint) from error
@@ -213,7 +213,7 @@ class RayCrew:
             worker.asked, worker.ready = self._look_around(worker.actor), False
 
     def _rest(self, worker: _Worker, outcome: Outcome) -> None:
-        """Let a node whose disk is full or that cannot write rest, lest it takes one job after the other."""
+        """Pause an actor whose disk is full or cannot be written, lest it takes one job after the other."""
         if not isinstance(outcome.error, DiskFull | OutputFolderError):
             worker.rest_s = 0.0
             return
@@ -221,7 +221,7 @@ class RayCrew:
         worker.rests_until = time.monotonic() + worker.rest_s
 
     def _reason_against(self, node: str, host: str, version: str, mark: str, fault: str) -> str:
-        """The reason why a node can run no jobs, by what an actor saw there; empty if it can."""
+        """The reason why a node can run no jobs, from an actor's view of it; empty if it can."""
         root = self._folder.root
         if version != __version__:
             return f"{host} ({node[:8]}): it has vcage {version}, not {__version__}"
@@ -232,12 +232,12 @@ class RayCrew:
             if time.monotonic() > end:
                 return f"{host} ({node[:8]}): {root} is another folder there"
             time.sleep(0.2)
-            root.touch()  # a file server's client then looks anew
+            root.touch()  # so that a file server's client reads the folder again
         (root / mark).unlink(missing_ok=True)
         return ""
 
     def _leave_out(self, worker: _Worker, node: str, reason: str) -> None:
-        """Give a node no job."""
+        """Name a node that can run no jobs, and use the others."""
         if node not in self._unfit:
             logger.warning("no job is given to a node of the Ray cluster: %s", reason)
             self._unfit[node] = reason
@@ -280,7 +280,7 @@ def run_on_ray(
         settings: of the driver.
 
     Returns:
-        The schedule, with what is left.
+        The schedule, with the jobs that are left.
 
     Raises:
         InputFileError: the plan, or a record, cannot be read.

@@ -1,4 +1,4 @@
-"""What runs on the nodes of a Ray cluster."""
+"""The actor that runs jobs on the nodes of a Ray cluster."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 def actor_class() -> type:
     """The class of the actors.
 
-    As it belongs to a function, Ray sends it whole, so that even a node without vcage can say what it lacks.
+    Ray sends a class of a function by value, so that even a node without vcage can report its lack.
     """
 
     class Worker:
@@ -16,7 +16,7 @@ def actor_class() -> type:
 
         Args:
             root: the folder of the campaign.
-            command: that the user gave, for those who find a folder in use.
+            command: that the user gave, for the error of a folder in use.
             version: of vcage in the driver.
         """
 
@@ -24,8 +24,8 @@ def actor_class() -> type:
             self._root, self._command, self._version, self._asked, self._mark = root, command, version, False, ""
 
         def look_around(self) -> dict[str, str]:
-            """Say what there is on this node: its id and name, the version of vcage, and the name of a file that was
-            written to the folder of the campaign, or what is wrong with that.
+            """Report on this node: its id and name, the version of vcage, and the name of a file that was written to
+            the folder of the campaign, or the fault of that.
             """
             import importlib
             import platform
@@ -53,7 +53,7 @@ def actor_class() -> type:
             return seen | {"mark": self._mark}
 
         def leave(self) -> None:
-            """Remove what was written for nobody to see."""
+            """Remove the file that :meth:`look_around` wrote."""
             import contextlib
             from pathlib import Path
 
@@ -61,7 +61,7 @@ def actor_class() -> type:
                 (Path(self._root) / self._mark).unlink()
 
         def run(self, work: Any, job: Any) -> Any:
-            """Run a job; None if nobody has asked this process yet what it sees."""
+            """Run a job; None if this process has not looked around yet."""
             if not self._asked:
                 return None
             from pathlib import Path

@@ -38,16 +38,16 @@ class RaySettings:
     """Settings of the driver.
 
     Args:
-        look_every_s: at most so long between two looks at the cluster.
+        look_every_s: longest time between two looks at the cluster.
         restarts: of an actor by Ray, before another takes its place.
-        freed_within_s: after which a lost actor should have let go of its job.
-        look_for_freed_s: between two looks whether it has.
-        rest_s: of an actor on whose node a disk is full, or the folder cannot be written; doubled each time,
+        freed_within_s: time within which a lost actor should release its job.
+        look_for_freed_s: time between two looks for the release.
+        rest_s: pause of an actor whose disk is full, or cannot write the folder; doubled each time,
         longest_rest_s: up to this.
-        unborn: actors in a row that ended before they could begin, after which the driver ends.
-        seen_within_s: after which a file that an actor wrote should be seen here.
+        unborn: actors in a row that end before they begin, after which the driver ends.
+        seen_within_s: time within which a file written by an actor should appear here.
         actor_bytes: free memory for each on a cluster of this machine alone; measured, one takes 1.41 GB at most.
-        told_after_s: after which it is said that no actor has found a place.
+        warn_after_s: time without any actor that has found a place, before a warning.
     """
 
     look_every_s: float = 5.0
@@ -59,7 +59,7 @@ class RaySettings:
     unborn: int = 5
     seen_within_s: float = 10.0
     actor_bytes: int = 1_600_000_000
-    told_after_s: float = 60.0
+    warn_after_s: float = 60.0
 
 
 SETTINGS = RaySettings()
@@ -71,7 +71,8 @@ def address_of(text: str) -> str:
     Raises:
         ValueError: it is neither ``auto`` nor ``HOST:PORT``.
     """
-    if text != AUTO and not re.fullmatch(r"[^\s:/]+:\d{1,5}", text):
+    found = re.fullmatch(r"[^\s:/]+:(\d{1,5})", text)
+    if text != AUTO and (found is None or int(found[1]) > 65535):
         raise ValueError(f"{text!r} is no address; expected {AUTO}, or HOST:PORT as `ray start --head` prints it")
     return text
 
@@ -99,11 +100,7 @@ def connected(address: str, cpus: int) -> Iterator[Any]:
         try:
             _join(ray, found, {} if found else started)
         except (ConnectionError, RuntimeError, ValueError) as error:
-            raise ClusterLost(
-                f"cannot join the Ray cluster at {found or 'this machine'}: {' '.join(str(error).split())[:400]}",
-                hint=f"make this machine a node of it, with the same versions of Python and Ray, and the same token if "
-                f"it has one (RAY_AUTH_MODE=token, ~/.ray/auth_token): ray start --address={found}",
-            ) from error
+            raise _not_joined(found, error) from error
         finally:
             for number, handler in handlers.items():
                 signal.signal(number, handler)
@@ -137,8 +134,22 @@ def _ray() -> Any:
         ray = importlib.import_module("ray")
     except ImportError as error:
         raise MissingDependency(f"Ray cannot be imported: {error}", command=pip_command("vcage[ray]")) from error
-    ray._private.worker._worker_logs_enabled = False  # it would print to stdout what the driver says in its own words
+    ray._private.worker._worker_logs_enabled = False  # they would go to stdout, beside the driver's own messages
     return ray
+
+
+def _not_joined(address: str | None, error: Exception) -> ClusterLost:
+    """The error of a cluster that cannot be joined, or not be started where there is no address."""
+    reason = " ".join(str(error).split())[:400]
+    if address is None:
+        return ClusterLost(
+            f"cannot start a Ray cluster on this machine: {reason}", hint="look into /tmp/ray, Ray's logs"
+        )
+    return ClusterLost(
+        f"cannot join the Ray cluster at {address}: {reason}",
+        hint="make this machine a node of it, with the same versions of Python and Ray, and the same token if "
+        f"it has one (RAY_AUTH_MODE=token, ~/.ray/auth_token): ray start --address={address}",
+    )
 
 
 def _join(ray: Any, address: str | None, started: dict[str, Any]) -> None:
@@ -153,7 +164,7 @@ def _join(ray: Any, address: str | None, started: dict[str, Any]) -> None:
             address=address or "local",
             log_to_driver=False,
             configure_logging=False,
-            # An actor without a GPU of its own shall see those that there are: they draw.
+            # Actors draw, so one without a GPU of its own must see those of its node.
             runtime_env={"env_vars": {"RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO": "0"}},
             **started,
         )
@@ -162,8 +173,8 @@ def _join(ray: Any, address: str | None, started: dict[str, Any]) -> None:
         init()
     except ConnectionError:
         tokens = importlib.import_module("ray._private.authentication.authentication_token_setup")
-        unsaid = address is not None and tokens.AUTH_MODE_ENV_VAR not in os.environ
-        if not unsaid or not tokens.maybe_enable_token_auth_if_token_available(warn_if_disabled=False):
+        may_use_token = address is not None and tokens.AUTH_MODE_ENV_VAR not in os.environ
+        if not may_use_token or not tokens.maybe_enable_token_auth_if_token_available(warn_if_disabled=False):
             raise
         init()
 

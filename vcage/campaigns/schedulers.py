@@ -61,7 +61,7 @@ def kubernetes_job(job: ShardedCommand) -> str:
 
     An index that ends with code 7, as jobs of others are not settled yet, is tried again later, up to the limit.
     """
-    name = job.name.replace("_", "-")[:52]
+    name = job.name.replace("_", "-")[:52].rstrip("-")  # a label of Kubernetes ends with a letter or digit
     words = ["vcage", *job.command[job.command.index("campaign") :], "--workers", str(job.workers)]
     script = f'exec {shlex.join(words)} --shard "$JOB_COMPLETION_INDEX/{job.shards}"'
     return f"""\

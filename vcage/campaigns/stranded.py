@@ -24,7 +24,7 @@ class _Lost:
 
 
 class Stranded:
-    """Waits for what is left of lost actors.
+    """Waits for the processes of lost actors to release their jobs.
 
     Such a process may run on, as on a node that lost the cluster: it settles its job, or ends. One that is silent for
     longer than any step takes, on a node that hangs, cannot be ended from here: the job is taken from it. Should it
@@ -33,7 +33,7 @@ class Stranded:
     Args:
         folder: of the campaign.
         watch: of the jobs.
-        freed_within_s: after which a process that was killed has let go of its job.
+        freed_within_s: time within which a process that was killed has released its job.
     """
 
     def __init__(self, folder: CampaignFolder, watch: HangWatch, freed_within_s: float):
