@@ -176,6 +176,18 @@ def test_a_job_that_ended_before_its_process_was_lost_stays_as_it_ended(tmp_path
     assert not folder.tries_file(job).exists()
 
 
+def test_a_disk_that_fails_while_a_loss_is_noted_leaves_the_job_open(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    folder = begun(tmp_path)
+
+    def refuse(*_: Any) -> None:
+        raise OSError(errno.EIO, os.strerror(errno.EIO))
+
+    monkeypatch.setattr(CampaignFolder, "note_tries", refuse)
+    assert lost_job(folder.root, folder.plan.jobs()[0], "was lost").of_the_machine
+    monkeypatch.undo()
+    assert record(run(folder)).state == "done"
+
+
 def test_tries_that_were_begun_by_processes_that_are_gone_count(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     folder = begun(tmp_path, limits={"tries": 3})
 

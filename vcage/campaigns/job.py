@@ -99,7 +99,9 @@ def lost_job(root: Path, job: Job, how: str) -> Outcome:
             if _is_last(folder, job, tries):
                 return Outcome(job, _given_up(folder, job, tries))
     except VcageError as other:
-        error = other
+        return Outcome(job, error=other)
+    except OSError as other:
+        return Outcome(job, error=of_the_system(other))
     return Outcome(job, error=error)
 
 
