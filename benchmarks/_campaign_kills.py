@@ -1,4 +1,4 @@
-"""Campaigns by each driver, whose processes are killed: their commands, their victims, and what was at work."""
+"""A campaign whose processes are killed: its commands, its victims, and the jobs at work."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class KilledCampaign:
 
     @property
     def victims(self) -> dict[str, float]:
-        """What may be killed → its share of kills."""
+        """Victim → its share of kills."""
         return {WORKER: 0.7, DRIVER: 0.3} if self.nodes is None else {WORKER: 0.5, DRIVER: 0.25, NODE: 0.2, HEAD: 0.05}
 
     def start(self) -> None:
@@ -113,7 +113,7 @@ class KilledCampaign:
         return None if killed is None else [job for job, process in jobs.items() if process in killed]
 
     def end(self) -> None:
-        """Kill whatever is left."""
+        """Kill the remaining processes."""
         for process in self._running.values():
             for one in (*_below(process.pid), process):
                 with contextlib.suppress(psutil.NoSuchProcess):
@@ -164,7 +164,7 @@ def _below(number: int) -> list[psutil.Process]:
 
 
 class Settled:
-    """Watches the records of jobs, and tells which were settled more than once.
+    """Watches the records of jobs for those that are settled more than once.
 
     Args:
         out: the folder of the campaign.

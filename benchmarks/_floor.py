@@ -1,9 +1,12 @@
 """Draw the accepted episodes of a run once and encode them once: no data set with these videos can cost less.
 
-A process of its own (``python -m benchmarks._floor RUN``) that prints a JSON object on its last line: wall and CPU
-seconds of ``draw`` (worlds built from the recorded start and look, and the pictures of all states from all cameras) and
-``encode`` (each camera's pictures, with the encoder, settings and CRF of the run). Neither has what a process does
-once: Python's start, imports, files read, the first picture with its shaders, which is thrown away.
+``python -m benchmarks._floor RUN`` is a process of its own. It prints a JSON object on its last line, with wall and CPU
+seconds of two parts:
+
+- ``draw``: worlds built from the recorded start and look, and the pictures of all states from all cameras;
+- ``encode``: each camera's pictures, with the encoder, settings and CRF of the run.
+
+Neither includes the fixed cost of a process: Python's start, imports, files read, and a first picture with its shaders.
 """
 
 from __future__ import annotations

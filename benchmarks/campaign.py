@@ -46,11 +46,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(quick: bool, jobs: int, episodes: int, drivers: list[str]) -> dict[str, Any]:
     """Run the same campaign, from its start to its end, by each driver with one and with two workers.
 
-    Each row: ``verified`` episodes, ``seconds`` of the whole command and ``cpu_seconds`` of all its processes, those of
-    Ray included; ``per_hour``; ``cpu_s_per_episode``; ``first_compress_s``, wall time of compression in the job that
-    searches CRFs, and ``later_compress_s``, the mean of those that take them over; ``crfs_taken``, of cameras of these
-    jobs, and ``crfs_passed``; ``job_cpu_s``, the part of jobs by their records; ``mb_per_episode`` and
-    ``files_per_episode`` of their run folders; ``worker_mb``, the largest memory of a process that ran jobs.
+    Figures of each row:
+
+    - ``verified`` episodes; ``per_hour``, their number in an hour;
+    - ``seconds`` of the whole command; ``cpu_seconds`` of all its processes, those of Ray included, and
+      ``cpu_s_per_episode``; ``job_cpu_s``, the part of the jobs by their records;
+    - ``first_compress_s``, wall time of compression in the job that searches CRFs; ``later_compress_s``, its mean in
+      those that take them over;
+    - ``crfs_taken``, by cameras of these jobs, and ``crfs_passed`` of them;
+    - ``mb_per_episode`` and ``files_per_episode`` of the run folders;
+    - ``worker_mb``, the largest memory of a process that ran jobs.
+
     ``ray_overhead`` is the ratio of CPU seconds with Ray to those with processes, and ``ray_overhead_s`` their
     difference, for each number of workers.
 
@@ -133,9 +139,9 @@ def _compression(folder: CampaignFolder) -> dict[str, Any]:
 
 
 def _measured(command: list[str], every_s: float = 0.2) -> Timed:
-    """:func:`timed`, with the CPU seconds of processes for which nobody waits, as those below Ray's.
+    """:func:`timed`, with the CPU seconds of processes that no parent waits for, as those below Ray's.
 
-    They are looked at until they end, so up to ``every_s`` of each may be missed. All drivers are measured so.
+    They are read every ``every_s`` seconds until they end, so that much of each may be missed, with any driver.
     """
     seen: dict[tuple[int, float], float] = {}
     with ThreadPoolExecutor(1) as pool:

@@ -1,4 +1,4 @@
-"""Campaigns by each driver, of which processes are killed at random moments: what is lost, made twice, or differs."""
+"""Kill processes of campaigns of each driver at random moments; count jobs lost or run twice, and differing files."""
 
 from __future__ import annotations
 
@@ -57,8 +57,8 @@ class Settings:
 
     Args:
         look_every_s: between two looks at processes and records.
-        most_calls: of a driver's command in one campaign, beyond which it does not get on.
-        longest_s: of one campaign, after which it hangs.
+        most_calls: of a driver's command in one campaign; with more, it makes no progress.
+        longest_s: of one campaign; one that takes longer hangs.
     """
 
     look_every_s: float = 0.1
@@ -95,14 +95,22 @@ def run(
 ) -> dict[str, Any]:
     """Kill processes of campaigns by SIGKILL, and go on by the same commands until the campaign has ended.
 
-    Victims are drawn: a process that runs a job (``worker``: of the driver, or an actor of Ray), a process that shares
-    jobs out (``driver``), with Ray all processes of a ``node`` at once, and the server of its ``head``. A campaign that
-    ends before all kills were made is followed by another one of the same plan.
+    Victims are drawn:
 
-    Each row, by driver and victim: ``kills``; ``hit``, jobs that were at work in what was killed; ``resumed``, those of
-    them that were done in the end; ``lost``, those that were not; ``twice``, those that were settled more than once;
-    ``differing``, files of theirs that differ from those of an undisturbed campaign of the same plan, but for times.
-    The row ``all`` of a driver is about all jobs of its campaigns; ``left`` are files of partial work that stayed.
+    - ``worker``: a process that runs a job, of the driver or an actor of Ray;
+    - ``driver``: a process that shares jobs out;
+    - ``node``: with Ray, all processes of a node at once;
+    - ``head``: with Ray, the server of its head.
+
+    A campaign that ends before all kills were made is followed by another one of the same plan. Figures of each row, by
+    driver and victim:
+
+    - ``kills``; ``hit``, jobs that ran in the killed processes;
+    - ``resumed``, those of them that were done in the end, and ``lost``, the others;
+    - ``twice``, those that were settled more than once;
+    - ``differing``, their files that differ from those of an undisturbed campaign of the same plan, except for times.
+
+    The row ``all`` of a driver counts all jobs of its campaigns; ``left`` are files of partial work that stayed.
 
     Args:
         quick: few jobs and kills.
@@ -111,13 +119,13 @@ def run(
         seed: of moments and victims.
         drivers: which of :data:`DRIVERS`.
         gap: mean seconds between two kills; by default those of an undisturbed campaign, shared out among kills.
-        stubbed: whether jobs run the stub of the tests in place of the chain.
+        stubbed: run the stub of the tests in place of the chain.
     """
     if quick:
         jobs, kills = 4, 3
     left_out = [name for name in drivers if name == "ray" and importlib.util.find_spec("ray") is None]
     rng, start, done = np.random.default_rng(seed), time.monotonic(), list[Series]()
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # so that what was begun is ended
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # so that processes and folders are cleaned up
     program = STUBBED if stubbed else PROGRAM
     with tempfile.TemporaryDirectory(prefix="kills-") as folder:
         plan = write_plan(Path(folder), jobs)
@@ -172,7 +180,7 @@ def write_plan(folder: Path, jobs: int) -> Path:
 
 @dataclass(frozen=True)
 class Undisturbed:
-    """A campaign of which nothing was killed: the files that it made, the states of its jobs, and how long it took."""
+    """A campaign without kills: its files, the states of its jobs, and its duration."""
 
     outputs: dict[str, Any]
     states: dict[str, str]
@@ -197,7 +205,7 @@ class Undisturbed:
 
 @dataclass(frozen=True)
 class Kill:
-    """A kill: of what, and the jobs that it had at work."""
+    """A kill: its victim, and the jobs that ran there."""
 
     victim: str
     jobs: list[str]
@@ -226,21 +234,19 @@ class Series:
     left: list[str] = field(default_factory=list)
     """Files of partial work that stayed."""
     errors: list[str] = field(default_factory=list)
-    """The last words of commands that ended as they should not."""
+    """The last lines of commands that ended unexpectedly."""
     _rows: dict[str, dict[str, int]] = field(default_factory=dict)
 
     def make(self, kills: int, gap_s: float, rng: np.random.Generator) -> None:
-        """Make so many kills, with so long a time between two of them on average."""
+        """Make a number of kills, with a mean time between two of them."""
         with ExitStack() as stack:
             nodes = stack.enter_context(RayNodes()) if self.driver == "ray" else None
             made = 0
             while made < kills:
                 out = self.folder / f"campaign-{self.campaigns}"
                 self.campaigns += 1
-                campaign, settled = (
-                    KilledCampaign(self.plan, out, DRIVERS[self.driver], nodes, self.program),
-                    Settled(out),
-                )
+                campaign = KilledCampaign(self.plan, out, DRIVERS[self.driver], nodes, self.program)
+                settled = Settled(out)
                 stack.callback(campaign.end)
                 found = []
                 for kill in self._kills(campaign, settled, kills - made, gap_s, rng):

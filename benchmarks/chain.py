@@ -27,7 +27,6 @@ INSTRUCTION = "Pack the marker pens and the eraser into the box"
 SHADERS = ("default", "minimal")
 """Shaders of ManiSkill's runner: its default, and the fastest."""
 
-
 LONG = 10
 """Episodes of the longer run."""
 
@@ -85,7 +84,7 @@ def run(quick: bool) -> dict[str, object]:
       (objects chosen, placed, drawn, matched and optimised, sub-tasks searched, episodes collected, verified,
       compressed, exported, and the report), divided by the pick-and-places in the episodes that were accepted. CPU
       seconds are those of all its processes. The models of the objects are built before. ``…_long`` are those of a
-      run of more episodes: what a run costs once is shared by more.
+      run of more episodes, which share its fixed cost.
     - ``floor_seconds``, ``floor_cpu_seconds``: the accepted frames drawn once, in worlds built from the recorded starts
       and looks, and encoded once at the CRF that the run chose, to the same bytes, in a process of its own
       (:mod:`benchmarks._floor`). Without what a process does once, Python's start, imports and its first picture, and

@@ -40,9 +40,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(quick: bool, episodes: list[int], format: str) -> dict[str, Any]:
     """Merge runs of five episodes with one camera of 64 by 48 pixels and 10 frames, each size in a new process.
 
-    Each row: ``seconds`` and ``cpu_seconds``, in all and per 1,000 episodes; ``peak_mb``, the most memory of the
-    process, of which ``start_mb`` is held before it reads anything; ``mb`` of the data set without its videos, which
-    are links; ``again_s``, the same merge once more, which adds nothing; ``one_more_s``, the median of adding one run.
+    Figures of each row:
+
+    - ``seconds`` and ``cpu_seconds``, in all and per 1,000 episodes;
+    - ``peak_mb``, the largest memory of the process, and ``start_mb`` before it reads anything;
+    - ``mb`` of the data set without its videos, which are links;
+    - ``again_s``, the same merge once more, which adds nothing; ``one_more_s``, the median of adding one run.
 
     Args:
         quick: two small sizes.

@@ -103,7 +103,7 @@ def test_jobs_follow_until_enough_episodes_are_verified(tmp_path: Path):
     assert look(found, *records, settled(found, 4, 1, 1)).ended
 
 
-def test_what_a_following_job_collects_does_not_depend_on_which_of_them_ends_first(tmp_path: Path):
+def test_the_episodes_of_a_following_job_do_not_depend_on_which_of_them_ends_first(tmp_path: Path):
     found = plan(tmp_path, episodes=10, episodes_per_job=5, limits={"attempts": 100})
     records = [settled(found, 0, 2, 11), settled(found, 1, 1, 12)]
     seen = look(found, *records, settled(found, 2, 1, 15))

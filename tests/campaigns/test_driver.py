@@ -129,7 +129,7 @@ def test_jobs_follow_where_too_few_episodes_were_verified(tmp_path: Path):
     assert sum(record.verified for record in folder.records()) == 2
 
 
-def test_a_full_disk_of_one_job_does_not_keep_the_others(tmp_path: Path):
+def test_a_full_disk_of_one_job_does_not_stop_the_others(tmp_path: Path):
     folder = begun(tmp_path, episodes=4)
     behave(tmp_path, n1="full")
     error = left_over(driven(folder))
@@ -160,7 +160,7 @@ def test_a_missing_key_ends_the_driver_at_once(tmp_path: Path):
     assert len(asked) == 1
 
 
-def test_a_request_that_an_endpoint_refuses_keeps_no_other_job(tmp_path: Path):
+def test_a_request_that_an_endpoint_refuses_stops_no_other_job(tmp_path: Path):
     folder = begun(tmp_path, episodes=3)
     schedule = Schedule(folder, settings=QUICK)
 
@@ -182,7 +182,7 @@ def test_a_job_that_another_process_holds_is_looked_at_again(tmp_path: Path):
     assert [Path(name).name for name in began(tmp_path)] == ["0001"]
 
 
-def test_what_another_driver_settled_meanwhile_lets_jobs_begin(tmp_path: Path):
+def test_records_of_another_driver_let_jobs_begin(tmp_path: Path):
     folder = begun(tmp_path, episodes=4, gates={"acceptance": 0.5, "after": 1})
     schedule = Schedule(folder, settings=QUICK)
 

@@ -27,7 +27,7 @@ def test_the_page_plans_a_million_episodes_by_the_measured_costs(tmp_path: Path)
     assert shown == found.text()
 
 
-def test_a_plan_without_episodes_costs_what_was_measured_for_each(tmp_path: Path):
+def test_a_plan_without_episodes_costs_the_measured_amount_for_each(tmp_path: Path):
     costs = UnitCosts("a test", cpu_seconds=36, bytes=2e6, files=10, memory_bytes=1e9)
     facts = Estimate(plan(tmp_path, seeds=2, episodes=50, episodes_per_job=5), 100, 100, costs).facts()
     assert (facts["cells"], facts["jobs"], facts["episodes"]) == (2, 20, 100)

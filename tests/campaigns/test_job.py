@@ -27,7 +27,7 @@ def record(outcome: Outcome) -> JobRecord:
     return outcome.record
 
 
-def test_a_job_is_run_once_and_its_record_says_what_came_of_it(tmp_path: Path):
+def test_a_job_is_run_once_and_its_record_has_the_result(tmp_path: Path):
     folder = begun(tmp_path, episodes=4, episodes_per_job=4)
     behave(tmp_path, all="half")
     first = record(run(folder))

@@ -171,7 +171,7 @@ def test_another_seed_or_task_is_another_episode(tmp_path, out, change):
     assert (record.datasets[0].episodes == 4) == ("seed" in change)  # the same motion under another name is no other
 
 
-def test_what_came_since_is_added(campaign, out):
+def test_new_runs_are_added(campaign, out):
     merge([campaign], out)
     another(campaign / "jobs/new/0000")
     done = merge([campaign], out)
@@ -349,7 +349,7 @@ def test_one_run_cannot_be_split(made, out):
 # --- ends at any moment --------------------------------------------------------------------------------
 
 
-def test_what_was_committed_stays_when_the_disk_is_full(made, out, monkeypatch):
+def test_committed_episodes_stay_when_the_disk_is_full(made, out, monkeypatch):
     monkeypatch.setattr(merging, "SETTINGS", MergeSettings(commit_episodes=2))
     begun = 0
 

@@ -202,7 +202,7 @@ def test_a_node_that_joins_takes_jobs(cluster: Any, tmp_path: Path):
 
 
 @needs_ray
-def test_a_job_that_ends_its_actor_each_time_is_given_up_and_keeps_no_other(cluster: Any, tmp_path: Path):
+def test_a_job_that_ends_its_actor_each_time_is_given_up_and_stops_no_other(cluster: Any, tmp_path: Path):
     folder = begun(tmp_path, episodes=3, limits={"tries": 2, "attempts": 9})
     behave(tmp_path, n1="crash")
     driven(folder, cluster)

@@ -195,5 +195,5 @@ def test_a_plan_knows_without_the_stages_whether_jobs_share_crfs(tmp_path: Path,
     assert found.shares_crfs == found.chain_options.compression.agrees
 
 
-def test_options_that_a_plan_says_elsewhere_are_options_of_the_chain():
+def test_options_with_another_place_in_a_plan_are_options_of_the_chain():
     assert ELSEWHERE.keys() | set(REFUSED) <= set(ChainOptions.__dataclass_fields__)

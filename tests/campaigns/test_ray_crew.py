@@ -37,7 +37,7 @@ class DiedError(RayError):
 
 
 class StandIn:
-    """What a crew uses of Ray; every call of an actor is answered at once by a function.
+    """The parts of Ray that a crew uses; every call of an actor is answered at once by a function.
 
     Args:
         look_around: answers the question of that name.
@@ -98,9 +98,7 @@ def fit(folder: CampaignFolder) -> Callable[[], dict[str, str]]:
 
 
 @pytest.mark.parametrize("kind", [DiskFull, OutputFolderError])
-def test_an_actor_rests_longer_each_time_where_its_disk_takes_nothing_and_not_where_it_does(
-    tmp_path: Path, kind: type[VcageError]
-):
+def test_an_actor_pauses_longer_each_time_while_its_disk_is_full_and_not_later(tmp_path: Path, kind: type[VcageError]):
     folder, moments = begun(tmp_path, episodes=6), list[float]()
 
     def run(job: Job) -> Outcome:
