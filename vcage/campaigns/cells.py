@@ -1,7 +1,7 @@
 """State of a cell: jobs that may begin, jobs that wait for others, and why no more follow.
 
-All depends on the plan and on the records of earlier jobs of the cell, never on the order in which jobs end: whichever
-driver asks, and however often it was killed, the same jobs are run.
+It depends on the plan and on the records of earlier jobs of the cell, never on the order in which jobs end. So the same
+jobs are run by any driver, however often it was killed.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ class Standing:
 
     Args:
         cell: which.
-        asked: verified episodes that are wanted.
-        verified: those that there are.
-        tried: episodes that were run, or would have been where a job failed.
+        asked: number of verified episodes that are wanted.
+        verified: number of verified episodes so far.
+        tried: episodes that were run; of a job that failed at least those that it should have collected.
         ready: jobs that may begin, if nobody runs them yet.
         waits: True if more jobs may follow once others are settled.
         closed: the reason why it ends with fewer episodes than asked; empty if it does not.
@@ -43,7 +43,7 @@ class Standing:
 
 
 def standing(plan: Plan, cell: Cell, records: Mapping[int, JobRecord]) -> Standing:
-    """Look at a cell.
+    """Return the state of a cell.
 
     Args:
         plan: of the campaign.
@@ -70,7 +70,7 @@ def standing(plan: Plan, cell: Cell, records: Mapping[int, JobRecord]) -> Standi
 
 
 def by_cell(plan: Plan, records: Iterable[JobRecord]) -> dict[str, dict[int, JobRecord]]:
-    """Records of the plan's cells, by cell and number, without those of jobs that the plan now asks for more."""
+    """Records of the plan's cells, by cell and number, without jobs of which the plan now asks for more episodes."""
     found: dict[str, dict[int, JobRecord]] = {cell.id: {} for cell in plan.cells}
     for record in records:
         grown = record.state == "done" and record.episodes < plan.asked_of(record.number)
@@ -82,9 +82,9 @@ def by_cell(plan: Plan, records: Iterable[JobRecord]) -> dict[str, dict[int, Job
 def _open_jobs(
     plan: Plan, cell: Cell, jobs: Sequence[Job], records: Mapping[int, JobRecord]
 ) -> tuple[list[Job], bool, str]:
-    """Jobs that may begin, in order; if others wait for them; why no more may begin.
+    """Jobs that may begin, in order; True if others wait for them; the reason why no more may begin.
 
-    A job begins only where that is certain to be right, whatever those that still run will find.
+    A job may begin only if no result of a running job could forbid it.
     """
     ready: list[Job] = []
     most, most_tried = _most(plan, cell), 0.0  # if all unsettled jobs before run as many episodes as they may

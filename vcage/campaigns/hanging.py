@@ -10,8 +10,10 @@ from vcage.campaigns.plan import Job, Plan
 
 
 class HangWatch:
-    """Limits how long a job may be silent. It compares a job's beats only with each other, and measures time by this
-    process's own monotonic clock, so that neither a clock that jumps nor one of another machine matters.
+    """Limits how long a job may be silent.
+
+    It compares a job's beats only with each other, and measures time by this process's monotonic clock. So neither a
+    clock that jumps nor that of another machine matters.
 
     Args:
         root: the folder of the campaign.

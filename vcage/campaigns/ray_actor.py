@@ -24,8 +24,8 @@ def actor_class() -> type:
             self._root, self._command, self._version, self._asked, self._mark = root, command, version, False, ""
 
         def look_around(self) -> dict[str, str]:
-            """Report on this node: its id and name, the version of vcage, and the name of a file that was written to
-            the folder of the campaign, or the fault of that.
+            """Report the id and name of this node, its version of vcage, and a mark: a file written to the folder of
+            the campaign. ``fault`` says why it could not be written.
             """
             import importlib
             import platform

@@ -11,8 +11,12 @@ from vcage.schema.base import Document, Finite, Record
 from vcage.schema.episodes import CriticCounts, Spread
 
 State = Literal["done", "failed", "given_up"]
-"""``done``: the chain ran to its end, with as many verified episodes as it found; ``failed``: an error that another try
-would repeat; ``given_up``: too many tries ended without getting further."""
+"""States of a settled job.
+
+- ``done``: the chain ran to its end, with as many verified episodes as it found;
+- ``failed``: another try would end with the same error;
+- ``given_up``: too many tries got no further.
+"""
 
 
 class JobError(Record):

@@ -48,9 +48,9 @@ def slurm_script(job: ShardedCommand) -> str:
 #SBATCH --open-mode=append
 #
 # Each task runs every {job.shards}th job. Add --partition and --account as your cluster wants them.
-# A task that ends early, whatever the reason, goes on when the script is submitted again; so do jobs that make up for
-# episodes that those of other tasks did not verify: their task ends with code 7. To let a second round follow by
-# itself:  sbatch --dependency=afterany:FIRST_JOB_ID {shlex.quote(str(job.out / "campaign.sbatch"))}
+# A task that ends early goes on when the script is submitted again. It ends with code 7 where jobs of other tasks must
+# be settled first, as those that verify too few episodes. To submit a second round right away:
+#   sbatch --dependency=afterany:FIRST_JOB_ID {shlex.quote(str(job.out / "campaign.sbatch"))}
 export OMP_NUM_THREADS=1
 exec {command} --shard "$SLURM_ARRAY_TASK_ID/{job.shards}"
 """

@@ -57,9 +57,9 @@ RAY = value(_address, "auto|HOST:PORT", show=str)
 class Campaign(Command):
     """Make a data set of many runs by one plan: instructions, robots, layouts, looks and seeds, with counts and limits.
 
-    A job is one run folder of a few episodes. All that is done lies in DIR, so a campaign that was interrupted goes on
-    when it is started again, by whichever driver: processes of this machine, shards that a scheduler runs, or a Ray
-    cluster. Several may work on one DIR at a time. docs/campaigns.md explains the plan.
+    A job is one run folder of a few episodes. All progress lies in DIR, so an interrupted campaign goes on when it is
+    started again. Its drivers are processes of this machine, shards that a scheduler runs, or a Ray cluster; several
+    may work on one DIR at a time. docs/campaigns.md explains the plan.
 
     examples:
       vcage campaign PLAN.yml --out campaigns/desk

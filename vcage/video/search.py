@@ -44,8 +44,8 @@ class Finding:
 def find_encoding(judge: Judge, choices: Choices) -> Finding:
     """Find the encoding of one clip with the fewest bytes whose keyframes pass, regardless of ``choices.upper``.
 
-    The first of the codec's pixel formats and the first GOP are searched for the highest CRF that passes; the others
-    are tried at that CRF on the frames that decided, and taken where these pass with fewer bytes.
+    The first of the codec's pixel formats and the first GOP are searched for the highest CRF that passes. The others
+    are tried at that CRF on the frames that decided, and chosen where these pass with fewer bytes.
 
     Raises:
         UsageError: the pictures' size fits none of the pixel formats.

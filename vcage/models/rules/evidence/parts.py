@@ -1,7 +1,7 @@
 """Evidence of a moving part: the likeliest of drawings of it at many positions, seen from above.
 
 Drawings have no shadows, while an open drawer lies in that of its cabinet: a grey drawer in the sun looks like
-a grey table in the shade. So pictures and drawings are compared by their edges and hues, which a shadow leaves.
+a grey table in the shade. So pictures and drawings are compared by edges and hues, which shadows hardly change.
 """
 
 from __future__ import annotations
@@ -138,9 +138,8 @@ class PartEvidence:
         closes = goal.relation == "closed"
         seen, limit = self.after, SETTINGS.closed_share if closes else SETTINGS.open_share
         accepted = seen <= limit if closes else seen >= limit
-        looks = (
-            f"the {part} of the {thing} looks {100 * seen:.0f} % {'turned' if goal.relation == 'turned' else 'open'}"
-        )
+        end = "turned" if goal.relation == "turned" else "open"
+        looks = f"the {part} of the {thing} looks {100 * seen:.0f} % {end}"
         if accepted and self.rival <= 0:
             return refused(f"it looks as if another part of the {thing} moved, not its {part}", 0.7)
         if accepted and self._margin(closes) < SETTINGS.margin_share:
@@ -227,9 +226,9 @@ class _Sight:
 
     Args:
         drawings: in their order.
-        gain: (3,) by which they are made as bright as the pictures are.
+        gain: (3,) factor that makes them as bright as the pictures.
         background: the empty table.
-        within: the rows and columns that are compared: all pictures are cut to them, as most of a picture is table.
+        within: the rows and columns to compare; most of a picture is table.
 
     Attributes:
         covered: (H, W) bool, where the object is in any of them.
@@ -250,8 +249,12 @@ class _Sight:
             self.telling[within] = self.covered[within] & np.any(differ, axis=0)
 
     def costs(self, picture: np.ndarray, where: np.ndarray | None = None) -> np.ndarray:
-        """(n,) mean unlikeness of a picture (H, W, 3) uint8 RGB to each drawing, where drawings differ or ``where``
-        (H, W) bool, of what is compared, says."""
+        """(n,) mean unlikeness of a picture (H, W, 3) uint8 RGB to each drawing.
+
+        Args:
+            picture: to compare.
+            where: (H, W) bool, the pixels within the compared area that count; those where drawings differ by default.
+        """
         where = self.telling if where is None else where
         if not where.any():
             return np.zeros(len(self._drawn))
@@ -289,8 +292,7 @@ def likeliest(costs: np.ndarray) -> float:
 
 
 def _around(covered: np.ndarray, margin_px: int = 10) -> tuple[slice, slice]:
-    """The rows and columns of a mask, and some around it, so that a blur within it knows no edge; all, if it is
-    empty."""
+    """The rows and columns of a mask and a margin for the blur; all of them if it is empty."""
     if not covered.any():
         return slice(None), slice(None)
     rows, columns = (np.flatnonzero(covered.any(axis=axis)) for axis in (1, 0))
