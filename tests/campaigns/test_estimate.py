@@ -56,7 +56,9 @@ def test_calls_and_money_are_shared_by_the_verified_episodes(tmp_path: Path):
     assert costs is not None and (costs.calls, costs.usd) == (3, 0.25)
 
 
-def test_no_more_cores_are_counted_than_there_are_jobs(tmp_path: Path):
+def test_no_more_cores_are_counted_than_there_are_jobs_left(tmp_path: Path):
     costs = UnitCosts("a test", cpu_seconds=3600, bytes=0, files=0, memory_bytes=0)
     found = Estimate(plan(tmp_path, episodes=32, episodes_per_job=1), 32, 32, costs)
     assert re.findall(r"on (\d+) cores +(.*)", found.text()) == [("16", "2.0 h"), ("256", "1.0 h"), ("4096", "1.0 h")]
+    nearly = replace(found, left=8)
+    assert re.findall(r"on (\d+) cores +(.*)", nearly.text())[0] == ("16", "1.0 h")

@@ -140,7 +140,7 @@ def _view(things: tuple[Thing, ...], camera: Camera) -> View:
 def critic_question(
     before: list[Thing], after: list[Thing], goal: Goal, text: str = "…", camera: Camera = CAMERA
 ) -> CriticQuestion:
-    """What a critic is asked about two views of things on the table. The pictures are shared: copy to change them."""
+    """The question to a critic about two views of a table. The pictures are shared: copy to change them."""
     by_id = {thing.id: thing for thing in before}
 
     def drawn(name: str, pose: Pose, camera: Camera, window: Window, _shares: object) -> Drawing:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -43,7 +44,7 @@ def second(tmp_path: Path) -> RunFolder:
 
 
 def with_crf(first: RunFolder, crf: int | None, folder: Path) -> RunFolder:
-    """What another run would have left, had its episodes agreed on a CRF."""
+    """A run as another one would leave it whose episodes agreed on a CRF."""
     run, record = RunFolder(folder), Compression.read(first.compression)
     streams = [stream.model_copy(update={"crf": crf}) for stream in record.streams]
     run.compression.parent.mkdir(parents=True)
@@ -72,6 +73,18 @@ def test_a_crf_that_loses_too_much_here_is_searched_again_and_the_record_says_so
     for camera in record.cameras:
         assert camera.crf is not None and abs(camera.crf - (own[camera.camera] or 0)) <= 1
         assert max(camera.loss_max, camera.held_out_max or 0.0) < QUICK.max_loss
+
+
+def test_a_run_that_was_compressed_before_says_that_another_run_has_no_effect(
+    first: RunFolder, second: RunFolder, tmp_path: Path
+):
+    other, third = with_crf(first, 12, tmp_path / "other"), with_crf(first, 30, tmp_path / "third")
+    begun = compressed(second, other)
+    options = compress.Options(seed=7, workers=1, keep_raw=True, compression=QUICK, crf_of=other.root)
+    again = compress.execute(second, options, StageContext("offline"))
+    assert (again.record, again.notes) == (begun, ())
+    late = compress.execute(second, replace(options, crf_of=third.root), StageContext("offline"))
+    assert late.record == begun and "--crf-of has no effect" in late.notes[0]
 
 
 def test_a_camera_that_is_lossless_in_another_run_is_searched(first: RunFolder, tmp_path: Path):

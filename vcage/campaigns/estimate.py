@@ -94,6 +94,11 @@ class Estimate:
         """Jobs that are sure to be needed."""
         return len(self.plan.cells) * ceil(self.plan.episodes / self.plan.episodes_per_job)
 
+    @property
+    def jobs_left(self) -> int:
+        """The fewest jobs for the episodes that are left."""
+        return ceil(self.left / self.plan.episodes_per_job)
+
     def facts(self) -> dict[str, Any]:
         """The figures, JSON-serialisable."""
         costs, left = self.costs, self.left
@@ -118,7 +123,7 @@ class Estimate:
         rows = [
             ("", "an episode", "all that are left"),
             ("CPU", f"{costs.cpu_seconds:.1f} s", f"{hours:,.1f} h"),
-            *((f"on {n} cores", "", _time(hours / min(n, self.jobs))) for n in CORES),
+            *((f"on {n} cores", "", _time(hours / max(1, min(n, self.jobs_left)))) for n in CORES),
             ("disk", _size(costs.bytes), _size(found["bytes"])),
             ("files and folders", f"{costs.files:.1f}", f"{found['files']:,}"),
             ("memory of a process", "", _size(costs.memory_bytes)),

@@ -104,7 +104,7 @@ def _problems_of_task(path: Path, field: str, task: Task) -> Iterator[Problem]:
     if has_task and task.all_subtasks:
         text = "all_subtasks runs every sub-task of the scene, so it takes neither instruction nor goals"
         found.append(Problem(path, field, text, "leave out one or the other, or make two tasks of it"))
-    yield from found or _complaints(path, field, partial(asked_by, _options_of(task)))
+    yield from found or _complaints(path, field, partial(asked_by, ChainOptions(**task.options)))
 
 
 def require_readable(path: Path, plan: Plan, earlier: Plan | None = None) -> None:
@@ -139,7 +139,7 @@ def _choose(task: Task, template: SceneTemplate, context: StageContext) -> None:
     Raises:
         VcageError: it cannot be done, whichever looks are drawn.
     """
-    stated = _options_of(task).stated()
+    stated = ChainOptions(**task.options).stated()
     for seed in range(DRAWS):
         rng = np.random.default_rng(seed)
         try:
@@ -151,17 +151,6 @@ def _choose(task: Task, template: SceneTemplate, context: StageContext) -> None:
         except (NoFeasibleTask, InfeasibleScene):
             if seed == DRAWS - 1:
                 raise
-
-
-def _options_of(task: Task) -> ChainOptions:
-    return ChainOptions(
-        instruction=task.instruction,
-        goals=task.goals,
-        starts=task.starts,
-        objects=task.objects,
-        template=task.scene,
-        all_subtasks=task.all_subtasks,
-    )
 
 
 def _complaints(path: Path, field: str, check: Callable[[], Any]) -> Iterator[Problem]:

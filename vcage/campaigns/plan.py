@@ -54,6 +54,18 @@ class Task(Record):
         goals = " ".join(self.goals)
         return self.id or slug(self.instruction or goals or f"{self.scene} subtasks")
 
+    @property
+    def options(self) -> dict[str, Any]:
+        """The options of `vcage run` that ask for it, by their names in :class:`vcage.stages.chain.ChainOptions`."""
+        return {
+            "instruction": self.instruction,
+            "goals": self.goals,
+            "starts": self.starts,
+            "objects": self.objects,
+            "template": self.scene,
+            "all_subtasks": self.all_subtasks,
+        }
+
 
 class Limits(Record):
     """Bounds on a campaign."""
@@ -241,15 +253,9 @@ class Plan(Document):
 
     def options_of(self, job: Job) -> ChainOptions:
         """The options of the chain for a job."""
-        task = job.cell.task
         return replace(
             self.chain_options,
-            instruction=task.instruction,
-            goals=task.goals,
-            starts=task.starts,
-            objects=task.objects,
-            template=task.scene,
-            all_subtasks=task.all_subtasks,
+            **job.cell.task.options,
             robot=job.cell.robot,
             layout=job.cell.layout,
             randomise=job.cell.look,

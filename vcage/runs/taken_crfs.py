@@ -60,11 +60,21 @@ def begun_at(
     found = {one.camera: one for one in before.taken_crfs if one.camera in own} if before else {}
     if other is None:
         return found
-    name = Path(os.path.relpath(RunFolder(other).root, run.root)).as_posix()
+    name = _seen_from(run, other)
     bounds = {camera: bound for camera, bound in crfs_of(other, settings).items() if camera not in own}
     return found | {
         camera: TakenCrf(camera=camera, run=name, passed=True, **asdict(bound)) for camera, bound in bounds.items()
     }
+
+
+def began_at(record: Compression, run: RunFolder, other: Path) -> bool:
+    """True if a finished compression of a run began at the CRFs of the other run."""
+    return any(one.run == _seen_from(run, other) for one in record.taken_crfs)
+
+
+def _seen_from(run: RunFolder, other: Path) -> str:
+    """The folder of another run, seen from a run's."""
+    return Path(os.path.relpath(RunFolder(other).root, run.root)).as_posix()
 
 
 def bound_of(taken: TakenCrf) -> Bound:

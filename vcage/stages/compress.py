@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -32,7 +32,7 @@ from vcage.runs.raw_pictures import (
     set_aside,
 )
 from vcage.runs.stage import Job, StageOptions, StageResult, stage_seed
-from vcage.runs.taken_crfs import begun_at, bound_of, judged
+from vcage.runs.taken_crfs import began_at, begun_at, bound_of, judged
 from vcage.schema.base import Provenance
 from vcage.schema.compression import Compression, VideoStream
 
@@ -124,6 +124,8 @@ def execute(
     if not options.keep_raw:
         link_videos(run, files, result.record, working)
     shutil.rmtree(working, ignore_errors=True)  # not before the stage is whole: a search takes long
+    if options.crf_of is not None and not result.fresh and not began_at(result.record, run, options.crf_of):
+        return replace(result, notes=["this run was compressed before, so --crf-of has no effect on its videos"])
     return result
 
 
