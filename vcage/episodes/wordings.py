@@ -71,5 +71,5 @@ def task_to_word(steps: Sequence[Subtask], scene: Scene, context: StageContext) 
         phrases={o.id: o.phrase for o in scene.objects},
         lying={o.id: o.container for o in scene.objects if o.container is not None},
         tools=[name for name in used if name is not None],
-        catalogue=context.catalogue,
+        catalogue=context.annotated,
     )

@@ -18,7 +18,7 @@ from vcage.layout.placement.reach_map import Tilted
 from vcage.models.agent import PROVIDER as AGENT
 from vcage.models.protocols import Models
 from vcage.models.registry import DETECTORS, EMBEDDERS, Choice, build_models
-from vcage.objects.asset import Asset
+from vcage.objects.asset import Asset, unbuilt_entry
 from vcage.objects.library import Library
 from vcage.objects.surface_pictures import surface_picture
 from vcage.schema.asset import CatalogueEntry, PhysicalModel
@@ -62,6 +62,11 @@ class StageContext:
     @cached_property
     def catalogue(self) -> list[CatalogueEntry]:
         return self.library.entries()
+
+    @cached_property
+    def annotated(self) -> list[CatalogueEntry]:
+        """All kinds without what their models tell, such as sizes: for names, which need no model."""
+        return [unbuilt_entry(self.library.annotation(name)) for name in self.library.names]
 
     @cached_property
     def models(self) -> Models:
