@@ -6,12 +6,15 @@ import os
 import signal
 import subprocess
 import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
 from vcage.base.errors import FolderInUse
-from vcage.base.hold import IN_USE, alone, held
+from vcage.base.hold import IN_USE, alone, held, holder_of
 
 HOLDER = """
 import sys, time
@@ -64,3 +67,40 @@ def test_a_file_is_held_by_one_process_and_stays_afterwards(tmp_path: Path):
     with alone(path):
         pass
     assert path.exists()
+
+
+@contextmanager
+def looked_at(path: Path, watchers: int = 3) -> Iterator[None]:
+    """Threads that ask all the time who holds a file."""
+    ended = threading.Event()
+
+    def look() -> None:
+        while not ended.is_set():
+            holder_of(path)
+
+    threads = [threading.Thread(target=look) for _ in range(watchers)]
+    for thread in threads:
+        thread.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        for thread in threads:
+            thread.join()
+
+
+def test_to_look_who_holds_a_file_refuses_it_to_nobody(tmp_path: Path):
+    path = tmp_path / "job.beat"
+    with looked_at(path):
+        for _ in range(300):
+            with alone(path):
+                pass
+
+
+def test_a_file_that_is_held_is_refused_at_once_while_others_look(tmp_path: Path):
+    path = tmp_path / "job.beat"
+    with alone(path), looked_at(path):
+        for _ in range(50):
+            assert holder_of(path) is not None
+            with pytest.raises(FolderInUse), alone(path):
+                pass

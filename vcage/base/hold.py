@@ -8,6 +8,7 @@ import os
 import platform
 import shlex
 import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -52,12 +53,9 @@ def alone(path: Path, of: Path | None = None) -> Iterator[None]:
         FolderInUse: another process holds it; says which.
     """
     lock = FileLock(path)
-    try:
-        lock.acquire(timeout=0)
-    except Timeout as error:
-        holder = path.read_text(encoding="utf-8").strip() or "another process"
+    if (holder := _taken_by_another(lock, path)) is not None:
         hint = "wait for its end, or work in another folder"
-        raise FolderInUse(f"{of or path} is in use by {holder}", hint=hint, details={"holder": holder}) from error
+        raise FolderInUse(f"{of or path} is in use by {holder}", hint=hint, details={"holder": holder})
     try:
         command = CALLED.get() or shlex.join(sys.argv)
         path.write_text(f"process {os.getpid()} on {platform.node()}: {command}\n", encoding="utf-8")
@@ -69,7 +67,7 @@ def alone(path: Path, of: Path | None = None) -> Iterator[None]:
 def holder_of(path: Path) -> str | None:
     """Return who holds a file by :func:`alone`, on whatever machine; None if nobody does, or it is not there.
 
-    To look disturbs nobody for long.
+    Whoever takes the file meanwhile is not refused.
     """
     with contextlib.suppress(FileNotFoundError), open(path, encoding="utf-8", errors="replace") as handle:
         try:
@@ -77,6 +75,22 @@ def holder_of(path: Path) -> str | None:
         except BlockingIOError:
             return handle.readline().strip() or "another process"
     return None
+
+
+def _taken_by_another(lock: FileLock, path: Path, within_s: float = 5.0) -> str | None:
+    """Acquire the lock of a file, or return who holds it.
+
+    :func:`holder_of` shares the lock for a moment, in which it cannot be acquired although nobody holds it.
+    """
+    end = time.monotonic() + within_s
+    while True:
+        try:
+            lock.acquire(timeout=0)
+            return None
+        except Timeout:
+            if (holder := holder_of(path)) is not None or time.monotonic() > end:
+                return holder or "another process"
+            time.sleep(0.001)
 
 
 @contextlib.contextmanager
