@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 import os
 import signal
@@ -15,7 +16,7 @@ from unittest import mock
 import yaml
 
 from tests.example_scenes import subtask
-from vcage.base.errors import DiskFull, UsageError
+from vcage.base.errors import DiskFull, NoRenderer, UsageError
 from vcage.base.files import RunFolder
 from vcage.campaigns import job as job_module
 from vcage.campaigns.folder import CampaignFolder
@@ -127,6 +128,14 @@ def _full(*_: Any) -> None:
     raise DiskFull("no space left to write it", hint="free some")
 
 
+def _lack(run: RunFolder, options: Any, progress: Any) -> None:
+    """Lack a renderer on the node of a Ray cluster that a file beside the campaign names."""
+    node = importlib.import_module("ray").get_runtime_context().get_node_id()
+    if node == (run.root.parents[3] / "bare-node").read_text():
+        raise NoRenderer("no Vulkan driver draws a picture")
+    _slow(run, options, progress)
+
+
 def _hang(*_: Any) -> None:
     time.sleep(600)
 
@@ -173,6 +182,7 @@ WAYS: dict[str, Callable[..., None]] = {
     "crash": _crash,
     "raise": _raise,
     "full": _full,
+    "lack": _lack,
     "hang": _hang,
     "slow": _slow,
     "get_further": _get_further,

@@ -302,6 +302,20 @@ def test_a_node_with_another_folder_gets_no_job_and_is_named(
 
 
 @needs_ray
+def test_a_node_without_a_renderer_gets_no_more_jobs_and_is_named(
+    cluster: Any, tmp_path: Path, caplog: pytest.LogCaptureFixture
+):
+    folder = begun(tmp_path, episodes=4, limits={"tries": 1})
+    behave(tmp_path, all="lack")
+    (tmp_path / "bare-node").write_text(next(iter(cluster.worker_nodes)).node_id)
+    assert left_over(driven(folder, cluster)) is None
+    assert states(folder) == {"done": 4}
+    assert len(began(tmp_path)) == 5
+    assert [record.tries for record in folder.records()] == [1] * 4
+    assert "no job is given to a node of the Ray cluster" in caplog.text and "no Vulkan driver" in caplog.text
+
+
+@needs_ray
 def test_a_driver_that_is_killed_goes_on_when_it_is_started_again(cluster: Any, tmp_path: Path):
     folder = begun(tmp_path, episodes=6)
     behave(tmp_path, all="slow")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -12,7 +12,15 @@ from typing import Any
 import pytest
 
 from tests.campaigns.stubbed import begun
-from vcage.base.errors import ConfigurationError, DiskFull, OutputFolderError, VcageError
+from vcage.base.errors import (
+    ConfigurationError,
+    DiskFull,
+    MissingDependency,
+    NoRenderer,
+    OutputFolderError,
+    SpendingCap,
+    VcageError,
+)
 from vcage.base.version import __version__
 from vcage.campaigns import on_ray
 from vcage.campaigns.folder import CampaignFolder
@@ -42,10 +50,19 @@ class StandIn:
     Args:
         look_around: answers the question of that name.
         run: answers for a job.
+        nodes: of one processor each; actors are spread over those that they may use.
     """
 
-    def __init__(self, root: Path, look_around: Callable[[], Any], run: Callable[[Job], Any]):
-        self.root, self._look_around, self._run = root, look_around, run
+    def __init__(
+        self,
+        root: Path,
+        look_around: Callable[[], Any],
+        run: Callable[[Job], Any],
+        nodes: Sequence[str] = ("node",),
+    ):
+        self.root, self._look_around, self._run, self._nodes = root, look_around, run, nodes
+        self.here = ""
+        """The node of the actor that answers."""
         self.exceptions = SimpleNamespace(RayError=RayError, RayTaskError=TaskError, ActorDiedError=DiedError)
         self.started, self._numbers = 0, itertools.count()
         self._calls: dict[int, Callable[[], Any]] = {}
@@ -54,10 +71,15 @@ class StandIn:
         return SimpleNamespace(gcs_address="head:1")
 
     def nodes(self) -> list[dict[str, Any]]:
-        return [{"Alive": True, "NodeID": "node", "Resources": {"CPU": 1.0}}]
+        return [{"Alive": True, "NodeID": name, "Resources": {"CPU": 1.0}} for name in self._nodes]
 
     def remote(self, _kind: type) -> Any:
-        return SimpleNamespace(options=lambda **_: SimpleNamespace(remote=self._actor))
+        def options(label_selector: dict[str, str] | None, **_: Any) -> Any:
+            left_out = "" if label_selector is None else label_selector["ray.io/node-id"]
+            places = [name for name in self._nodes if name not in left_out.strip("!in()").split(",")]
+            return SimpleNamespace(remote=lambda *_: self._actor(places[self.started % len(places)]))
+
+        return SimpleNamespace(options=options)
 
     def wait(self, asked: list[int], **_: Any) -> tuple[list[int], list[int]]:
         return asked, []
@@ -68,17 +90,22 @@ class StandIn:
     def kill(self, _actor: Any, **_: Any) -> None:
         pass
 
-    def _actor(self, *_: Any) -> Any:
+    def _actor(self, node: str) -> Any:
         self.started += 1
-        look = SimpleNamespace(remote=lambda: self._asked(self._look_around))
+        look = SimpleNamespace(remote=lambda: self._asked(node, self._look_around))
         return SimpleNamespace(
             look_around=SimpleNamespace(options=lambda **_: look),
-            run=SimpleNamespace(remote=lambda _work, job: self._asked(lambda: self._run(job))),
+            run=SimpleNamespace(remote=lambda _work, job: self._asked(node, lambda: self._run(job))),
+            leave=SimpleNamespace(remote=lambda: self._asked(node, lambda: None)),
         )
 
-    def _asked(self, answer: Callable[[], Any]) -> int:
+    def _asked(self, node: str, answer: Callable[[], Any]) -> int:
+        def answer_there() -> Any:
+            self.here = node
+            return answer()
+
         number = next(self._numbers)
-        self._calls[number] = answer
+        self._calls[number] = answer_there
         return number
 
 
@@ -140,3 +167,57 @@ def test_actors_that_die_now_and_then_do_not_end_the_driver(tmp_path: Path):
         for job in folder.plan.jobs():
             crew.submit(job)
         assert len(list(crew.results())) == 8
+
+
+# --- nodes that lack something -----------------------------------------------------------------------------
+
+
+def answers(folder: CampaignFolder, lacking: dict[str, Exception], nodes: Sequence[str]) -> list[Outcome]:
+    """The outcomes of a campaign on nodes of which some answer each job with an error."""
+
+    def look_around() -> dict[str, str]:
+        return fit(folder)() | {"node": ray.here, "host": f"host-{ray.here}"}
+
+    def run(job: Job) -> Outcome:
+        error = lacking.get(ray.here)
+        if error is None or isinstance(error, VcageError):
+            return Outcome(job, error=error)
+        raise error
+
+    ray = StandIn(folder.root, look_around, run, nodes)
+    with RayCrew(ray, folder, settings=QUICK) as crew:
+        for job in folder.plan.jobs():
+            crew.submit(job)
+        return list(crew.results())
+
+
+@pytest.mark.parametrize("error", [NoRenderer("no Vulkan"), MissingDependency("no torch"), TaskError("no module")])
+def test_a_node_that_lacks_something_is_named_and_the_others_run_its_jobs(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture, error: Exception
+):
+    folder = begun(tmp_path, episodes=6)
+    found = answers(folder, {"bare": error}, ["bare", "one", "two"])
+    assert sorted(one.job.number for one in found) == list(range(6))
+    assert [one.error for one in found] == [None] * 6
+    assert [str(error) in line and "host-bare (bare)" in line for line in caplog.messages] == [True]
+
+
+def test_a_cluster_of_which_no_node_has_what_jobs_need_is_refused_and_all_are_named(tmp_path: Path):
+    folder = begun(tmp_path, episodes=6)
+    lacking: dict[str, Exception] = {"one": NoRenderer("no Vulkan"), "two": MissingDependency("no torch")}
+    with pytest.raises(ConfigurationError, match="no node of the Ray cluster can run this campaign") as caught:
+        answers(folder, lacking, ["one", "two"])
+    assert "host-one (one): no Vulkan" in caught.value.message and "host-two (two): no torch" in caught.value.message
+
+
+def test_the_only_node_that_lacks_something_ends_the_campaign_with_its_own_error(tmp_path: Path):
+    folder = begun(tmp_path, episodes=1)
+    (found,) = answers(folder, {"node": NoRenderer("no Vulkan")}, ["node"])
+    assert isinstance(found.error, NoRenderer)
+
+
+def test_a_limit_of_all_nodes_leaves_none_out(tmp_path: Path, caplog: pytest.LogCaptureFixture):
+    folder = begun(tmp_path, episodes=2)
+    cap = SpendingCap("the campaign has asked as often as it may")
+    found = answers(folder, {"one": cap, "two": cap}, ["one", "two"])
+    assert [one.error for one in found] == [cap, cap] and caplog.messages == []

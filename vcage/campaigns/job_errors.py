@@ -9,7 +9,11 @@ from enum import Enum
 from vcage.base.errors import (
     ConfigurationError,
     DiskFull,
+    MissingDependency,
+    MissingKey,
     MissingStage,
+    ModelNotServed,
+    NoRenderer,
     OutputFolderError,
     PassingFault,
     TooFewVerified,
@@ -23,6 +27,9 @@ logger = logging.getLogger(__name__)
 
 OF_THE_MACHINE = (PassingFault, DiskFull, OutputFolderError, ConfigurationError)
 """Errors that say nothing about the job: it stays open, and the try does not count."""
+
+LACKING = (MissingDependency, MissingKey, ModelNotServed, NoRenderer)
+"""Those of them about something that a machine lacks and another may have: no job can run there."""
 
 MACHINE_ERRORS = (*NO_ROOM, errno.EROFS, errno.EACCES, errno.EPERM, errno.EIO, errno.ESTALE)
 """Numbers of such errors of the system: of its disks, or of a file server that is gone."""

@@ -21,9 +21,11 @@ from vcage.campaigns.driver import work_through, workers_here
 from vcage.campaigns.folder import CampaignFolder
 from vcage.campaigns.hanging import HangWatch
 from vcage.campaigns.job import Outcome, run_job
+from vcage.campaigns.job_errors import LACKING
 from vcage.campaigns.plan import Job
 from vcage.campaigns.ray_actor import actor_class
 from vcage.campaigns.ray_cluster import SETTINGS, RaySettings, connected, last_line, require_head
+from vcage.campaigns.ray_nodes import Nodes
 from vcage.campaigns.schedule import Schedule
 from vcage.campaigns.stranded import Stranded
 
@@ -32,13 +34,15 @@ logger = logging.getLogger(__name__)
 
 @dataclass(eq=False)
 class _Worker:
-    """An actor, its last unanswered call, and its job since when (:func:`time.monotonic`)."""
+    """An actor, its last unanswered call, its job since when (:func:`time.monotonic`), and its node's id and name."""
 
     actor: Any
     asked: Any
     job: Job | None = None
     since: float = field(default_factory=time.monotonic)
     ready: bool = False
+    node: str = ""
+    host: str = ""
     rest_s: float = 0.0
     rests_until: float = 0.0
 
@@ -47,7 +51,7 @@ class RayCrew:
     """Actors of a cluster, as many as it has processors, each on one job at a time.
 
     Each actor first reports its version of vcage and leaves a mark in the folder of the campaign. A node with another
-    version or another folder is named, and gets no job.
+    version or another folder, or without something that jobs need, is named, and gets no job.
 
     Args:
         ray: the module, connected.
@@ -71,7 +75,7 @@ class RayCrew:
         self._stranded = Stranded(folder, self._watch, settings.freed_within_s)
         self._waiting: deque[Job] = deque()
         self._workers: list[_Worker] = []
-        self._unfit: dict[str, str] = {}
+        self._nodes = Nodes(ray, folder.root, __version__, settings.seen_within_s)
         self._unborn = 0
         self._began, self._warned = time.monotonic(), False
 
@@ -116,19 +120,12 @@ class RayCrew:
         """Number of jobs to submit at a time; it changes as nodes come and go."""
         return len(self._workers)
 
-    @property
-    def processors(self) -> int:
-        """Processors of the nodes that can run jobs."""
-        nodes = [node for node in self._ray.nodes() if node["Alive"] and node["NodeID"] not in self._unfit]
-        return sum(int(node["Resources"].get("CPU", 0)) for node in nodes)
-
     def _employ(self) -> None:
         """Add actors up to the number of processors, or of workers; those without a place wait for one."""
-        wanted = self._most or max(self.processors, 1)
+        wanted = self._most or max(self._nodes.processors, 1)
         while len(self._workers) < wanted:
-            elsewhere = {"ray.io/node-id": f"!in({','.join(self._unfit)})"} if self._unfit else None
             kind = self._ray.remote(actor_class()).options(
-                num_cpus=1, max_restarts=self._settings.restarts, label_selector=elsewhere
+                num_cpus=1, max_restarts=self._settings.restarts, label_selector=self._nodes.selector
             )
             actor = kind.remote(str(self._folder.root), CALLED.get() or "a campaign on Ray", __version__)
             self._workers.append(_Worker(actor, self._look_around(actor)))
@@ -140,7 +137,7 @@ class RayCrew:
         elif not self._warned and time.monotonic() - self._began > self._settings.warn_after_s:
             free = self._ray.available_resources().get("CPU", 0)
             logger.warning(
-                "no worker has begun yet: of %d processors of the cluster %d are free", self.processors, free
+                "no worker has begun yet: of %d processors of the cluster %d are free", self._nodes.processors, free
             )
             self._warned = True
 
@@ -175,25 +172,54 @@ class RayCrew:
         try:
             answer = self._ray.get(worker.asked)
         except self._ray.exceptions.RayTaskError as error:  # it cannot even load its arguments
-            self._dismiss(worker)
-            hint = f"install vcage {__version__}, and what it needs, on every node"
-            raise ConfigurationError(f"a Ray worker cannot run jobs: {last_line(error)}", hint=hint) from error
+            self._cannot_begin(worker, error)
+            return
         except self._ray.exceptions.RayError as error:
             self._lost(worker, f"was lost: {last_line(error)}", error)
             return
         worker.asked = None
         if isinstance(answer, Outcome):
-            worker.job = None
-            self._rest(worker, answer)
-            yield answer
+            yield from self._outcome_of(worker, answer)
         elif answer is None:  # it was restarted meanwhile, perhaps on another node
-            assert worker.job is not None
+            self._give_back(worker)
+            worker.ready, worker.asked = False, self._look_around(worker.actor)
+        else:
+            self._place(worker, **answer)
+
+    def _outcome_of(self, worker: _Worker, outcome: Outcome) -> Iterator[Outcome]:
+        """Pass an outcome on, unless another node may have what this one lacks: the job goes there."""
+        if isinstance(outcome.error, LACKING) and not self._nodes.is_the_only_one(worker.node):
+            self._give_back(worker)
+            self._leave_out(worker, outcome.error.as_line())
+            return
+        worker.job = None
+        self._rest(worker, outcome)
+        yield outcome
+
+    def _give_back(self, worker: _Worker) -> None:
+        """Let another actor begin the job of one that could not."""
+        if worker.job is not None:
             self._waiting.appendleft(worker.job)
-            worker.job, worker.ready, worker.asked = None, False, self._look_around(worker.actor)
-        elif reason := self._unfit.get(answer["node"]) or self._reason_against(**answer):
-            self._leave_out(worker, answer["node"], reason)
+            worker.job = None
+
+    def _place(self, worker: _Worker, node: str, host: str, **seen: str) -> None:
+        """Take an actor's view of its node."""
+        worker.node, worker.host = node, host
+        if self._nodes.is_left_out(node):
+            self._leave_out(worker, "")
+        elif reason := self._nodes.reason_against(**seen):
+            self._leave_out(worker, reason)
         else:
             worker.ready, self._unborn = True, 0
+
+    def _cannot_begin(self, worker: _Worker, error: Exception) -> None:
+        """Leave out the node of an actor that cannot load what it is given; end where even that is unknown."""
+        if not worker.ready:
+            self._dismiss(worker)
+            hint = f"install vcage {__version__}, and what it needs, on every node"
+            raise ConfigurationError(f"a Ray worker cannot run jobs: {last_line(error)}", hint=hint) from error
+        self._give_back(worker)
+        self._leave_out(worker, f"jobs cannot begin there: {last_line(error)}")
 
     def _lost(self, worker: _Worker, how: str, error: Exception | None = None) -> None:
         """Go on after an actor was lost: Ray restarts it, or another takes its place."""
@@ -220,34 +246,11 @@ class RayCrew:
         worker.rest_s = min(max(2 * worker.rest_s, self._settings.rest_s), self._settings.longest_rest_s)
         worker.rests_until = time.monotonic() + worker.rest_s
 
-    def _reason_against(self, node: str, host: str, version: str, mark: str, fault: str) -> str:
-        """The reason why a node can run no jobs, from an actor's view of it; empty if it can."""
-        root = self._folder.root
-        if version != __version__:
-            return f"{host} ({node[:8]}): it has vcage {version}, not {__version__}"
-        if fault:
-            return f"{host} ({node[:8]}): {root} cannot be written there: {fault}"
-        end = time.monotonic() + self._settings.seen_within_s
-        while not (root / mark).exists():
-            if time.monotonic() > end:
-                return f"{host} ({node[:8]}): {root} is another folder there"
-            time.sleep(0.2)
-            root.touch()  # so that a file server's client reads the folder again
-        (root / mark).unlink(missing_ok=True)
-        return ""
-
-    def _leave_out(self, worker: _Worker, node: str, reason: str) -> None:
-        """Name a node that can run no jobs, and use the others."""
-        if node not in self._unfit:
-            logger.warning("no job is given to a node of the Ray cluster: %s", reason)
-            self._unfit[node] = reason
+    def _leave_out(self, worker: _Worker, reason: str) -> None:
+        """Name the node of an actor, which can run no jobs, and use the others."""
         self._ray.wait([worker.actor.leave.remote()], timeout=5)
         self._dismiss(worker)
-        if self.processors == 0:
-            raise ConfigurationError(
-                f"no node of the Ray cluster can run this campaign: {'; '.join(self._unfit.values())}",
-                hint=f"every node needs vcage {__version__}, and {self._folder.root} as the same shared folder",
-            )
+        self._nodes.leave_out(worker.node, worker.host, reason)
         self._employ()
 
     def _dismiss(self, worker: _Worker) -> None:

@@ -25,7 +25,7 @@ def actor_class() -> type:
 
         def look_around(self) -> dict[str, str]:
             """Report the id and name of this node, its version of vcage, and a mark: a file written to the folder of
-            the campaign. ``fault`` says why it could not be written.
+            the campaign. ``fault`` says why it could not be written, or vcage not be loaded.
             """
             import importlib
             import platform
@@ -42,14 +42,17 @@ def actor_class() -> type:
                 seen["version"] = importlib.import_module("vcage.base.version").__version__
             except ImportError as error:
                 return seen | {"version": f"none ({error})", "mark": ""}
-            if seen["version"] == self._version:  # loaded before a job's time is taken
-                importlib.import_module("vcage.episodes.preload")
-                importlib.import_module("vcage.campaigns.job")
+            try:
+                if seen["version"] == self._version:  # loaded before a job's time is taken
+                    importlib.import_module("vcage.episodes.preload")
+                    importlib.import_module("vcage.campaigns.job")
+            except (ImportError, OSError) as error:
+                return seen | {"mark": "", "fault": f"vcage cannot be loaded there: {error}"}
             self._mark = f"node.partial-{uuid.uuid4().hex}"
             try:
                 (Path(self._root) / self._mark).touch(exist_ok=False)
             except OSError as error:
-                seen["fault"] = str(error)
+                seen["fault"] = f"{self._root} cannot be written there: {error}"
             return seen | {"mark": self._mark}
 
         def leave(self) -> None:

@@ -8,11 +8,12 @@ import time
 from collections import Counter
 from dataclasses import dataclass
 
-from vcage.base.errors import ConfigurationError, FolderInUse, PartlyDone, VcageError
+from vcage.base.errors import FolderInUse, PartlyDone, SpendingCap, VcageError
 from vcage.base.text import listed
 from vcage.campaigns.cells import Standing, by_cell, standing
 from vcage.campaigns.folder import CampaignFolder
 from vcage.campaigns.job import Outcome
+from vcage.campaigns.job_errors import LACKING
 from vcage.campaigns.plan import Cell, Job
 from vcage.campaigns.record import JobRecord
 
@@ -102,8 +103,8 @@ class Schedule:
             self._faults_in_a_row = 0
             self.open.pop(job.id, None)
             self._keep(job, outcome.record)
-        elif isinstance(error, ConfigurationError) and type(error) is not ConfigurationError:
-            self.open[job.id] = self.stopped = error  # a key, a package or money is missing, for any job
+        elif isinstance(error, (*LACKING, SpendingCap)):
+            self.open[job.id] = self.stopped = error  # for any job
         elif isinstance(error, FolderInUse) and job.id in self._deciding and self.folder.is_held(job):
             self._elsewhere.append(job)
         elif outcome.of_the_machine and error is not None:
