@@ -7,9 +7,11 @@ from pathlib import Path
 import pytest
 import yaml
 
-from tests.campaigns.stubbed import begun, behave, plan, run_stubbed
-from tests.run_folders import command
+from tests.campaigns.stubbed import began, begun, behave, plan, run_stubbed
+from tests.run_folders import command, digests
+from vcage.campaigns.estimate import Estimate
 from vcage.campaigns.folder import CampaignFolder
+from vcage.campaigns.plan import Shard
 
 
 @pytest.fixture
@@ -97,6 +99,44 @@ def test_retry_tries_failed_jobs_again(tmp_path: Path):
     assert folder.forget_failed() == 1
     behave(tmp_path)
     assert run_stubbed(folder.root, folder.plan.jobs()[0]).record is not None
+
+
+def test_a_retry_of_shards_tries_each_job_again_once(tmp_path: Path):
+    folder = begun(tmp_path, episodes=4)
+    behave(tmp_path, all="fail")
+    jobs = folder.plan.jobs()
+    for job in jobs:
+        run_stubbed(folder.root, job)
+    for index in range(2):
+        assert folder.forget_failed(Shard(index, 2)) == 2
+        for job in jobs[index::2]:
+            run_stubbed(folder.root, job)
+    assert [began(tmp_path).count(job.id) for job in jobs] == [2] * 4
+
+
+def test_a_retry_takes_nothing_from_a_process_that_has_begun_or_settled_a_job(tmp_path: Path, monkeypatch):
+    folder = begun(tmp_path, episodes=2)
+    behave(tmp_path, all="fail")
+    first, second = folder.plan.jobs()
+    for job in (first, second):
+        run_stubbed(folder.root, job)
+    known = list(folder.records())
+    folder.record_file(first).unlink()
+    behave(tmp_path)
+    run_stubbed(folder.root, first)
+    monkeypatch.setattr(folder, "records", lambda: iter(known))
+    with CampaignFolder(folder.root).held(second):
+        assert folder.forget_failed() == 0
+    assert [path.exists() for path in map(folder.record_file, (first, second))] == [True, True]
+
+
+def test_a_dry_run_of_a_retry_counts_what_would_be_tried_again_and_changes_nothing(tmp_path: Path, capsys):
+    folder = ended(tmp_path)
+    before = digests(folder.root)
+    done = command(capsys, "campaign", tmp_path / "PLAN.yml", "--out", folder.root, "--dry-run", "--retry")
+    assert (done.record["summary"]["left"], done.record["summary"]["tried_again"]) == (1, 1)
+    assert "1 left, 1 jobs to be tried again" in Estimate.of(folder.plan, folder, folder.failed(folder.plan)).text()
+    assert digests(folder.root) == before
 
 
 def test_the_status_is_a_table_for_people_and_figures_for_programs(tmp_path: Path, capsys):

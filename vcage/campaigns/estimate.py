@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from math import ceil
 from pathlib import Path
@@ -11,7 +12,7 @@ import yaml
 
 from vcage.campaigns.figures import Status
 from vcage.campaigns.folder import CampaignFolder
-from vcage.campaigns.plan import Plan
+from vcage.campaigns.plan import Job, Plan
 from vcage.campaigns.status import status_of
 
 MEASURED = Path(__file__).with_name("unit_costs.yml")
@@ -73,21 +74,30 @@ class Estimate:
         asked: verified episodes; of a scene that is done whole one, or more once a job has counted its sub-tasks.
         left: those that are not there yet, in cells that go on.
         costs: of one more.
+        again: jobs that are tried again.
     """
 
     plan: Plan
     asked: int
     left: int
     costs: UnitCosts
+    again: int = 0
 
     @classmethod
-    def of(cls, plan: Plan, folder: CampaignFolder) -> Estimate:
-        """Estimate what is left of a plan in a folder, which need not exist."""
+    def of(cls, plan: Plan, folder: CampaignFolder, again: Collection[Job] = ()) -> Estimate:
+        """Estimate what is left of a plan in a folder, which need not exist.
+
+        Args:
+            plan: to go on with.
+            folder: of the campaign.
+            again: settled jobs that are to be tried again.
+        """
         if folder.earlier is None:
             asked = len(plan.cells) * plan.episodes
             return cls(plan, asked, asked, UnitCosts.measured())
-        status = status_of(folder, plan)
-        return cls(plan, status.total.asked, status.left, UnitCosts.of(status) or UnitCosts.measured())
+        status = status_of(folder, plan, {job.id for job in again})
+        costs = UnitCosts.of(status) or UnitCosts.measured()
+        return cls(plan, status.total.asked, status.left, costs, len(again))
 
     @property
     def jobs(self) -> int:
@@ -107,6 +117,7 @@ class Estimate:
             "jobs": self.jobs,
             "episodes": self.asked,
             "left": left,
+            "tried_again": self.again,
             "cpu_hours": round(left * costs.cpu_seconds / 3600, 2),
             "bytes": round(left * costs.bytes),
             "files": round(left * costs.files),
@@ -135,7 +146,8 @@ class Estimate:
         lines = ["  ".join((name.ljust(widths[0]), *map(str.rjust, cells, widths[1:]))) for name, *cells in rows]
         many = " (of a scene that is done whole, more)" if any(task.all_subtasks for task in self.plan.tasks) else ""
         head = f"{self.plan.name}: {found['cells']:,} cells, {found['jobs']:,} jobs, {found['episodes']:,} episodes"
-        above = [f"{head}{many}, {found['left']:,} left", f"unit costs: {costs.source}", ""]
+        again = f", {self.again:,} jobs to be tried again" if self.again else ""
+        above = [f"{head}{many}, {found['left']:,} left{again}", f"unit costs: {costs.source}", ""]
         return "\n".join([*above, *lines])
 
 

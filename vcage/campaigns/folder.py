@@ -15,7 +15,7 @@ from vcage.base.errors import FolderInUse, InputFileError, MissingStage, OutputF
 from vcage.base.files import RunFolder, read_json, write_json, write_text
 from vcage.base.hold import IN_USE, alone, holder_of, one_at_a_time
 from vcage.base.leftovers import PARTIAL
-from vcage.campaigns.plan import Job, Plan
+from vcage.campaigns.plan import EVERY_JOB, Job, Plan, Shard
 from vcage.campaigns.record import JobRecord, Tries
 
 logger = logging.getLogger(__name__)
@@ -106,16 +106,36 @@ class CampaignFolder:
             hint = "give a new or an empty folder as --out"
             raise OutputFolderError(f"{self.root} holds {others[0]}, and no campaign", hint=hint)
 
-    def forget_failed(self) -> int:
-        """Remove the records of jobs that failed or were given up, so that they are tried again; return their number.
+    def failed(self, plan: Plan, shard: Shard = EVERY_JOB) -> list[Job]:
+        """The jobs of a share that failed or were given up.
+
+        Args:
+            plan: to go on with.
+            shard: the share.
 
         Raises:
             InputFileError: a record is damaged.
         """
-        failed = [record for record in self.records() if record.state != "done"]
-        for record in failed:
-            self._beside(record.job_id, "job.json").unlink(missing_ok=True)
-        return len(failed)
+        cells = {cell.id: cell for cell in plan.cells}
+        found = [one for one in self.records() if one.state != "done" and one.cell in cells]
+        jobs = (plan.job(cells[one.cell], one.number, one.episodes) for one in found)
+        return [job for job in jobs if plan.has(job, shard)]
+
+    def forget_failed(self, shard: Shard = EVERY_JOB) -> int:
+        """Remove the records of these jobs, so that they are tried again; return their number.
+
+        Nothing is taken from another process that has begun such a job, or settled it otherwise meanwhile.
+
+        Raises:
+            InputFileError: a record is damaged.
+        """
+        count = 0
+        for job in self.failed(self.plan, shard):
+            with contextlib.suppress(FolderInUse), self.held(job):
+                if (now := self.record(job)) is not None and now.state != "done":
+                    self.record_file(job).unlink(missing_ok=True)
+                    count += 1
+        return count
 
     # --- jobs ---------------------------------------------------------------------------------------------
 

@@ -14,21 +14,10 @@ from vcage.campaigns.cells import Standing, by_cell, standing
 from vcage.campaigns.folder import CampaignFolder
 from vcage.campaigns.job import Outcome
 from vcage.campaigns.job_errors import LACKING
-from vcage.campaigns.plan import Cell, Job
+from vcage.campaigns.plan import EVERY_JOB, Cell, Job, Shard
 from vcage.campaigns.record import JobRecord
 
 logger = logging.getLogger(__name__)
-
-
-@dataclass(frozen=True)
-class Shard:
-    """A share of the jobs: those whose place in the plan leaves ``index`` when divided by ``count``."""
-
-    index: int = 0
-    count: int = 1
-
-
-EVERY_JOB = Shard()
 
 
 @dataclass(frozen=True)
@@ -146,7 +135,7 @@ class Schedule:
         heapq.heappush(self._ready, (not self._is_ours(job), self.plan.index_of(job), job.id))
 
     def _is_ours(self, job: Job) -> bool:
-        return self.plan.index_of(job) % self._shard.count == self._shard.index
+        return self.plan.has(job, self._shard)
 
     def _decides_on_ours(self, job: Job, found: Standing) -> bool:
         """True if jobs of this driver's share wait for it, whosever it is."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 import contextlib
 import time
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from pathlib import Path
 
 from vcage.apps.html import rendered
@@ -24,12 +24,13 @@ from vcage.models.bill import Bill
 TEMPLATE = Path(__file__).with_name("status.html.jinja")
 
 
-def status_of(folder: CampaignFolder, plan: Plan | None = None) -> Status:
+def status_of(folder: CampaignFolder, plan: Plan | None = None, without: Collection[str] = ()) -> Status:
     """Look at a campaign; nothing is written.
 
     Args:
         folder: of the campaign.
         plan: to go on with; None for the one in the folder.
+        without: ids of jobs that count as not run.
 
     Example:
         >>> status_of(CampaignFolder("campaigns/desk")).total.verified
@@ -39,7 +40,7 @@ def status_of(folder: CampaignFolder, plan: Plan | None = None) -> Status:
         InputFileError: its plan or a record cannot be read.
     """
     plan = plan or folder.plan
-    records = by_cell(plan, folder.records())
+    records = by_cell(plan, (record for record in folder.records() if record.job_id not in without))
     running = list(_running(folder))
     of_cell = Counter(one.job.rpartition("/")[0] for one in running)
     cells = [_cell_status(plan, cell, records[cell.id], of_cell[cell.id]) for cell in plan.cells]

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from vcage.base.progress import Progress
     from vcage.campaigns.figures import Status
     from vcage.campaigns.folder import CampaignFolder
-    from vcage.campaigns.plan import Plan
+    from vcage.campaigns.plan import Plan, Shard
     from vcage.campaigns.schedule import Schedule
 
 logger = logging.getLogger(__name__)
@@ -85,7 +85,7 @@ class Campaign(Command):
     k8s: Annotated[int | None, POSITIVE, UNSAID] = None
     """run nothing, and write a Job of Kubernetes with so many indices"""
     retry: Flag = False
-    """first try jobs again that failed or were given up"""
+    """first try jobs again that failed or were given up; with --shard those of the share"""
     dry_run: Flag = False
     """check the plan and estimate what it will take; do nothing"""
 
@@ -101,12 +101,12 @@ class Campaign(Command):
         folder.require_fit(plan)
         require_readable(self.plan, plan, folder.earlier)
         if self.dry_run:
-            found = Estimate.of(plan, folder)
+            found = Estimate.of(plan, folder, folder.failed(plan, self._share()) if self.retry else ())
             return Result(output=folder.root, summary=found.facts(), text=found.text(), next=not_dry())
         plan = folder.begin(plan)
         if self.slurm or self.k8s:
             return self._for_scheduler(plan, folder)
-        if self.retry and (count := folder.forget_failed()):
+        if self.retry and (count := folder.forget_failed(self._share())):
             logger.info("%d jobs are tried again", count)
         with progress("campaign") as show:
             schedule = self._drive(folder, show)
@@ -151,13 +151,18 @@ class Campaign(Command):
     def _drive(self, folder: CampaignFolder, show: Progress) -> Schedule:
         """Run jobs until none is left that may begin."""
         from vcage.campaigns.driver import run_here
-        from vcage.campaigns.schedule import EVERY_JOB, Shard
 
         if self.ray:
             from vcage.campaigns.on_ray import run_on_ray
 
             return run_on_ray(folder, self.ray, self.workers, show)
-        return run_here(folder, self.workers, Shard(*self.shard) if self.shard else EVERY_JOB, show)
+        return run_here(folder, self.workers, self._share(), show)
+
+    def _share(self) -> Shard:
+        """The share of the jobs that this command runs."""
+        from vcage.campaigns.plan import EVERY_JOB, Shard
+
+        return Shard(*self.shard) if self.shard else EVERY_JOB
 
     def _for_scheduler(self, plan: Plan, folder: CampaignFolder) -> Result:
         from vcage.campaigns.estimate import Estimate
