@@ -11,8 +11,9 @@ from vcage.base.errors import VcageError
 from vcage.campaigns.driver import run_here
 from vcage.campaigns.folder import CampaignFolder
 from vcage.campaigns.on_ray import run_on_ray
-from vcage.campaigns.plan import Plan, Shard
+from vcage.campaigns.plan import Plan
 from vcage.campaigns.schedule import Schedule, left_over
+from vcage.campaigns.shard import Shard
 
 
 def main() -> int:

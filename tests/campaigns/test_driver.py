@@ -21,9 +21,10 @@ from vcage.base.workers import Processes, SameProcess
 from vcage.campaigns.driver import run_here, work_through
 from vcage.campaigns.folder import CampaignFolder
 from vcage.campaigns.job import Outcome, lost_job
-from vcage.campaigns.plan import Job, Shard
+from vcage.campaigns.plan import Job
 from vcage.campaigns.record import JobRecord, Tries
 from vcage.campaigns.schedule import LoopSettings, Schedule, left_over
+from vcage.campaigns.shard import Shard
 
 ALL = Shard()
 QUICK = LoopSettings(machine_tries=2, machine_faults=4, pause_s=0.01)
@@ -301,8 +302,8 @@ from tests.campaigns.stubbed import run_stubbed
 from vcage.campaigns import driver
 from vcage.campaigns.driver import run_here
 from vcage.campaigns.folder import CampaignFolder
-from vcage.campaigns.plan import Shard
 from vcage.campaigns.schedule import left_over
+from vcage.campaigns.shard import Shard
 driver.preload_module = lambda *_: None  # nothing is simulated
 error = left_over(run_here(CampaignFolder(sys.argv[1]), 1, Shard(*map(int, sys.argv[2:])), work=run_stubbed))
 print(error)

@@ -11,7 +11,7 @@ from tests.campaigns.stubbed import began, begun, behave, plan, run_stubbed
 from tests.run_folders import command, digests
 from vcage.campaigns.estimate import Estimate
 from vcage.campaigns.folder import CampaignFolder
-from vcage.campaigns.plan import Shard
+from vcage.campaigns.shard import Shard
 
 
 @pytest.fixture

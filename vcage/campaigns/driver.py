@@ -17,8 +17,9 @@ from vcage.base.workers import Processes, cores, preload_module
 from vcage.campaigns.folder import CampaignFolder
 from vcage.campaigns.hanging import HangWatch
 from vcage.campaigns.job import Outcome, lost_job, run_job, uncount_try
-from vcage.campaigns.plan import EVERY_JOB, Job, Shard
+from vcage.campaigns.plan import Job
 from vcage.campaigns.schedule import Schedule
+from vcage.campaigns.shard import EVERY_JOB, Shard
 
 
 class Crew(AbstractContextManager, Protocol):

@@ -15,8 +15,9 @@ from vcage.base.errors import FolderInUse, InputFileError, MissingStage, OutputF
 from vcage.base.files import RunFolder, read_json, write_json, write_text
 from vcage.base.hold import IN_USE, alone, holder_of, one_at_a_time
 from vcage.base.leftovers import PARTIAL
-from vcage.campaigns.plan import EVERY_JOB, Job, Plan, Shard
+from vcage.campaigns.plan import Job, Plan
 from vcage.campaigns.record import JobRecord, Tries
+from vcage.campaigns.shard import EVERY_JOB, Shard
 
 logger = logging.getLogger(__name__)
 
@@ -119,7 +120,7 @@ class CampaignFolder:
         cells = {cell.id: cell for cell in plan.cells}
         found = [one for one in self.records() if one.state != "done" and one.cell in cells]
         jobs = (plan.job(cells[one.cell], one.number, one.episodes) for one in found)
-        return [job for job in jobs if plan.has(job, shard)]
+        return [job for job in jobs if shard.has(plan.index_of(job))]
 
     def forget_failed(self, shard: Shard = EVERY_JOB) -> int:
         """Remove the records of these jobs, so that they are tried again; return their number.

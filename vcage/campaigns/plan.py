@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import re
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from itertools import product
 from math import ceil
@@ -122,17 +122,6 @@ class Job(Record):
     def id(self) -> str:
         """Its folder below ``jobs/``."""
         return job_id(self.cell.id, self.number)
-
-
-@dataclass(frozen=True)
-class Shard:
-    """A share of the jobs: those whose place in the plan leaves ``index`` when divided by ``count``."""
-
-    index: int = 0
-    count: int = 1
-
-
-EVERY_JOB = Shard()
 
 
 def job_id(cell: str, number: int) -> str:
@@ -257,10 +246,6 @@ class Plan(Document):
     def index_of(self, job: Job) -> int:
         """The place of a job in that order, by which ``--shard`` shares the jobs out."""
         return job.number * len(self.cells) + self._places[job.cell.id]
-
-    def has(self, job: Job, shard: Shard) -> bool:
-        """True if a job is one of a share."""
-        return self.index_of(job) % shard.count == shard.index
 
     @cached_property
     def _places(self) -> dict[str, int]:

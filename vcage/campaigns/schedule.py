@@ -14,8 +14,9 @@ from vcage.campaigns.cells import Standing, by_cell, standing
 from vcage.campaigns.folder import CampaignFolder
 from vcage.campaigns.job import Outcome
 from vcage.campaigns.job_errors import LACKING
-from vcage.campaigns.plan import EVERY_JOB, Cell, Job, Shard
+from vcage.campaigns.plan import Cell, Job
 from vcage.campaigns.record import JobRecord
+from vcage.campaigns.shard import EVERY_JOB, Shard
 
 logger = logging.getLogger(__name__)
 
@@ -135,7 +136,7 @@ class Schedule:
         heapq.heappush(self._ready, (not self._is_ours(job), self.plan.index_of(job), job.id))
 
     def _is_ours(self, job: Job) -> bool:
-        return self.plan.has(job, self._shard)
+        return self._shard.has(self.plan.index_of(job))
 
     def _decides_on_ours(self, job: Job, found: Standing) -> bool:
         """True if jobs of this driver's share wait for it, whosever it is."""

@@ -7,6 +7,7 @@ import shlex
 from dataclasses import dataclass
 from pathlib import Path
 
+from vcage.base.errors import UsageError
 from vcage.base.version import __version__
 
 
@@ -33,6 +34,27 @@ GIGABYTES_PER_WORKER = 2
 """Memory to ask for; measured, a process takes one at most."""
 
 
+SIGNS_REFUSED = {"SLURM": "\\", "Kubernetes": ":"}
+"""Signs that a scheduler takes in no path: SLURM numbers no file below one with a backslash."""
+
+
+def require_path(out: Path, scheduler: str) -> None:
+    """Refuse a folder whose path a scheduler does not take.
+
+    Args:
+        out: the folder of the campaign.
+        scheduler: one of :data:`SIGNS_REFUSED`.
+
+    Raises:
+        UsageError: it does not; names the sign.
+    """
+    for sign in str(out):
+        if sign in SIGNS_REFUSED[scheduler] or not sign.isprintable():
+            raise UsageError(
+                f"{scheduler} takes no path with {sign!r}, as in {str(out)!r}", hint="give another folder as --out"
+            )
+
+
 def slurm_script(job: ShardedCommand) -> str:
     """The text of an array script for ``sbatch``."""
     command = shlex.join([*job.command, "--workers", str(job.workers)])
@@ -44,7 +66,7 @@ def slurm_script(job: ShardedCommand) -> str:
 #SBATCH --mem={GIGABYTES_PER_WORKER * job.workers}G
 #SBATCH --time=24:00:00
 #SBATCH --requeue
-#SBATCH --output={job.out}/slurm-%a.log
+#SBATCH --output={_in_slurm(job.out)}/slurm-%a.log"
 #SBATCH --open-mode=append
 #
 # Each task runs every {job.shards}th job. Add --partition and --account as your cluster wants them.
@@ -61,9 +83,9 @@ def kubernetes_job(job: ShardedCommand) -> str:
 
     An index that ends with code 7, as jobs of others are not settled yet, is tried again later, up to the limit.
     """
-    name = job.name.replace("_", "-")[:52].rstrip("-")  # a label of Kubernetes ends with a letter or digit
+    name = _in_yaml(job.name.replace("_", "-")[:52].rstrip("-"))  # a label ends with a letter or digit
     words = ["vcage", *job.command[job.command.index("campaign") :], "--workers", str(job.workers)]
-    script = f'exec {shlex.join(words)} --shard "$JOB_COMPLETION_INDEX/{job.shards}"'
+    script = f'exec {shlex.join(words).replace("$", "$$")} --shard "$JOB_COMPLETION_INDEX/{job.shards}"'
     return f"""\
 apiVersion: batch/v1
 kind: Job
@@ -80,15 +102,25 @@ spec:
       containers:
         - name: vcage
           image: vcage:{__version__}  # yours; the Dockerfile is in the repository
-          command: ["/bin/bash", "-c", {json.dumps(script)}]
+          command: ["/bin/bash", "-c", {_in_yaml(script)}]
           env:
             - {{name: OMP_NUM_THREADS, value: "1"}}
           resources:
             requests: {{cpu: "{job.workers}", memory: {GIGABYTES_PER_WORKER * job.workers}Gi}}
             limits: {{memory: {2 * GIGABYTES_PER_WORKER * job.workers}Gi}}
           volumeMounts:
-            - {{name: campaign, mountPath: {json.dumps(str(job.out))}}}
+            - {{name: campaign, mountPath: {_in_yaml(str(job.out))}}}
       volumes:
         - name: campaign
           persistentVolumeClaim: {{claimName: {name}}}  # yours: ReadWriteMany, on a file system that locks files
 """
+
+
+def _in_slurm(out: Path) -> str:
+    """A path in a line ``#SBATCH``, with its opening quote: blanks and # would end it, and % begins a number."""
+    return '"' + str(out).replace('"', r"\"").replace("%", "%%")
+
+
+def _in_yaml(text: str) -> str:
+    """Text in quotes: a name may look like a number, and a path may hold what YAML reads otherwise."""
+    return json.dumps(text, ensure_ascii=False)

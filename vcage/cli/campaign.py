@@ -26,8 +26,9 @@ if TYPE_CHECKING:
     from vcage.base.progress import Progress
     from vcage.campaigns.figures import Status
     from vcage.campaigns.folder import CampaignFolder
-    from vcage.campaigns.plan import Plan, Shard
+    from vcage.campaigns.plan import Plan
     from vcage.campaigns.schedule import Schedule
+    from vcage.campaigns.shard import Shard
 
 logger = logging.getLogger(__name__)
 
@@ -95,6 +96,7 @@ class Campaign(Command):
         from vcage.campaigns.folder import CampaignFolder
         from vcage.campaigns.impossible import require_readable
         from vcage.campaigns.plan import Plan
+        from vcage.campaigns.schedulers import require_path
 
         self._require_one_driver()
         plan, folder = Plan.load(self.plan), CampaignFolder(self.out)
@@ -103,6 +105,8 @@ class Campaign(Command):
         if self.dry_run:
             found = Estimate.of(plan, folder, folder.failed(plan, self._share()) if self.retry else ())
             return Result(output=folder.root, summary=found.facts(), text=found.text(), next=not_dry())
+        if self.slurm or self.k8s:
+            require_path(folder.root, "SLURM" if self.slurm else "Kubernetes")
         plan = folder.begin(plan)
         if self.slurm or self.k8s:
             return self._for_scheduler(plan, folder)
@@ -160,7 +164,7 @@ class Campaign(Command):
 
     def _share(self) -> Shard:
         """The share of the jobs that this command runs."""
-        from vcage.campaigns.plan import EVERY_JOB, Shard
+        from vcage.campaigns.shard import EVERY_JOB, Shard
 
         return Shard(*self.shard) if self.shard else EVERY_JOB
 
