@@ -9,7 +9,9 @@ import re
 import signal
 import subprocess
 import sys
-from collections.abc import Sequence
+import tempfile
+from collections import deque
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -26,6 +28,21 @@ STUBBED = (sys.executable, "-m", "tests.campaigns.stubbed_command")
 
 WORKER, DRIVER, NODE, HEAD = "worker", "driver", "node", "head"
 """Victims: a process that runs a job, one that shares jobs out, all processes of a Ray node, and the head's server."""
+
+
+class _Command:
+    """A command and its stderr, which lies in a file: a pipe that nobody reads would stop it when it is full."""
+
+    def __init__(self, words: Sequence[str], environment: Mapping[str, str]):
+        self._stderr = tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace")  # noqa: SIM115  read at the end
+        self.process = subprocess.Popen(
+            words, stdout=subprocess.DEVNULL, stderr=self._stderr, cwd=Path(__file__).parents[1], env=environment
+        )
+
+    def last_line(self) -> str:
+        """The last line of stderr."""
+        self._stderr.seek(0)
+        return " ".join(deque(self._stderr, maxlen=1)).strip()
 
 
 @dataclass
@@ -50,7 +67,7 @@ class KilledCampaign:
     unexpected: list[str] = field(default_factory=list)
     """and of those that no kill explains."""
     _head_lost: bool = False
-    _running: dict[int, subprocess.Popen[str]] = field(default_factory=dict)
+    _running: dict[int, _Command] = field(default_factory=dict)
 
     @property
     def victims(self) -> dict[str, float]:
@@ -64,24 +81,19 @@ class KilledCampaign:
         address = () if self.nodes is None else ("--ray", self.nodes.address)
         for index, options in enumerate(self.options):
             if index not in self._running:
-                self._running[index] = subprocess.Popen(
+                self._running[index] = _Command(
                     [*self.program, "campaign", str(self.plan), "--out", str(self.out), *options, *address],
-                    stdout=subprocess.DEVNULL,
-                    stderr=subprocess.PIPE,
-                    text=True,
-                    cwd=Path(__file__).parents[1],
-                    env=os.environ | (self.nodes.environment if self.nodes else {}),
+                    os.environ | (self.nodes.environment if self.nodes else {}),
                 )
 
     def look(self) -> bool:
         """Note which commands have ended; True while any runs."""
-        for index, process in list(self._running.items()):
-            if process.poll() is not None:
+        for index, command in list(self._running.items()):
+            if (code := command.process.poll()) is not None:
                 del self._running[index]
-                _, stderr = process.communicate()
-                if process.returncode:
-                    self.complaints.append(f"exit {process.returncode}: {' '.join(stderr.splitlines()[-1:])}")
-                if process.returncode not in (0, 7, 6 if self._head_lost else 0):
+                if code:
+                    self.complaints.append(f"exit {code}: {command.last_line()}")
+                if code not in (0, 7, 6 if self._head_lost else 0):
                     self.unexpected += self.complaints[-1:]
         return bool(self._running)
 
@@ -114,11 +126,11 @@ class KilledCampaign:
 
     def end(self) -> None:
         """Kill the remaining processes."""
-        for process in self._running.values():
+        for process in (command.process for command in self._running.values()):
             for one in (*_below(process.pid), process):
                 with contextlib.suppress(psutil.NoSuchProcess):
                     one.kill()
-            process.communicate()
+            process.wait()
         self._running.clear()
 
     @staticmethod
@@ -134,10 +146,10 @@ class KilledCampaign:
     def _kill_driver(self, jobs: dict[str, int], rng: np.random.Generator) -> list[str] | None:
         if not self._running:
             return None
-        process = self._running.pop(int(rng.choice(sorted(self._running))))
+        process = self._running.pop(int(rng.choice(sorted(self._running)))).process
         below = {one.pid for one in _below(process.pid)}
         process.kill()
-        process.communicate()
+        process.wait()
         # Actors of a driver that is gone are no processes below it: their jobs are all that are at work.
         return sorted(job for job, number in jobs.items() if self.nodes is not None or number in below)
 

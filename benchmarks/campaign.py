@@ -52,7 +52,7 @@ def run(quick: bool, jobs: int, episodes: int, drivers: list[str]) -> dict[str, 
     - ``seconds`` of the whole command; ``cpu_seconds`` of all its processes, those of Ray included, and
       ``cpu_s_per_episode``; ``job_cpu_s``, the part of the jobs by their records;
     - ``first_compress_s``, wall time of compression in the job that searches CRFs; ``later_compress_s``, its mean in
-      those that take them over;
+      those that take them over; both None where that job verified no episode, so that each of the others searched;
     - ``crfs_taken``, by cameras of these jobs, and ``crfs_passed`` of them;
     - ``mb_per_episode`` and ``files_per_episode`` of the run folders;
     - ``worker_mb``, the largest memory of a process that ran jobs.
@@ -126,13 +126,18 @@ def _row(plan: Path, out: Path, driver: str, workers: int) -> dict[str, Any]:
 
 
 def _compression(folder: CampaignFolder) -> dict[str, Any]:
-    """Seconds of compression in the first job, and the mean in those that begin at its CRFs; how many of these pass."""
-    jobs = [folder.run(job) for job in folder.plan.jobs() if folder.run(job).compression.exists()]
-    seconds = [read_timings(run)["compress"] for run in jobs]
-    taken = [one for run in jobs for one in Compression.read(run.compression).taken_crfs]
+    """Seconds of compression in the first job, and the mean in those that begin at its CRFs; how many of these pass.
+
+    A job without a verified episode compresses nothing.
+    """
+    jobs = [folder.run(job) for job in folder.plan.jobs()]
+    compressed = [run for run in jobs if run.compression.exists()]
+    seconds = {run: read_timings(run)["compress"] for run in compressed}
+    first, later = seconds.get(jobs[0]), [seconds[run] for run in compressed if run is not jobs[0]]
+    taken = [one for run in compressed for one in Compression.read(run.compression).taken_crfs]
     return {
-        "first_compress_s": seconds[0],
-        "later_compress_s": round(mean(seconds[1:]), 2) if seconds[1:] else None,
+        "first_compress_s": first,
+        "later_compress_s": round(mean(later), 2) if first is not None and later else None,
         "crfs_taken": len(taken),
         "crfs_passed": sum(one.passed for one in taken),
     }

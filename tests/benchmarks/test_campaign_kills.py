@@ -3,9 +3,18 @@
 from __future__ import annotations
 
 import json
+import sys
+import time
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
+import pytest
+
+from benchmarks import campaign as campaign_benchmark
+from benchmarks._campaign_kills import KilledCampaign
 from benchmarks._campaign_outputs import differing, left_over, outputs
+from tests.campaigns.stubbed import begun
 
 
 def campaign(folder: Path, picture: bytes, seconds: float, verified: int = 1) -> Path:
@@ -33,3 +42,32 @@ def test_partial_work_is_no_output_and_is_named(tmp_path: Path):
     (part / "a.mp4").touch()
     assert outputs(found) == before
     assert left_over(found) == ["jobs/cell/0000/compress.partial-17/a.mp4"]
+
+
+def test_a_command_may_complain_at_any_length(tmp_path: Path):
+    talks = "import sys; sys.stderr.write('word ' * 40_000 + '\\nat last\\n'); sys.exit(3)"
+    killed = KilledCampaign(tmp_path / "PLAN.yml", tmp_path, [[]], program=(sys.executable, "-c", talks))
+    killed.start()
+    end = time.monotonic() + 60
+    while killed.look() and time.monotonic() < end:
+        time.sleep(0.05)
+    killed.end()
+    assert killed.unexpected == ["exit 3: at last"]
+
+
+@pytest.mark.parametrize(
+    ("compressed", "expected"),
+    [((0, 1, 2), (1.0, 2.5)), ((0,), (1.0, None)), ((1, 2), (None, None)), ((), (None, None))],
+)
+def test_times_of_compression_are_known_where_the_first_job_compressed_something(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, compressed: tuple[int, ...], expected: Any
+):
+    folder = begun(tmp_path, episodes=3)
+    for number in compressed:
+        run = folder.run(folder.plan.jobs()[number])
+        run.compression.parent.mkdir(parents=True)
+        run.compression.touch()
+        run.timings.write_text(json.dumps({"compress": 1.0 + number}))
+    monkeypatch.setattr(campaign_benchmark.Compression, "read", lambda _path: SimpleNamespace(taken_crfs=[]))
+    found = campaign_benchmark._compression(folder)
+    assert (found["first_compress_s"], found["later_compress_s"]) == expected
