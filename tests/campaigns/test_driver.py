@@ -16,7 +16,15 @@ import pytest
 from benchmarks._campaign_outputs import outputs
 from tests.campaigns.stubbed import began, begun, behave, plan, run_stubbed
 from tests.run_folders import REPOSITORY
-from vcage.base.errors import ConfigurationError, DiskFull, FolderInUse, InputFileError, MissingKey, PartlyDone
+from vcage.base.errors import (
+    ConfigurationError,
+    DiskFull,
+    FolderInUse,
+    InputFileError,
+    MissingKey,
+    PartlyDone,
+    SchemaMismatch,
+)
 from vcage.base.workers import Processes, SameProcess
 from vcage.campaigns.driver import run_here, work_through
 from vcage.campaigns.folder import CampaignFolder
@@ -212,13 +220,32 @@ def test_a_driver_that_is_interrupted_takes_back_the_tries_of_its_jobs(tmp_path:
     assert states(folder) == {"done": 2}
 
 
-def test_a_damaged_record_ends_the_driver_with_its_name(tmp_path: Path):
+def damage(folder: CampaignFolder, text: str) -> Path:
+    """Write something in place of the record of the first job."""
+    path = folder.record_file(folder.plan.jobs()[0])
+    path.write_text(text)
+    return path
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", "{}", "null", '{"schema": "vcage.job/1"}', "\0\0\0"])
+def test_a_damaged_record_is_named_and_made_again(tmp_path: Path, caplog: pytest.LogCaptureFixture, text: str):
+    folder = begun(tmp_path, episodes=3)
+    driven(folder)
+    before = outputs(folder.root)
+    path = damage(folder, text)
+    assert left_over(driven(CampaignFolder(folder.root))) is None
+    assert str(path) in caplog.text and "its job is looked at again" in caplog.text
+    assert outputs(folder.root) == before
+
+
+def test_a_record_of_another_version_ends_the_driver_with_its_name_and_stays(tmp_path: Path):
     folder = begun(tmp_path)
     driven(folder)
-    path = folder.record_file(folder.plan.jobs()[0])
-    path.write_text("{")
-    with pytest.raises(InputFileError, match=path.name):
-        Schedule(folder)
+    path = damage(folder, '{"schema": "vcage.job/2"}')
+    with pytest.raises(SchemaMismatch, match=path.name) as caught:
+        Schedule(CampaignFolder(folder.root))
+    assert "go on with that one" in caught.value.hint
+    assert path.read_text() == '{"schema": "vcage.job/2"}'
 
 
 def test_a_plan_may_grow_and_asks_only_for_what_is_missing(tmp_path: Path):

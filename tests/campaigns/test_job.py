@@ -202,11 +202,11 @@ def test_tries_that_were_begun_by_processes_that_are_gone_count(tmp_path: Path, 
     assert (found.state, found.tries) == ("given_up", 3)
 
 
-def test_a_damaged_record_is_named_and_nothing_is_run(tmp_path: Path):
+def test_a_record_of_another_version_is_named_and_nothing_is_run(tmp_path: Path):
     folder = begun(tmp_path)
     record(run(folder))
     path = folder.record_file(folder.plan.jobs()[0])
-    path.write_text("{")
+    path.write_text('{"schema": "vcage.job/2"}')
     outcome = run(folder)
     assert outcome.error is not None and str(path) in outcome.error.message
     assert len(began(tmp_path)) == 1

@@ -44,6 +44,20 @@ def test_jobs_that_failed_are_named_with_their_reason(tmp_path: Path):
     assert f"failed: {folder.plan.cells[0].id}/0000: no such thing" in table(status)
 
 
+def test_records_that_cannot_be_read_are_named_and_counted_apart(tmp_path: Path):
+    folder = begun(tmp_path, episodes=4)
+    driven(folder)
+    cut, other, *_ = map(folder.record_file, folder.plan.jobs())
+    cut.write_text('{"schema": "vcage.jo')
+    other.write_text('{"schema": "vcage.job/2"}')
+    status = status_of(folder)
+    assert (status.total.verified, status.facts()["unread"], status.facts()["jobs"]) == (2, 2, {"done": 2})
+    text, page = table(status), write_page(folder, status).read_text()
+    for said in (str(cut), str(other), "another version"):
+        assert said in text and said in page
+    assert "2 records cannot be read, and count as missing:" in text
+
+
 def test_a_cell_that_its_gate_stopped_says_so_and_nothing_of_it_is_left(tmp_path: Path):
     folder = begun(tmp_path, episodes=6, gates={"acceptance": 0.5, "after": 1})
     behave(tmp_path, all="reject")

@@ -155,12 +155,14 @@ class Status:
         cells: in the order of the plan.
         running: jobs that processes hold now.
         spent: provider → what its answers cost.
+        unread: the errors of records that cannot be read.
     """
 
     plan: Plan
     cells: Sequence[CellStatus]
     running: Sequence[RunningJob]
     spent: dict[str, Spent] = field(default_factory=dict)
+    unread: Sequence[str] = ()
 
     @cached_property
     def total(self) -> CellStatus:
@@ -199,7 +201,12 @@ class Status:
     def facts(self) -> dict[str, Any]:
         """The figures of the whole, JSON-serialisable."""
         total = self.total.facts() | {"left": self.left, "state": "ended" if self.ended else "open"}
-        return total | {"calls": self.calls, "usd": round(self.usd, 6), "not_done": len(self.not_done)}
+        return total | {
+            "calls": self.calls,
+            "usd": round(self.usd, 6),
+            "not_done": len(self.not_done),
+            "unread": len(self.unread),
+        }
 
 
 def _pairs(critic: CriticCounts) -> Iterable[tuple[bool, bool]]:

@@ -5,13 +5,13 @@ from __future__ import annotations
 import contextlib
 import logging
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import lru_cache
 from pathlib import Path
 
 import yaml
 
-from vcage.base.errors import FolderInUse, InputFileError, MissingStage, OutputFolderError
+from vcage.base.errors import DamagedFile, FolderInUse, InputFileError, MissingStage, OutputFolderError, SchemaMismatch
 from vcage.base.files import RunFolder, read_json, write_json, write_text
 from vcage.base.hold import IN_USE, alone, holder_of, one_at_a_time
 from vcage.base.leftovers import PARTIAL
@@ -22,6 +22,14 @@ from vcage.campaigns.shard import EVERY_JOB, Shard
 logger = logging.getLogger(__name__)
 
 PLAN = "plan.yml"
+
+
+DAMAGED = "its job is looked at again by the next campaign command"
+
+
+def _not_damaged(error: InputFileError) -> None:
+    if not isinstance(error, DamagedFile):
+        raise error
 
 
 class CampaignFolder:
@@ -115,7 +123,7 @@ class CampaignFolder:
             shard: the share.
 
         Raises:
-            InputFileError: a record is damaged.
+            InputFileError: a record is of another version, or may not be read.
         """
         cells = {cell.id: cell for cell in plan.cells}
         found = [one for one in self.records() if one.state != "done" and one.cell in cells]
@@ -128,7 +136,7 @@ class CampaignFolder:
         Nothing is taken from another process that has begun such a job, or settled it otherwise meanwhile.
 
         Raises:
-            InputFileError: a record is damaged.
+            InputFileError: a record is of another version, or may not be read.
         """
         count = 0
         for job in self.failed(self.plan, shard):
@@ -162,27 +170,39 @@ class CampaignFolder:
     def record(self, job: Job) -> JobRecord | None:
         """The record of a job; None while it is not settled, or asked for fewer episodes than there should be now.
 
+        A damaged record, which is named, counts as none: the job is settled again.
+
         Raises:
-            InputFileError: the file is damaged.
+            InputFileError: the file is of another version, or may not be read.
         """
         try:
             found = _record(self.record_file(job))
         except MissingStage:
             return None
+        except DamagedFile as error:
+            logger.warning("%s: %s", job.id, error.as_line())
+            return None
         return found if found.state != "done" or found.episodes >= job.episodes else None
 
-    def records(self) -> Iterator[JobRecord]:
+    def records(self, unread: Callable[[InputFileError], None] = _not_damaged) -> Iterator[JobRecord]:
         """All records, by cell and number. Others may write meanwhile: a file is seen whole or not at all.
 
-        Raises:
-            InputFileError: a record is damaged.
+        Args:
+            unread: called with the error of each that cannot be read; by default it raises those of records that are
+                not damaged, but of another version, or may not be read.
         """
         for entry in self._entries(".job.json"):
             with contextlib.suppress(MissingStage, FileNotFoundError):  # removed by --retry
                 changed, known = entry.stat().st_mtime_ns, self._records.get(entry.path)
-                if known is None or known[0] != changed:
-                    known = self._records[entry.path] = changed, _record(Path(entry.path))
-                yield known[1]
+                try:
+                    if known is None or known[0] != changed:
+                        known = self._records[entry.path] = changed, _record(Path(entry.path))
+                except MissingStage:
+                    raise
+                except InputFileError as error:
+                    unread(error)
+                else:
+                    yield known[1]
 
     def begun(self) -> Iterator[Path]:
         """The lock files of jobs that were begun and are not settled."""
@@ -252,12 +272,23 @@ class CampaignFolder:
 
 
 def _record(path: Path) -> JobRecord:
+    """A record.
+
+    Raises:
+        MissingStage: there is none.
+        DamagedFile: it is cut, or otherwise no record.
+        SchemaMismatch: it is of another version.
+        InputFileError: it may not be read.
+    """
     try:
         return JobRecord.read(path)
-    except MissingStage:
-        raise
-    except InputFileError as error:
-        error.hint = "remove it: its job is then looked at again"
+    except SchemaMismatch as error:
+        if isinstance(error.details.get("found"), str):
+            error.hint = "it was written by another version: go on with that one, or remove it"
+            raise
+        raise DamagedFile(error.message, hint=DAMAGED) from error
+    except DamagedFile as error:
+        error.hint = DAMAGED
         raise
 
 

@@ -12,6 +12,7 @@ from collections.abc import Collection, Iterable
 from pathlib import Path
 
 from vcage.apps.html import rendered
+from vcage.base.errors import InputFileError
 from vcage.base.files import write_text
 from vcage.base.hold import holder_of, one_at_a_time
 from vcage.campaigns.cells import by_cell, standing
@@ -37,14 +38,15 @@ def status_of(folder: CampaignFolder, plan: Plan | None = None, without: Collect
 
     Raises:
         MissingStage: the folder holds no campaign.
-        InputFileError: its plan or a record cannot be read.
+        InputFileError: its plan cannot be read.
     """
     plan = plan or folder.plan
-    records = by_cell(plan, (record for record in folder.records() if record.job_id not in without))
+    unread: list[InputFileError] = []
+    records = by_cell(plan, (record for record in folder.records(unread.append) if record.job_id not in without))
     running = list(_running(folder))
     of_cell = Counter(one.job.rpartition("/")[0] for one in running)
     cells = [_cell_status(plan, cell, records[cell.id], of_cell[cell.id]) for cell in plan.cells]
-    return Status(plan, cells, running, Bill(folder.bill).refresh())
+    return Status(plan, cells, running, Bill(folder.bill).refresh(), [error.as_line() for error in unread])
 
 
 def write_page(folder: CampaignFolder, status: Status, refresh_s: int = 0) -> Path:
@@ -92,6 +94,9 @@ def table(status: Status, most: int = 60) -> str:
     for record in status.not_done[:10]:
         assert record.error is not None
         lines.append(f"{record.state.replace('_', ' ')}: {record.job_id}: {record.error.message}")
+    if status.unread:
+        lines.append(f"{len(status.unread)} records cannot be read, and count as missing:")
+        lines += status.unread[:10]
     return "\n".join(lines)
 
 
