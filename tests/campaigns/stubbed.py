@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import json
 import os
+import shutil
 import signal
 import time
 from collections.abc import Callable
@@ -128,6 +129,17 @@ def _full(*_: Any) -> None:
     raise DiskFull("no space left to write it", hint="free some")
 
 
+def _fill(run: RunFolder, options: Any, _progress: Any, spare_bytes: int = 8_000_000) -> None:
+    """Fill the disk to its last byte, unless it has room to spare."""
+    (run.root / "place").mkdir(exist_ok=True)
+    with open(run.root / "place" / "source.png", "wb") as picture:
+        while shutil.disk_usage(run.root).free < spare_bytes:
+            picture.write(b"a" * 65536)
+            picture.flush()
+        picture.truncate(0)
+    record_episodes(run, options.episodes, 0)
+
+
 def _lack(run: RunFolder, options: Any, progress: Any) -> None:
     """Lack a renderer on the node of a Ray cluster that a file beside the campaign names."""
     node = importlib.import_module("ray").get_runtime_context().get_node_id()
@@ -182,6 +194,7 @@ WAYS: dict[str, Callable[..., None]] = {
     "crash": _crash,
     "raise": _raise,
     "full": _full,
+    "fill": _fill,
     "lack": _lack,
     "hang": _hang,
     "slow": _slow,

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-import ctypes
 import importlib.util
-import os
 import subprocess
 import sys
 import tempfile
@@ -23,6 +21,7 @@ from benchmarks._campaign_kills import at_work
 from benchmarks._campaign_outputs import outputs
 from benchmarks._ray_nodes import RayNodes
 from tests.campaigns import test_campaign
+from tests.campaigns.mounts import elsewhere, needs_mounts
 from tests.campaigns.stubbed import began, begun, behave, run_stubbed
 from tests.campaigns.test_campaign import PROGRAM
 from tests.run_folders import REPOSITORY, clean_environment, process
@@ -38,9 +37,6 @@ from vcage.campaigns.schedule import Schedule, left_over
 needs_ray = pytest.mark.skipif(
     importlib.util.find_spec("ray") is None, reason="Ray is not installed; `make test-ray` installs it"
 )
-
-CLONE_NEWNS = 0x00020000
-"""From <linux/sched.h>: mounts of its own."""
 
 QUICK = RaySettings(look_every_s=0.5, freed_within_s=3.0, rest_s=0.5, seen_within_s=1.0)
 
@@ -88,26 +84,6 @@ def meanwhile(do: Callable[[], None], folder: CampaignFolder, jobs: int) -> thre
     thread = threading.Thread(target=wait, daemon=True)
     thread.start()
     return thread
-
-
-def elsewhere(do: Callable[[], object], mount_over: Path) -> None:
-    """Do something in a thread for which, and for whose processes, another folder lies in some place."""
-    faults: list[BaseException] = []
-
-    def work() -> None:
-        try:
-            assert ctypes.CDLL(None, use_errno=True).unshare(CLONE_NEWNS) == 0, os.strerror(ctypes.get_errno())
-            subprocess.run(["mount", "--make-rprivate", "/"], check=True)
-            subprocess.run(["mount", "-t", "tmpfs", "none", mount_over], check=True)
-            do()
-        except BaseException as error:
-            faults.append(error)
-
-    thread = threading.Thread(target=work)
-    thread.start()
-    thread.join()
-    if faults:
-        raise faults[0]
 
 
 def actors() -> list[psutil.Process]:
@@ -287,7 +263,7 @@ def test_a_cluster_with_another_version_is_refused_and_its_nodes_are_named(
 
 
 @needs_ray
-@pytest.mark.skipif(os.geteuid() != 0, reason="only root may mount another folder for a node")
+@needs_mounts
 def test_a_node_with_another_folder_gets_no_job_and_is_named(
     cluster: Any, tmp_path: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ):

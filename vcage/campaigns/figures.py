@@ -12,7 +12,7 @@ from typing import Any
 from vcage.base.proportions import wilson
 from vcage.campaigns.cells import Standing
 from vcage.campaigns.plan import Plan
-from vcage.campaigns.record import JobRecord
+from vcage.campaigns.record import JobError, JobRecord
 from vcage.models.bill import Spent
 from vcage.schema.episodes import CriticCounts, Spread
 
@@ -30,6 +30,19 @@ class RunningJob:
     job: str
     holder: str
     silent_s: float
+
+
+@dataclass(frozen=True)
+class OpenJob:
+    """A job that was begun, is not settled and does not run.
+
+    Args:
+        job: its id.
+        error: that ended its last try.
+    """
+
+    job: str
+    error: JobError
 
 
 @dataclass(frozen=True)
@@ -156,6 +169,7 @@ class Status:
         running: jobs that processes hold now.
         spent: provider → what its answers cost.
         unread: the errors of records that cannot be read.
+        open: jobs whose last try ended with an error, and which may be tried again.
     """
 
     plan: Plan
@@ -163,6 +177,7 @@ class Status:
     running: Sequence[RunningJob]
     spent: dict[str, Spent] = field(default_factory=dict)
     unread: Sequence[str] = ()
+    open: Sequence[OpenJob] = ()
 
     @cached_property
     def total(self) -> CellStatus:

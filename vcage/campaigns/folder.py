@@ -11,25 +11,17 @@ from pathlib import Path
 
 import yaml
 
-from vcage.base.errors import DamagedFile, FolderInUse, InputFileError, MissingStage, OutputFolderError, SchemaMismatch
-from vcage.base.files import RunFolder, read_json, write_json, write_text
+from vcage.base.errors import DamagedFile, DiskFull, FolderInUse, InputFileError, MissingStage, OutputFolderError
+from vcage.base.files import RunFolder, write_json, write_text
 from vcage.base.hold import IN_USE, alone, holder_of, one_at_a_time
 from vcage.base.leftovers import PARTIAL
 from vcage.campaigns.plan import Job, Plan
-from vcage.campaigns.record import JobRecord, Tries
+from vcage.campaigns.record import JobError, JobRecord, Tries, not_damaged, read_record, read_tries
 from vcage.campaigns.shard import EVERY_JOB, Shard
 
 logger = logging.getLogger(__name__)
 
 PLAN = "plan.yml"
-
-
-DAMAGED = "its job is looked at again by the next campaign command"
-
-
-def _not_damaged(error: InputFileError) -> None:
-    if not isinstance(error, DamagedFile):
-        raise error
 
 
 class CampaignFolder:
@@ -176,7 +168,7 @@ class CampaignFolder:
             InputFileError: the file is of another version, or may not be read.
         """
         try:
-            found = _record(self.record_file(job))
+            found = read_record(self.record_file(job))
         except MissingStage:
             return None
         except DamagedFile as error:
@@ -184,7 +176,7 @@ class CampaignFolder:
             return None
         return found if found.state != "done" or found.episodes >= job.episodes else None
 
-    def records(self, unread: Callable[[InputFileError], None] = _not_damaged) -> Iterator[JobRecord]:
+    def records(self, unread: Callable[[InputFileError], None] = not_damaged) -> Iterator[JobRecord]:
         """All records, by cell and number. Others may write meanwhile: a file is seen whole or not at all.
 
         Args:
@@ -196,7 +188,7 @@ class CampaignFolder:
                 changed, known = entry.stat().st_mtime_ns, self._records.get(entry.path)
                 try:
                     if known is None or known[0] != changed:
-                        known = self._records[entry.path] = changed, _record(Path(entry.path))
+                        known = self._records[entry.path] = changed, read_record(Path(entry.path))
                 except MissingStage:
                     raise
                 except InputFileError as error:
@@ -209,6 +201,11 @@ class CampaignFolder:
         for entry in self._entries(".tries.json"):
             yield Path(entry.path.removesuffix(".tries.json") + ".beat")
 
+    @staticmethod
+    def last_error(lock: Path) -> JobError | None:
+        """The error that ended the last try of such a job; None if there is none, or the try has not ended."""
+        return read_tries(lock.with_suffix(".tries.json")).error
+
     def _entries(self, suffix: str) -> Iterator[os.DirEntry[str]]:
         """Files beside the run folders, by cell and number."""
         with contextlib.suppress(FileNotFoundError), os.scandir(self.root / "jobs") as cells:
@@ -218,13 +215,27 @@ class CampaignFolder:
 
     def tries(self, job: Job) -> Tries:
         """The tries of a job so far; none where they cannot be read."""
-        with contextlib.suppress(InputFileError, ValueError):
-            return Tries.model_validate(read_json(self.tries_file(job)))
-        return Tries()
+        return read_tries(self.tries_file(job))
 
     def note_tries(self, job: Job, tries: Tries) -> None:
         """Write down the tries of a job."""
         write_json(self.tries_file(job), tries.model_dump(mode="json"))
+
+    def note_fault(self, job: Job, before: Tries, error: JobError) -> None:
+        """Take back a try that ended by a fault of the machine; on a full disk rather all tries than none.
+
+        Args:
+            job: which.
+            before: its tries before that one.
+            error: that ended it.
+        """
+        tries = before.model_copy(update={"error": error})
+        try:
+            self.note_tries(job, tries)
+        except DiskFull:
+            self.tries_file(job).unlink(missing_ok=True)
+            with contextlib.suppress(DiskFull):
+                self.note_tries(job, tries)  # in the room of the file that was removed
 
     @contextlib.contextmanager
     def held(self, job: Job) -> Iterator[None]:
@@ -269,27 +280,6 @@ class CampaignFolder:
             return self.beat_file(job).stat().st_mtime_ns
         except OSError:
             return 0
-
-
-def _record(path: Path) -> JobRecord:
-    """A record.
-
-    Raises:
-        MissingStage: there is none.
-        DamagedFile: it is cut, or otherwise no record.
-        SchemaMismatch: it is of another version.
-        InputFileError: it may not be read.
-    """
-    try:
-        return JobRecord.read(path)
-    except SchemaMismatch as error:
-        if isinstance(error.details.get("found"), str):
-            error.hint = "it was written by another version: go on with that one, or remove it"
-            raise
-        raise DamagedFile(error.message, hint=DAMAGED) from error
-    except DamagedFile as error:
-        error.hint = DAMAGED
-        raise
 
 
 @lru_cache(maxsize=4)

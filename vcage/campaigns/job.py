@@ -134,7 +134,7 @@ def _try(folder: CampaignFolder, job: Job) -> Outcome:
     wall, cpu = time.perf_counter(), _cpu_seconds()
     error, meaning = _error_of_run(folder, job)
     if error is not None and meaning is Meaning.MACHINE:
-        folder.note_tries(job, before)
+        folder.note_fault(job, before, named(error))
         raise error
     if error is not None and meaning is Meaning.AGAIN:
         return _again(folder, job, tries, error)

@@ -64,6 +64,8 @@ def meaning_of(error: Exception, run: RunFolder) -> Meaning:
 
 def named(error: Exception) -> JobError:
     """An error as records hold it."""
+    if isinstance(error, OSError) and error.errno in MACHINE_ERRORS:
+        error = of_the_system(error)
     if isinstance(error, VcageError):
         return JobError(code=error.code, message=error.as_line()[:2000])
     return JobError(code="bug", message=" ".join(f"{type(error).__name__}: {error}".split())[:2000])

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import contextlib
+from pathlib import Path
 from typing import ClassVar, Literal
 
 from pydantic import Field
 
+from vcage.base.errors import DamagedFile, InputFileError, SchemaMismatch
+from vcage.base.files import read_json
 from vcage.campaigns.plan import Seed, job_id
 from vcage.schema.base import Document, Finite, Record
 from vcage.schema.episodes import CriticCounts, Spread
+
+DAMAGED = "its job is looked at again by the next campaign command"
 
 State = Literal["done", "failed", "given_up"]
 """States of a settled job.
@@ -71,3 +77,37 @@ class Tries(Record):
     open: bool = Field(default=False, description="the last one has not ended yet, or its process was lost")
     reached: tuple[int, int] = Field(default=(0, 0), description="stages finished, files in the run folder")
     error: JobError | None = Field(default=None, description="of the last try, if it could say")
+
+
+def read_record(path: Path) -> JobRecord:
+    """Read a record.
+
+    Raises:
+        MissingStage: there is none.
+        DamagedFile: it is cut, or otherwise no record.
+        SchemaMismatch: it is of another version.
+        InputFileError: it may not be read.
+    """
+    try:
+        return JobRecord.read(path)
+    except SchemaMismatch as error:
+        if isinstance(error.details.get("found"), str):
+            error.hint = "it was written by another version: go on with that one, or remove it"
+            raise
+        raise DamagedFile(error.message, hint=DAMAGED) from error
+    except DamagedFile as error:
+        error.hint = DAMAGED
+        raise
+
+
+def not_damaged(error: InputFileError) -> None:
+    """Raise the error of a record that is of another version, or may not be read."""
+    if not isinstance(error, DamagedFile):
+        raise error
+
+
+def read_tries(path: Path) -> Tries:
+    """Read tries; none where they cannot be read."""
+    with contextlib.suppress(InputFileError, ValueError):
+        return Tries.model_validate(read_json(path))
+    return Tries()

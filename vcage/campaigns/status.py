@@ -8,7 +8,7 @@ from __future__ import annotations
 import contextlib
 import time
 from collections import Counter
-from collections.abc import Collection, Iterable
+from collections.abc import Collection
 from pathlib import Path
 
 from vcage.apps.html import rendered
@@ -16,7 +16,7 @@ from vcage.base.errors import InputFileError
 from vcage.base.files import write_text
 from vcage.base.hold import holder_of, one_at_a_time
 from vcage.campaigns.cells import by_cell, standing
-from vcage.campaigns.figures import CellStatus, RunningJob, Status
+from vcage.campaigns.figures import CellStatus, OpenJob, RunningJob, Status
 from vcage.campaigns.folder import CampaignFolder
 from vcage.campaigns.plan import Cell, Plan
 from vcage.campaigns.record import JobRecord
@@ -43,10 +43,11 @@ def status_of(folder: CampaignFolder, plan: Plan | None = None, without: Collect
     plan = plan or folder.plan
     unread: list[InputFileError] = []
     records = by_cell(plan, (record for record in folder.records(unread.append) if record.job_id not in without))
-    running = list(_running(folder))
+    running, open_jobs = _begun(folder)
     of_cell = Counter(one.job.rpartition("/")[0] for one in running)
     cells = [_cell_status(plan, cell, records[cell.id], of_cell[cell.id]) for cell in plan.cells]
-    return Status(plan, cells, running, Bill(folder.bill).refresh(), [error.as_line() for error in unread])
+    lines = [error.as_line() for error in unread]
+    return Status(plan, cells, running, Bill(folder.bill).refresh(), lines, open_jobs)
 
 
 def write_page(folder: CampaignFolder, status: Status, refresh_s: int = 0) -> Path:
@@ -94,6 +95,7 @@ def table(status: Status, most: int = 60) -> str:
     for record in status.not_done[:10]:
         assert record.error is not None
         lines.append(f"{record.state.replace('_', ' ')}: {record.job_id}: {record.error.message}")
+    lines += [f"to be tried again: {one.job}: {one.error.message}" for one in status.open[:10]]
     if status.unread:
         lines.append(f"{len(status.unread)} records cannot be read, and count as missing:")
         lines += status.unread[:10]
@@ -108,10 +110,15 @@ def _cell_status(plan: Plan, cell: Cell, records: dict[int, JobRecord], running:
     return CellStatus(cell.id, found.asked, [records[n] for n in sorted(records)], running, found)
 
 
-def _running(folder: CampaignFolder) -> Iterable[RunningJob]:
-    """Jobs whose lock another process holds."""
+def _begun(folder: CampaignFolder) -> tuple[list[RunningJob], list[OpenJob]]:
+    """Jobs whose lock another process holds, and those whose last try ended with an error."""
+    running, open_jobs = [], []
     for path in folder.begun():
+        job = f"{path.parent.name}/{path.name.partition('.')[0]}"
         with contextlib.suppress(OSError):
             if (holder := holder_of(path)) is not None:
                 silent_s = max(0.0, time.time() - path.stat().st_mtime)
-                yield RunningJob(f"{path.parent.name}/{path.name.partition('.')[0]}", holder, silent_s)
+                running.append(RunningJob(job, holder, silent_s))
+            elif (error := folder.last_error(path)) is not None:
+                open_jobs.append(OpenJob(job, error))
+    return running, open_jobs
