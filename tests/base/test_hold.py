@@ -92,7 +92,7 @@ def looked_at(path: Path, watchers: int = 3) -> Iterator[None]:
 def test_to_look_who_holds_a_file_refuses_it_to_nobody(tmp_path: Path):
     path = tmp_path / "job.beat"
     with looked_at(path):
-        for _ in range(300):
+        for _ in range(100):
             with alone(path):
                 pass
 

@@ -8,15 +8,24 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks._merge_runs import RunSpec, make_run
 from tests.campaigns.mounts import elsewhere, grow, needs_mounts
 from tests.campaigns.stubbed import begun, behave
 from tests.campaigns.test_driver import driven, states
+from tests.run_folders import digests
+from vcage.base.errors import DiskFull
 from vcage.base.files import RunFolder
 from vcage.campaigns import job as job_module
+from vcage.campaigns import merge as merging
 from vcage.campaigns.folder import CampaignFolder
 from vcage.campaigns.job_errors import Meaning, meaning_of
+from vcage.campaigns.merge import MergeSettings, Order, merge
 from vcage.campaigns.schedule import left_over
 from vcage.campaigns.status import status_of, table
+from vcage.datasets.lerobot.formats import FORMATS
+from vcage.datasets.lerobot.growing import COMMITTED
+from vcage.datasets.lerobot.meta import INFO, data_set_info
+from vcage.datasets.recordings.opening import open_recordings
 
 pytestmark = needs_mounts
 
@@ -62,3 +71,35 @@ def test_a_full_disk_uses_up_no_try_is_named_and_the_campaign_goes_on_when_there
         assert "no space left" not in table(status_of(folder))
 
     elsewhere(campaign, mount_over=disk, size="4m")
+
+
+@pytest.mark.slow
+def test_a_merge_that_fills_the_disk_again_and_again_ends_with_the_files_of_an_undisturbed_one(
+    tmp_path: Path, disk: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(merging, "SETTINGS", MergeSettings(commit_episodes=2))
+    runs, order, full = tmp_path / "runs", Order(formats=tuple(FORMATS), test=0.3), list[int]()
+    for seed in range(4):
+        make_run(runs / str(seed), RunSpec(seed=seed, episodes=2, frames=6))
+    merge([runs], tmp_path / "whole", order)
+
+    def merge_in_steps() -> None:
+        for pages in range(1, 600, 11):
+            grow(disk, f"{4 * pages}k")
+            try:
+                merge([runs], disk / "all", order)
+                break
+            except DiskFull:
+                full.append(pages)
+            for name in FORMATS:
+                require_whole(disk / "all" / name)
+        assert digests(disk / "all") == digests(tmp_path / "whole")
+
+    elsewhere(merge_in_steps, mount_over=disk, size="4k")
+    assert len(full) > 5, full
+
+
+def require_whole(root: Path) -> None:
+    """Check that a data set, if there is one, holds the episodes that it declares."""
+    if (root / INFO).is_file() and not (root / COMMITTED).exists():
+        assert len(open_recordings(root)) == data_set_info(root)["total_episodes"]

@@ -20,7 +20,7 @@ import pytest
 
 from benchmarks._merge_runs import RunSpec, make_run
 from tests.run_folders import command, digests
-from vcage.base.errors import DiskFull, MissingStage, UsageError
+from vcage.base.errors import DiskFull, MissingStage, OutputFolderError, UsageError
 from vcage.base.files import RunFolder
 from vcage.campaigns import merge as merging
 from vcage.campaigns.merge import RECORD, MergeSettings, Order, merge
@@ -349,7 +349,8 @@ def test_one_run_cannot_be_split(made, out):
 # --- ends at any moment --------------------------------------------------------------------------------
 
 
-def test_committed_episodes_stay_when_the_disk_is_full(made, out, monkeypatch):
+@pytest.mark.parametrize("kind", [DiskFull, OutputFolderError])
+def test_committed_episodes_stay_when_the_disk_is_full_or_becomes_read_only(made, out, monkeypatch, kind):
     monkeypatch.setattr(merging, "SETTINGS", MergeSettings(commit_episodes=2))
     begun = 0
 
@@ -357,10 +358,10 @@ def test_committed_episodes_stay_when_the_disk_is_full(made, out, monkeypatch):
         nonlocal begun
         begun += 1
         if begun > 3:
-            raise DiskFull("no space left")
+            raise kind("it cannot be written")
         add(*arguments)
 
-    with monkeypatch.context() as patched, pytest.raises(DiskFull):
+    with monkeypatch.context() as patched, pytest.raises(kind):
         patched.setattr(GrowingSet, "add", full)
         merge([made], out)
     assert len(open_recordings(out / V3)) == 2

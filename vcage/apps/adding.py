@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from vcage.apps.run_episodes import Addition, motion_key
-from vcage.base.errors import DamagedFile, InputFileError, UsageError, VcageError
+from vcage.base.errors import DamagedFile, InputFileError, OutputFolderError, UsageError, VcageError
 from vcage.base.workers import cores
 from vcage.datasets.lerobot.episode import LeRobotEpisode
 from vcage.datasets.lerobot.growing import SOURCES, GrowingSet
@@ -108,6 +108,8 @@ def add_episodes(
             episode = loaded.result()
             for data_set, one in pairs:
                 _add(data_set, one, addition, episode, outcome)
+        except OutputFolderError:  # of the data set, not of the episode
+            raise
         except (InputFileError, UsageError) as error:
             if strict:
                 raise

@@ -16,6 +16,7 @@ from filelock import FileLock, Timeout
 
 from vcage.base.commands import CALLED
 from vcage.base.errors import FolderInUse, OutputFolderError
+from vcage.base.files import writing
 from vcage.base.leftovers import sweep_scratch
 
 IN_USE = "in-use"
@@ -51,6 +52,7 @@ def alone(path: Path, of: Path | None = None) -> Iterator[None]:
 
     Raises:
         FolderInUse: another process holds it; says which.
+        OutputFolderError, DiskFull: it cannot be written.
     """
     lock = FileLock(path)
     if (holder := _taken_by_another(lock, path)) is not None:
@@ -58,7 +60,8 @@ def alone(path: Path, of: Path | None = None) -> Iterator[None]:
         raise FolderInUse(f"{of or path} is in use by {holder}", hint=hint, details={"holder": holder})
     try:
         command = CALLED.get() or shlex.join(sys.argv)
-        path.write_text(f"process {os.getpid()} on {platform.node()}: {command}\n", encoding="utf-8")
+        with writing(path):
+            path.write_text(f"process {os.getpid()} on {platform.node()}: {command}\n", encoding="utf-8")
         yield
     finally:
         lock.release()
@@ -85,7 +88,8 @@ def _taken_by_another(lock: FileLock, path: Path, within_s: float = 5.0) -> str 
     end = time.monotonic() + within_s
     while True:
         try:
-            lock.acquire(timeout=0)
+            with writing(path):
+                lock.acquire(timeout=0)
             return None
         except Timeout:
             if (holder := holder_of(path)) is not None or time.monotonic() > end:

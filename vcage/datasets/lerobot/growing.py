@@ -105,7 +105,8 @@ class GrowingSet:
     def close(self) -> None:
         """Drop what was not committed."""
         if self._writer is not None:
-            self._writer.close()
+            with suppress(OSError):  # a full disk takes no end of a file, which is dropped anyway
+                self._writer.close()
             shutil.rmtree(self.root / ADDING, ignore_errors=True)
             self._writer, self.pending = None, 0
 
@@ -161,16 +162,17 @@ class GrowingSet:
         if self._writer is not None:
             return self._writer
         adding = self.root / ADDING
-        adding.mkdir(parents=True)
-        writer = self._kind(adding, {}, growing=True)
-        try:
-            if self.there:
-                writer.resume(self.root, self.split)
-            else:
-                writer.begin(self.split)
-        except BaseException:
-            shutil.rmtree(adding, ignore_errors=True)
-            raise
+        with writing(self.root):
+            adding.mkdir(parents=True)
+            writer = self._kind(adding, {}, growing=True)
+            try:
+                if self.there:
+                    writer.resume(self.root, self.split)
+                else:
+                    writer.begin(self.split)
+            except BaseException:
+                shutil.rmtree(adding, ignore_errors=True)
+                raise
         self._writer = writer
         return writer
 
