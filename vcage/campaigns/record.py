@@ -10,9 +10,12 @@ from pydantic import Field
 
 from vcage.base.errors import DamagedFile, InputFileError, SchemaMismatch
 from vcage.base.files import read_json
+from vcage.base.reading import LIMITS, open_regular
 from vcage.campaigns.plan import Seed, job_id
 from vcage.schema.base import Document, Finite, Record
 from vcage.schema.episodes import CriticCounts, Spread
+
+_NONE: frozenset[str] = frozenset()
 
 DAMAGED = "its job is looked at again by the next campaign command"
 
@@ -89,7 +92,7 @@ def read_record(path: Path) -> JobRecord:
         InputFileError: it may not be read.
     """
     try:
-        return JobRecord.read(path)
+        return _read_at_once(path) or JobRecord.read(path)
     except SchemaMismatch as error:
         if isinstance(error.details.get("found"), str):
             error.hint = "it was written by another version: go on with that one, or remove it"
@@ -98,6 +101,21 @@ def read_record(path: Path) -> JobRecord:
     except DamagedFile as error:
         error.hint = DAMAGED
         raise
+
+
+def _read_at_once(path: Path) -> JobRecord | None:
+    """Read a record in half the time and memory; None where that does not work, to find out why."""
+    with open_regular(path, "a record", LIMITS.max_bytes) as handle:
+        data = handle.read()
+    try:
+        record = JobRecord.model_validate_json(data)
+    except ValueError:
+        return None
+    if "schema_id" not in record.model_fields_set or record.schema_id != JobRecord.SCHEMA:
+        return None
+    for one in (record, *record.spread.values()):  # the names of given fields take more room than their values
+        object.__setattr__(one, "__pydantic_fields_set__", _NONE)
+    return record
 
 
 def not_damaged(error: InputFileError) -> None:
