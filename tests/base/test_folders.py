@@ -5,7 +5,7 @@ import os
 import pytest
 
 from vcage.base.errors import InputFileError, OutputFolderError
-from vcage.base.folders import entries, files_below, is_empty_folder, natural_key, require_utf8, size_of
+from vcage.base.folders import entries, files_below, is_empty_folder, natural_key, real_path, require_utf8, size_of
 
 
 def made(folder, *names):
@@ -92,3 +92,12 @@ def test_a_file_with_two_names_counts_once_in_the_size_of_a_folder(tmp_path):
     (tmp_path / "link").symlink_to(tmp_path / "a")
     assert size_of(tmp_path) == (100, 3)
     assert size_of(tmp_path / "none") == (0, 0)
+
+
+def test_a_path_that_leads_nowhere_is_named(tmp_path):
+    (tmp_path / "circle").symlink_to("circle")
+    for path in (tmp_path / "circle", "~nobody-of-this-name/runs"):
+        with pytest.raises(OutputFolderError, match="is no folder"):
+            real_path(path)
+    (tmp_path / "link").symlink_to(tmp_path / "later")
+    assert real_path(tmp_path / "link") == tmp_path.resolve() / "later"

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +14,7 @@ import pytest
 from tests.campaigns.stubbed import began, begun, behave, run_stubbed
 from tests.campaigns.test_driver import driven
 from tests.run_folders import REPOSITORY
-from vcage.base.errors import MissingStage, OutputFolderError
+from vcage.base.errors import InputFileError, MissingStage, OutputFolderError
 from vcage.campaigns.folder import CampaignFolder
 from vcage.campaigns.status import status_of, table, write_page
 from vcage.models.shared import Shared
@@ -56,6 +58,44 @@ def test_records_that_cannot_be_read_are_named_and_counted_apart(tmp_path: Path)
     for said in (str(cut), str(other), "another version"):
         assert said in text and said in page
     assert "2 records cannot be read, and count as missing:" in text
+
+
+@pytest.mark.parametrize("odd", ["folder", "pipe", "circle", "device", "counts"])
+def test_what_stands_in_place_of_a_record_is_named_and_stops_nothing(tmp_path: Path, odd: str):
+    folder = begun(tmp_path, episodes=4)
+    driven(folder)
+    path = folder.record_file(folder.plan.jobs()[0])
+    counts = path.read_text().replace('"verified": 1', '"verified": 1000000')
+    path.unlink()
+    make: dict[str, Callable[[], Any]] = {
+        "folder": path.mkdir,
+        "pipe": lambda: os.mkfifo(path),
+        "circle": lambda: path.symlink_to(path.name),
+        "device": lambda: path.symlink_to("/dev/zero"),
+        "counts": lambda: path.write_text(counts),
+    }
+    make[odd]()
+    status = status_of(CampaignFolder(folder.root))
+    assert (status.total.verified, len(status.unread)) == (3, 1)
+    assert str(path) in table(status)
+
+
+def test_files_of_other_programs_beside_records_are_passed_over(tmp_path: Path):
+    folder = begun(tmp_path, episodes=2)
+    driven(folder)
+    path = folder.record_file(folder.plan.jobs()[0])
+    path.with_name(f"._{path.name}").write_bytes(b"\0\5Mac")
+    (folder.root / "jobs" / "circle").symlink_to("circle")
+    (folder.root / "jobs" / ".DS_Store").touch()
+    status = status_of(CampaignFolder(folder.root))
+    assert (status.total.verified, status.unread) == (2, [])
+
+
+def test_a_file_in_place_of_the_folder_of_jobs_is_named(tmp_path: Path):
+    folder = begun(tmp_path)
+    (folder.root / "jobs").touch()
+    with pytest.raises(InputFileError, match="jobs cannot be read: Not a directory"):
+        status_of(folder)
 
 
 def test_a_cell_that_its_gate_stopped_says_so_and_nothing_of_it_is_left(tmp_path: Path):

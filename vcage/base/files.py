@@ -20,7 +20,7 @@ from typing import Any
 
 from vcage.base import reading
 from vcage.base.errors import DiskFull, InputFileError, OutputFolderError
-from vcage.base.folders import require_utf8
+from vcage.base.folders import real_path, require_utf8
 from vcage.base.inside import path_complaint, require_no_links
 from vcage.base.leftovers import PARTIAL, REPLACED, recover
 
@@ -230,7 +230,7 @@ class RunFolder:
     """
 
     def __init__(self, root: str | Path):
-        self.root = Path(root).expanduser().resolve()
+        self.root = real_path(root)
 
     def __str__(self) -> str:
         return str(self.root)

@@ -12,7 +12,7 @@ import stat
 from collections.abc import Iterator
 from pathlib import Path
 
-from vcage.base.errors import InputFileError, VcageError
+from vcage.base.errors import InputFileError, OutputFolderError, VcageError
 
 NUMBER = re.compile(r"([0-9]+)")
 
@@ -95,6 +95,18 @@ def _walk(top: Path, repeated: bool, max_folders: int) -> Iterator[Path]:
                 links.append((path, around | {real}))
             else:
                 folders.append((path, around | {real}))
+
+
+def real_path(path: str | Path) -> Path:
+    """A path from the root, with ``~`` expanded and without links.
+
+    Raises:
+        OutputFolderError: links lead in a circle, or nobody has the home that it names.
+    """
+    try:
+        return Path(path).expanduser().resolve()
+    except RuntimeError as error:
+        raise OutputFolderError(f"{path} is no folder: {error}", hint="give another path") from error
 
 
 def size_of(folder: Path) -> tuple[int, int]:

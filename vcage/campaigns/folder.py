@@ -13,6 +13,7 @@ import yaml
 
 from vcage.base.errors import DamagedFile, DiskFull, FolderInUse, InputFileError, MissingStage, OutputFolderError
 from vcage.base.files import RunFolder, write_json, write_text
+from vcage.base.folders import entries, is_hidden, real_path
 from vcage.base.hold import IN_USE, alone, holder_of, one_at_a_time
 from vcage.base.leftovers import PARTIAL
 from vcage.campaigns.plan import Job, Plan
@@ -32,8 +33,8 @@ class CampaignFolder:
     """
 
     def __init__(self, root: str | Path):
-        self.root = Path(root).expanduser().resolve()
-        self._records: dict[str, tuple[int, JobRecord]] = {}
+        self.root = real_path(root)
+        self._records: dict[str, tuple[tuple[int, int], JobRecord]] = {}
         self._locks: dict[str, int] = {}  # jobs held here → the inode of their lock
 
     def __str__(self) -> str:
@@ -184,17 +185,23 @@ class CampaignFolder:
                 not damaged, but of another version, or may not be read.
         """
         for entry in self._entries(".job.json"):
-            with contextlib.suppress(MissingStage, FileNotFoundError):  # removed by --retry
-                changed, known = entry.stat().st_mtime_ns, self._records.get(entry.path)
-                try:
-                    if known is None or known[0] != changed:
-                        known = self._records[entry.path] = changed, read_record(Path(entry.path))
-                except MissingStage:
-                    raise
-                except InputFileError as error:
-                    unread(error)
-                else:
-                    yield known[1]
+            try:
+                yield self._read(entry)
+            except (MissingStage, FileNotFoundError):
+                continue  # removed by --retry
+            except InputFileError as error:
+                unread(error)
+
+    def _read(self, entry: os.DirEntry[str]) -> JobRecord:
+        """Read a record, unless it is the one that was read before."""
+        mark = -1, -1
+        with contextlib.suppress(OSError):  # whoever reads it says why
+            found = entry.stat()
+            mark = found.st_mtime_ns, found.st_ino
+        known = self._records.get(entry.path)
+        if known is None or known[0] != mark:
+            known = self._records[entry.path] = mark, read_record(Path(entry.path))
+        return known[1]
 
     def begun(self) -> Iterator[Path]:
         """The lock files of jobs that were begun and are not settled."""
@@ -208,10 +215,12 @@ class CampaignFolder:
 
     def _entries(self, suffix: str) -> Iterator[os.DirEntry[str]]:
         """Files beside the run folders, by cell and number."""
-        with contextlib.suppress(FileNotFoundError), os.scandir(self.root / "jobs") as cells:
-            for cell in sorted((entry for entry in cells if entry.is_dir()), key=lambda entry: entry.name):
-                with os.scandir(cell.path) as files:
-                    yield from sorted((f for f in files if f.name.endswith(suffix)), key=lambda entry: entry.name)
+        jobs = self.root / "jobs"
+        if not jobs.exists():
+            return
+        for cell in filter(Path.is_dir, entries(jobs)):
+            with contextlib.suppress(FileNotFoundError), os.scandir(cell) as files:
+                yield from sorted((f for f in files if _is_ours(f.name, suffix)), key=lambda entry: entry.name)
 
     def tries(self, job: Job) -> Tries:
         """The tries of a job so far; none where they cannot be read."""
@@ -280,6 +289,10 @@ class CampaignFolder:
             return self.beat_file(job).stat().st_mtime_ns
         except OSError:
             return 0
+
+
+def _is_ours(name: str, suffix: str) -> bool:
+    return name.endswith(suffix) and not is_hidden(name)
 
 
 @lru_cache(maxsize=4)

@@ -13,7 +13,7 @@ from typing import Any
 from vcage.apps.run_episodes import first_recording
 from vcage.base.errors import InputFileError
 from vcage.base.files import RunFolder, whole
-from vcage.base.folders import entries
+from vcage.base.folders import entries, real_path
 from vcage.datasets.lerobot.features import CAMERA, number_names, video_facts, video_keys
 from vcage.datasets.lerobot.meta import INFO, data_set_info
 from vcage.datasets.recordings.recording import Recording
@@ -95,7 +95,7 @@ def run_folders(folders: Iterable[Path]) -> Iterator[tuple[Path, str]]:
     """
     seen: set[str] = set()
     for given in folders:
-        top = given.expanduser().resolve()
+        top = real_path(given)
         for root in _below(top):
             if (real := os.fspath(root)) not in seen:
                 seen.add(real)

@@ -16,6 +16,7 @@ from vcage.apps.adding import Known, Outcome, add_episodes
 from vcage.apps.run_episodes import Addition, additions_of
 from vcage.base.errors import InputFileError, MissingStage, UnknownName, UsageError
 from vcage.base.files import RunFolder
+from vcage.base.folders import real_path
 from vcage.base.hold import held
 from vcage.base.progress import Progress, silent
 from vcage.base.text import listed
@@ -106,7 +107,7 @@ def merge(folders: Sequence[Path], out: Path, order: Order = Order(), progress: 
     """
     for name in set(order.formats) - set(FORMATS):
         raise UnknownName("LeRobot format", name, FORMATS)
-    out, outcome = out.expanduser().resolve(), Outcome()
+    out, outcome = real_path(out), Outcome()
     runs = _found(folders, outcome, progress)
     if any(out.is_relative_to(run.root) for run in runs):
         raise UsageError(f"{out} is in a run folder, which one run makes and replaces", hint="give another folder")

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import contextlib
 from pathlib import Path
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from vcage.base.errors import DamagedFile, InputFileError, SchemaMismatch
 from vcage.base.files import read_json
@@ -65,6 +65,12 @@ class JobRecord(Document):
     error: JobError | None = None
     host: str
     ended: str = Field(description="when, UTC, ISO 8601")
+
+    @model_validator(mode="after")
+    def _counts_agree(self) -> Self:
+        if self.verified > self.tried:
+            raise ValueError(f"expected at most as many verified episodes as were tried, {self.tried}")
+        return self
 
     @property
     def job_id(self) -> str:
