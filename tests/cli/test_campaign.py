@@ -12,6 +12,7 @@ from tests.run_folders import command, digests
 from vcage.campaigns.estimate import Estimate
 from vcage.campaigns.folder import CampaignFolder
 from vcage.campaigns.shard import Shard
+from vcage.campaigns.status import status_of
 
 
 @pytest.fixture
@@ -128,6 +129,21 @@ def test_a_retry_takes_nothing_from_a_process_that_has_begun_or_settled_a_job(tm
     with CampaignFolder(folder.root).held(second):
         assert folder.forget_failed() == 0
     assert [path.exists() for path in map(folder.record_file, (first, second))] == [True, True]
+
+
+def test_a_retry_forgets_tries_that_a_killed_process_left_beside_the_record(tmp_path: Path):
+    folder = begun(tmp_path, episodes=1, limits={"tries": 2})
+    behave(tmp_path, all="raise")
+    (job,) = folder.plan.jobs()
+    run_stubbed(folder.root, job)
+    left = folder.tries(job)
+    run_stubbed(folder.root, job)
+    folder.note_tries(job, left.model_copy(update={"count": 2, "total": 2}))
+    assert status_of(folder).open == []
+    assert folder.forget_failed() == 1
+    behave(tmp_path)
+    record = run_stubbed(folder.root, job).record
+    assert record is not None and (record.state, record.tries) == ("done", 1)
 
 
 def test_a_dry_run_of_a_retry_counts_what_would_be_tried_again_and_changes_nothing(tmp_path: Path, capsys):

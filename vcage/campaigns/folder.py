@@ -126,7 +126,7 @@ class CampaignFolder:
     def forget_failed(self, shard: Shard = EVERY_JOB) -> int:
         """Remove the records of these jobs, so that they are tried again; return their number.
 
-        Nothing is taken from another process that has begun such a job, or settled it otherwise meanwhile.
+        Nothing is taken from another process that has begun or settled such a job meanwhile.
 
         Raises:
             InputFileError: a record is of another version, or may not be read.
@@ -135,6 +135,7 @@ class CampaignFolder:
         for job in self.failed(self.plan, shard):
             with contextlib.suppress(FolderInUse), self.held(job):
                 if (now := self.record(job)) is not None and now.state != "done":
+                    self.tries_file(job).unlink(missing_ok=True)  # of a process that was killed before it could
                     self.record_file(job).unlink(missing_ok=True)
                     count += 1
         return count
@@ -216,9 +217,7 @@ class CampaignFolder:
     def _entries(self, suffix: str) -> Iterator[os.DirEntry[str]]:
         """Files beside the run folders, by cell and number."""
         jobs = self.root / "jobs"
-        if not jobs.exists():
-            return
-        for cell in filter(Path.is_dir, entries(jobs)):
+        for cell in filter(Path.is_dir, entries(jobs) if jobs.exists() else ()):
             with contextlib.suppress(FileNotFoundError), os.scandir(cell) as files:
                 yield from sorted((f for f in files if _is_ours(f.name, suffix)), key=lambda entry: entry.name)
 
