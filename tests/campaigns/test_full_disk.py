@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import subprocess
 import time
 from pathlib import Path
 
@@ -10,10 +11,10 @@ import pytest
 
 from benchmarks._merge_runs import RunSpec, make_run
 from tests.campaigns.mounts import elsewhere, grow, needs_mounts
-from tests.campaigns.stubbed import begun, behave
+from tests.campaigns.stubbed import begun, behave, run_stubbed
 from tests.campaigns.test_driver import driven, states
 from tests.run_folders import digests
-from vcage.base.errors import DiskFull
+from vcage.base.errors import DiskFull, OutputFolderError
 from vcage.base.files import RunFolder
 from vcage.campaigns import job as job_module
 from vcage.campaigns import merge as merging
@@ -21,7 +22,7 @@ from vcage.campaigns.folder import CampaignFolder
 from vcage.campaigns.job_errors import Meaning, meaning_of
 from vcage.campaigns.merge import MergeSettings, Order, merge
 from vcage.campaigns.schedule import left_over
-from vcage.campaigns.status import status_of, table
+from vcage.campaigns.status import status_of, table, write_page
 from vcage.datasets.lerobot.formats import FORMATS
 from vcage.datasets.lerobot.growing import COMMITTED
 from vcage.datasets.lerobot.meta import INFO, data_set_info
@@ -71,6 +72,21 @@ def test_a_full_disk_uses_up_no_try_is_named_and_the_campaign_goes_on_when_there
         assert "no space left" not in table(status_of(folder))
 
     elsewhere(campaign, mount_over=disk, size="4m")
+
+
+def test_what_cannot_be_written_on_a_disk_that_became_read_only_is_named(disk: Path):
+    def look() -> None:
+        folder = begun(disk, episodes=2)
+        run_stubbed(folder.root, folder.plan.jobs()[0])
+        subprocess.run(["mount", "-o", "remount,ro", disk], check=True)
+        status = status_of(folder)
+        assert status.total.verified == 1
+        with pytest.raises(OutputFolderError, match=r"status\.html: Read-only file system"):
+            write_page(folder, status)
+        outcome = run_stubbed(folder.root, folder.plan.jobs()[1])
+        assert outcome.of_the_machine and isinstance(outcome.error, OutputFolderError)
+
+    elsewhere(look, mount_over=disk, size="4m")
 
 
 @pytest.mark.slow

@@ -99,6 +99,15 @@ def _taken_by_another(lock: FileLock, path: Path, within_s: float = 5.0) -> str 
 
 @contextlib.contextmanager
 def one_at_a_time(folder: Path) -> Iterator[None]:
-    """Wait while another process makes the same folder of the cache in such a block."""
-    with FileLock(f"{folder}.lock"):
+    """Wait while another process makes the same file or folder in such a block.
+
+    Raises:
+        OutputFolderError, DiskFull: nothing can be written beside it.
+    """
+    lock = FileLock(f"{folder}.lock")
+    with writing(folder):
+        lock.acquire()
+    try:
         yield
+    finally:
+        lock.release()
