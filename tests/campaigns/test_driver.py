@@ -123,6 +123,14 @@ def test_a_shard_waits_for_a_first_job_that_another_runs_and_takes_it_over_where
     assert began(tmp_path) == [job.id for job in folder.plan.jobs()]
 
 
+def test_a_shard_finds_its_jobs_in_a_large_cell_in_seconds(tmp_path: Path):
+    folder = begun(tmp_path, episodes=10_000, limits={"attempts": 15_000})
+    start = time.process_time()
+    schedule = Schedule(folder, Shard(1, 16), QUICK)
+    assert time.process_time() - start < 5  # comparing each job with all later ones took 20
+    assert (job := schedule.next()) is not None and job.number == 1
+
+
 def test_a_gate_stops_a_cell_and_no_other(tmp_path: Path):
     folder = begun(tmp_path, seeds=2, episodes=6, gates={"acceptance": 0.5, "after": 2})
     behave(tmp_path, all="half", n1="reject")

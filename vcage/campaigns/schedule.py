@@ -68,6 +68,7 @@ class Schedule:
         self._jobs: dict[str, Job] = {}
         self._awaited: dict[str, int] = {}
         self._put_off: list[Job] = []
+        self._last: dict[str, int] = {}
         self._deciding: set[str] = set()
         self._elsewhere: list[Job] = []
         self._faults: Counter[str] = Counter()
@@ -140,8 +141,16 @@ class Schedule:
 
     def _decides_on_ours(self, job: Job, found: Standing) -> bool:
         """True if jobs of this driver's share wait for it, whosever it is."""
-        later = self.plan.jobs_of(job.cell)[job.number + 1 :]
-        return found.waits and any(self._is_ours(one) and job.number < self.plan.deciding(one.number) for one in later)
+        return found.waits and job.number < self.plan.deciding(self._last_of_ours(job.cell))
+
+    def _last_of_ours(self, cell: Cell) -> int:
+        """The number of the last planned job of a cell in this driver's share; 0 if there is none, as nothing decides
+        on the first.
+        """
+        if cell.id not in self._last:
+            own = (job.number for job in reversed(self.plan.jobs_of(cell)) if self._is_ours(job))
+            self._last[cell.id] = next(own, 0)
+        return self._last[cell.id]
 
     def _is_left(self, job: Job) -> bool:
         """True if nobody has settled a job or runs it; else keep its record, or look again later."""
