@@ -16,6 +16,7 @@ from vcage.base.files import RunFolder, write_json, write_text
 from vcage.base.folders import entries, is_hidden, real_path
 from vcage.base.hold import IN_USE, alone, holder_of, one_at_a_time
 from vcage.base.leftovers import PARTIAL
+from vcage.campaigns.looks import keep_looks, keys_of, with_own_looks
 from vcage.campaigns.plan import Job, Plan
 from vcage.campaigns.record import JobError, JobRecord, Tries, not_damaged, read_record, read_tries
 from vcage.campaigns.shard import EVERY_JOB, Shard
@@ -71,10 +72,11 @@ class CampaignFolder:
         RunFolder(self.root).make()
         with one_at_a_time(self.plan_file):
             self.require_fit(plan)
-            keys = plan.model_dump(mode="json", by_alias=True, exclude_defaults=True)
-            text = yaml.safe_dump({"schema": Plan.SCHEMA} | keys, sort_keys=False, allow_unicode=True, width=120)
+            keys = {"schema": Plan.SCHEMA} | keys_of(with_own_looks(plan, self.root), self.root)
+            text = yaml.safe_dump(keys, sort_keys=False, allow_unicode=True, width=120)
             if not self.plan_file.exists() or self.plan_file.read_text(encoding="utf-8") != text:
                 write_text(self.plan_file, text)
+            keep_looks(plan, self.root)
         return self.plan
 
     @property
@@ -91,7 +93,7 @@ class CampaignFolder:
         """
         if (earlier := self.earlier) is None:
             self._require_empty()
-        elif reason := plan.difference_to(earlier):
+        elif reason := with_own_looks(plan, self.root).difference_to(earlier):
             raise InputFileError(
                 f"{self.root} holds a campaign of another plan: the new one has {reason}",
                 hint="give another --out; tasks, values of axes, seeds and episodes may be added to a plan, "
@@ -182,8 +184,7 @@ class CampaignFolder:
         """All records, by cell and number. Others may write meanwhile: a file is seen whole or not at all.
 
         Args:
-            unread: called with the error of each that cannot be read; by default it raises those of records that are
-                not damaged, but of another version, or may not be read.
+            unread: called with the error of each that cannot be read; :func:`not_damaged` raises some.
         """
         for entry in self._entries(".job.json"):
             try:
