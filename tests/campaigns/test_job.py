@@ -12,6 +12,7 @@ import pytest
 from tests.campaigns.stubbed import began, begun, behave, run_stubbed
 from vcage.base.errors import FolderInUse, OutputFolderError
 from vcage.base.files import RunFolder
+from vcage.base.reading import open_regular
 from vcage.campaigns import job as job_module
 from vcage.campaigns.folder import CampaignFolder
 from vcage.campaigns.job import Outcome, lost_job, run_job
@@ -107,6 +108,29 @@ def test_an_error_of_the_disk_leaves_the_job_open(tmp_path: Path, monkeypatch: p
     for _ in range(2):
         assert run(folder).of_the_machine
     monkeypatch.undo()
+    assert record(run(folder)).state == "done"
+
+
+def test_a_file_server_that_is_gone_while_a_file_is_read_leaves_the_job_open(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    folder = begun(tmp_path, limits={"tries": 1})
+    path = tmp_path / "mesh.obj"
+    path.touch()
+
+    def lost(*_: Any) -> None:
+        with monkeypatch.context() as patched:
+            patched.setattr(Path, "open", refuse)
+            open_regular(path, "a mesh", 100)
+
+    def refuse(*_: Any) -> None:
+        raise OSError(errno.ESTALE, os.strerror(errno.ESTALE))
+
+    with monkeypatch.context() as patched:
+        patched.setattr(job_module, "_run", lost)
+        outcome = run(folder)
+    assert outcome.record is None and outcome.of_the_machine
+    assert outcome.error is not None and str(path) in outcome.error.message
     assert record(run(folder)).state == "done"
 
 

@@ -21,7 +21,7 @@ from vcage.base.leftovers import PARTIAL
 from vcage.base.memory import largest_memory, measure_memory_anew
 from vcage.base.progress import Progress
 from vcage.campaigns.folder import CampaignFolder
-from vcage.campaigns.job_errors import OF_THE_MACHINE, Meaning, meaning_of, named, of_the_system
+from vcage.campaigns.job_errors import OF_THE_MACHINE, Meaning, meaning_of, named, of_the_machine, of_the_system
 from vcage.campaigns.plan import Job, Plan
 from vcage.campaigns.record import JobError, JobRecord, State, Tries
 from vcage.episodes.quota import Wanted
@@ -134,8 +134,9 @@ def _try(folder: CampaignFolder, job: Job) -> Outcome:
     wall, cpu = time.perf_counter(), _cpu_seconds()
     error, meaning = _error_of_run(folder, job)
     if error is not None and meaning is Meaning.MACHINE:
-        folder.note_fault(job, before, named(error))
-        raise error
+        fault = of_the_machine(error)
+        folder.note_fault(job, before, named(fault))
+        raise fault
     if error is not None and meaning is Meaning.AGAIN:
         return _again(folder, job, tries, error)
     spent = {"seconds": round(time.perf_counter() - wall, 3), "cpu_seconds": round(_cpu_seconds() - cpu, 3)}

@@ -9,6 +9,7 @@ from enum import Enum
 from vcage.base.errors import (
     ConfigurationError,
     DiskFull,
+    InputFileError,
     MissingDependency,
     MissingKey,
     MissingStage,
@@ -53,7 +54,7 @@ def meaning_of(error: Exception, run: RunFolder) -> Meaning:
     """
     if isinstance(error, TooFewVerified) or (isinstance(error, MissingStage) and no_episode_counts(run)):
         return Meaning.RESULT
-    if isinstance(error, OF_THE_MACHINE) or (isinstance(error, OSError) and error.errno in MACHINE_ERRORS):
+    if isinstance(error, OF_THE_MACHINE) or _number(error) in MACHINE_ERRORS:
         return Meaning.MACHINE
     if isinstance(error, VcageError):
         return Meaning.AGAIN if error.retryable else Meaning.REPEATS
@@ -64,11 +65,22 @@ def meaning_of(error: Exception, run: RunFolder) -> Meaning:
 
 def named(error: Exception) -> JobError:
     """An error as records hold it."""
-    if isinstance(error, OSError) and error.errno in MACHINE_ERRORS:
-        error = of_the_system(error)
     if isinstance(error, VcageError):
         return JobError(code=error.code, message=error.as_line()[:2000])
     return JobError(code="bug", message=" ".join(f"{type(error).__name__}: {error}".split())[:2000])
+
+
+def _number(error: Exception) -> int | None:
+    """The number of the error of the system, where one is behind an error."""
+    found = error.__cause__ if isinstance(error, InputFileError) else error
+    return found.errno if isinstance(found, OSError) else None
+
+
+def of_the_machine(error: Exception) -> Exception:
+    """A fault of the machine, as drivers take it."""
+    if isinstance(error, InputFileError):
+        return OutputFolderError(error.message, hint="see that its disk, or file server, can be read")
+    return of_the_system(error) if isinstance(error, OSError) else error
 
 
 def of_the_system(error: OSError) -> VcageError:
