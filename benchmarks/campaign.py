@@ -1,4 +1,4 @@
-"""Verified episodes an hour and CPU seconds for each, by one and two workers of each driver of campaigns."""
+"""Verified episodes an hour and CPU seconds for each by drivers of campaigns, and the memory of a worker over many."""
 
 from __future__ import annotations
 
@@ -18,9 +18,11 @@ from typing import Any
 import psutil
 import yaml
 
+from benchmarks._campaign_memory import growth
 from benchmarks._process_times import Timed, timed
 from vcage.base.workers import cores
 from vcage.campaigns.folder import CampaignFolder
+from vcage.campaigns.record import JobRecord
 from vcage.runs.by_products import read_timings
 from vcage.schema.compression import Compression
 
@@ -30,6 +32,9 @@ INSTRUCTION = "Put two blocks on the plate"
 
 DRIVERS = ("processes", "shards", "ray")
 """Processes of one command, commands of one process each, or actors of one cluster: as many as there are workers."""
+
+CHEAP = {"fps": 5, "crf": 20, "effort": "fast", "keyframes": 2}
+"""Options with fewer pictures and no search of a CRF."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -41,9 +46,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--drivers", nargs="+", choices=DRIVERS, default=DRIVERS, help="which (default: all that are installed)"
     )
+    parser.add_argument(
+        "--memory-episodes",
+        type=int,
+        default=300,
+        help="episodes of the worker whose memory is measured; 0 for none (default: %(default)s; quick: 4)",
+        metavar="N",
+    )
 
 
-def run(quick: bool, jobs: int, episodes: int, drivers: list[str]) -> dict[str, Any]:
+def run(quick: bool, jobs: int, episodes: int, drivers: list[str], memory_episodes: int) -> dict[str, Any]:
     """Run the same campaign, from its start to its end, by each driver with one and with two workers.
 
     Figures of each row:
@@ -60,16 +72,20 @@ def run(quick: bool, jobs: int, episodes: int, drivers: list[str]) -> dict[str, 
     ``ray_overhead`` is the ratio of CPU seconds with Ray to those with processes, and ``ray_overhead_s`` their
     difference, for each number of workers.
 
+    ``memory`` is that of one process over ``memory_episodes`` of the same task, with fewer pictures and a fixed CRF:
+    see :func:`benchmarks._campaign_memory.growth`.
+
     Args:
         quick: two jobs of one episode, with fewer frames and a fixed CRF.
         jobs: of a campaign.
         episodes: of a job.
         drivers: which of :data:`DRIVERS`.
+        memory_episodes: of the worker whose memory is measured; 0 for none.
     """
     options: dict[str, Any] = {"models": "offline"}
     if quick:
-        jobs, episodes = 2, 1
-        options |= {"fps": 5, "crf": 20, "effort": "fast", "keyframes": 2}
+        jobs, episodes, memory_episodes = 2, 1, 4
+        options |= CHEAP
     left_out = [] if importlib.util.find_spec("ray") else ["ray"]
     rows: list[dict[str, Any]] = []
     with tempfile.TemporaryDirectory() as work:
@@ -79,12 +95,14 @@ def run(quick: bool, jobs: int, episodes: int, drivers: list[str]) -> dict[str, 
                 if driver not in left_out:
                     rows.append(_row(plan, Path(work) / f"{driver}-{workers}", driver, workers))
                     logger.info("%s", rows[-1])
+        memory = _memory(Path(work) / "memory", memory_episodes, episodes) if memory_episodes else None
     cpu = {(row["driver"], row["workers"]): row["cpu_seconds"] for row in rows}
     both = [workers for workers in (1, 2) if {("ray", workers), ("processes", workers)} <= cpu.keys()]
     return {
         "rows": rows,
         "ray_overhead": {str(n): round(cpu["ray", n] / cpu["processes", n], 3) for n in both},
         "ray_overhead_s": {str(n): round(cpu["ray", n] - cpu["processes", n], 1) for n in both},
+        "memory": memory,
         "instruction": INSTRUCTION,
         "jobs": jobs,
         "episodes_per_job": episodes,
@@ -101,12 +119,26 @@ def _plan(folder: Path, jobs: int, episodes: int, options: dict[str, Any]) -> Pa
     return path
 
 
-def _row(plan: Path, out: Path, driver: str, workers: int) -> dict[str, Any]:
+def _memory(folder: Path, episodes: int, per_job: int) -> dict[str, Any]:
+    folder.mkdir()
+    jobs = -(-episodes // per_job)
+    plan = _plan(folder, jobs, per_job, {"models": "offline"} | CHEAP)
+    _, records = _finished(plan, folder / "campaign", "processes", 1)
+    return growth(records)
+
+
+def _finished(plan: Path, out: Path, driver: str, workers: int) -> tuple[Timed, list[JobRecord]]:
+    """Run a campaign to its end; the times of its command, and the records of its jobs."""
     done = _measured(_command(plan, out, driver, workers))
-    folder = CampaignFolder(out)
-    records = list(folder.records())
+    records = list(CampaignFolder(out).records())
     if done.code not in (0, 7) or not records:
         raise RuntimeError(f"{driver} with {workers} workers ended with {done.code}: {done.stdout[-500:]}")
+    return done, records
+
+
+def _row(plan: Path, out: Path, driver: str, workers: int) -> dict[str, Any]:
+    done, records = _finished(plan, out, driver, workers)
+    folder = CampaignFolder(out)
     verified = sum(record.verified for record in records)
     return {
         "driver": driver,
