@@ -50,7 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--memory-episodes",
         type=int,
         default=300,
-        help="episodes of the worker whose memory is measured; 0 for none (default: %(default)s; quick: 4)",
+        help="episodes of the worker whose memory is measured; 0 for none (default: %(default)s; quick: 6)",
         metavar="N",
     )
 
@@ -84,7 +84,7 @@ def run(quick: bool, jobs: int, episodes: int, drivers: list[str], memory_episod
     """
     options: dict[str, Any] = {"models": "offline"}
     if quick:
-        jobs, episodes, memory_episodes = 2, 1, 4
+        jobs, episodes, memory_episodes = 2, 1, 6
         options |= CHEAP
     left_out = [] if importlib.util.find_spec("ray") else ["ray"]
     rows: list[dict[str, Any]] = []
@@ -121,7 +121,8 @@ def _plan(folder: Path, jobs: int, episodes: int, options: dict[str, Any]) -> Pa
 
 def _memory(folder: Path, episodes: int, per_job: int) -> dict[str, Any]:
     folder.mkdir()
-    jobs = -(-episodes // per_job)
+    per_job = max(1, min(per_job, episodes // 6))
+    jobs = max(6, -(-episodes // per_job))
     plan = _plan(folder, jobs, per_job, {"models": "offline"} | CHEAP)
     _, records = _finished(plan, folder / "campaign", "processes", 1)
     return growth(records)
