@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import errno
 import os
+import subprocess
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from benchmarks._campaign_outputs import left_over
 from tests.campaigns.stubbed import began, begun, behave, run_stubbed
 from vcage.base.errors import FolderInUse, OutputFolderError
 from vcage.base.files import RunFolder
@@ -177,6 +179,18 @@ def test_a_job_that_another_process_holds_is_left_to_it(tmp_path: Path):
     assert isinstance(outcome.error, FolderInUse) and outcome.of_the_machine
     assert began(tmp_path) == []
     assert record(run(folder)).tries == 1
+
+
+def test_what_a_killed_process_left_of_its_record_and_tries_is_removed(tmp_path: Path):
+    folder = begun(tmp_path)
+    job = folder.plan.jobs()[0]
+    killed = subprocess.Popen(["true"])
+    killed.wait()
+    for path in (folder.record_file(job), folder.tries_file(job)):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.with_name(f"{path.stem}.partial-{killed.pid}{path.suffix}").touch()
+    run(folder)
+    assert left_over(folder.root) == []
 
 
 def test_a_job_whose_process_was_lost_too_often_is_given_up_with_the_reason(tmp_path: Path):

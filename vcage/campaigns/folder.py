@@ -15,7 +15,7 @@ from vcage.base.errors import DamagedFile, DiskFull, FolderInUse, InputFileError
 from vcage.base.files import RunFolder, write_json, write_text
 from vcage.base.folders import entries, is_hidden, real_path
 from vcage.base.hold import IN_USE, alone, holder_of, one_at_a_time
-from vcage.base.leftovers import PARTIAL
+from vcage.base.leftovers import PARTIAL, recover
 from vcage.campaigns.looks import keep_looks, keys_of, with_own_looks
 from vcage.campaigns.plan import Job, Plan
 from vcage.campaigns.record import JobError, JobRecord, Tries, not_damaged, read_record, read_tries
@@ -248,7 +248,7 @@ class CampaignFolder:
 
     @contextlib.contextmanager
     def held(self, job: Job) -> Iterator[None]:
-        """Hold a job for this process.
+        """Hold a job for this process, and remove what one that was killed left of its record and its tries.
 
         Raises:
             FolderInUse: another process works on it.
@@ -258,6 +258,8 @@ class CampaignFolder:
         try:
             with alone(path):
                 self._locks[job.id] = path.stat().st_ino
+                recover(self.record_file(job))
+                recover(self.tries_file(job))
                 yield
         except FolderInUse as error:
             error.details["job"] = job.id
