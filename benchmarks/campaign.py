@@ -33,15 +33,21 @@ INSTRUCTION = "Put two blocks on the plate"
 DRIVERS = ("processes", "shards", "ray")
 """Processes of one command, commands of one process each, or actors of one cluster: as many as there are workers."""
 
+SHORT = "Put a block on the plate"
+"""Of the worker whose memory is measured."""
+
 CHEAP = {"fps": 5, "crf": 20, "effort": "fast", "keyframes": 2}
 """Options with fewer pictures and no search of a CRF."""
+
+SIZES, QUICK = (12, 5, 300), (2, 1, 6)
+"""Jobs, episodes of each, and episodes of the worker whose memory is measured."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options of this benchmark."""
-    parser.add_argument("--jobs", type=int, default=12, help="jobs of a campaign (default: %(default)s; quick: 2)")
+    parser.add_argument("--jobs", type=int, help=f"jobs of a campaign (default: {SIZES[0]}; quick: {QUICK[0]})")
     parser.add_argument(
-        "--episodes", type=int, default=5, help="episodes of a job (default: %(default)s; quick: 1)", metavar="N"
+        "--episodes", type=int, help=f"episodes of a job (default: {SIZES[1]}; quick: {QUICK[1]})", metavar="N"
     )
     parser.add_argument(
         "--drivers", nargs="+", choices=DRIVERS, default=DRIVERS, help="which (default: all that are installed)"
@@ -49,13 +55,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--memory-episodes",
         type=int,
-        default=300,
-        help="episodes of the worker whose memory is measured; 0 for none (default: %(default)s; quick: 6)",
+        help=f"episodes of the worker whose memory is measured; 0: none (default: {SIZES[2]}; quick: {QUICK[2]})",
         metavar="N",
     )
 
 
-def run(quick: bool, jobs: int, episodes: int, drivers: list[str], memory_episodes: int) -> dict[str, Any]:
+def run(
+    quick: bool, jobs: int | None, episodes: int | None, drivers: list[str], memory_episodes: int | None
+) -> dict[str, Any]:
     """Run the same campaign, from its start to its end, by each driver with one and with two workers.
 
     Figures of each row:
@@ -72,24 +79,23 @@ def run(quick: bool, jobs: int, episodes: int, drivers: list[str], memory_episod
     ``ray_overhead`` is the ratio of CPU seconds with Ray to those with processes, and ``ray_overhead_s`` their
     difference, for each number of workers.
 
-    ``memory`` is that of one process over ``memory_episodes`` of the same task, with fewer pictures and a fixed CRF:
+    ``memory`` is that of one process over ``memory_episodes`` of :data:`SHORT`, with fewer pictures and a fixed CRF:
     see :func:`benchmarks._campaign_memory.growth`.
 
     Args:
-        quick: two jobs of one episode, with fewer frames and a fixed CRF.
-        jobs: of a campaign.
+        quick: :data:`QUICK` in place of :data:`SIZES`, with fewer frames and a fixed CRF.
+        jobs: of a campaign; None, here and below, for that of these sizes.
         episodes: of a job.
         drivers: which of :data:`DRIVERS`.
         memory_episodes: of the worker whose memory is measured; 0 for none.
     """
-    options: dict[str, Any] = {"models": "offline"}
-    if quick:
-        jobs, episodes, memory_episodes = 2, 1, 6
-        options |= CHEAP
+    given = zip((jobs, episodes, memory_episodes), QUICK if quick else SIZES, strict=True)
+    jobs, episodes, memory_episodes = (usual if size is None else size for size, usual in given)
+    options = {"models": "offline"} | (CHEAP if quick else {})
     left_out = [] if importlib.util.find_spec("ray") else ["ray"]
     rows: list[dict[str, Any]] = []
     with tempfile.TemporaryDirectory() as work:
-        plan = _plan(Path(work), jobs, episodes, options)
+        plan = _plan(Path(work), INSTRUCTION, jobs, episodes, options)
         for workers in (1, 2):
             for driver in drivers:
                 if driver not in left_out:
@@ -106,14 +112,15 @@ def run(quick: bool, jobs: int, episodes: int, drivers: list[str], memory_episod
         "instruction": INSTRUCTION,
         "jobs": jobs,
         "episodes_per_job": episodes,
+        "quick": quick,
         "cores": cores(),
         "left_out": left_out,
     }
 
 
-def _plan(folder: Path, jobs: int, episodes: int, options: dict[str, Any]) -> Path:
+def _plan(folder: Path, instruction: str, jobs: int, episodes: int, options: dict[str, Any]) -> Path:
     path = folder / "PLAN.yml"
-    keys = {"name": "benchmark", "tasks": [{"id": "blocks", "instruction": INSTRUCTION}]}
+    keys = {"name": "benchmark", "tasks": [{"id": "blocks", "instruction": instruction}]}
     counts = {"episodes": jobs * episodes, "episodes_per_job": episodes, "options": options}
     path.write_text(yaml.safe_dump(keys | counts), encoding="utf-8")
     return path
@@ -123,7 +130,7 @@ def _memory(folder: Path, episodes: int, per_job: int) -> dict[str, Any]:
     folder.mkdir()
     per_job = max(1, min(per_job, episodes // 6))
     jobs = max(6, -(-episodes // per_job))
-    plan = _plan(folder, jobs, per_job, {"models": "offline"} | CHEAP)
+    plan = _plan(folder, SHORT, jobs, per_job, {"models": "offline"} | CHEAP)
     _, records = _finished(plan, folder / "campaign", "processes", 1)
     return growth(records)
 
