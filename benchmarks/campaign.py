@@ -9,6 +9,7 @@ import logging
 import sys
 import tempfile
 import time
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
@@ -42,6 +43,8 @@ CHEAP = {"fps": 5, "crf": 20, "effort": "fast", "keyframes": 2}
 SIZES, QUICK = (12, 5, 300), (2, 1, 6)
 """Jobs, episodes of each, and episodes of the worker whose memory is measured."""
 
+WORKERS = (1, 2)
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options of this benchmark."""
@@ -53,6 +56,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--drivers", nargs="+", choices=DRIVERS, default=DRIVERS, help="which (default: all that are installed)"
     )
     parser.add_argument(
+        "--workers", type=int, nargs="+", default=WORKERS, help="of each driver (default: %(default)s)", metavar="N"
+    )
+    parser.add_argument(
         "--memory-episodes",
         type=int,
         help=f"episodes of the worker whose memory is measured; 0: none (default: {SIZES[2]}; quick: {QUICK[2]})",
@@ -61,23 +67,29 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(
-    quick: bool, jobs: int | None, episodes: int | None, drivers: list[str], memory_episodes: int | None
+    quick: bool,
+    jobs: int | None,
+    episodes: int | None,
+    drivers: Sequence[str],
+    workers: Sequence[int],
+    memory_episodes: int | None,
 ) -> dict[str, Any]:
-    """Run the same campaign, from its start to its end, by each driver with one and with two workers.
+    """Run the same campaign, from its start to its end, by each driver with each number of workers.
 
     Figures of each row:
 
     - ``verified`` episodes; ``per_hour``, their number in an hour;
     - ``seconds`` of the whole command; ``cpu_seconds`` of all its processes, those of Ray included, and
-      ``cpu_s_per_episode``; ``job_cpu_s``, the part of the jobs by their records;
+      ``cpu_s_per_episode``; ``job_cpu_s``, the part of the jobs by their records, and ``other_cpu_s``, the rest;
     - ``first_compress_s``, wall time of compression in the job that searches CRFs; ``later_compress_s``, its mean in
       those that take them over; both None where that job verified no episode, so that each of the others searched;
     - ``crfs_taken``, by cameras of these jobs, and ``crfs_passed`` of them;
     - ``mb_per_episode`` and ``files_per_episode`` of the run folders;
     - ``worker_mb``, the largest memory of a process that ran jobs.
 
-    ``ray_overhead`` is the ratio of CPU seconds with Ray to those with processes, and ``ray_overhead_s`` their
-    difference, for each number of workers.
+    ``ray_overhead_s`` is ``other_cpu_s`` with Ray less that with processes, for each number of workers, and
+    ``ray_overhead`` its share of all CPU seconds with processes. The jobs' own are left out: they are the same, but
+    differ by up to a tenth on a busy machine.
 
     ``memory`` is that of one process over ``memory_episodes`` of :data:`SHORT`, with fewer pictures and a fixed CRF:
     see :func:`benchmarks._campaign_memory.growth`.
@@ -87,6 +99,7 @@ def run(
         jobs: of a campaign; None, here and below, for that of these sizes.
         episodes: of a job.
         drivers: which of :data:`DRIVERS`.
+        workers: numbers of them.
         memory_episodes: of the worker whose memory is measured; 0 for none.
     """
     given = zip((jobs, episodes, memory_episodes), QUICK if quick else SIZES, strict=True)
@@ -96,18 +109,17 @@ def run(
     rows: list[dict[str, Any]] = []
     with tempfile.TemporaryDirectory() as work:
         plan = _plan(Path(work), INSTRUCTION, jobs, episodes, options)
-        for workers in (1, 2):
+        for count in workers:
             for driver in drivers:
                 if driver not in left_out:
-                    rows.append(_row(plan, Path(work) / f"{driver}-{workers}", driver, workers))
+                    rows.append(_row(plan, Path(work) / f"{driver}-{count}", driver, count))
                     logger.info("%s", rows[-1])
         memory = _memory(Path(work) / "memory", memory_episodes, episodes) if memory_episodes else None
-    cpu = {(row["driver"], row["workers"]): row["cpu_seconds"] for row in rows}
-    both = [workers for workers in (1, 2) if {("ray", workers), ("processes", workers)} <= cpu.keys()]
+    overheads = ray_overheads(rows)
     return {
         "rows": rows,
-        "ray_overhead": {str(n): round(cpu["ray", n] / cpu["processes", n], 3) for n in both},
-        "ray_overhead_s": {str(n): round(cpu["ray", n] - cpu["processes", n], 1) for n in both},
+        "ray_overhead": {str(count): share for count, (_, share) in overheads.items()},
+        "ray_overhead_s": {str(count): seconds for count, (seconds, _) in overheads.items()},
         "memory": memory,
         "instruction": INSTRUCTION,
         "jobs": jobs,
@@ -116,6 +128,17 @@ def run(
         "cores": cores(),
         "left_out": left_out,
     }
+
+
+def ray_overheads(rows: Sequence[Mapping[str, Any]]) -> dict[int, tuple[float, float]]:
+    """Number of workers → CPU seconds that Ray takes beside the jobs, and their share of all with processes."""
+    found = {(row["driver"], row["workers"]): row for row in rows}
+    overheads = {}
+    for (driver, count), row in found.items():
+        if driver == "ray" and (beside := found.get(("processes", count))):
+            seconds = row["other_cpu_s"] - beside["other_cpu_s"]
+            overheads[count] = round(seconds, 1), round(seconds / beside["cpu_seconds"], 3)
+    return overheads
 
 
 def _plan(folder: Path, instruction: str, jobs: int, episodes: int, options: dict[str, Any]) -> Path:
@@ -148,6 +171,7 @@ def _row(plan: Path, out: Path, driver: str, workers: int) -> dict[str, Any]:
     done, records = _finished(plan, out, driver, workers)
     folder = CampaignFolder(out)
     verified = sum(record.verified for record in records)
+    in_jobs = sum(record.cpu_seconds for record in records)
     return {
         "driver": driver,
         "workers": workers,
@@ -158,7 +182,8 @@ def _row(plan: Path, out: Path, driver: str, workers: int) -> dict[str, Any]:
         "per_hour": round(3600 * verified / done.wall_s, 1),
         "cpu_s_per_episode": round(done.cpu_s / max(verified, 1), 2),
         **_compression(folder),
-        "job_cpu_s": round(sum(record.cpu_seconds for record in records), 1),
+        "job_cpu_s": round(in_jobs, 1),
+        "other_cpu_s": round(done.cpu_s - in_jobs, 1),
         "mb_per_episode": round(sum(record.bytes for record in records) / 1e6 / max(verified, 1), 3),
         "files_per_episode": round(sum(record.files for record in records) / max(verified, 1), 1),
         "worker_mb": round(max(record.memory_bytes for record in records) / 1e6),

@@ -1,10 +1,11 @@
-"""The memory of a worker as a line over the episodes that it has run."""
+"""The memory of a worker as a line over the episodes that it has run, and what Ray takes beside the jobs."""
 
 from __future__ import annotations
 
 import pytest
 
 from benchmarks._campaign_memory import growth
+from benchmarks.campaign import ray_overheads
 from vcage.campaigns.record import JobRecord
 
 
@@ -29,3 +30,9 @@ def test_growth_is_that_of_an_episode_where_jobs_have_tried_different_numbers():
     tried = [5, 5, 5, 10, 5, 20]
     found = growth([record(n, 400 + sum(tried[:n]), one) for n, one in enumerate(tried)])
     assert found["mb_per_episode"] == pytest.approx(1.0, abs=0.001)
+
+
+def test_jobs_that_took_longer_with_ray_do_not_count_as_its_own():
+    processes = {"driver": "processes", "workers": 1, "cpu_seconds": 200.0, "other_cpu_s": 8.0}
+    ray = {"driver": "ray", "workers": 1, "cpu_seconds": 230.0, "other_cpu_s": 18.0}
+    assert ray_overheads([processes, ray, ray | {"workers": 2}]) == {1: (10.0, 0.05)}
