@@ -31,7 +31,8 @@ from vcage.campaigns import on_ray
 from vcage.campaigns.driver import run_here
 from vcage.campaigns.folder import CampaignFolder
 from vcage.campaigns.on_ray import run_on_ray
-from vcage.campaigns.ray_cluster import LOCAL_ONLY, OBJECT_STORE_BYTES, RaySettings, address_of
+from vcage.campaigns.ray_actor import actor_class
+from vcage.campaigns.ray_cluster import LOCAL_ONLY, OBJECT_STORE_BYTES, RaySettings, address_of, connected
 from vcage.campaigns.schedule import Schedule, left_over
 
 needs_ray = pytest.mark.skipif(
@@ -335,6 +336,18 @@ def test_a_cluster_that_ray_start_began_runs_jobs_on_both_nodes_by_its_loopback_
         done = subprocess.run(command, cwd=REPOSITORY, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert states(folder) == {"done": 4}
+
+
+@needs_ray
+def test_a_cluster_of_its_own_starts_no_worker_that_no_actor_asked_for(monkeypatch: pytest.MonkeyPatch):
+    with tempfile.TemporaryDirectory(prefix="ray-", dir="/tmp") as folder:
+        monkeypatch.setenv("RAY_TMPDIR", folder)
+        with connected("auto", 2) as ray:
+            own = [ray.remote(actor_class()).remote("", "", __version__)]
+            ray.get([one.run.remote(None, None) for one in own])
+            names = [one.name() for one in psutil.Process().children(recursive=True)]
+    assert sum(name.startswith("ray::Worker") for name in names) == 1
+    assert not [name for name in names if name.startswith("ray::IDLE")]
 
 
 @needs_ray

@@ -29,6 +29,9 @@ AUTO = "auto"
 LOCAL_ONLY = "RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER"
 """Ray's variable that makes 127.0.0.1 the address of this machine, in place of one that others can reach."""
 
+EARLY_WORKERS = "RAY_prestart_worker_first_driver"
+"""Ray's variable for processes, one for each processor, that a new cluster starts unasked; no actor takes one."""
+
 OBJECT_STORE_BYTES = 100_000_000
 """Nothing but paths and records goes through it; Ray's default is a third of the memory."""
 
@@ -91,6 +94,7 @@ def connected(address: str, cpus: int) -> Iterator[Any]:
     """
     found = _running() if address == AUTO else _answering(address)
     os.environ["RAY_USAGE_STATS_ENABLED"] = "0"
+    os.environ[EARLY_WORKERS] = "0"
     if found is None or found.startswith("127."):
         os.environ[LOCAL_ONLY] = "0"
     handlers = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGINT)}
