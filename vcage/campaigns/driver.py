@@ -104,6 +104,6 @@ def workers_here(memory_bytes: int = 1_200_000_000) -> int:
     """Processes that this machine has cores and memory for.
 
     Args:
-        memory_bytes: free memory for each process; measured, one takes 1.0 GB at most (``unit_costs.yml``).
+        memory_bytes: free memory for each process; measured, one takes 1.1 GB at most (``unit_costs.yml``).
     """
     return max(1, min(cores(), free_memory() // memory_bytes))
