@@ -15,8 +15,6 @@ from vcage.campaigns.plan import Seed, job_id
 from vcage.schema.base import Document, Finite, Record
 from vcage.schema.episodes import CriticCounts, Spread
 
-_NONE: frozenset[str] = frozenset()
-
 DAMAGED = "its job is looked at again by the next campaign command"
 
 State = Literal["done", "failed", "given_up"]
@@ -119,8 +117,7 @@ def _read_at_once(path: Path) -> JobRecord | None:
         return None
     if "schema_id" not in record.model_fields_set or record.schema_id != JobRecord.SCHEMA:
         return None
-    for one in (record, *record.spread.values()):  # the names of given fields take more room than their values
-        object.__setattr__(one, "__pydantic_fields_set__", _NONE)
+    record.model_fields_set.clear()  # these names, which nobody reads, take a third of its room
     return record
 
 
