@@ -1,11 +1,18 @@
-"""The memory of a worker as a line over the episodes that it has run, and what Ray takes beside the jobs."""
+"""Memory of a worker over its episodes, CPU seconds of Ray beside the jobs, and times of compression."""
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
 import pytest
 
+from benchmarks import campaign as campaign_benchmark
 from benchmarks._campaign_memory import growth
 from benchmarks.campaign import ray_overheads
+from tests.campaigns.stubbed import begun
 from vcage.campaigns.record import JobRecord
 
 
@@ -36,3 +43,21 @@ def test_jobs_that_took_longer_with_ray_do_not_count_as_its_own():
     processes = {"driver": "processes", "workers": 1, "cpu_seconds": 200.0, "other_cpu_s": 8.0}
     ray = {"driver": "ray", "workers": 1, "cpu_seconds": 230.0, "other_cpu_s": 18.0}
     assert ray_overheads([processes, ray, ray | {"workers": 2}]) == {1: (10.0, 0.05)}
+
+
+@pytest.mark.parametrize(
+    ("compressed", "expected"),
+    [((0, 1, 2), (1.0, 2.5)), ((0,), (1.0, None)), ((1, 2), (None, None)), ((), (None, None))],
+)
+def test_times_of_compression_are_known_where_the_first_job_compressed_something(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, compressed: tuple[int, ...], expected: Any
+):
+    folder = begun(tmp_path, episodes=3)
+    for number in compressed:
+        run = folder.run(folder.plan.jobs()[number])
+        run.compression.parent.mkdir(parents=True)
+        run.compression.touch()
+        run.timings.write_text(json.dumps({"compress": 1.0 + number}))
+    monkeypatch.setattr(campaign_benchmark.Compression, "read", lambda _path: SimpleNamespace(taken_crfs=[]))
+    found = campaign_benchmark._compression(folder)
+    assert (found["first_compress_s"], found["later_compress_s"]) == expected

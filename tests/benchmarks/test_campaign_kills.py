@@ -6,15 +6,9 @@ import json
 import sys
 import time
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any
 
-import pytest
-
-from benchmarks import campaign as campaign_benchmark
 from benchmarks._campaign_kills import KilledCampaign
 from benchmarks._campaign_outputs import differing, left_over, outputs
-from tests.campaigns.stubbed import begun
 
 
 def campaign(folder: Path, picture: bytes, seconds: float, verified: int = 1) -> Path:
@@ -53,21 +47,3 @@ def test_a_command_may_complain_at_any_length(tmp_path: Path):
         time.sleep(0.05)
     killed.end()
     assert killed.unexpected == ["exit 3: at last"]
-
-
-@pytest.mark.parametrize(
-    ("compressed", "expected"),
-    [((0, 1, 2), (1.0, 2.5)), ((0,), (1.0, None)), ((1, 2), (None, None)), ((), (None, None))],
-)
-def test_times_of_compression_are_known_where_the_first_job_compressed_something(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, compressed: tuple[int, ...], expected: Any
-):
-    folder = begun(tmp_path, episodes=3)
-    for number in compressed:
-        run = folder.run(folder.plan.jobs()[number])
-        run.compression.parent.mkdir(parents=True)
-        run.compression.touch()
-        run.timings.write_text(json.dumps({"compress": 1.0 + number}))
-    monkeypatch.setattr(campaign_benchmark.Compression, "read", lambda _path: SimpleNamespace(taken_crfs=[]))
-    found = campaign_benchmark._compression(folder)
-    assert (found["first_compress_s"], found["later_compress_s"]) == expected

@@ -7,12 +7,10 @@ from pathlib import Path
 import pytest
 import yaml
 
-from tests.campaigns.stubbed import began, begun, behave, plan, run_stubbed
+from tests.campaigns.stubbed import begun, behave, plan, run_stubbed
 from tests.run_folders import command, digests
 from vcage.campaigns.estimate import Estimate
 from vcage.campaigns.folder import CampaignFolder
-from vcage.campaigns.shard import Shard
-from vcage.campaigns.status import status_of
 
 
 @pytest.fixture
@@ -93,57 +91,6 @@ def test_a_campaign_that_ends_with_too_few_episodes_says_so_and_is_not_to_be_rep
     assert (done.code, done.error["code"], done.error["retryable"]) == (7, "partly_done", False)
     assert "verified 0 of 1 episodes; 1 of 1 cells ended with too few" in done.error["message"]
     assert done.record["output"] == str(folder.page)
-
-
-def test_retry_tries_failed_jobs_again(tmp_path: Path):
-    folder = ended(tmp_path)
-    assert folder.forget_failed() == 1
-    behave(tmp_path)
-    assert run_stubbed(folder.root, folder.plan.jobs()[0]).record is not None
-
-
-def test_a_retry_of_shards_tries_each_job_again_once(tmp_path: Path):
-    folder = begun(tmp_path, episodes=4)
-    behave(tmp_path, all="fail")
-    jobs = folder.plan.jobs()
-    for job in jobs:
-        run_stubbed(folder.root, job)
-    for index in range(2):
-        assert folder.forget_failed(Shard(index, 2)) == 2
-        for job in jobs[index::2]:
-            run_stubbed(folder.root, job)
-    assert [began(tmp_path).count(job.id) for job in jobs] == [2] * 4
-
-
-def test_a_retry_takes_nothing_from_a_process_that_has_begun_or_settled_a_job(tmp_path: Path, monkeypatch):
-    folder = begun(tmp_path, episodes=2)
-    behave(tmp_path, all="fail")
-    first, second = folder.plan.jobs()
-    for job in (first, second):
-        run_stubbed(folder.root, job)
-    known = list(folder.records())
-    folder.record_file(first).unlink()
-    behave(tmp_path)
-    run_stubbed(folder.root, first)
-    monkeypatch.setattr(folder, "records", lambda: iter(known))
-    with CampaignFolder(folder.root).held(second):
-        assert folder.forget_failed() == 0
-    assert [path.exists() for path in map(folder.record_file, (first, second))] == [True, True]
-
-
-def test_a_retry_forgets_tries_that_a_killed_process_left_beside_the_record(tmp_path: Path):
-    folder = begun(tmp_path, episodes=1, limits={"tries": 2})
-    behave(tmp_path, all="raise")
-    (job,) = folder.plan.jobs()
-    run_stubbed(folder.root, job)
-    left = folder.tries(job)
-    run_stubbed(folder.root, job)
-    folder.note_tries(job, left.model_copy(update={"count": 2, "total": 2}))
-    assert status_of(folder).open == []
-    assert folder.forget_failed() == 1
-    behave(tmp_path)
-    record = run_stubbed(folder.root, job).record
-    assert record is not None and (record.state, record.tries) == ("done", 1)
 
 
 def test_a_dry_run_of_a_retry_counts_what_would_be_tried_again_and_changes_nothing(tmp_path: Path, capsys):

@@ -1,0 +1,67 @@
+"""The folder of a campaign: jobs that failed are forgotten, so that they are tried again."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.campaigns.stubbed import began, begun, behave, run_stubbed
+from vcage.campaigns.folder import CampaignFolder
+from vcage.campaigns.shard import Shard
+from vcage.campaigns.status import status_of
+
+
+def test_retry_tries_failed_jobs_again(tmp_path: Path):
+    folder = begun(tmp_path, episodes=1)
+    behave(tmp_path, all="fail")
+    run_stubbed(folder.root, folder.plan.jobs()[0])
+    assert folder.forget_failed() == 1
+    behave(tmp_path)
+    assert run_stubbed(folder.root, folder.plan.jobs()[0]).record is not None
+
+
+def test_a_retry_of_shards_tries_each_job_again_once(tmp_path: Path):
+    folder = begun(tmp_path, episodes=4)
+    behave(tmp_path, all="fail")
+    jobs = folder.plan.jobs()
+    for job in jobs:
+        run_stubbed(folder.root, job)
+    for index in range(2):
+        assert folder.forget_failed(Shard(index, 2)) == 2
+        for job in jobs[index::2]:
+            run_stubbed(folder.root, job)
+    assert [began(tmp_path).count(job.id) for job in jobs] == [2] * 4
+
+
+def test_a_retry_takes_nothing_from_a_process_that_has_begun_or_settled_a_job(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    folder = begun(tmp_path, episodes=2)
+    behave(tmp_path, all="fail")
+    first, second = folder.plan.jobs()
+    for job in (first, second):
+        run_stubbed(folder.root, job)
+    known = list(folder.records())
+    folder.record_file(first).unlink()
+    behave(tmp_path)
+    run_stubbed(folder.root, first)
+    monkeypatch.setattr(folder, "records", lambda: iter(known))
+    with CampaignFolder(folder.root).held(second):
+        assert folder.forget_failed() == 0
+    assert [path.exists() for path in map(folder.record_file, (first, second))] == [True, True]
+
+
+def test_a_retry_forgets_tries_that_a_killed_process_left_beside_the_record(tmp_path: Path):
+    folder = begun(tmp_path, episodes=1, limits={"tries": 2})
+    behave(tmp_path, all="raise")
+    (job,) = folder.plan.jobs()
+    run_stubbed(folder.root, job)
+    left = folder.tries(job)
+    run_stubbed(folder.root, job)
+    folder.note_tries(job, left.model_copy(update={"count": 2, "total": 2}))
+    assert status_of(folder).open == []
+    assert folder.forget_failed() == 1
+    behave(tmp_path)
+    record = run_stubbed(folder.root, job).record
+    assert record is not None and (record.state, record.tries) == ("done", 1)
