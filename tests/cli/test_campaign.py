@@ -93,6 +93,22 @@ def test_a_campaign_that_ends_with_too_few_episodes_says_so_and_is_not_to_be_rep
     assert done.record["output"] == str(folder.page)
 
 
+def test_a_report_that_cannot_be_written_hides_no_other_error(tmp_path: Path, capsys):
+    folder = ended(tmp_path)
+    folder.page.mkdir()
+    done = command(capsys, "campaign", tmp_path / "PLAN.yml", "--out", folder.root)
+    assert (done.code, done.error["code"], done.record["output"]) == (7, "partly_done", str(folder.root))
+    assert "cannot write" in done.stderr and "status.html" in done.stderr
+
+
+def test_a_report_that_cannot_be_written_is_the_error_where_there_is_no_other(tmp_path: Path, capsys):
+    folder = begun(tmp_path, episodes=1)
+    run_stubbed(folder.root, folder.plan.jobs()[0])
+    folder.page.mkdir()
+    done = command(capsys, "campaign", tmp_path / "PLAN.yml", "--out", folder.root)
+    assert (done.code, done.error["code"]) == (2, "output_not_writable")
+
+
 def test_a_dry_run_of_a_retry_counts_what_would_be_tried_again_and_changes_nothing(tmp_path: Path, capsys):
     folder = ended(tmp_path)
     before = digests(folder.root)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 from tyro.conf import Positional, arg
 
 from vcage.base.commands import vcage_command
-from vcage.base.errors import TooFewVerified, UsageError
+from vcage.base.errors import DiskFull, OutputFolderError, TooFewVerified, UsageError
 from vcage.base.files import write_text
 from vcage.base.options import FILE, FOLDER, POSITIVE, UNSAID, Flag, between, value
 from vcage.cli.arguments import Command
@@ -96,7 +96,6 @@ class Campaign(Command):
         from vcage.campaigns.folder import CampaignFolder
         from vcage.campaigns.impossible import require_readable
         from vcage.campaigns.plan import Plan
-        from vcage.campaigns.schedulers import require_path
 
         self._require_one_driver()
         plan, folder = Plan.load(self.plan), CampaignFolder(self.out)
@@ -106,10 +105,8 @@ class Campaign(Command):
             found = Estimate.of(plan, folder, folder.failed(plan, self._share()) if self.retry else ())
             return Result(output=folder.root, summary=found.facts(), text=found.text(), next=not_dry())
         if self.slurm or self.k8s:
-            require_path(folder.root, "SLURM" if self.slurm else "Kubernetes")
-        plan = folder.begin(plan)
-        if self.slurm or self.k8s:
             return self._for_scheduler(plan, folder)
+        folder.begin(plan)
         if self.retry and (count := folder.forget_failed(self._share())):
             logger.info("%d jobs are tried again", count)
         with progress("campaign") as show:
@@ -142,8 +139,14 @@ class Campaign(Command):
 
         folder = schedule.folder
         status = status_of(folder)
-        output, facts = write_page(folder, status), status.facts()
         error = left_over(schedule) or (None if self.shard else _too_few(status, folder))
+        output, facts = folder.root, status.facts()
+        try:
+            output = write_page(folder, status)
+        except (DiskFull, OutputFolderError) as fault:
+            if error is None:
+                raise
+            logger.warning("%s", fault.message)  # the error says more
         if error is not None:
             return Result(error=error, facts={"output": str(output), "summary": facts})
         several = ["--group"] if len(schedule.plan.robots) > 1 else []
@@ -170,8 +173,10 @@ class Campaign(Command):
 
     def _for_scheduler(self, plan: Plan, folder: CampaignFolder) -> Result:
         from vcage.campaigns.estimate import Estimate
-        from vcage.campaigns.schedulers import ShardedCommand, kubernetes_job, slurm_script
+        from vcage.campaigns.schedulers import ShardedCommand, kubernetes_job, require_path, slurm_script
 
+        require_path(folder.root, "SLURM" if self.slurm else "Kubernetes")
+        plan = folder.begin(plan)
         command = tuple(shlex.split(vcage_command("campaign", folder.plan_file, "--out", folder.root)))
         job = ShardedCommand(plan.name, command, folder.root, self.slurm or self.k8s or 1, self.workers or 1)
         if self.slurm:
