@@ -167,6 +167,14 @@ def test_a_task_that_no_job_could_begin_is_refused(tmp_path: Path, task: dict[st
         require_readable(tmp_path / "PLAN.yml", found)
 
 
+@pytest.mark.parametrize("instruction", ["把苹果放到盘子上", "Write me a poem"])
+def test_no_agent_is_offered_where_the_rules_do_not_read_an_instruction(tmp_path: Path, instruction: str):
+    found = plan(tmp_path, tasks=[{"instruction": instruction}], options={"models": "offline"})
+    with pytest.raises(SchemaMismatch) as refused:
+        require_readable(tmp_path / "PLAN.yml", found)
+    assert "let a model read it: options.models gemini, openai, anthropic or ollama" in refused.value.hint
+
+
 def test_tasks_that_were_checked_before_and_instructions_for_a_model_are_not_read(tmp_path: Path):
     tasks = [{"instruction": "Write me a poem"}]
     found = plan(tmp_path, tasks=tasks, options={"models": "offline"})

@@ -25,7 +25,9 @@ from vcage.sim.robots import load_robot, load_template
 from vcage.stages.chain import ChainOptions
 from vcage.stages.select_place import asked_by
 
-OPTION = re.compile(r"--(goal|start|objects|scene|all-subtasks|layout|randomise|models)\b")
+OPTION = re.compile(r"--(goal|start|objects|scene|all-subtasks|layout|randomise|models)\b(?: agent,)?")
+"""An option of `vcage run` in an error; an agent, which some offer, answers in no campaign."""
+
 KEYS = {
     "goal": "goals",
     "start": "starts",

@@ -76,7 +76,7 @@ def choose(instruction: str | None, template: SceneTemplate, context: StageConte
 def _not_english(instruction: str) -> UnreadInstruction:
     return UnreadInstruction(
         f"{instruction!r} is not read: the rules ({OFFLINE}) read English only",
-        hint="let a model read it: --models agent, or a provider with a key; or say it in English",
+        hint="say it in English, or let a model read it: --models agent, gemini, openai, anthropic or ollama",
         details={"unread": instruction, "understood": []},
     )
 
