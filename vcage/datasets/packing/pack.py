@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 
 from vcage.base.errors import DamagedFile, FolderInUse, InputFileError, OutputFolderError, StaleStage
 from vcage.base.files import RunFolder, atomic_folder
-from vcage.base.folders import is_empty_folder
+from vcage.base.folders import is_empty_folder, real_path
 from vcage.base.hold import held
 from vcage.base.keeper import Keeper
 from vcage.base.leftovers import recover
@@ -194,7 +194,7 @@ def pack(order: Order, *, workers: int | None = None, force: bool = False, progr
         OutputFolderError: the output is in the way, lies in the input, or cannot be written.
         DiskFull: see :mod:`vcage.base.files`; finished work is kept beside the output.
     """
-    out = order.out.expanduser().resolve()
+    out = real_path(order.out)
     prepared = prepare(order)
     provenance = prepared.provenance()
     working = out.with_name(out.name + WORKING)

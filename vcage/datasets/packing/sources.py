@@ -18,7 +18,7 @@ from vcage.base.errors import (
     UsageError,
 )
 from vcage.base.files import sha256_file
-from vcage.base.folders import natural_key, require_utf8
+from vcage.base.folders import natural_key, real_path, require_utf8
 from vcage.base.memory import free_memory
 from vcage.base.text import listed
 from vcage.datasets.packing.clips import Clip
@@ -218,7 +218,7 @@ def require_apart(root: Path, out: Path) -> None:
         OutputFolderError: one lies in the other, or the output's path is not UTF-8.
         InputFileError: that of the recordings is not.
     """
-    root, out = root.expanduser().resolve(), out.expanduser().resolve()
+    root, out = real_path(root), real_path(out)
     require_utf8(root)
     require_utf8(out, OutputFolderError)
     if out == root or out in root.parents or root in out.parents:

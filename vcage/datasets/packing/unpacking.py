@@ -10,7 +10,7 @@ from typing import Literal
 
 from vcage.base.errors import DamagedFile, InputFileError, OutputFolderError
 from vcage.base.files import atomic_folder
-from vcage.base.folders import files_below
+from vcage.base.folders import files_below, real_path
 from vcage.base.placeholders import require_fetched
 from vcage.base.progress import Progress, silent
 from vcage.datasets.packed import unpack
@@ -43,7 +43,7 @@ def unpack_all(
         OutputFolderError: ``out`` is in the way, or lies in ``root`` or around it; or cannot be written.
         UsageError, DamagedFile, DiskFull: see :func:`vcage.datasets.packed.unpack`.
     """
-    root, out = Path(root).expanduser().resolve(), Path(out).expanduser().resolve()
+    root, out = real_path(root), real_path(out)
     require_apart(root, out)
     if not root.exists():
         raise InputFileError(f"{root} does not exist", hint="give an HDF5 output of compress, or a folder")
