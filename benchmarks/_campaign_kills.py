@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import json
 import os
 import re
 import signal
@@ -20,6 +19,7 @@ import psutil
 
 from benchmarks._ray_nodes import RayNodes
 from vcage.campaigns.folder import CampaignFolder
+from vcage.campaigns.record import read_tries
 
 PROGRAM = (sys.executable, "-m", "vcage.cli.main")
 
@@ -159,11 +159,10 @@ def at_work(out: Path) -> dict[str, int]:
     found = {}
     ours = {one.pid for one in psutil.Process().children(recursive=True)}
     for path in CampaignFolder(out).begun():
-        with contextlib.suppress(OSError, ValueError):
-            tries = json.loads(path.with_suffix(".tries.json").read_text(encoding="utf-8"))
+        with contextlib.suppress(OSError):
             holder = re.match(r"process (\d+) on ", path.read_text(encoding="utf-8"))
             # A driver that notes the loss of a job holds it for a moment, and leaves its own number there.
-            if tries["open"] and holder and int(holder[1]) in ours:
+            if read_tries(path.with_suffix(".tries.json")).open and holder and int(holder[1]) in ours:
                 found[path.relative_to(out / "jobs").with_suffix("").as_posix()] = int(holder[1])
     return found
 

@@ -220,7 +220,8 @@ class CampaignFolder:
         jobs = self.root / "jobs"
         for cell in filter(Path.is_dir, entries(jobs) if jobs.exists() else ()):
             with contextlib.suppress(FileNotFoundError), os.scandir(cell) as files:
-                yield from sorted((f for f in files if _is_ours(f.name, suffix)), key=lambda entry: entry.name)
+                ours = (file for file in files if file.name.endswith(suffix) and not is_hidden(file.name))
+                yield from sorted(ours, key=lambda entry: entry.name)
 
     def tries(self, job: Job) -> Tries:
         """The tries of a job so far; none where they cannot be read."""
@@ -291,10 +292,6 @@ class CampaignFolder:
             return self.beat_file(job).stat().st_mtime_ns
         except OSError:
             return 0
-
-
-def _is_ours(name: str, suffix: str) -> bool:
-    return name.endswith(suffix) and not is_hidden(name)
 
 
 @lru_cache(maxsize=4)

@@ -155,7 +155,7 @@ class Plan(Document):
 
         Args:
             path: of its file.
-            check: that each of its cells is possible, too.
+            check: that each of its cells is possible, too, without running it.
 
         Raises:
             InputFileError: the file cannot be read, or fields of it are wrong: names the file and all of these.
@@ -176,7 +176,9 @@ class Plan(Document):
         near = tuple(_beside(look, path) for look in plan.looks)
         plan = plan.model_copy(update={"looks": near})
         if check:
-            plan._require_possible(path)
+            from vcage.campaigns.impossible import problems_of_values  # all stages, which `vcage status` does without
+
+            require_none(list(problems_of_values(path, plan)))
         return plan
 
     @cached_property
@@ -278,16 +280,6 @@ class Plan(Document):
         cells = {cell.id: cell for cell in self.cells}
         lost = [cell.id for cell in earlier.cells if cells.get(cell.id) != cell]
         return f"no cell, or another one, called {lost[0]}" if lost else ""
-
-    def _require_possible(self, path: Path) -> None:
-        """Check every cell without running it.
-
-        Raises:
-            SchemaMismatch: some are not possible; names all fields for which they are not.
-        """
-        from vcage.campaigns.impossible import problems_of_values  # all stages, as above
-
-        require_none(list(problems_of_values(path, self)))
 
 
 def slug(text: str, most: int = 40) -> str:

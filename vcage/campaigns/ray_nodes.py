@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from vcage.base.errors import ConfigurationError
-from vcage.base.version import __version__
 
 logger = logging.getLogger(__name__)
 
@@ -23,7 +22,7 @@ class Nodes:
         seen_within_s: time within which a file written by a node should appear here.
     """
 
-    def __init__(self, ray: Any, root: Path, version: str = __version__, seen_within_s: float = 10.0):
+    def __init__(self, ray: Any, root: Path, version: str, seen_within_s: float):
         self._ray, self._root, self._version, self._seen_within_s = ray, root, version, seen_within_s
         self._unfit: dict[str, str] = {}
 

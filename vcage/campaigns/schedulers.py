@@ -66,7 +66,7 @@ def slurm_script(job: ShardedCommand) -> str:
 #SBATCH --mem={GIGABYTES_PER_WORKER * job.workers}G
 #SBATCH --time=24:00:00
 #SBATCH --requeue
-#SBATCH --output={_in_slurm(job.out)}/slurm-%a.log"
+#SBATCH --output="{_in_slurm(job.out)}/slurm-%a.log"
 #SBATCH --open-mode=append
 #
 # Each task runs every {job.shards}th job. Add --partition and --account as your cluster wants them.
@@ -117,8 +117,8 @@ spec:
 
 
 def _in_slurm(out: Path) -> str:
-    """A path in a line ``#SBATCH``, with its opening quote: blanks and # would end it, and % begins a number."""
-    return '"' + str(out).replace('"', r"\"").replace("%", "%%")
+    """A path between quotes in a line ``#SBATCH``, where % begins the number of a task."""
+    return str(out).replace('"', r"\"").replace("%", "%%")
 
 
 def _in_yaml(text: str) -> str:

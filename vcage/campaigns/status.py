@@ -47,7 +47,8 @@ def status_of(folder: CampaignFolder, plan: Plan | None = None, without: Collect
     of_cell = Counter(one.job.rpartition("/")[0] for one in running)
     cells = [_cell_status(plan, cell, records[cell.id], of_cell[cell.id]) for cell in plan.cells]
     lines = [error.as_line() for error in unread]
-    open_jobs = [one for one in open_jobs if not _is_settled(one, records)]
+    settled = {record.job_id for found in records.values() for record in found.values()}
+    open_jobs = [one for one in open_jobs if one.job not in settled]  # a process that was killed left its tries
     return Status(plan, cells, running, Bill(folder.bill).refresh(), lines, open_jobs)
 
 
@@ -109,12 +110,6 @@ def table(status: Status, most: int = 60) -> str:
 def _cell_status(plan: Plan, cell: Cell, records: dict[int, JobRecord], running: int) -> CellStatus:
     found = standing(plan, cell, records)
     return CellStatus(cell.id, found.asked, [records[n] for n in sorted(records)], running, found)
-
-
-def _is_settled(job: OpenJob, records: dict[str, dict[int, JobRecord]]) -> bool:
-    """True for a job with a record, beside which a process that was killed left its tries."""
-    cell, _, number = job.job.rpartition("/")
-    return number.isdecimal() and int(number) in records.get(cell, {})
 
 
 def _begun(folder: CampaignFolder) -> tuple[list[RunningJob], list[OpenJob]]:
