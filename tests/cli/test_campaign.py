@@ -114,7 +114,7 @@ def test_a_dry_run_of_a_retry_counts_what_would_be_tried_again_and_changes_nothi
     before = digests(folder.root)
     done = command(capsys, "campaign", tmp_path / "PLAN.yml", "--out", folder.root, "--dry-run", "--retry")
     assert (done.record["summary"]["left"], done.record["summary"]["tried_again"]) == (1, 1)
-    assert "1 left, 1 jobs to be tried again" in Estimate.of(folder.plan, folder, folder.failed(folder.plan)).text()
+    assert "1 left, jobs to be tried again: 1" in Estimate.of(folder.plan, folder, folder.failed(folder.plan)).text()
     assert digests(folder.root) == before
 
 

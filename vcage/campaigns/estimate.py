@@ -146,7 +146,7 @@ class Estimate:
         lines = ["  ".join((name.ljust(widths[0]), *map(str.rjust, cells, widths[1:]))) for name, *cells in rows]
         many = " (of a scene that is done whole, more)" if any(task.all_subtasks for task in self.plan.tasks) else ""
         head = f"{self.plan.name}: {found['cells']:,} cells, {found['jobs']:,} jobs, {found['episodes']:,} episodes"
-        again = f", {self.again:,} jobs to be tried again" if self.again else ""
+        again = f", jobs to be tried again: {self.again:,}" if self.again else ""
         above = [f"{head}{many}, {found['left']:,} left{again}", f"unit costs: {costs.source}", ""]
         return "\n".join([*above, *lines])
 
