@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import subprocess
 import sys
@@ -95,6 +96,19 @@ def test_a_file_in_place_of_the_folder_of_jobs_is_named(tmp_path: Path):
     folder = begun(tmp_path)
     (folder.root / "jobs").touch()
     with pytest.raises(InputFileError, match="jobs cannot be read: Not a directory"):
+        status_of(folder)
+
+
+def test_a_folder_of_jobs_that_a_lost_file_server_does_not_list_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    def lost(_path: Path) -> None:
+        raise OSError(errno.ESTALE, os.strerror(errno.ESTALE))
+
+    folder = begun(tmp_path)
+    driven(folder)
+    monkeypatch.setattr("vcage.campaigns.folder.os.scandir", lost)
+    with pytest.raises(InputFileError, match=f"{folder.plan.cells[0].id} cannot be read: Stale file handle"):
         status_of(folder)
 
 

@@ -6,6 +6,7 @@ passed over. Links to folders are followed; a folder that lies in itself is ente
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 import stat
@@ -38,16 +39,27 @@ def is_hidden(name: str) -> bool:
     return name.startswith(".")
 
 
+@contextlib.contextmanager
+def listing(folder: Path) -> Iterator[None]:
+    """Name the folder in errors of the system while it is listed.
+
+    Raises:
+        InputFileError: the folder cannot be read.
+    """
+    try:
+        yield
+    except OSError as error:
+        raise InputFileError(f"{folder} cannot be read: {error.strerror}", hint="make it readable") from error
+
+
 def entries(folder: Path) -> list[Path]:
     """List a folder in natural order, without hidden names.
 
     Raises:
         InputFileError: the folder cannot be read.
     """
-    try:
+    with listing(folder):
         found = list(folder.iterdir())
-    except OSError as error:
-        raise InputFileError(f"{folder} cannot be read: {error.strerror}", hint="make it readable") from error
     return sorted((path for path in found if not is_hidden(path.name)), key=lambda path: natural_key(path.name))
 
 

@@ -13,7 +13,7 @@ import yaml
 
 from vcage.base.errors import DamagedFile, DiskFull, FolderInUse, InputFileError, MissingStage, OutputFolderError
 from vcage.base.files import RunFolder, write_json, write_text
-from vcage.base.folders import entries, is_hidden, real_path
+from vcage.base.folders import entries, is_hidden, listing, real_path
 from vcage.base.hold import IN_USE, alone, holder_of, one_at_a_time
 from vcage.base.leftovers import PARTIAL, recover
 from vcage.campaigns.looks import keep_looks, keys_of, with_own_looks
@@ -185,6 +185,9 @@ class CampaignFolder:
 
         Args:
             unread: called with the error of each that cannot be read; :func:`not_damaged` raises some.
+
+        Raises:
+            InputFileError: a folder cannot be listed.
         """
         for entry in self._entries(".job.json"):
             try:
@@ -210,16 +213,11 @@ class CampaignFolder:
         for entry in self._entries(".tries.json"):
             yield Path(entry.path.removesuffix(".tries.json") + ".beat")
 
-    @staticmethod
-    def last_error(lock: Path) -> JobError | None:
-        """The error that ended the last try of such a job; None if there is none, or the try has not ended."""
-        return read_tries(lock.with_suffix(".tries.json")).error
-
     def _entries(self, suffix: str) -> Iterator[os.DirEntry[str]]:
         """Files beside the run folders, by cell and number."""
         jobs = self.root / "jobs"
         for cell in filter(Path.is_dir, entries(jobs) if jobs.exists() else ()):
-            with contextlib.suppress(FileNotFoundError), os.scandir(cell) as files:
+            with listing(cell), os.scandir(cell) as files:
                 ours = (file for file in files if file.name.endswith(suffix) and not is_hidden(file.name))
                 yield from sorted(ours, key=lambda entry: entry.name)
 
@@ -232,7 +230,7 @@ class CampaignFolder:
         write_json(self.tries_file(job), tries.model_dump(mode="json"))
 
     def note_fault(self, job: Job, before: Tries, error: JobError) -> None:
-        """Take back a try that ended by a fault of the machine; on a full disk rather all tries than none.
+        """Take back a try that ended by a fault of the machine; all tries, where a full disk takes nothing else.
 
         Args:
             job: which.

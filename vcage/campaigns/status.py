@@ -19,7 +19,7 @@ from vcage.campaigns.cells import by_cell, standing
 from vcage.campaigns.figures import CellStatus, OpenJob, RunningJob, Status
 from vcage.campaigns.folder import CampaignFolder
 from vcage.campaigns.plan import Cell, Plan
-from vcage.campaigns.record import JobRecord
+from vcage.campaigns.record import JobRecord, read_tries
 from vcage.models.bill import Bill
 
 TEMPLATE = Path(__file__).with_name("status.html.jinja")
@@ -121,6 +121,6 @@ def _begun(folder: CampaignFolder) -> tuple[list[RunningJob], list[OpenJob]]:
             if (holder := holder_of(path)) is not None:
                 silent_s = max(0.0, time.time() - path.stat().st_mtime)
                 running.append(RunningJob(job, holder, silent_s))
-            elif (error := folder.last_error(path)) is not None:
+            elif (error := read_tries(path.with_suffix(".tries.json")).error) is not None:
                 open_jobs.append(OpenJob(job, error))
     return running, open_jobs
