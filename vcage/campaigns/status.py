@@ -38,7 +38,7 @@ def status_of(folder: CampaignFolder, plan: Plan | None = None, without: Collect
 
     Raises:
         MissingStage: the folder holds no campaign.
-        InputFileError: its plan cannot be read.
+        InputFileError: its plan cannot be read, or a folder of jobs cannot be listed.
     """
     plan = plan or folder.plan
     unread: list[InputFileError] = []

@@ -65,7 +65,7 @@ class StageContext:
 
     @cached_property
     def annotated(self) -> list[CatalogueEntry]:
-        """All kinds without what their models tell, such as sizes: for names, which need no model."""
+        """All kinds, without facts that need their models, such as sizes; names need none of these."""
         return [unbuilt_entry(self.library.annotation(name)) for name in self.library.names]
 
     @cached_property

@@ -105,7 +105,7 @@ class GrowingSet:
     def close(self) -> None:
         """Drop what was not committed."""
         if self._writer is not None:
-            with suppress(OSError):  # a full disk takes no end of a file, which is dropped anyway
+            with suppress(OSError):  # on a full disk its end cannot be written; it is dropped anyway
                 self._writer.close()
             shutil.rmtree(self.root / ADDING, ignore_errors=True)
             self._writer, self.pending = None, 0
