@@ -100,3 +100,8 @@ def test_a_missing_file_and_one_that_is_too_long_are_named(tmp_path: Path) -> No
 
 def test_data_nested_up_to_the_limit_is_read() -> None:
     assert parse_json("[" * 200 + "]" * 200)
+
+
+def test_a_file_that_breaks_off_while_it_is_read_is_named() -> None:
+    with pytest.raises(InputFileError, match=r"/proc/self/mem cannot be read: .*Input/output error"):
+        read_json(Path("/proc/self/mem"))  # at its beginning nothing is mapped

@@ -98,6 +98,15 @@ def open_regular(path: Path, what: str, max_bytes: int, maker: str = "") -> io.B
         raise InputFileError(f"{path} cannot be read: {error}", hint="make it readable") from error
 
 
+def read_regular(path: Path, what: str, maker: str = "") -> bytes:
+    """Read a whole file of at most ``LIMITS.max_bytes``; arguments and errors as :func:`open_regular`."""
+    with open_regular(path, what, LIMITS.max_bytes, maker) as handle:
+        try:
+            return handle.read()
+        except OSError as error:  # of a disk, or of a file server that is gone
+            raise InputFileError(f"{path} cannot be read: {error}", hint="make it readable") from error
+
+
 def read_json(path: Path, maker: str = "", *, nan: bool = False) -> Any:
     """Read a JSON file.
 
@@ -119,8 +128,7 @@ def read_yaml(path: Path) -> Any:
 
 
 def _read(path: Path, what: str, parse: Callable[[bytes], Any], maker: str) -> Any:
-    with open_regular(path, f"a {what} file", LIMITS.max_bytes, maker) as handle:
-        data = handle.read()
+    data = read_regular(path, f"a {what} file", maker)
     try:
         return parse(data)
     except Unreadable as error:

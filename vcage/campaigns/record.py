@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 
 from vcage.base.errors import DamagedFile, InputFileError, SchemaMismatch
 from vcage.base.files import read_json
-from vcage.base.reading import LIMITS, open_regular
+from vcage.base.reading import read_regular
 from vcage.campaigns.plan import Seed, job_id
 from vcage.schema.base import Document, Finite, Record
 from vcage.schema.episodes import CriticCounts, Spread
@@ -109,8 +109,7 @@ def read_record(path: Path) -> JobRecord:
 
 def _read_at_once(path: Path) -> JobRecord | None:
     """Read a record in half the time and memory; None where that does not work, to find out why."""
-    with open_regular(path, "a record", LIMITS.max_bytes) as handle:
-        data = handle.read()
+    data = read_regular(path, "a record")
     try:
         record = JobRecord.model_validate_json(data)
     except ValueError:
