@@ -18,7 +18,7 @@ from vcage.base.hold import IN_USE, alone, holder_of, one_at_a_time
 from vcage.base.leftovers import PARTIAL, recover
 from vcage.campaigns.looks import keep_looks, keys_of, with_own_looks
 from vcage.campaigns.plan import Job, Plan
-from vcage.campaigns.record import JobError, JobRecord, Tries, not_damaged, read_record, read_tries
+from vcage.campaigns.record import JobError, JobRecord, Tries, read_record, read_tries, warn_if_damaged
 from vcage.campaigns.shard import EVERY_JOB, Shard
 
 logger = logging.getLogger(__name__)
@@ -166,25 +166,23 @@ class CampaignFolder:
     def record(self, job: Job) -> JobRecord | None:
         """The record of a job; None while it is not settled, or asked for fewer episodes than there should be now.
 
-        A damaged record, which is named, counts as none: the job is settled again.
+        A damaged record, which :meth:`records` names, counts as none: the job is settled again.
 
         Raises:
             InputFileError: the file is of another version, or may not be read.
         """
         try:
             found = read_record(self.record_file(job))
-        except MissingStage:
-            return None
-        except DamagedFile as error:
-            logger.warning("%s: %s", job.id, error.as_line())
+        except (MissingStage, DamagedFile):
             return None
         return found if found.state != "done" or found.episodes >= job.episodes else None
 
-    def records(self, unread: Callable[[InputFileError], None] = not_damaged) -> Iterator[JobRecord]:
+    def records(self, unread: Callable[[InputFileError], None] = warn_if_damaged) -> Iterator[JobRecord]:
         """All records, by cell and number. Others may write meanwhile: a file is seen whole or not at all.
 
         Args:
-            unread: called with the error of each that cannot be read; :func:`not_damaged` raises some.
+            unread: called with the error of each that cannot be read; by default it ends
+                the reading, except that of a damaged one.
 
         Raises:
             InputFileError: a folder cannot be listed.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import logging
 from pathlib import Path
 from typing import ClassVar, Literal, Self
 
@@ -15,7 +16,9 @@ from vcage.campaigns.plan import Seed, job_id
 from vcage.schema.base import Document, Finite, Record
 from vcage.schema.episodes import CriticCounts, Spread
 
-DAMAGED = "its job is looked at again by the next campaign command"
+logger = logging.getLogger(__name__)
+
+DAMAGED = "the next campaign command settles its job again"
 
 State = Literal["done", "failed", "given_up"]
 """States of a settled job.
@@ -120,10 +123,11 @@ def _read_at_once(path: Path) -> JobRecord | None:
     return record
 
 
-def not_damaged(error: InputFileError) -> None:
-    """Raise the error of a record that is of another version, or may not be read."""
+def warn_if_damaged(error: InputFileError) -> None:
+    """Warn of a damaged record; raise the error of one that is of another version, or may not be read."""
     if not isinstance(error, DamagedFile):
         raise error
+    logger.warning("%s", error.as_line())
 
 
 def read_tries(path: Path) -> Tries:
