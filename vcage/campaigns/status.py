@@ -99,7 +99,7 @@ def table(status: Status, most: int = 60) -> str:
         lines.append(f"{record.state.replace('_', ' ')}: {record.job_id}: {record.error.message}")
     lines += [f"to be tried again: {one.job}: {one.error.message}" for one in status.open[:10]]
     if status.unread:
-        lines.append(f"{len(status.unread)} records cannot be read, and count as missing:")
+        lines.append(f"records that cannot be read, and count as missing: {len(status.unread)}")
         lines += status.unread[:10]
     return "\n".join(lines)
 
