@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -52,6 +53,19 @@ def _check(name: str, array: NDArray[Any], shape: tuple[int | None, ...], most: 
         raise ValueError(f"{name} holds {array[tuple(first)]:g} at index {first}, {reason}")
 
 
+def state_names(joints: Mapping[str, int]) -> list[str]:
+    """Names of the numbers of a state: the joints and the gripper of each arm, arms in alphabetical order.
+
+    Args:
+        joints: arm → number of its joints, without fingers.
+    """
+    return [
+        f"{arm}_{column}"
+        for arm in sorted(joints)
+        for column in (*(f"joint_{i}" for i in range(1, joints[arm] + 1)), "gripper")
+    ]
+
+
 @dataclass(frozen=True)
 class CameraTrack:
     """A camera over an episode of T frames.
@@ -94,7 +108,8 @@ class EpisodeData:
         state_names: names of the D numbers of a state, e.g. ``left_joint_1 … left_gripper, right_…``.
         qpos: (T, D) measured joint positions, radians; grippers as opening, 0 closed to 1 open.
         qvel: (T, D) measured joint velocities.
-        action: (T, D) commanded joint positions, in the units of ``qpos``.
+        action: (T, D) joint positions that are commanded for the next frame, in the units of ``qpos``: carried out from
+            frame t on, ``action[t]`` leads to frame t + 1.
         object_poses: object id → (T, 7) position (metres) and quaternion wxyz in the world.
         cameras: camera name → its calibration over time.
         segments: the verified sub-tasks in order, without overlap.

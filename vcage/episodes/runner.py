@@ -5,7 +5,7 @@ from __future__ import annotations
 import gc
 import logging
 import platform
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import metadata
@@ -20,36 +20,29 @@ from vcage.base.pictures import write_picture
 from vcage.base.time_limit import TimeLimitReached, time_limit
 from vcage.base.version import __version__
 from vcage.datasets.hdf5 import write_episode
+from vcage.episodes.beginnings import Beginning, Beginnings
 from vcage.episodes.photographs import Photographer, light_look
 from vcage.episodes.question import Asking, verdict
 from vcage.episodes.recorded import world_facts
-from vcage.episodes.starts import Start, Starts
+from vcage.episodes.starts import Start
 from vcage.episodes.store import background_name
-from vcage.episodes.wordings import wordings_for
 from vcage.episodes.worlds import reworded
-from vcage.plans.actions import lasting
 from vcage.runs.context import StageContext
-from vcage.runs.inputs import read_plan
 from vcage.runs.stage import Job
 from vcage.schema.episodes import Attempt, Episode, Verdict
-from vcage.schema.goals import Goal, in_steps
-from vcage.schema.plan import Relation
-from vcage.schema.randomisation import Drawn, Randomisation
+from vcage.schema.randomisation import Randomisation
 from vcage.schema.scene import Scene
-from vcage.schema.subtasks import Chain, Subtask
-from vcage.sim.looks import draw_look, look_world
+from vcage.schema.subtasks import Subtask
+from vcage.sim.looks import look_world
 from vcage.sim.render import device_name
 from vcage.sim.replay import camera_paths, render_log
 from vcage.sim.robots import load_randomisation, load_robot
 from vcage.sim.world import World
 from vcage.tasks.assemble import episode_data
-from vcage.tasks.described import require_settled
 from vcage.tasks.loop import EpisodeRun, run_episode
 from vcage.tasks.setting import Seen, Setting
-from vcage.tasks.stowing import ready_for
 from vcage.tasks.synthesis import Script, script_of
 from vcage.tasks.task import Asked
-from vcage.tasks.templates import read_subtasks
 from vcage.tasks.wording import in_other_words
 
 logger = logging.getLogger(__name__)
@@ -66,20 +59,21 @@ class _Work:
     """The work of a chain's episodes.
 
     Args:
-        text: the instruction, or the words of the sub-task.
-        wordings: other sentences for it, in the words of the run's scene.
+        beginnings: of its episodes.
         steps: sub-tasks with their scripts, in order.
         own_grasps: ids of sub-tasks whose named script keeps grasps of its own.
-        goals: what must be true at the end.
-        starts: draws where it begins.
     """
 
-    text: str
-    wordings: list[str]
+    beginnings: Beginnings
     steps: list[tuple[Subtask, Script]]
     own_grasps: frozenset[str]
-    goals: list[Goal]
-    starts: Starts
+
+    @classmethod
+    def of(cls, beginnings: Beginnings, named: Mapping[str, Script]) -> _Work:
+        """The work of a chain; ``named`` scripts are executed in place of generated ones."""
+        steps = [(subtask, named.get(subtask.id) or script_of(subtask)) for subtask in beginnings.subtasks]
+        own_grasps = frozenset(subtask.id for subtask, script in steps if not script.tries(subtask.grasps))
+        return cls(beginnings, steps, own_grasps)
 
 
 class EpisodeRunner:
@@ -106,31 +100,8 @@ class EpisodeRunner:
         self._scene = Scene.read(run.layout)
         self._robot = load_robot(self._scene.robot)
         self._mild = any(ranges.look == load_randomisation(name).look for name in MILD)
-        subtasks = read_subtasks(run.subtasks)
-        kept = {s.id: s for s in subtasks.kept}
-        varied = stage.options["layout"] == "varied" and run.plan.exists()  # a script that runs alone has no plan
-        relations = read_plan(run, Scene.read(run.scene), context).relations if varied else None
-        self._chains = [self._work(chain, kept, relations, scripts or {}) for chain in subtasks.chains]
-
-    def _work(
-        self,
-        chain: Chain,
-        kept: Mapping[str, Subtask],
-        relations: Sequence[Relation] | None,
-        named: Mapping[str, Script],
-    ) -> _Work:
-        """Return the scripts of a chain, and its starts: an instruction starts where its plan was proven.
-
-        ``relations`` of the plan hold in drawn layouts; None if no layouts are drawn. ``named`` scripts are executed
-        in place of generated ones.
-        """
-        scene, context = self._scene, self._context
-        steps = [(kept[name], named.get(name) or script_of(kept[name])) for name in chain.subtasks]
-        own_grasps = frozenset(subtask.id for subtask, script in steps if not script.tries(subtask.grasps))
-        start = ready_for(steps[0][0], scene, context.objects(scene))
-        goals = lasting(in_steps(scene.goals) or [subtask.goals for subtask, _ in steps])
-        starts = Starts(start, relations, [subtask for subtask, _ in steps], self._ranges.world, context)
-        return _Work(chain.text, chain.wordings, steps, own_grasps, goals, starts)
+        varied = stage.options["layout"] == "varied"
+        self._chains = [_Work.of(each, scripts or {}) for each in Beginnings.of_run(run, ranges, context, varied)]
 
     def one(self, index: int, folder: Path) -> tuple[Episode, list[Attempt]]:
         """Run an episode and write its files.
@@ -156,11 +127,8 @@ class EpisodeRunner:
     def _run(self, index: int, folder: Path) -> tuple[Episode, list[Attempt]]:
         work = self._chains[index % len(self._chains)]
         rng = np.random.default_rng([self._stage.seed, index])
-        start = work.starts.draw(rng)
-        objects = list(start.objects.values())
-        require_settled(start.scene, start.models, objects, "the start of the episode", self._robot)
-        look = draw_look(self._ranges.look, start.scene, start.models, self._robot, rng)
-        drawn = Drawn(ranges=self._ranges.name, look=look, world=start.world)
+        begins = work.beginnings.draw(rng)
+        start, look = begins.start, begins.drawn.look
         seen = look if self._mild else light_look(start.scene, start.models, self._robot, rng)
         photographer = Photographer(start.scene, start.models, self._robot, seen, list(start.objects.values()))
         background = photographer.empty_table()
@@ -177,14 +145,14 @@ class EpisodeRunner:
             fps=self._stage.options["fps"],
             start=start.world.start,
         )
-        done = run_episode(setting, self._steps(work, start), index, work.goals)
+        done = run_episode(setting, self._steps(work, start), index, work.beginnings.goals)
         for name, picture in done.pictures.items():
             write_picture(folder / name, picture)
         drawer = photographer.world if self._mild else look_world(start.scene, start.models, self._robot, look)
         name = f"episode_{index:06d}.hdf5" if done.accepted else f"rejected/episode_{index:06d}.hdf5"
         if done.log.frames:
-            _write(folder / name, done, drawer, self._facts(index, work, start, drawn, done))
-        return self._record(done, index, name, start, drawn), done.attempts
+            _write(folder / name, done, drawer, self._facts(index, work, begins, done))
+        return self._record(done, index, name, begins), done.attempts
 
     def _steps(self, work: _Work, start: Start) -> list[tuple[Subtask, Script]]:
         """Return the sub-tasks in the words of an episode, and their scripts with grasps feasible there."""
@@ -197,8 +165,8 @@ class EpisodeRunner:
         words = {"text": in_other_words(asked.text, start.phrases), "goals": asked.goals}
         return verdict(self._context, start.scene, Asking.of(subtask.model_copy(update=words), seen, background))
 
-    def _record(self, done: EpisodeRun, index: int, name: str, start: Start, drawn: Drawn) -> Episode:
-        frames = len(done.log)
+    def _record(self, done: EpisodeRun, index: int, name: str, begins: Beginning) -> Episode:
+        frames, start = len(done.log), begins.start
         return Episode(
             index=index,
             chain=index % len(self._chains),
@@ -215,26 +183,23 @@ class EpisodeRunner:
             layout="varied" if start.drawn else "fixed",
             layouts_refused=start.refused,
             objects=start.scene.objects,
-            randomisation=drawn,
+            randomisation=begins.drawn,
         )
 
-    def _facts(self, index: int, work: _Work, start: Start, drawn: Drawn, done: EpisodeRun) -> dict[str, Any]:
+    def _facts(self, index: int, work: _Work, begins: Beginning, done: EpisodeRun) -> dict[str, Any]:
         """Return the facts that are written into the episode."""
-        said = [reworded(subtask, start.phrases) for subtask, _ in work.steps]
-        text = work.text if self._scene.instruction else in_other_words(work.text, start.phrases)
-        wordings = [in_other_words(wording, start.phrases) for wording in work.wordings]
-        sentences = wordings_for(text, wordings, said, start.scene, self._context)
-        chosen = np.random.default_rng([self._stage.seed, index, WORDING_STREAM]).integers(len(sentences))
+        words = work.beginnings.sentences(begins.start)
+        chosen = np.random.default_rng([self._stage.seed, index, WORDING_STREAM]).integers(len(words.all))
         return {
-            "instruction": text,
-            "task": sentences[int(chosen)],
-            "task_wordings": sentences,
+            "instruction": words.canonical,
+            "task": words.all[int(chosen)],
+            "task_wordings": words.all,
             "seed": self._stage.seed,
             "episode": index,
             "accepted": done.accepted,
             "reason": done.reason,
-            **world_facts(start.scene, drawn),
-            "wordings": {subtask.id: [subtask.text, *subtask.texts] for subtask in said},
+            **world_facts(begins.start.scene, begins.drawn),
+            "wordings": {subtask.id: [subtask.text, *subtask.texts] for subtask in words.subtasks},
             **{name: value for name, value in self._stage.options.items() if name == "scripts"},
             "providers": self._context.models.providers("reasoner", "editor", "detector", "embedder", "critic"),
             "versions": versions(),

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from vcage.base.geometry import Camera
-from vcage.datasets.episode import CameraTrack, EpisodeData, Segment
+from vcage.datasets.episode import CameraTrack, EpisodeData, Segment, state_names
 from vcage.sim.recording import StateLog
 
 
@@ -28,11 +28,6 @@ def episode_data(
     """
     first = log.frames[0]
     arms = sorted(first.arms)
-    names = [
-        f"{arm}_{column}"
-        for arm in arms
-        for column in (*(f"joint_{i}" for i in range(1, len(first.arms[arm].state))), "gripper")
-    ]
 
     def stacked(field: str) -> np.ndarray:
         return np.concatenate([log.arm_array(arm, field) for arm in arms], axis=1).astype(np.float64)
@@ -40,10 +35,10 @@ def episode_data(
     return EpisodeData(
         fps=float(log.fps),
         timestamp=log.timestamps(),
-        state_names=names,
+        state_names=state_names({arm: len(first.arms[arm].state) - 1 for arm in arms}),
         qpos=stacked("state"),
         qvel=stacked("velocity"),
-        action=stacked("command"),
+        action=_following(stacked("command")),
         object_poses={key: log.object_array(key) for key in sorted(first.objects)},
         object_joints={key: log.joint_array(key) for key in sorted(first.object_joints)},
         robot_joints={arm: log.arm_array(arm, "joints").astype(np.float64) for arm in arms},
@@ -52,6 +47,11 @@ def episode_data(
         meta=dict(meta),
         drives=log.drives,
     )
+
+
+def _following(commands: np.ndarray) -> np.ndarray:
+    """(T, D) targets that are reached by the next frame, of the (T, D) targets at each; the last stays."""
+    return np.concatenate([commands[1:], commands[-1:]])
 
 
 def camera_tracks(paths: Mapping[str, Sequence[Camera]]) -> dict[str, CameraTrack]:

@@ -24,7 +24,7 @@ from vcage.sim.recording import StateLog
 from vcage.sim.state import WorldState
 from vcage.sim.world import World
 from vcage.tasks.choices import Failed, Retry, blamed
-from vcage.tasks.setting import PicturesByCamera, Seen, Setting
+from vcage.tasks.setting import PicturesByCamera, Seen, Setting, begin
 from vcage.tasks.slots import Slot
 from vcage.tasks.state import Watch
 from vcage.tasks.synthesis import Script
@@ -78,10 +78,7 @@ def run_episode(
         goals: what must be true at the end, as the simulator's state is to tell.
     """
     world, recording = setting.build(), StateLog(setting.fps)
-    world.settle()
-    start = world.state()  # the critic's first pictures are taken before the arms leave home
-    for arm, offset in setting.start.items():
-        world.arms[arm].reset(offset)
+    start = begin(world, setting.start)  # the critic's first pictures are taken before the arms leave home
     recording.record(world)
     trials: list[_Trial] = []
     verified = True

@@ -54,3 +54,17 @@ class Setting:
     retries: int
     fps: int
     start: Mapping[str, Sequence[float]] = field(default_factory=dict)
+
+
+def begin(world: World, offsets: Mapping[str, Sequence[float]]) -> WorldState:
+    """Let a new world come to rest and put its arms where the episode begins; the state before they leave home.
+
+    Args:
+        world: of the start of an episode, the robot at home.
+        offsets: arm → offset of each joint from home, radians; at home where not given.
+    """
+    world.settle()
+    rested = world.state()
+    for name, offset in offsets.items():
+        world.arms[name].reset(offset)
+    return rested

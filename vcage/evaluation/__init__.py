@@ -1,0 +1,1 @@
+"""Runs as environments, and policies evaluated in them."""

@@ -1,0 +1,354 @@
+"""A run as a Gymnasium environment: the scenes that its data came from, for a policy to act in.
+
+Each reset draws a layout and a look as collecting does, from random streams that collecting never uses.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+import gymnasium
+import numpy as np
+from numpy.typing import NDArray
+
+from vcage.base.errors import MissingStage, UnknownName, UsageError
+from vcage.base.files import RunFolder
+from vcage.datasets.reader import EpisodeReader
+from vcage.episodes.beginnings import Beginnings
+from vcage.episodes.recorded import Recorded
+from vcage.evaluation.attained import Attained, Task
+from vcage.evaluation.observation import StateLayout, agent_pos, names_of_joints, observation_space
+from vcage.runs.accepted import accepted_episodes
+from vcage.runs.context import StageContext
+from vcage.schema.asset import PhysicalModel
+from vcage.schema.episodes import Episodes
+from vcage.schema.randomisation import Drawn, Randomisation
+from vcage.schema.scene import Scene
+from vcage.sim.looks import look_world
+from vcage.sim.replay import render_state
+from vcage.sim.robots import load_randomisation, load_robot
+from vcage.sim.world import PHYSICS_HZ, World
+from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.setting import begin
+from vcage.tasks.state import LOOK_EVERY_STEPS
+
+EVALUATION_STREAM = 2
+"""Third number of the seed of an evaluation: collecting draws episodes by two numbers, and wordings with a 1 here."""
+
+Observation = dict[str, Any]
+Info = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class EpisodeStart:
+    """Everything that the start of an episode fixes.
+
+    Args:
+        scene, models, objects: as they are then.
+        drawn: look and world.
+        sentence: the instruction.
+        origin: where the start comes from: ``seed`` or ``episode``, and its number.
+    """
+
+    scene: Scene
+    models: Mapping[str, PhysicalModel]
+    objects: Mapping[str, SceneObject]
+    drawn: Drawn
+    sentence: str
+    origin: dict[str, int]
+
+
+@dataclass(frozen=True)
+class EnvironmentOptions:
+    """Options of an environment.
+
+    Args:
+        chain: number of the task in the run: a run of an instruction has one, a scene done whole one for each sub-task.
+        pictures: observe pictures; without, no renderer is needed.
+        cameras: whose pictures are observed; all of the robot if empty.
+        environment_state: observe the poses of the objects.
+        max_steps: actions after which an episode ends; None: twice those of the run's longest accepted episode.
+        randomise: ranges of the differences between episodes; None: those of the run's collection.
+        layout: drawn for each episode, or as optimised with small shifts; None: as collected.
+    """
+
+    chain: int = 0
+    pictures: bool = True
+    cameras: Sequence[str] = ()
+    environment_state: bool = False
+    max_steps: int | None = None
+    randomise: str | None = None
+    layout: Literal["varied", "fixed"] | None = None
+
+
+PATIENCE = 2.0
+"""An episode may take so many times as long as the longest demonstration."""
+
+
+class RunEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
+    """The task of a run, in newly drawn layouts and looks.
+
+    Observations: ``pixels`` (camera → (H, W, 3) uint8), ``agent_pos`` ((D,) joints in radians and gripper openings, 0
+    closed to 1 open), ``environment_state`` on demand (:class:`~vcage.evaluation.observation.StateLayout`), and
+    ``instruction``. Actions: (D,) absolute targets of the same joints and grippers, reached at the next step along a
+    straight line, :attr:`fps` times a second of simulated time. Grippers are clipped to 0 … 1 and joints to their
+    limits. The reward is 1 at the step where the task is done, which ends the episode, and 0 before.
+
+    ``info`` has ``success`` and ``is_success``, ``goals`` (goal → truth), ``touched``, ``lifted`` and ``collisions``
+    (:class:`~vcage.evaluation.attained.Attained`), ``seconds`` of simulated time, and ``start`` (where it came from).
+
+    ``reset(seed=n)`` draws the n-th start of the evaluation; the same seed gives the same episode, whatever happened
+    before. ``reset(options={"episode": k})`` begins as the k-th recorded episode did.
+
+    Example:
+        >>> env = gymnasium.make("vcage/Run-v0", run="runs/blocks")
+        >>> observation, info = env.reset(seed=0)
+
+    Args:
+        run: folder of a run with a layout and sub-tasks.
+        options: see :class:`EnvironmentOptions`.
+        context: the library, shared by environments of one process.
+
+    Raises:
+        MissingStage: the run lacks a stage, or a recorded length for ``max_steps``.
+        UnknownName: a camera or a chain that is none.
+        NoRenderer: pictures are wanted and nothing here can draw.
+    """
+
+    def __init__(self, run: str | Path, options: EnvironmentOptions | None = None, context: StageContext | None = None):
+        self.options = options or EnvironmentOptions()
+        self._run, self._context = RunFolder(Path(run)), context or StageContext("offline")
+        collected = Episodes.read(self._run.episodes) if self._run.episodes.exists() else None
+        asked = collected.provenance.options if collected is not None else {}
+        self.fps = int(asked.get("fps", 10))
+        self.metadata = {"render_modes": ["rgb_array"], "render_fps": self.fps}
+        self.render_mode = "rgb_array" if self.options.pictures else None
+        ranges = _ranges(self.options.randomise, asked)
+        layout = self.options.layout or asked.get("layout", "varied")
+        chains = Beginnings.of_run(self._run, ranges, self._context, varied=layout == "varied")
+        if self.options.chain not in range(len(chains)):
+            raise UnknownName("chain", str(self.options.chain), map(str, range(len(chains))))
+        self._beginnings = chains[self.options.chain]
+        self._robot, self._scene = self._beginnings.robot, Scene.read(self._run.layout)
+        self.joint_names = names_of_joints(self._robot)
+        self.cameras = self._chosen_cameras() if self.options.pictures else []
+        self.task_description = self._beginnings.chain.text
+        self._max_episode_steps = self.options.max_steps or self._longest()
+        parts = {o.id: len(o.joints) for o in self._context.objects(self._scene)}
+        self.state_layout = StateLayout.of(self._scene, parts)
+        seen = self.state_layout if self.options.environment_state else None
+        words = [self.task_description, *self._beginnings.chain.wordings]
+        self.observation_space = observation_space(self._robot, self.cameras, seen, words)
+        self._lower, self._upper = self._limits()
+        self.action_space = gymnasium.spaces.Box(self._lower, self._upper, dtype=np.float32)
+        self._seed = int(self._scene.provenance.seed)
+        self._episode: _Episode | None = None
+
+    # --- Gymnasium ------------------------------------------------------------------------------------
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, Info]:
+        """Begin an episode; see the class for seeds and recorded starts.
+
+        Raises:
+            InfeasibleScene: the objects of this seed do not stay where they are put.
+            UnknownName: there is no recorded episode of that number.
+        """
+        super().reset(seed=seed)
+        recorded = (options or {}).get("episode")
+        if recorded is None:
+            number = int(self.np_random.integers(2**31)) if seed is None else seed
+            start = self._drawn_start(number)
+        else:
+            start = self._recorded_start(int(recorded))
+        self.close()
+        self._episode = _Episode(start, self, _task_of(self._beginnings))
+        return self._episode.observation(), self._episode.info()
+
+    def step(self, action: NDArray[np.float32]) -> tuple[Observation, float, bool, bool, Info]:
+        """Carry an action out.
+
+        Args:
+            action: (D,) targets.
+
+        Raises:
+            UsageError: the action has another shape, or NaN; or no episode has begun.
+        """
+        if self._episode is None:
+            raise UsageError("no episode has begun", hint="call reset first")
+        self._episode.carry_out(self._checked(action))
+        done, over = self._episode.attained.success, self._episode.actions >= self._max_episode_steps
+        return self._episode.observation(), float(done), done, over and not done, self._episode.info()
+
+    def render(self) -> NDArray[np.uint8] | None:  # pyrefly: ignore[bad-override]
+        """(H, W, 3) the picture of the first camera, of now; None without pictures."""
+        if self._episode is None or not self.cameras:
+            return None
+        return self._episode.observation()["pixels"][self.cameras[0]]
+
+    def close(self) -> None:
+        """Forget the episode and its worlds."""
+        self._episode = None
+
+    # --- starts ---------------------------------------------------------------------------------------
+
+    def _drawn_start(self, number: int) -> EpisodeStart:
+        rng = np.random.default_rng([self._seed, number, EVALUATION_STREAM])
+        begins = self._beginnings.draw(rng)
+        sentences = self._beginnings.sentences(begins.start).all
+        start, sentence = begins.start, sentences[int(rng.integers(len(sentences)))]
+        origin = {"seed": number}
+        return EpisodeStart(start.scene, start.models, start.objects, begins.drawn, sentence, origin)
+
+    def _recorded_start(self, index: int) -> EpisodeStart:
+        found = {episode.index: episode for episode in accepted_episodes(self._run)}
+        if index not in found:
+            raise UnknownName("accepted episode", str(index), map(str, found))
+        path = self._run.file(str(found[index].file))
+        with EpisodeReader(path) as reader:
+            recorded = Recorded.of(reader.episode, path, self._context)
+        objects = {o.id: o for o in self._context.objects(recorded.scene)}
+        sentence = str(recorded.episode.meta["task"])
+        return EpisodeStart(recorded.scene, recorded.models, objects, recorded.drawn, sentence, {"episode": index})
+
+    # --- checks ---------------------------------------------------------------------------------------
+
+    def _checked(self, action: NDArray[np.float32]) -> NDArray[np.float64]:
+        given, wanted = np.asarray(action, dtype=np.float64), self._lower.shape
+        if given.shape != wanted:
+            raise UsageError(
+                f"the action has the shape {given.shape}, {self._robot.name} takes {wanted}",
+                hint=f"the numbers of an action are {', '.join(self.joint_names)}",
+            )
+        if not np.isfinite(given).all():
+            which = ", ".join(self.joint_names[i] for i in np.flatnonzero(~np.isfinite(given)))
+            raise UsageError(f"the action holds NaN or infinity for {which}", hint="check what the policy was given")
+        return np.clip(given, self._lower, self._upper)
+
+    def _chosen_cameras(self) -> list[str]:
+        for name in self.options.cameras:
+            if name not in self._robot.cameras:
+                raise UnknownName("camera", name, self._robot.cameras)
+        return list(self.options.cameras or self._robot.cameras)
+
+    def _limits(self) -> NDArray[np.float32]:
+        """(2, D) lowest and highest targets."""
+        arms = [self._context.kinematics(self._robot.name)[name] for name in sorted(self._robot.arms)]
+        lower = np.concatenate([np.append(arm.lower, 0.0) for arm in arms])
+        upper = np.concatenate([np.append(arm.upper, 1.0) for arm in arms])
+        return np.stack([lower, upper]).astype(np.float32)
+
+    def _longest(self) -> int:
+        frames = [e.frames for e in accepted_episodes(self._run) if e.chain == self.options.chain]
+        if not frames:
+            raise MissingStage(
+                f"{self._run.root} has no accepted episode of this task, so nothing says how long one may take",
+                hint="collect some, or give max_steps",
+                maker="collect",
+            )
+        return int(np.ceil(PATIENCE * max(frames)))
+
+
+def make_env(run: str | Path, context: StageContext | None = None, **options: Any) -> RunEnv:
+    """Make the environment of a run.
+
+    Example:
+        >>> env = vcage.make_env("runs/blocks", pictures=False, environment_state=True)
+
+    Args:
+        run: folder of the run.
+        context: the library, shared by environments of one process.
+        options: fields of :class:`EnvironmentOptions`.
+
+    Raises:
+        MissingStage, UnknownName, NoRenderer: see :class:`RunEnv`.
+    """
+    return RunEnv(run, EnvironmentOptions(**options), context)
+
+
+# --- one episode ----------------------------------------------------------------------------------------
+
+
+@dataclass
+class _Episode:
+    """An episode under way: a world that moves, and a second one that shows it as the recordings were drawn."""
+
+    start: EpisodeStart
+    env: RunEnv
+    task: Task
+    actions: int = 0
+    _drawer: World | None = field(default=None)
+
+    def __post_init__(self) -> None:
+        scene, models = self.start.scene, self.start.models
+        robot = load_robot(scene.robot)
+        self.world = World.of_scene(scene, models, robot)
+        begin(self.world, self.start.drawn.world.start)
+        if self.env.cameras:
+            self._drawer = look_world(scene, models, robot, self.start.drawn.look)
+        self.attained = Attained(self.world, self.start.objects, self.task)
+        self._begun = self.world.steps
+        self._target = np.concatenate([self.world.arms[name].command for name in sorted(self.world.arms)])
+
+    def carry_out(self, action: NDArray[np.float64]) -> None:
+        """Drive from the present targets to the next, in a straight line."""
+        steps = PHYSICS_HZ // self.env.fps
+        rate = (action - self._target) * self.env.fps
+        for step in range(steps):
+            _command(self.world, self._target + (action - self._target) * (step / steps), rate)
+            self.world.step()
+            if self.world.steps % LOOK_EVERY_STEPS == 0:
+                self.attained.look()
+        self._target = action
+        self.attained.judge()
+        self.actions += 1
+
+    def observation(self) -> Observation:
+        """What is observed now."""
+        seen: Observation = {"agent_pos": agent_pos(self.world), "instruction": self.start.sentence}
+        if self.env.options.environment_state:
+            poses, joints = self.world.object_poses(), self.world.joints_of_objects()
+            seen["environment_state"] = self.env.state_layout.values(poses, joints)
+        if self._drawer is not None:
+            seen["pixels"] = render_state(self._drawer, self.world.state(), self.env.cameras).pictures
+        return seen
+
+    def info(self) -> Info:
+        """What is known of the episode."""
+        attained = self.attained
+        return {
+            "success": attained.success,
+            "is_success": attained.success,
+            "goals": dict(attained.goals),
+            "touched": sorted(attained.touched),
+            "lifted": sorted(attained.lifted),
+            "collisions": sorted(attained.collisions),
+            "seconds": (self.world.steps - self._begun) / PHYSICS_HZ,
+            "start": dict(self.start.origin),
+        }
+
+
+def _command(world: World, target: NDArray[np.float64], rate: NDArray[np.float64]) -> None:
+    """Give every arm its part of a target (D,), passing at a rate per second."""
+    first = 0
+    for name in sorted(world.arms):
+        arm = world.arms[name]
+        last = first + len(arm.joints)
+        arm.command_joints(target[first:last], rate[first:last])
+        arm.command_gripper(float(target[last]))
+        first = last + 1
+
+
+def _task_of(beginnings: Beginnings) -> Task:
+    return Task.of(beginnings.subtasks, beginnings.goals)
+
+
+def _ranges(name: str | None, collected: Mapping[str, Any]) -> Randomisation:
+    """The ranges of that name, else those of the collection, else the default ones."""
+    if name is None and "randomise" in collected:
+        return Randomisation.model_validate(
+            {"schema": Randomisation.SCHEMA, "description": "", **collected["randomise"]}
+        )
+    return load_randomisation(name or "light")
