@@ -6,7 +6,7 @@ Each reset draws a layout and a look as collecting does, from random streams tha
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
@@ -16,49 +16,20 @@ from numpy.typing import NDArray
 
 from vcage.base.errors import MissingStage, UnknownName, UsageError
 from vcage.base.files import RunFolder
-from vcage.datasets.reader import EpisodeReader
 from vcage.episodes.beginnings import Beginnings
-from vcage.episodes.recorded import Recorded
-from vcage.evaluation.attained import Attained, Task
-from vcage.evaluation.observation import StateLayout, agent_pos, names_of_joints, observation_space
+from vcage.evaluation.acting import Acting
+from vcage.evaluation.attained import Task
+from vcage.evaluation.episode_start import EpisodeStart
+from vcage.evaluation.observation import StateLayout, names_of_joints, observation_space
 from vcage.runs.accepted import accepted_episodes
 from vcage.runs.context import StageContext
-from vcage.schema.asset import PhysicalModel
 from vcage.schema.episodes import Episodes
-from vcage.schema.randomisation import Drawn, Randomisation
+from vcage.schema.randomisation import Randomisation
 from vcage.schema.scene import Scene
-from vcage.sim.looks import look_world
-from vcage.sim.replay import render_state
-from vcage.sim.robots import load_randomisation, load_robot
-from vcage.sim.world import PHYSICS_HZ, World
-from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.setting import begin
-from vcage.tasks.state import LOOK_EVERY_STEPS
-
-EVALUATION_STREAM = 2
-"""Third number of the seed of an evaluation: collecting draws episodes by two numbers, and wordings with a 1 here."""
+from vcage.sim.robots import load_randomisation
 
 Observation = dict[str, Any]
 Info = dict[str, Any]
-
-
-@dataclass(frozen=True)
-class EpisodeStart:
-    """Everything that the start of an episode fixes.
-
-    Args:
-        scene, models, objects: as they are then.
-        drawn: look and world.
-        sentence: the instruction.
-        origin: where the start comes from: ``seed`` or ``episode``, and its number.
-    """
-
-    scene: Scene
-    models: Mapping[str, PhysicalModel]
-    objects: Mapping[str, SceneObject]
-    drawn: Drawn
-    sentence: str
-    origin: dict[str, int]
 
 
 @dataclass(frozen=True)
@@ -139,13 +110,14 @@ class RunEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self._max_episode_steps = self.options.max_steps or self._longest()
         parts = {o.id: len(o.joints) for o in self._context.objects(self._scene)}
         self.state_layout = StateLayout.of(self._scene, parts)
-        seen = self.state_layout if self.options.environment_state else None
+        self._observed_state = self.state_layout if self.options.environment_state else None
+        self._task = Task.of(self._beginnings.subtasks, self._beginnings.goals)
         words = [self.task_description, *self._beginnings.chain.wordings]
-        self.observation_space = observation_space(self._robot, self.cameras, seen, words)
+        self.observation_space = observation_space(self._robot, self.cameras, self._observed_state, words)
         self._lower, self._upper = self._limits()
         self.action_space = gymnasium.spaces.Box(self._lower, self._upper, dtype=np.float32)
         self._seed = int(self._scene.provenance.seed)
-        self._episode: _Episode | None = None
+        self._episode: Acting | None = None
 
     # --- Gymnasium ------------------------------------------------------------------------------------
 
@@ -160,11 +132,11 @@ class RunEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         recorded = (options or {}).get("episode")
         if recorded is None:
             number = int(self.np_random.integers(2**31)) if seed is None else seed
-            start = self._drawn_start(number)
+            start = EpisodeStart.drawn_by(self._beginnings, self._seed, number)
         else:
-            start = self._recorded_start(int(recorded))
+            start = EpisodeStart.recorded(self._run, int(recorded), self._context)
         self.close()
-        self._episode = _Episode(start, self, _task_of(self._beginnings))
+        self._episode = Acting(start, self._task, self.fps, self.cameras, self._observed_state)
         return self._episode.observation(), self._episode.info()
 
     def step(self, action: NDArray[np.float32]) -> tuple[Observation, float, bool, bool, Info]:
@@ -191,27 +163,6 @@ class RunEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     def close(self) -> None:
         """Forget the episode and its worlds."""
         self._episode = None
-
-    # --- starts ---------------------------------------------------------------------------------------
-
-    def _drawn_start(self, number: int) -> EpisodeStart:
-        rng = np.random.default_rng([self._seed, number, EVALUATION_STREAM])
-        begins = self._beginnings.draw(rng)
-        sentences = self._beginnings.sentences(begins.start).all
-        start, sentence = begins.start, sentences[int(rng.integers(len(sentences)))]
-        origin = {"seed": number}
-        return EpisodeStart(start.scene, start.models, start.objects, begins.drawn, sentence, origin)
-
-    def _recorded_start(self, index: int) -> EpisodeStart:
-        found = {episode.index: episode for episode in accepted_episodes(self._run)}
-        if index not in found:
-            raise UnknownName("accepted episode", str(index), map(str, found))
-        path = self._run.file(str(found[index].file))
-        with EpisodeReader(path) as reader:
-            recorded = Recorded.of(reader.episode, path, self._context)
-        objects = {o.id: o for o in self._context.objects(recorded.scene)}
-        sentence = str(recorded.episode.meta["task"])
-        return EpisodeStart(recorded.scene, recorded.models, objects, recorded.drawn, sentence, {"episode": index})
 
     # --- checks ---------------------------------------------------------------------------------------
 
@@ -266,83 +217,6 @@ def make_env(run: str | Path, context: StageContext | None = None, **options: An
         MissingStage, UnknownName, NoRenderer: see :class:`RunEnv`.
     """
     return RunEnv(run, EnvironmentOptions(**options), context)
-
-
-# --- one episode ----------------------------------------------------------------------------------------
-
-
-@dataclass
-class _Episode:
-    """An episode under way: a world that moves, and a second one that shows it as the recordings were drawn."""
-
-    start: EpisodeStart
-    env: RunEnv
-    task: Task
-    actions: int = 0
-    _drawer: World | None = field(default=None)
-
-    def __post_init__(self) -> None:
-        scene, models = self.start.scene, self.start.models
-        robot = load_robot(scene.robot)
-        self.world = World.of_scene(scene, models, robot)
-        begin(self.world, self.start.drawn.world.start)
-        if self.env.cameras:
-            self._drawer = look_world(scene, models, robot, self.start.drawn.look)
-        self.attained = Attained(self.world, self.start.objects, self.task)
-        self._begun = self.world.steps
-        self._target = np.concatenate([self.world.arms[name].command for name in sorted(self.world.arms)])
-
-    def carry_out(self, action: NDArray[np.float64]) -> None:
-        """Drive from the present targets to the next, in a straight line."""
-        steps = PHYSICS_HZ // self.env.fps
-        rate = (action - self._target) * self.env.fps
-        for step in range(steps):
-            _command(self.world, self._target + (action - self._target) * (step / steps), rate)
-            self.world.step()
-            if self.world.steps % LOOK_EVERY_STEPS == 0:
-                self.attained.look()
-        self._target = action
-        self.attained.judge()
-        self.actions += 1
-
-    def observation(self) -> Observation:
-        """What is observed now."""
-        seen: Observation = {"agent_pos": agent_pos(self.world), "instruction": self.start.sentence}
-        if self.env.options.environment_state:
-            poses, joints = self.world.object_poses(), self.world.joints_of_objects()
-            seen["environment_state"] = self.env.state_layout.values(poses, joints)
-        if self._drawer is not None:
-            seen["pixels"] = render_state(self._drawer, self.world.state(), self.env.cameras).pictures
-        return seen
-
-    def info(self) -> Info:
-        """What is known of the episode."""
-        attained = self.attained
-        return {
-            "success": attained.success,
-            "is_success": attained.success,
-            "goals": dict(attained.goals),
-            "touched": sorted(attained.touched),
-            "lifted": sorted(attained.lifted),
-            "collisions": sorted(attained.collisions),
-            "seconds": (self.world.steps - self._begun) / PHYSICS_HZ,
-            "start": dict(self.start.origin),
-        }
-
-
-def _command(world: World, target: NDArray[np.float64], rate: NDArray[np.float64]) -> None:
-    """Give every arm its part of a target (D,), passing at a rate per second."""
-    first = 0
-    for name in sorted(world.arms):
-        arm = world.arms[name]
-        last = first + len(arm.joints)
-        arm.command_joints(target[first:last], rate[first:last])
-        arm.command_gripper(float(target[last]))
-        first = last + 1
-
-
-def _task_of(beginnings: Beginnings) -> Task:
-    return Task.of(beginnings.subtasks, beginnings.goals)
 
 
 def _ranges(name: str | None, collected: Mapping[str, Any]) -> Randomisation:

@@ -1,0 +1,78 @@
+"""Starts of evaluated episodes: drawn from streams that collecting never uses, or those of recorded episodes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from vcage.base.errors import UnknownName
+from vcage.base.files import RunFolder
+from vcage.datasets.reader import EpisodeReader
+from vcage.episodes.beginnings import Beginnings
+from vcage.episodes.recorded import Recorded
+from vcage.runs.accepted import accepted_episodes
+from vcage.runs.context import StageContext
+from vcage.schema.asset import PhysicalModel
+from vcage.schema.randomisation import Drawn
+from vcage.schema.scene import Scene
+from vcage.tasks.scene_objects import SceneObject
+
+EVALUATION_STREAM = 2
+"""Third number of the seed of an evaluation: collecting draws episodes by two numbers, and wordings with a 1 here."""
+
+
+@dataclass(frozen=True)
+class EpisodeStart:
+    """Everything that the start of an episode fixes.
+
+    Args:
+        scene, models, objects: as they are then.
+        drawn: look and world.
+        sentence: the instruction.
+        origin: where the start comes from: ``seed`` or ``episode``, and its number.
+    """
+
+    scene: Scene
+    models: Mapping[str, PhysicalModel]
+    objects: Mapping[str, SceneObject]
+    drawn: Drawn
+    sentence: str
+    origin: dict[str, int]
+
+    @classmethod
+    def drawn_by(cls, beginnings: Beginnings, seed: int, number: int) -> EpisodeStart:
+        """The start of a number, which depends on nothing else.
+
+        Args:
+            beginnings: of the task.
+            seed: of the run's scene.
+            number: of the start.
+
+        Raises:
+            InfeasibleScene: its objects do not stay where they are put.
+        """
+        rng = np.random.default_rng([seed, number, EVALUATION_STREAM])
+        begins = beginnings.draw(rng)
+        start, sentences = begins.start, beginnings.sentences(begins.start).all
+        sentence = sentences[int(rng.integers(len(sentences)))]
+        return cls(start.scene, start.models, start.objects, begins.drawn, sentence, {"seed": number})
+
+    @classmethod
+    def recorded(cls, run: RunFolder, index: int, context: StageContext) -> EpisodeStart:
+        """The start of an accepted episode of a run.
+
+        Raises:
+            UnknownName: there is none of that number.
+            DamagedFile, SchemaMismatch: its file cannot be read.
+        """
+        found = {episode.index: episode for episode in accepted_episodes(run)}
+        if index not in found:
+            raise UnknownName("accepted episode", str(index), map(str, found))
+        path = run.file(str(found[index].file))
+        with EpisodeReader(path) as reader:
+            begun = Recorded.of(reader.episode, path, context)
+        objects = {o.id: o for o in context.objects(begun.scene)}
+        sentence = str(begun.episode.meta["task"])
+        return cls(begun.scene, begun.models, objects, begun.drawn, sentence, {"episode": index})
