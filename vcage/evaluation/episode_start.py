@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -17,7 +17,9 @@ from vcage.runs.context import StageContext
 from vcage.schema.asset import PhysicalModel
 from vcage.schema.randomisation import Drawn
 from vcage.schema.scene import Scene
+from vcage.schema.subtasks import Grasp
 from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.slots import Slot
 
 EVALUATION_STREAM = 2
 """Third number of the seed of an evaluation: collecting draws episodes by two numbers, and wordings with a 1 here."""
@@ -32,6 +34,8 @@ class EpisodeStart:
         drawn: look and world.
         sentence: the instruction.
         origin: where the start comes from: ``seed`` or ``episode``, and its number.
+        grasps: of each sub-task, by its id, best first; empty for a recorded start.
+        slots: where each sub-task puts its object, by its id; empty for a recorded start.
     """
 
     scene: Scene
@@ -40,6 +44,8 @@ class EpisodeStart:
     drawn: Drawn
     sentence: str
     origin: dict[str, int]
+    grasps: Mapping[str, Sequence[Grasp]] = field(default_factory=dict)
+    slots: Mapping[str, Slot] = field(default_factory=dict)
 
     @classmethod
     def drawn_by(cls, beginnings: Beginnings, seed: int, number: int) -> EpisodeStart:
@@ -57,7 +63,16 @@ class EpisodeStart:
         begins = beginnings.draw(rng)
         start, sentences = begins.start, beginnings.sentences(begins.start).all
         sentence = sentences[int(rng.integers(len(sentences)))]
-        return cls(start.scene, start.models, start.objects, begins.drawn, sentence, {"seed": number})
+        return cls(
+            start.scene,
+            start.models,
+            start.objects,
+            begins.drawn,
+            sentence,
+            {"seed": number},
+            start.grasps,
+            start.slots,
+        )
 
     @classmethod
     def recorded(cls, run: RunFolder, index: int, context: StageContext) -> EpisodeStart:

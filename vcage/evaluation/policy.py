@@ -1,0 +1,81 @@
+"""Policies that an evaluation can ask, by how they are named: a server, a factory, the recording, or the expert."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vcage.base.errors import InputFileError, UsageError, VcageError
+
+
+class PolicyFailed(VcageError):
+    """A policy answered wrongly, or not at all."""
+
+    code = "policy_failed"
+    exit_code = 6
+
+
+class Policy(Protocol):
+    """Anything that turns an observation into actions."""
+
+    def reset(self) -> None:
+        """An episode begins."""
+
+    def infer(self, observation: Mapping[str, Any]) -> Mapping[str, Any]:
+        """Return ``actions``, (horizon, D) or (D,), for an observation (see :mod:`vcage.evaluation.payload`)."""
+
+
+def checked_actions(answer: Any, size: int, policy: str) -> NDArray[np.float64]:
+    """(horizon, D) the actions of an answer.
+
+    Args:
+        answer: of a policy.
+        size: D, the numbers of an action.
+        policy: its name, for the error.
+
+    Raises:
+        PolicyFailed: there are none, of another shape, or with NaN.
+    """
+    if not isinstance(answer, Mapping) or "actions" not in answer:
+        keys = sorted(map(str, answer)) if isinstance(answer, Mapping) else type(answer).__name__
+        raise PolicyFailed(f"{policy} answers without 'actions', but with {keys}", hint="answer a map with actions")
+    try:
+        actions = np.atleast_2d(np.asarray(answer["actions"], dtype=np.float64))
+    except (TypeError, ValueError) as error:
+        raise PolicyFailed(f"{policy} answers actions that are no numbers: {error}") from error
+    if actions.ndim != 2 or actions.shape[1] != size or not len(actions):
+        raise PolicyFailed(
+            f"{policy} answers actions of the shape {actions.shape}; expected (horizon, {size})",
+            hint="evaluate a policy that was trained for this robot",
+        )
+    if not np.isfinite(actions).all():
+        raise PolicyFailed(f"{policy} answers NaN or infinity", hint="check its normalisation")
+    return actions
+
+
+def made_by(factory: str) -> Policy:
+    """The policy that ``MODULE:FACTORY`` makes; the current folder's modules are found too.
+
+    Raises:
+        UsageError: it is not of that form.
+        InputFileError: there is no such module or factory, or what it makes has no ``infer``.
+    """
+    module, _, name = factory.partition(":")
+    if not (module and name):
+        raise UsageError(f"{factory!r} names no policy", hint="give ws://HOST:PORT, MODULE:FACTORY, replay or expert")
+    sys.path.insert(0, str(Path.cwd()))
+    try:
+        made = getattr(importlib.import_module(module), name)()
+    except (ImportError, AttributeError) as error:
+        raise InputFileError(f"{factory} cannot be loaded: {error}", hint="check the names, or the folder") from error
+    finally:
+        sys.path.remove(str(Path.cwd()))
+    if not callable(getattr(made, "infer", None)):
+        raise InputFileError(f"{factory} makes a {type(made).__name__} without infer(observation)")
+    return made
