@@ -40,6 +40,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "decompress": ("vcage.cli.compress.Decompress", "put the pictures of compressed recordings back"),
     "replay": ("vcage.cli.recorded.Replay", "simulate recorded episodes again, and say what differs"),
     "report": ("vcage.cli.recorded.Report", "write the HTML page of a run"),
+    "evaluate": ("vcage.cli.evaluate.Evaluate", "let a policy act in the scenes of a run, and count successes"),
     "view": ("vcage.cli.recorded.ViewEpisode", "look at an episode in the viewer Rerun"),
     "prompts show": ("vcage.cli.prompts.ShowPrompt", "print what a model would be asked in a run"),
     "assets list": ("vcage.cli.assets.ListAssets", "list the objects of the library"),

@@ -20,6 +20,7 @@ from vcage.episodes.beginnings import Beginnings
 from vcage.evaluation.acting import Acting
 from vcage.evaluation.attained import Task
 from vcage.evaluation.episode_start import EpisodeStart
+from vcage.evaluation.expert import expert_episode
 from vcage.evaluation.observation import StateLayout, names_of_joints, observation_space
 from vcage.runs.accepted import accepted_episodes
 from vcage.runs.context import StageContext
@@ -27,6 +28,7 @@ from vcage.schema.episodes import Episodes
 from vcage.schema.randomisation import Randomisation
 from vcage.schema.scene import Scene
 from vcage.sim.robots import load_randomisation
+from vcage.tasks.loop import EpisodeRun
 
 Observation = dict[str, Any]
 Info = dict[str, Any]
@@ -159,6 +161,16 @@ class RunEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         if self._episode is None or not self.cameras:
             return None
         return self._episode.observation()["pixels"][self.cameras[0]]
+
+    def expert(self) -> EpisodeRun:
+        """Let the scripts that collected the data do the task from the drawn start of this episode, in another world.
+
+        Raises:
+            UsageError: no episode has begun, or its start was recorded.
+        """
+        if self._episode is None or not self._episode.start.grasps:
+            raise UsageError("the expert needs a drawn start", hint="call reset with a seed first")
+        return expert_episode(self._episode.start, self._beginnings, self.fps)
 
     def close(self) -> None:
         """Forget the episode and its worlds."""

@@ -29,16 +29,13 @@ def episode_data(
     first = log.frames[0]
     arms = sorted(first.arms)
 
-    def stacked(field: str) -> np.ndarray:
-        return np.concatenate([log.arm_array(arm, field) for arm in arms], axis=1).astype(np.float64)
-
     return EpisodeData(
         fps=float(log.fps),
         timestamp=log.timestamps(),
         state_names=state_names({arm: len(first.arms[arm].state) - 1 for arm in arms}),
-        qpos=stacked("state"),
-        qvel=stacked("velocity"),
-        action=_following(stacked("command")),
+        qpos=_stacked(log, "state"),
+        qvel=_stacked(log, "velocity"),
+        action=actions_of(log),
         object_poses={key: log.object_array(key) for key in sorted(first.objects)},
         object_joints={key: log.joint_array(key) for key in sorted(first.object_joints)},
         robot_joints={arm: log.arm_array(arm, "joints").astype(np.float64) for arm in arms},
@@ -49,9 +46,15 @@ def episode_data(
     )
 
 
-def _following(commands: np.ndarray) -> np.ndarray:
-    """(T, D) targets that are reached by the next frame, of the (T, D) targets at each; the last stays."""
+def actions_of(log: StateLog) -> np.ndarray:
+    """(T, D) targets of all arms and grippers that are reached by the next frame; those of the last frame stay."""
+    commands = _stacked(log, "command")
     return np.concatenate([commands[1:], commands[-1:]])
+
+
+def _stacked(log: StateLog, field: str) -> np.ndarray:
+    """(T, D) a field of :class:`~vcage.sim.recording.ArmFrame` of all arms, side by side."""
+    return np.concatenate([log.arm_array(arm, field) for arm in sorted(log.frames[0].arms)], axis=1).astype(np.float64)
 
 
 def camera_tracks(paths: Mapping[str, Sequence[Camera]]) -> dict[str, CameraTrack]:

@@ -1,0 +1,130 @@
+"""An evaluation: rollouts until enough starts are counted, stored as they finish, so that it goes on after a kill."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from vcage.base.errors import MissingStage, StaleStage, UsageError
+from vcage.base.files import RunFolder, sha256_file
+from vcage.base.progress import Progress, silent
+from vcage.base.workers import Processes, SameProcess
+from vcage.evaluation.rollouts import REPLAY, Order, Outcome, outcome, rollouts
+from vcage.schema.evaluation import Evaluation
+
+RECORD = "evaluation.json"
+
+
+@dataclass(frozen=True)
+class Amount:
+    """How many episodes, from which seeds.
+
+    Args:
+        episodes: to count.
+        first_seed: seeds count up from there.
+        most_left_out: give up where so many starts in a row are not counted.
+    """
+
+    episodes: int = 50
+    first_seed: int = 100_000
+    most_left_out: int = 50
+
+
+def evaluate(
+    order: Order, amount: Amount, out: Path, workers: int = 1, force: bool = False, progress: Progress = silent
+) -> Evaluation:
+    """Evaluate a policy; an evaluation that was interrupted goes on.
+
+    Which starts are counted depends on the order and the amount alone, not on the number of processes.
+
+    Args:
+        order: the policy, and where it acts.
+        amount: how many episodes.
+        out: folder of the record.
+        workers: processes; a policy server answers each on a connection of its own.
+        force: begin anew.
+        progress: told after each episode.
+
+    Raises:
+        PolicyFailed: the policy answers wrongly, or not at all; what is finished is kept.
+        StaleStage: ``out`` holds an evaluation of something else.
+        MissingStage: the run lacks a stage, or no start of it is counted.
+        UsageError: more recorded episodes are to be replayed than there are.
+    """
+    path = out / RECORD
+    wanted = _new(order, amount)
+    record = Evaluation.read(path) if path.exists() and not force else wanted
+    if (record.policy, record.options) != (wanted.policy, wanted.options):
+        raise StaleStage(
+            f"{path} holds an evaluation of another policy, run or set of options",
+            hint="give another --out, or --force to replace it",
+        )
+    running, known = set[int](), {rollout.seed for rollout in record.rollouts} | {*record.left_out}
+    waiting = (seed for seed in _seeds(order, amount) if seed not in known)
+    crew = SameProcess(outcome) if workers <= 1 else Processes(outcome, workers)
+
+    def submit() -> None:
+        """Begin no start that would not be needed if all running ones are counted."""
+        while len(record.rollouts) + len(running) < amount.episodes and (seed := next(waiting, None)) is not None:
+            crew.submit((order, seed))
+            running.add(seed)
+        if len(record.rollouts) < amount.episodes:
+            progress(f"{record.successes} of {len(record.rollouts)} succeed", len(record.rollouts), amount.episodes)
+
+    with crew:
+        submit()
+        for done in crew.results():
+            running.remove(done.seed)
+            record = _with(record, done)
+            record.write(path)
+            _require_counted(record, amount)
+            submit()
+    return record
+
+
+def _new(order: Order, amount: Amount) -> Evaluation:
+    run = RunFolder(order.run)
+    options = {**asdict(order.environment), "payload": order.payload, "execute": order.execute}
+    options |= {"solvable": order.solvable, "first_seed": amount.first_seed, "layout_sha256": sha256_file(run.layout)}
+    return Evaluation(
+        policy=order.policy,
+        run=str(order.run),
+        task=rollouts(order).env.task_description,
+        options={**options, "cameras": list(order.environment.cameras)},
+        rollouts=[],
+        left_out={},
+    )
+
+
+def _seeds(order: Order, amount: Amount) -> Sequence[int] | Iterator[int]:
+    """Numbers of the starts, in the order in which they are tried."""
+    if order.policy != REPLAY:
+        return range(amount.first_seed, 2**31)
+    recorded = rollouts(order).recorded()
+    if len(recorded) < amount.episodes:
+        raise UsageError(
+            f"the run has {len(recorded)} accepted episodes of this task, not {amount.episodes}",
+            hint=f"--episodes {len(recorded)}" if recorded else "collect some",
+        )
+    return recorded
+
+
+def _with(record: Evaluation, done: Outcome) -> Evaluation:
+    """The record with one more outcome, in the order of the seeds."""
+    if done.rollout is None:
+        return record.model_copy(update={"left_out": {**record.left_out, done.seed: str(done.left_out)}})
+    return record.model_copy(
+        update={"rollouts": sorted([*record.rollouts, done.rollout], key=lambda rollout: rollout.seed)}
+    )
+
+
+def _require_counted(record: Evaluation, amount: Amount) -> None:
+    """Refuse to go on where start after start is left out."""
+    if not record.rollouts and len(record.left_out) >= amount.most_left_out:
+        last = record.left_out[max(record.left_out)]
+        raise MissingStage(
+            f"none of {len(record.left_out)} starts is counted; the last: {last}",
+            hint="look at the reasons of rejected episodes in the run's report",
+            maker="collect",
+        )
