@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from vcage.datasets.packing.settings import CompressionSettings
     from vcage.datasets.reader import EpisodeReader
     from vcage.episodes.second_judge import judge_pair
+    from vcage.evaluation.environment import make_env
     from vcage.objects.library import Library
     from vcage.runs.context import StageContext
     from vcage.runs.running import run_stage
@@ -41,6 +42,7 @@ __all__ = [
     "World",
     "append_to",
     "judge_pair",
+    "make_env",
     "pack",
     "replay_episode",
     "run_chain",
@@ -61,6 +63,7 @@ _PLACES = {
     "World": "vcage.sim.world",
     "append_to": "vcage.apps.appending",
     "judge_pair": "vcage.episodes.second_judge",
+    "make_env": "vcage.evaluation.environment",
     "pack": "vcage.datasets.packing.pack",
     "replay_episode": "vcage.apps.replay",
     "run_chain": "vcage.stages.chain",

@@ -9,6 +9,7 @@ from __future__ import annotations
 import logging
 import time
 from collections.abc import Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import Any
 from urllib.parse import urlparse
@@ -60,12 +61,12 @@ class RemotePolicy:
         self.metadata: Mapping[str, Any] = {}
         self._headers = {"Authorization": f"Api-Key {key}"} if key else {}
         self._connection: ClientConnection | None = None
+        self._open = ExitStack()
 
     def reset(self) -> None:
         """Close the connection: the next observation opens another."""
-        if self._connection is not None:
-            self._connection.close()
-            self._connection = None
+        self._connection = None
+        self._open.close()
 
     def infer(self, observation: Mapping[str, Any]) -> Mapping[str, Any]:
         """Return the server's answer.
@@ -80,7 +81,7 @@ class RemotePolicy:
             except ConnectionClosed as error:
                 failure = str(error)
                 logger.warning("%s dropped the connection (%s)", self.address, failure)
-                self._connection = None
+                self.reset()
         raise PolicyFailed(
             f"{self.address} dropped the connection {self.settings.tries} times: {failure}", hint="see the server's log"
         )
@@ -100,7 +101,7 @@ class RemotePolicy:
         while True:
             try:
                 # Neither pings nor a proxy: a server that compiles answers no ping, and loopback needs no proxy.
-                found = connect(
+                opened = connect(
                     self.address,
                     compression=None,
                     max_size=None,
@@ -108,6 +109,7 @@ class RemotePolicy:
                     proxy=None,
                     additional_headers=self._headers,
                 )
+                found = self._open.enter_context(opened)
                 break
             except (OSError, InvalidHandshake, InvalidURI) as error:
                 if time.monotonic() > until:

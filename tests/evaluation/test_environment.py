@@ -1,0 +1,115 @@
+"""A run as an environment: spaces, seeds, recorded starts, and what an episode says."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+
+from tests.run_folders import FPS, Finished, copied
+from vcage.base.errors import MissingStage, UnknownName, UsageError
+from vcage.datasets.reader import EpisodeReader
+from vcage.evaluation.environment import RunEnv, make_env
+from vcage.evaluation.gymnasium_ids import register
+
+
+@pytest.fixture(scope="module")
+def env(finished: Finished) -> RunEnv:
+    return make_env(finished.run.root, finished.context, pictures=False, environment_state=True)
+
+
+def equal(one: dict[str, Any], other: dict[str, Any]) -> bool:
+    return one.keys() == other.keys() and all(np.array_equal(one[name], other[name]) for name in one)
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_gymnasium_finds_no_fault_with_it_nor_with_its_pictures(finished: Finished) -> None:
+    register()  # as Gymnasium does for an installed package
+    made = gymnasium.make("vcage/Run-v0", run=finished.run.root, cameras=("cam_high",))
+    check_env(made.unwrapped, skip_close_check=True)
+    seen, _ = made.reset(seed=1)
+    assert seen["pixels"]["cam_high"].std() > 10
+    assert made.spec is not None and made.unwrapped.metadata["render_fps"] == FPS
+
+
+def test_a_seed_gives_the_same_episode_whatever_happened_before(env: RunEnv) -> None:
+    first, _ = env.reset(seed=3)
+    moved = [env.step(first["agent_pos"] + 0.05)[0] for _ in range(3)]
+    other, _ = env.reset(seed=4)
+    again, _ = env.reset(seed=3)
+    assert equal(first, again) and not equal(first, other)
+    assert all(map(equal, moved, [env.step(first["agent_pos"] + 0.05)[0] for _ in range(3)]))
+
+
+def test_starts_are_none_that_collecting_draws(finished: Finished, env: RunEnv) -> None:
+    with EpisodeReader(finished.run.root / "episodes" / "episode_000000.hdf5") as reader:
+        collected = {name: poses[0, :3] for name, poses in reader.episode.object_poses.items()}
+    for seed in range(2):
+        env.reset(seed=seed)
+        assert env._episode is not None
+        assert not any(np.allclose(env._episode.world.object_pose(n).p, p, atol=1e-3) for n, p in collected.items())
+
+
+def test_recorded_actions_do_the_task_again_in_the_recorded_states(finished: Finished, env: RunEnv) -> None:
+    with EpisodeReader(finished.run.root / "episodes" / "episode_000000.hdf5") as reader:
+        episode = reader.episode
+    seen, info = env.reset(options={"episode": 0})
+    states, done = [seen["agent_pos"]], False
+    assert not info["success"] and not info["touched"]
+    for action in episode.action:
+        seen, reward, done, late, info = env.step(action)
+        states.append(seen["agent_pos"])
+        assert reward == float(done) and not late
+        if done:
+            break
+    assert info["success"] and info["is_success"] and all(info["goals"].values())
+    assert set(info["lifted"]) == set(info["touched"]) and len(info["lifted"]) == 2
+    assert info["seconds"] == pytest.approx((len(states) - 1) / FPS)
+    joints = [not name.endswith("gripper") for name in env.joint_names]
+    away = np.abs(np.array(states)[: episode.frames] - episode.qpos[: len(states)])[:, joints]
+    assert away.max() < 0.12  # radians, at 5 frames a second; between frames the robot moves in straight lines
+
+
+def test_the_state_of_objects_is_named(env: RunEnv) -> None:
+    seen, _ = env.reset(seed=0)
+    assert env._episode is not None
+    names, values = env.state_layout.names, seen["environment_state"]
+    assert len(names) == len(set(names)) == len(values) == env.observation_space["environment_state"].shape[0]
+    name = next(iter(env.state_layout.objects))
+    at = [values[names.index(f"{name}.{axis}")] for axis in "xyz"]
+    assert at == pytest.approx(env._episode.world.object_pose(name).p, abs=1e-6)
+
+
+def test_an_episode_ends_when_it_has_lasted_too_long(finished: Finished) -> None:
+    short = make_env(finished.run.root, finished.context, pictures=False, max_steps=2)
+    seen, _ = short.reset(seed=0)
+    ends = [short.step(seen["agent_pos"])[2:4] for _ in range(2)]
+    assert ends == [(False, False), (False, True)]
+
+
+@pytest.mark.parametrize(
+    ("action", "complaint"), [(np.zeros(3), r"shape \(3,\)"), (np.full(16, np.nan), "NaN or infinity for left_joint_1")]
+)
+def test_an_action_that_is_none_is_refused(env: RunEnv, action: np.ndarray, complaint: str) -> None:
+    env.reset(seed=0)
+    with pytest.raises(UsageError, match=complaint):
+        env.step(action)
+
+
+def test_before_a_reset_there_is_nothing_to_act_in(finished: Finished) -> None:
+    with pytest.raises(UsageError, match="no episode has begun"):
+        make_env(finished.run.root, finished.context, pictures=False).step(np.zeros(16))
+
+
+def test_what_a_run_lacks_is_named(finished: Finished, tmp_path) -> None:
+    with pytest.raises(UnknownName, match="cam_low"):
+        make_env(finished.run.root, finished.context, cameras=("cam_low",))
+    with pytest.raises(UnknownName, match="chain"):
+        make_env(finished.run.root, finished.context, chain=7)
+    run = copied(finished.run, tmp_path, before="collect")
+    with pytest.raises(MissingStage, match="no accepted episode"):
+        make_env(run.root, finished.context, pictures=False)
+    assert make_env(run.root, finished.context, pictures=False, max_steps=5).reset(seed=0)
