@@ -214,7 +214,9 @@ class RunEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         return int(np.ceil(PATIENCE * max(frames)))
 
 
-def make_env(run: str | Path, context: StageContext | None = None, **options: Any) -> RunEnv:
+def make_env(
+    run: str | Path, context: StageContext | None = None, render_mode: str | None = None, **options: Any
+) -> RunEnv:
     """Make the environment of a run.
 
     Example:
@@ -223,11 +225,15 @@ def make_env(run: str | Path, context: StageContext | None = None, **options: An
     Args:
         run: folder of the run.
         context: the library, shared by environments of one process.
+        render_mode: ``rgb_array`` or None, as Gymnasium asks for it; :meth:`RunEnv.render` needs pictures in any case.
         options: fields of :class:`EnvironmentOptions`.
 
     Raises:
         MissingStage, UnknownName, NoRenderer: see :class:`RunEnv`.
+        UsageError: that render mode does not exist.
     """
+    if render_mode not in (None, "rgb_array"):
+        raise UsageError(f"there is no render mode {render_mode!r}", hint="give 'rgb_array', or leave it out")
     return RunEnv(run, EnvironmentOptions(**options), context)
 
 
