@@ -85,7 +85,7 @@ class Rollouts:
         trial = _Trial(world, self._watch(world, start.scene), self._subtasks, start.episode.fps)
         for _ in range(int(PATIENCE * start.episode.frames) // EXECUTED):
             chunk = policy.act(self._seen(world)[None], _state(world)[None])[0]
-            trial.carry_out(chunk[: EXECUTED + 1])
+            trial.carry_out(chunk[:EXECUTED])
             if trial.outcome.done:
                 break
         return trial.outcome
@@ -129,15 +129,17 @@ class _Trial:
         self._world, self._watch, self._fps = world, watch, fps
         self._moved = [subtask.object for subtask in subtasks]
         self._goals = [goal for subtask in subtasks for goal in subtask.goals]
+        self._now = _state(world)
         self.outcome = Outcome(touched=False, lifted=False, done=False)
 
     def carry_out(self, actions: NDArray[np.float32]) -> None:
-        """Drive from each action to the next in a straight line: the first is that of now."""
+        """Drive to each action in turn, in a straight line."""
         steps = round(PHYSICS_HZ / self._fps)
-        for now, then in pairwise(actions):
+        for now, then in pairwise([self._now, *actions]):
             for step in range(1, steps + 1):
                 command(self._world.arms, now + (then - now) * (step / steps), (then - now) * self._fps)
                 self._world.step()
+            self._now = then
             self._look()
 
     def _look(self) -> None:

@@ -12,6 +12,7 @@ from tests.recordings import CAMERAS, INSTRUCTION, clip, episode, pictures, writ
 from vcage.base.errors import DamagedFile, MissingStage, SchemaMismatch, UnknownName
 from vcage.datasets.hdf5 import write_episode
 from vcage.datasets.reader import EpisodeReader
+from vcage.datasets.recordings.opening import open_recordings
 
 
 @pytest.fixture
@@ -40,6 +41,16 @@ def test_its_digest_survives_any_change_of_its_pictures_and_is_unique(file):
     assert replace(before, cameras={}).digest() == before.digest()
     others = [replace(before, meta={**before.meta, "seed": 99}), replace(before, qpos=before.qpos + 1e-12), episode(31)]
     assert before.digest() not in {other.digest() for other in others}
+
+
+def test_actions_of_older_files_are_moved_to_the_frame_that_they_lead_from(file):
+    stored = episode().action
+    with h5py.File(file, "r+") as plain:
+        del plain.attrs["action_leads_to"]
+    with EpisodeReader(file) as reader:
+        assert np.array_equal(reader.episode.action, [*stored[1:], stored[-1]])
+    (recording,) = open_recordings(file)
+    assert np.array_equal(recording.motion.values, [*stored[1:], stored[-1]])
 
 
 def test_joints_of_objects_come_back_as_they_were(tmp_path):

@@ -7,7 +7,7 @@ import pytest
 
 from tests.recordings import CAMERAS, FPS, HEIGHT, INSTRUCTION, STATE_NAMES, WIDTH, clip, episode, pictures, written
 from vcage.base.errors import OutputFolderError, UsageError
-from vcage.datasets.episode import CameraTrack
+from vcage.datasets.episode import CameraTrack, EpisodeData
 from vcage.datasets.hdf5 import write_episode
 from vcage.datasets.reader import EpisodeReader
 from vcage.datasets.recordings.opening import open_recordings
@@ -26,11 +26,16 @@ def file(tmp_path):
     return exported(written(tmp_path / "episode.hdf5", FRAMES), tmp_path / "out" / "episode0.hdf5")
 
 
+def targets(data: EpisodeData) -> np.ndarray:
+    """(T, D) at the frames themselves, of which RoboTwin's readers take the next for an action."""
+    return np.array([data.qpos[0], *data.action[:-1]])
+
+
 def test_the_file_is_read_as_a_robotwin_recording_that_only_jpeg_changes(file):
     (recording,) = open_recordings(file)
     assert (recording.LAYOUT, recording.fps, recording.task) == ("robotwin", FPS, INSTRUCTION)
     assert recording.robot == "dual_panda"
-    assert np.array_equal(recording.motion.values, episode(FRAMES).action)
+    assert np.array_equal(recording.motion.values, targets(episode(FRAMES)))
     assert np.array_equal(recording.state, episode(FRAMES).qpos)
     assert recording.motion.grippers == (2, 5)
     assert [camera.name for camera in recording.cameras] == ["head_camera", "left_camera", "right_camera"]
@@ -55,7 +60,7 @@ def test_every_field_that_robotwins_readers_need_is_written(file):
     with h5py.File(file) as plain:
         assert plain["joint_action/left_arm"].shape == (FRAMES, 2)
         assert plain["joint_action/right_gripper"].shape == (FRAMES,)
-        assert np.array_equal(plain["joint_action/vector"], episode(FRAMES).action)
+        assert np.array_equal(plain["joint_action/vector"], targets(episode(FRAMES)))
         for camera in plain["observation"].values():
             assert camera["rgb"].dtype.kind == "S" and camera["rgb"].shape == (FRAMES,)
             assert camera["intrinsic_cv"].shape == (FRAMES, 3, 3)

@@ -36,10 +36,12 @@ def test_states_velocities_and_actions_have_a_row_per_frame(data: EpisodeData, r
     assert data.qpos.shape == data.qvel.shape == data.action.shape == shape
 
 
-def test_measured_and_commanded_states_match_the_recording(data: EpisodeData, run: EpisodeRun):
-    half = len(data.state_names) // 2
+def test_an_action_is_what_was_commanded_when_the_next_frame_was_measured(data: EpisodeData, run: EpisodeRun):
+    half, commands = len(data.state_names) // 2, run.log.arm_array("right", "command")
     np.testing.assert_array_equal(data.qpos[:, :half], run.log.arm_array("left", "state"))
-    np.testing.assert_array_equal(data.action[:, half:], run.log.arm_array("right", "command"))
+    np.testing.assert_array_equal(data.action[:-1, half:], commands[1:])
+    np.testing.assert_array_equal(data.action[-1, half:], commands[-1])
+    np.testing.assert_allclose(commands[0], data.qpos[0, half:], atol=1e-6)
 
 
 def test_frames_are_evenly_spaced_from_zero(data: EpisodeData):

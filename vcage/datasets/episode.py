@@ -66,6 +66,15 @@ def state_names(joints: Mapping[str, int]) -> list[str]:
     ]
 
 
+def actions_of(targets: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(T, D) an action for each frame, the targets at the next one; those of the last frame stay.
+
+    Args:
+        targets: (T, D) of all arms and grippers, at the frame itself.
+    """
+    return np.concatenate([targets[1:], targets[-1:]])
+
+
 @dataclass(frozen=True)
 class CameraTrack:
     """A camera over an episode of T frames.

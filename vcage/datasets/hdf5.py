@@ -2,7 +2,8 @@
 
 Layout (schema ``vcage.episode/1``; T frames, D numbers in a state)::
 
-    /timestamp (T,)  /action (T, D)  /observations/{qpos,qvel} (T, D)
+    /timestamp (T,)  /observations/{qpos,qvel} (T, D)
+    /action (T, D)              targets at the next frame: action t leads from frame t to frame t + 1
     /observations/images/<camera> (T, H, W, 3) uint8 RGB; attribute sha256: of the pictures as they were recorded
     /cameras/<camera>/{intrinsics (3, 3), extrinsics (T, 4, 4)}   world → camera, OpenCV axes
     /objects/<id> (T, 7)        position and quaternion wxyz in the world
@@ -12,8 +13,9 @@ Layout (schema ``vcage.episode/1``; T frames, D numbers in a state)::
     /subtasks/{id,text,start,end,arm,contact,attempts,verdict,truth}   one row per verified sub-task
     /meta/<name>                JSON text: instruction, seed, robot, scene, versions, providers…
 
-Attributes of the file: schema, fps, colour, state_names, and the instruction, task, seed and robot again as
-plain values.
+Attributes of the file: schema, fps, colour, state_names, action_leads_to (``next frame``), and the instruction, task,
+seed and robot again as plain values. Files of version 0.1.0 lack action_leads_to: their /action has the targets at the
+frame itself, and readers shift it by a frame.
 """
 
 from __future__ import annotations
@@ -31,7 +33,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from vcage.datasets.episode import EpisodeData
+from vcage.datasets.episode import EpisodeData, actions_of
 from vcage.datasets.hdf5_files import new_hdf5
 from vcage.datasets.stored_drives import write_drives
 
@@ -39,6 +41,9 @@ SCHEMA = "vcage.episode/1"
 GZIP_LEVEL = 1
 """Of arrays of pictures."""
 
+
+LEADS_TO, NEXT_FRAME = "action_leads_to", "next frame"
+"""Attribute of a file whose actions are the targets at the next frame, and its value."""
 
 RECORDED = "sha256"
 """Attribute of a camera's pictures, also where these were moved to a video: SHA-256 of the bytes of all that were
@@ -75,10 +80,16 @@ def write_episode(path: Path, episode: EpisodeData, frames: Iterable[Mapping[str
     return Path(path)
 
 
+def stored_actions(file: h5py.File, stored: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(T, D) the actions of an episode's file, from what is ``stored`` in it: targets at the next frame."""
+    return stored if file.attrs.get(LEADS_TO) == NEXT_FRAME else actions_of(stored)
+
+
 def _write_attributes(file: h5py.File, episode: EpisodeData) -> None:
     file.attrs["schema"] = SCHEMA
     file.attrs["fps"] = float(episode.fps)
     file.attrs["colour"] = "RGB"
+    file.attrs[LEADS_TO] = NEXT_FRAME
     file.attrs["state_names"] = json.dumps(episode.state_names)
     for name in ("instruction", "robot"):
         file.attrs[name] = str(episode.meta[name])

@@ -18,7 +18,7 @@ from vcage.base.errors import DamagedFile, MissingStage, SchemaMismatch, Unknown
 from vcage.base.placeholders import require_fetched
 from vcage.base.videos import decode, pictures
 from vcage.datasets.episode import CameraTrack, EpisodeData, Segment
-from vcage.datasets.hdf5 import RECORDED, SCHEMA, SEGMENT_NUMBERS
+from vcage.datasets.hdf5 import RECORDED, SCHEMA, SEGMENT_NUMBERS, stored_actions
 from vcage.datasets.hdf5_contents import datasets_in, require_numbers_fit
 from vcage.datasets.hdf5_files import open_hdf5_file
 from vcage.datasets.picture_links import Link, read_link
@@ -136,7 +136,7 @@ class EpisodeReader:
                 state_names=json.loads(file.attrs["state_names"]),
                 qpos=file["observations/qpos"][()],
                 qvel=file["observations/qvel"][()],
-                action=file["action"][()],
+                action=stored_actions(file, file["action"][()]),
                 object_poses={name: poses[()] for name, poses in file["objects"].items()},
                 object_joints={name: joints[()] for name, joints in file.get("object_joints", {}).items()},
                 robot_joints={name: joints[()] for name, joints in file.get("robot_joints", {}).items()},

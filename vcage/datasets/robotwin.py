@@ -5,7 +5,8 @@ Layout (T frames; https://github.com/RoboTwin-Platform/RoboTwin, ``envs/utils/pk
     /observation/<camera>/rgb (T,)               JPEG, NUL-padded to one length
     /observation/<camera>/intrinsic_cv (T, 3, 3)  /extrinsic_cv (T, 3, 4)  world → camera, OpenCV axes
     /observation/<camera>/cam2world_gl (T, 4, 4)  camera → world, OpenGL axes
-    /joint_action/{left_arm (T, n), left_gripper (T,), right_arm, right_gripper, vector (T, D)}   commands
+    /joint_action/{left_arm (T, n), left_gripper (T,), right_arm, right_gripper, vector (T, D)}   targets at
+                                                  the frame itself: readers take those of the next frame for an action
 
 RoboTwin hands RGB arrays to an encoder that expects BGR, and its readers take what OpenCV decodes for RGB: red and blue
 are swapped in its JPEGs. So they are here, and the file's attribute ``jpeg_colours`` says it.
@@ -58,7 +59,9 @@ def export_robotwin(reader: EpisodeReader, out: Path) -> Path:
     with new_hdf5(out) as file:
         file.attrs.update({"fps": episode.fps, "instruction": episode.instruction, "robot": str(episode.meta["robot"])})
         file.attrs[COLOURS] = "swapped"
-        _write_joints(file.create_group("joint_action"), episode.action, parts)
+        # the arms begin where they are told to be
+        targets = np.concatenate([episode.qpos[:1], episode.action[:-1]])
+        _write_joints(file.create_group("joint_action"), targets, parts)
         _write_joints(file.create_group("joint_state"), episode.qpos, parts)
         for name, track in episode.cameras.items():
             group = file.create_group(f"observation/{CAMERA_NAMES.get(name, name)}")

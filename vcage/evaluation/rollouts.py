@@ -19,7 +19,7 @@ from vcage.evaluation.policy import Policy, checked_actions, made_by
 from vcage.evaluation.remote_policy import RemotePolicy
 from vcage.runs.accepted import accepted_episodes
 from vcage.schema.evaluation import Rollout
-from vcage.tasks.assemble import actions_of
+from vcage.tasks.assemble import recorded_actions
 
 EXPERT, REPLAY = "expert", "replay"
 """Names of the two policies that need no program: the scripts, and the recorded actions from their own starts."""
@@ -93,7 +93,7 @@ class Rollouts:
             return Outcome(seed, None, error.message)
         shown = self.env.expert() if self.order.solvable or self.order.policy == EXPERT else None
         if self.order.policy == EXPERT and shown is not None:
-            return Outcome(seed, self._followed(seed, actions_of(shown.log)))
+            return Outcome(seed, self._followed(seed, recorded_actions(shown.log)))
         if shown is not None and not shown.accepted:
             return Outcome(seed, None, f"the expert fails: {shown.reason}")
         self.policy.reset()

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from vcage.base.geometry import Camera
-from vcage.datasets.episode import CameraTrack, EpisodeData, Segment, state_names
+from vcage.datasets.episode import CameraTrack, EpisodeData, Segment, actions_of, state_names
 from vcage.sim.recording import StateLog
 
 
@@ -35,7 +35,7 @@ def episode_data(
         state_names=state_names({arm: len(first.arms[arm].state) - 1 for arm in arms}),
         qpos=_stacked(log, "state"),
         qvel=_stacked(log, "velocity"),
-        action=actions_of(log),
+        action=recorded_actions(log),
         object_poses={key: log.object_array(key) for key in sorted(first.objects)},
         object_joints={key: log.joint_array(key) for key in sorted(first.object_joints)},
         robot_joints={arm: log.arm_array(arm, "joints").astype(np.float64) for arm in arms},
@@ -46,10 +46,9 @@ def episode_data(
     )
 
 
-def actions_of(log: StateLog) -> np.ndarray:
-    """(T, D) targets of all arms and grippers that are reached by the next frame; those of the last frame stay."""
-    commands = _stacked(log, "command")
-    return np.concatenate([commands[1:], commands[-1:]])
+def recorded_actions(log: StateLog) -> np.ndarray:
+    """(T, D) targets of all arms and grippers at the next frame, as :func:`~vcage.datasets.episode.actions_of`."""
+    return actions_of(_stacked(log, "command"))
 
 
 def _stacked(log: StateLog, field: str) -> np.ndarray:

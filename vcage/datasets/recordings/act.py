@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Collection, Mapping
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import ClassVar, Self
@@ -14,7 +15,7 @@ from typing import ClassVar, Self
 import h5py
 
 from vcage.datasets.episode import DRAWN
-from vcage.datasets.hdf5 import SCHEMA
+from vcage.datasets.hdf5 import SCHEMA, stored_actions
 from vcage.datasets.lerobot.episode import SubtaskSpan
 from vcage.datasets.reader import EpisodeReader
 from vcage.datasets.recordings.columns import Columns, numbers_of
@@ -50,6 +51,10 @@ class VcageEpisode(ActEpisode):
     @classmethod
     def found_in(cls, path: Path, file: h5py.File, keys: Collection[str]) -> list[Self]:
         return super().found_in(path, file, keys) if file.attrs.get("schema") == SCHEMA else []
+
+    def _commands(self, part: h5py.Group) -> Columns | None:
+        found = super()._commands(part)
+        return None if found is None else replace(found, values=stored_actions(part.file, found.values))
 
     @property
     def task(self) -> str | None:
