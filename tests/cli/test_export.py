@@ -27,7 +27,7 @@ def export(capsys, run: RunFolder, *options: str | Path) -> Answer:
     return command(capsys, "export", "--run", run, "--seed", "7", *options)
 
 
-@pytest.mark.parametrize("option", [("--append-to", "all"), ("--codec", "h264"), ("--crf", "20")])
+@pytest.mark.parametrize("option", [("--append-to", "all"), ("--codec", "h264"), ("--crf", "20"), ("--no-videos",)])
 def test_options_of_lerobots_data_sets_are_refused_where_none_is_written(run, capsys, option):
     files = digests(run.root)
     answer = export(capsys, run, "--formats", "robotwin", *option)
@@ -52,3 +52,17 @@ def test_a_folder_in_the_run_is_not_added_to(run, tmp_path, capsys, monkeypatch)
     assert (answer.code, answer.error["code"]) == (2, "usage")
     assert "is in the run folder" in answer.error["message"]
     assert not run.export.exists()
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ("--no-videos", "--crf", "20"),
+        ("--no-videos", "--append-to", "all"),
+        ("--environment-state", "--append-to", "all"),
+    ],
+)
+def test_what_a_data_set_without_videos_cannot_have_is_refused(run, capsys, options):
+    answer = export(capsys, run, *options)
+    assert (answer.code, answer.error["code"]) == (2, "usage")
+    assert "cannot go with" in answer.error["message"] and not run.export.exists()

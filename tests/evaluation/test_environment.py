@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import gymnasium
 import numpy as np
+import pyarrow.parquet as pq
 import pytest
 from gymnasium.utils.env_checker import check_env
 
 from tests.run_folders import FPS, Finished, copied
 from vcage.base.errors import MissingStage, UnknownName, UsageError
+from vcage.base.reading import read_json
 from vcage.datasets.reader import EpisodeReader
 from vcage.evaluation.environment import RunEnv, make_env
 from vcage.evaluation.gymnasium_ids import register
+from vcage.stages import export
 
 
 @pytest.fixture(scope="module")
@@ -81,6 +85,20 @@ def test_the_state_of_objects_is_named(env: RunEnv) -> None:
     name = next(iter(env.state_layout.objects))
     at = [values[names.index(f"{name}.{axis}")] for axis in "xyz"]
     assert at == pytest.approx(env._episode.world.object_pose(name).p, abs=1e-6)
+
+
+def test_an_export_for_training_on_states_has_what_is_observed(finished: Finished, env: RunEnv, tmp_path: Path) -> None:
+    run = copied(finished.run, tmp_path, before="compress")
+    options = export.Options(formats=("lerobot-v3.0",), no_videos=True, environment_state=True)
+    export.execute(run, options, finished.context)
+    features = read_json(run.root / "export/lerobot-v3.0/meta/info.json")["features"]
+    assert features["observation.environment_state"]["names"] == env.state_layout.names
+    assert features["observation.state"]["names"] == features["action"]["names"] == env.joint_names
+    assert not [name for name in features if name.startswith("observation.images")]
+    rows = pq.read_table(run.root / "export/lerobot-v3.0/data/chunk-000/file-000.parquet").to_pylist()
+    seen, _ = env.reset(options={"episode": 0})
+    assert np.array_equal(rows[0]["observation.environment_state"], seen["environment_state"])
+    assert np.array_equal(rows[0]["observation.state"], seen["agent_pos"])
 
 
 def test_an_episode_ends_when_it_has_lasted_too_long(finished: Finished) -> None:

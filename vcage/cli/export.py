@@ -32,6 +32,7 @@ class ExportEpisodes(StageCommand[export.Options], Command):
       vcage export --run runs/stationery --formats lerobot-v3.0 robotwin
       vcage export --run runs/stationery --codec h264 --force
       vcage export --run runs/blocks --append-to datasets/all
+      vcage export --run runs/blocks --formats lerobot-v3.0 --no-videos --environment-state
     """
 
     append_to: Annotated[Path | None, FOLDER, UNSAID] = None
@@ -52,13 +53,23 @@ class ExportEpisodes(StageCommand[export.Options], Command):
 
 def _require_sense(options: export.Options, run: RunFolder, growing: Path | None) -> None:
     """Raise UsageError where options are of no use together, before any work is done."""
-    of_lerobot = {"--append-to": growing, "--codec": options.codec, "--crf": options.crf}
+    encoding = {"--codec": options.codec, "--crf": options.crf}
+    numbers = {"--no-videos": options.no_videos or None, "--environment-state": options.environment_state or None}
+    of_lerobot = {"--append-to": growing, **encoding, **numbers}
     given = [option for option, value in of_lerobot.items() if value is not None]
     if given and not set(options.formats) & set(FORMATS):
         raise UsageError(
             f"{' and '.join(given)} concern LeRobot's data sets alone",
             hint=f"add one of them: --formats {' '.join(FORMATS)}",
         )
+    alone = [option for option in given if option in numbers]
+    if growing is not None and alone:
+        raise UsageError(
+            f"{' and '.join(alone)} cannot go with --append-to, whose episodes have videos and may have other objects",
+            hint="export the run alone",
+        )
+    if options.no_videos and (of_videos := [option for option in given if option in encoding]):
+        raise UsageError(f"{' and '.join(of_videos)} cannot go with --no-videos", hint="leave one of them out")
     if growing is not None and growing.resolve().is_relative_to(run.root):
         raise UsageError(
             f"{growing} is in the run folder, which one run makes and replaces", hint="give a folder outside of it"

@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vcage.datasets.environment_state import StateLayout
 from vcage.evaluation.attained import Attained, Task
 from vcage.evaluation.episode_start import EpisodeStart
-from vcage.evaluation.observation import StateLayout, agent_pos
+from vcage.evaluation.observation import agent_pos
 from vcage.sim.looks import look_world
 from vcage.sim.replay import render_state
 from vcage.sim.robots import load_robot

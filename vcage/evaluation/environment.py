@@ -21,9 +21,10 @@ from vcage.evaluation.acting import Acting
 from vcage.evaluation.attained import Task
 from vcage.evaluation.episode_start import EpisodeStart
 from vcage.evaluation.expert import expert_episode
-from vcage.evaluation.observation import StateLayout, names_of_joints, observation_space
+from vcage.evaluation.observation import names_of_joints, observation_space
 from vcage.runs.accepted import accepted_episodes
 from vcage.runs.context import StageContext
+from vcage.runs.inputs import state_layout
 from vcage.schema.episodes import Episodes
 from vcage.schema.randomisation import Randomisation
 from vcage.schema.scene import Scene
@@ -65,7 +66,7 @@ class RunEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     """The task of a run, in newly drawn layouts and looks.
 
     Observations: ``pixels`` (camera → (H, W, 3) uint8), ``agent_pos`` ((D,) joints in radians and gripper openings, 0
-    closed to 1 open), ``environment_state`` on demand (:class:`~vcage.evaluation.observation.StateLayout`), and
+    closed to 1 open), ``environment_state`` on demand (:class:`~vcage.datasets.environment_state.StateLayout`), and
     ``instruction``. Actions: (D,) absolute targets of the same joints and grippers, reached at the next step along a
     straight line, :attr:`fps` times a second of simulated time. Grippers are clipped to 0 … 1 and joints to their
     limits. The reward is 1 at the step where the task is done, which ends the episode, and 0 before.
@@ -110,8 +111,7 @@ class RunEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self.cameras = self._chosen_cameras() if self.options.pictures else []
         self.task_description = self._beginnings.chain.text
         self._max_episode_steps = self.options.max_steps or self._longest()
-        parts = {o.id: len(o.joints) for o in self._context.objects(self._scene)}
-        self.state_layout = StateLayout.of(self._scene, parts)
+        self.state_layout = state_layout(self._run, self._context)
         self._observed_state = self.state_layout if self.options.environment_state else None
         self._task = Task.of(self._beginnings.subtasks, self._beginnings.goals)
         words = [self.task_description, *self._beginnings.chain.wordings]

@@ -10,6 +10,7 @@ import numpy as np
 from vcage.base.errors import InputFileError
 from vcage.base.files import RunFolder
 from vcage.base.pictures import read_labels, read_picture
+from vcage.datasets.environment_state import StateLayout
 from vcage.layout.capacities import size_complaints
 from vcage.layout.items import TableItem
 from vcage.plans.check import plan_complaints
@@ -105,3 +106,14 @@ def read_pictures(run: RunFolder, scene: Scene) -> ScenePictures:
                 maker="select_place",
             )
     return ScenePictures(**pictures)
+
+
+def state_layout(run: RunFolder, context: StageContext) -> StateLayout:
+    """The order of the numbers of ``environment_state``, in the environment of a run and in exports of it.
+
+    Raises:
+        MissingStage, DamagedFile, SchemaMismatch: the run's layout cannot be read.
+        UnknownName: the library lacks an object of it.
+    """
+    scene = Scene.read(run.layout)
+    return StateLayout.of(scene, {o.id: len(o.joints) for o in context.objects(scene)})

@@ -6,7 +6,7 @@ LeRobot gets the compressed videos as they are; another codec is encoded from th
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
@@ -16,9 +16,10 @@ from typing import Annotated, Any
 
 from vcage.base.errors import MissingStage, UsageError
 from vcage.base.files import RunFolder
-from vcage.base.options import POSITIVE, UNSAID, choice, several
+from vcage.base.options import POSITIVE, UNSAID, Flag, choice, several
 from vcage.base.progress import Progress, silent
 from vcage.base.workers import cores
+from vcage.datasets.environment_state import StateLayout
 from vcage.datasets.lerobot.episode import LeRobotEpisode
 from vcage.datasets.lerobot.features import encodings
 from vcage.datasets.lerobot.formats import FORMATS, open_writer
@@ -32,6 +33,7 @@ from vcage.datasets.robotwin import export_robotwin
 from vcage.runs.accepted import acceptance_files, no_episode_counts, remove_exports
 from vcage.runs.context import StageContext
 from vcage.runs.edits import Editable
+from vcage.runs.inputs import state_layout
 from vcage.runs.raw_pictures import EpisodeFile, accepted_files, clips_of, originals, require_raw
 from vcage.runs.stage import Job, StageOptions, StageResult, stage_seed
 from vcage.schema.base import Provenance
@@ -62,6 +64,10 @@ class Footage:
     facts: Mapping[str, Mapping[str, Any]]
 
 
+NO_VIDEOS = Footage({}, {})
+"""For data sets without videos."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Options(StageOptions):
     """The written data sets."""
@@ -72,21 +78,34 @@ class Options(StageOptions):
     """of LeRobot's videos (default: as compressed)"""
     crf: Annotated[int | None, CRF, UNSAID] = None
     """of LeRobot's videos, instead of the one searched; or 'lossless'"""
+    no_videos: Flag = False
+    """LeRobot's without pictures, to train on states; nothing need be compressed then"""
+    environment_state: Flag = False
+    """LeRobot's with the poses of the objects, as the run's environment observes them"""
     workers: Annotated[int | None, POSITIVE, UNSAID] = None
     """processes that encode (default: as cores and memory allow)"""
 
 
 def job(run: RunFolder, options: Options, _context: StageContext) -> Job:
     """Return the inputs, options and output of the stage."""
-    streams = Compression.read(run.compression).streams if run.compression.exists() else []
-    videos = [run.file(stream.file) for stream in streams]
-    episodes = [file.path for file in accepted_files(run)]
+    inputs = [*acceptance_files(run), *(file.path for file in accepted_files(run))]
+    if not options.no_videos:
+        streams = Compression.read(run.compression).streams if run.compression.exists() else []
+        inputs += [run.compression, *(run.file(stream.file) for stream in streams)]
+    if options.environment_state:
+        inputs.append(run.layout)
     return Job(
         run=run,
         output=run.export,
-        inputs=[*acceptance_files(run), run.compression, *episodes, *videos],
+        inputs=inputs,
         seed=stage_seed(run, options.seed),
-        options={"formats": list(options.formats), "codec": options.codec, "crf": options.crf},
+        options={
+            "formats": list(options.formats),
+            "codec": options.codec,
+            "crf": options.crf,
+            "no_videos": options.no_videos,
+            "environment_state": options.environment_state,
+        },
         stand_for=originals(run),
     )
 
@@ -116,7 +135,9 @@ def execute(
         files = accepted_files(run)
         versions = [name for name in options.formats if name in FORMATS]
         if versions:
-            _write_lerobot(files, versions, folder, find_footage(run, files, options, progress), progress)
+            footage = NO_VIDEOS if options.no_videos else find_footage(run, files, options, progress)
+            layout = state_layout(run, context) if options.environment_state else None
+            _write_lerobot(lerobot_episodes(files, footage, layout, progress), versions, folder, footage)
         if ROBOTWIN in options.formats:
             _write_robotwin(files, folder / ROBOTWIN, progress)
         frames = sum(file.frames for file in files)
@@ -191,13 +212,14 @@ def _same_quality(compressed: CompressionSettings, codec: str) -> int | None:
 
 
 def lerobot_episodes(
-    files: Sequence[EpisodeFile], footage: Footage, progress: Progress = silent
+    files: Sequence[EpisodeFile], footage: Footage, layout: StateLayout | None = None, progress: Progress = silent
 ) -> Iterator[LeRobotEpisode]:
     """Yield episodes with their videos, one after the other.
 
     Args:
         files: the episodes.
-        footage: videos of all of their cameras.
+        footage: videos of all of their cameras, or none.
+        layout: of the state of objects; None to leave it out.
         progress: called for every episode.
 
     Raises:
@@ -205,27 +227,30 @@ def lerobot_episodes(
         DamagedFile: an episode cannot be read.
     """
     with ThreadPoolExecutor(cores()) as pool:  # nearly all of it is decoding, which threads do side by side
-        for number, episode in enumerate(pool.map(partial(lerobot_episode_of, footage), files)):
+        for number, episode in enumerate(pool.map(partial(lerobot_episode_of, footage, layout=layout), files)):
             progress(files[number].path.stem, number, len(files))
             yield episode
 
 
-def lerobot_episode_of(footage: Footage, file: EpisodeFile) -> LeRobotEpisode:
+def lerobot_episode_of(footage: Footage, file: EpisodeFile, layout: StateLayout | None = None) -> LeRobotEpisode:
     """Return an episode with its videos; raises as :func:`lerobot_episodes`."""
     recording = open_hdf5(file.path)
-    cameras = [camera.name for camera in recording.cameras]
+    cameras = [] if footage is NO_VIDEOS else [camera.name for camera in recording.cameras]
     missing = [camera for camera in cameras if (file.name, camera) not in footage.files]
     if missing:
         raise MissingStage(f"{file.name} has no compressed video of {', '.join(missing)}", maker="compress")
-    return lerobot_episode(recording, {camera: footage.files[file.name, camera] for camera in cameras}, OutputSpec())
+    videos = {camera: footage.files[file.name, camera] for camera in cameras}
+    found = lerobot_episode(recording, videos, OutputSpec())
+    if layout is None:
+        return found
+    with EpisodeReader(file.path) as reader:
+        return replace(found, environment=layout.of_episode(reader.episode), environment_names=layout.names)
 
 
-def _write_lerobot(
-    files: Sequence[EpisodeFile], versions: Sequence[str], folder: Path, footage: Footage, progress: Progress
-) -> None:
+def _write_lerobot(episodes: Iterable[LeRobotEpisode], versions: Sequence[str], folder: Path, footage: Footage) -> None:
     with ExitStack() as stack:
         writers = [stack.enter_context(open_writer(name, folder / name, footage.facts)) for name in versions]
-        for episode in lerobot_episodes(files, footage, progress):
+        for episode in episodes:
             for writer in writers:
                 writer.add(episode)
 

@@ -17,7 +17,7 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-STATE, ACTION = "observation.state", "action"
+STATE, ENVIRONMENT, ACTION = "observation.state", "observation.environment_state", "action"
 
 
 @dataclass(frozen=True)
@@ -53,6 +53,8 @@ class LeRobotEpisode:
         state_names: of the D numbers.
         action: (T, A) commanded, or None where it was not recorded.
         action_names: of the A numbers.
+        environment: (T, N) the state of objects, or None where it is left out.
+        environment_names: of the N numbers.
         frames: T; needed only where there is neither state nor action.
         randomisation: random draws of its world and look, as JSON text; None if unknown.
     """
@@ -68,12 +70,14 @@ class LeRobotEpisode:
     state_names: Sequence[str] = ()
     action: NDArray[np.floating[Any]] | None = None
     action_names: Sequence[str] = ()
+    environment: NDArray[np.floating[Any]] | None = None
+    environment_names: Sequence[str] = ()
     frames: int | None = None
     randomisation: str | None = None
 
     @property
     def vectors(self) -> dict[str, NDArray[np.float32]]:
-        """LeRobot's name → (T, D) float32, of recorded state and action."""
+        """LeRobot's name → (T, D) float32, of recorded state, action and objects."""
         return {name: np.asarray(values, np.float32) for name, values, _ in self._recorded()}
 
     @property
@@ -106,6 +110,8 @@ class LeRobotEpisode:
     def _recorded(self) -> Iterator[tuple[str, NDArray[Any], Sequence[str]]]:
         if self.state is not None:
             yield STATE, self.state, self.state_names
+        if self.environment is not None:
+            yield ENVIRONMENT, self.environment, self.environment_names
         if self.action is not None:
             yield ACTION, self.action, self.action_names
 

@@ -14,7 +14,7 @@ from vcage.base.errors import DamagedFile, UsageError
 from vcage.base.folders import natural_key
 from vcage.base.video_files import open_video
 from vcage.base.videos import frame_times
-from vcage.datasets.lerobot.episode import ACTION, FEATURE, LANGUAGE, STATE, LeRobotEpisode
+from vcage.datasets.lerobot.episode import ACTION, ENVIRONMENT, FEATURE, LANGUAGE, STATE, LeRobotEpisode
 from vcage.schema.compression import VideoStream
 
 SUBTASK = "subtask_index"
@@ -47,7 +47,7 @@ def video_keys(features: Mapping[str, Mapping[str, Any]], dtype: str = "video") 
 
 def other_columns(features: Mapping[str, Mapping[str, Any]]) -> list[str]:
     """Return names of features that no episode of ours fills, such as rewards."""
-    ours = (STATE, ACTION, *SCALARS, *LANGUAGE)
+    ours = (STATE, ENVIRONMENT, ACTION, *SCALARS, *LANGUAGE)
     return sorted(name for name, feature in features.items() if feature["dtype"] != "video" and name not in ours)
 
 

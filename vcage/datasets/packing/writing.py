@@ -177,7 +177,8 @@ def lerobot_episode(
     """
     subtasks, motion = recording.subtasks, recording.motion
     commanded = recording.commanded
-    frames = recording.camera(next(iter(videos))).frames if commanded is None else len(commanded)
+    whole = recording.camera(next(iter(videos))).frames if videos else recording.frames
+    frames = whole if commanded is None else len(commanded)
     sample = np.unique(np.linspace(0, frames - 1, samples).astype(int)).tolist()
     return LeRobotEpisode(
         fps=rate_of(recording, output.fps) or 0.0,
