@@ -26,7 +26,7 @@ def drives() -> DriveLog:
     rows[:, LAYOUT.part("opening")] = np.where(time > 2, 1 / 3, 1.0)
     rest = np.tile(rows[7], (STEPS, 1))
     layouts = {"left": LAYOUT, "right": LAYOUT}
-    return DriveLog(110, [110, 700], layouts, {"left": list(rows), "right": list(rest)})
+    return DriveLog(110, [110, 700], layouts, {"left": list(rows), "right": list(rest)}, frames_from=110)
 
 
 @pytest.fixture
@@ -40,8 +40,15 @@ def test_drives_come_back_bit_for_bit(drives, file):
     with h5py.File(file) as stored:
         found = read_drives(stored["drives"])
     assert (found.settled, found.restarts, found.layouts) == (110, [110, 700], drives.layouts)
+    assert found.frames_from == 110
     for arm, rows in drives.rows.items():
         assert np.array_equal(np.stack(found.rows[arm]), np.stack(rows))
+
+
+def test_frames_of_older_files_count_from_the_first_step_of_the_world(file):
+    with h5py.File(file, "r+") as stored:
+        del stored["drives"].attrs["frames_from"]
+        assert read_drives(stored["drives"]).frames_from == 0
 
 
 def put(file: h5py.File, name: str, value: object) -> None:
@@ -54,6 +61,7 @@ def put(file: h5py.File, name: str, value: object) -> None:
 
 ATTRIBUTES = [
     ("drives", "settled", 10**9),
+    ("drives", "frames_from", 111),
     ("drives", "settled", -1),
     ("drives", "settled", 110.5),
     ("drives", "settled", "110"),

@@ -50,6 +50,24 @@ def test_the_recording_is_the_same_bit_for_bit():
     assert same(resimulate(build, log.drives, 25, {}), log)
 
 
+def test_the_first_frame_is_the_state_in_which_recording_begins():
+    world, log = begun()
+    begins, place = world.steps, world.object_pose("block").p
+    wave(world, 0)
+    assert [frame.step for frame in log.frames] == [begins + 10 * number for number in range(6)]
+    assert np.array_equal(log.frames[0].objects["block"].p, place)
+
+
+def test_a_recording_whose_frames_count_from_the_first_step_of_its_world_is_made_again_like_that():
+    world, log = build(), StateLog(25)
+    world.step(13)
+    log.record(world)
+    log.drives.frames_from = 0  # as 0.1.0 recorded
+    wave(world, 0)
+    assert [frame.step for frame in log.frames][:2] == [20, 30]
+    assert same(resimulate(build, log.drives, 25, {}), log)
+
+
 def test_a_run_continued_from_a_snapshot_in_a_fresh_world_is_too():
     world, log = begun()
     wave(world, 0)

@@ -4,7 +4,8 @@ All but the opening of a gripper are whole steps of a grid (:mod:`vcage.sim.driv
 third differences over time are stored, (numbers, S) int32 with the sign in the lowest bit (0, -1, 1, -2 … are 0, 1, 2,
 3 …), shuffled and compressed: 31 kB for 12 s, where float32 takes 600.
 
-Layout, in ``/drives``, whose attributes are ``settled`` and ``restarts`` (:class:`~vcage.sim.drives.DriveLog`)::
+Layout, in ``/drives``, whose attributes are ``settled``, ``restarts`` and ``frames_from``, which files of 0.1.0 lack
+(:class:`~vcage.sim.drives.DriveLog`)::
 
     <arm>/told    (2 n + dof, S) int32, see above: positions and velocities of the n joints, torques of all dof
     <arm>/opening (1, S) float64, as it is
@@ -50,6 +51,7 @@ LIMITS = DriveLimits()
 def write_drives(group: h5py.Group, drives: DriveLog) -> None:
     """Fill a group."""
     group.attrs["settled"] = drives.settled
+    group.attrs["frames_from"] = drives.frames_from
     group.attrs["restarts"] = np.array(drives.restarts, np.int64)
     for arm, rows in drives.rows.items():
         table, layout = np.stack(rows), drives.layouts[arm]
@@ -80,7 +82,9 @@ def read_drives(group: h5py.Group, limits: DriveLimits = LIMITS) -> DriveLog:
         lengths = ", ".join(f"{arm} has {len(own)}" for arm, own in rows.items())
         raise _refused(group, f"must have as many steps for one arm as for another: {lengths or 'it has no arm'}")
     settled = _whole_number(group, "settled", 0, limits.max_settled_steps)
-    return DriveLog(settled, _read_restarts(group, settled, len(next(iter(rows.values()))), limits), layouts, rows)
+    frames_from = _whole_number(group, "frames_from", 0, settled) if "frames_from" in group.attrs else 0
+    restarts = _read_restarts(group, settled, len(next(iter(rows.values()))), limits)
+    return DriveLog(settled, restarts, layouts, rows, frames_from)
 
 
 def _read_arm(group: h5py.Group, limits: DriveLimits) -> tuple[DriveLayout, np.ndarray]:

@@ -69,12 +69,15 @@ class DriveLog:
         restarts: increasing steps before which the state was restored into a new world.
         layouts: of the rows, by arm.
         rows: S rows of each arm, one for each step from ``settled`` on.
+        frames_from: physics step of the first frame, as that of ``settled``; recordings of 0.1.0 count from 0, so their
+            first frame is up to one later than their first row.
     """
 
     settled: int = 0
     restarts: list[int] = field(default_factory=list)
     layouts: dict[str, DriveLayout] = field(default_factory=dict)
     rows: dict[str, list[np.ndarray]] = field(default_factory=dict)
+    frames_from: int = 0
 
     def __len__(self) -> int:
         return max(map(len, self.rows.values()), default=0)
@@ -82,7 +85,7 @@ class DriveLog:
     def begin(self, world: World) -> None:
         """Continue with a world at its start or after a snapshot was restored; later rows are dropped."""
         if not self.layouts:
-            self.settled = world.steps
+            self.settled = self.frames_from = world.steps
             self.layouts = {name: arm.layout for name, arm in world.arms.items()}
             self.rows = {name: [] for name in world.arms}
             return

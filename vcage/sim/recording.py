@@ -77,7 +77,7 @@ class StateLog:
         return len(self.frames)
 
     def record(self, world: World) -> None:
-        """Add a frame whenever one is due as the world steps; frames after its present step are dropped.
+        """Add a frame now and whenever one is due as the world steps; frames after its present step are dropped.
 
         A frame is taken just before a physics step: its state is visible to a camera, and its command is for that
         step.
@@ -97,7 +97,7 @@ class StateLog:
 
     def _add_when_due(self, world: World) -> None:
         self.drives.add(world)
-        if world.steps % (PHYSICS_HZ // self.fps) == 0:
+        if (world.steps - self.drives.frames_from) % (PHYSICS_HZ // self.fps) == 0:
             self.frames.append(take_frame(world))
 
     def states(self) -> Iterator[WorldState]:

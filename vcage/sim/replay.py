@@ -79,6 +79,7 @@ def resimulate(build: Callable[[], World], drives: DriveLog, fps: int, arms: Map
     for name, offset in arms.items():
         world.arms[name].reset(offset)
     log.record(world)
+    log.drives.frames_from = drives.frames_from
     restarts = set(drives.restarts)
     for index in range(len(drives)):
         if world.steps in restarts:
