@@ -22,24 +22,30 @@ class Drop(Exception):
 
 
 @contextmanager
-def policy_server(infer: Infer, first_answer_s: float = 0.0) -> Iterator[str]:
+def policy_server(
+    infer: Infer,
+    first_answer_s: float = 0.0,
+    frames: tuple[Callable[[Any], Any], Callable[[Any], Any]] = (pack, unpack),
+) -> Iterator[str]:
     """Serve a policy on loopback; the address.
 
     Args:
         infer: the policy.
         first_answer_s: how long its first answer takes.
+        frames: packs and unpacks messages.
     """
+    packed, unpacked = frames
     begun = threading.Event()
 
     def talk(connection: ServerConnection) -> None:
-        connection.send(pack({"name": "test"}))
+        connection.send(packed({"name": "test"}))
         while True:
             try:
-                observation = unpack(connection.recv())  # pyrefly: ignore[bad-argument-type]
+                observation = unpacked(connection.recv())
                 if not begun.is_set():
                     begun.set()
                     time.sleep(first_answer_s)
-                connection.send(pack(infer(observation)))
+                connection.send(packed(infer(observation)))
             except ConnectionClosed:
                 return
             except Drop:

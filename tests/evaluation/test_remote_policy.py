@@ -10,6 +10,7 @@ import pytest
 
 from tests.evaluation.policy_server import Drop, policy_server
 from vcage.base.errors import UsageError
+from vcage.evaluation import remote_policy
 from vcage.evaluation.policy import PolicyFailed, checked_actions
 from vcage.evaluation.remote_policy import RemotePolicy, RemoteSettings
 
@@ -54,6 +55,24 @@ def test_a_server_that_always_drops_is_given_up() -> None:
 
     with policy_server(dropping) as address, pytest.raises(PolicyFailed, match="dropped the connection 3 times"):
         RemotePolicy(address, QUICK).infer(OBSERVATION)
+
+
+def test_proxies_of_the_environment_are_not_asked(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("http_proxy", "https_proxy", "all_proxy", "HTTP_PROXY", "ALL_PROXY"):
+        monkeypatch.setenv(name, "http://127.0.0.1:9")
+    monkeypatch.delenv("no_proxy", raising=False)
+    monkeypatch.delenv("NO_PROXY", raising=False)
+    with policy_server(doubled) as address:
+        assert len(RemotePolicy(address, QUICK).infer(OBSERVATION)["actions"]) == 2
+
+
+def test_no_ping_waits_for_a_server_that_compiles(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: dict[str, Any] = {}
+    real = remote_policy.connect
+    monkeypatch.setattr(remote_policy, "connect", lambda *a, **k: asked.update(k) or real(*a, **k))
+    with policy_server(doubled) as address:
+        RemotePolicy(address, QUICK).infer(OBSERVATION)
+    assert asked["ping_interval"] is None
 
 
 def test_a_traceback_becomes_an_error_with_its_last_line() -> None:

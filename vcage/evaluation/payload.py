@@ -26,7 +26,7 @@ def payload(observation: Mapping[str, Any], kind: Payload) -> dict[str, Any]:
     ``observation/environment_state``, ``prompt``.
 
     Raises:
-        UsageError: ``aloha`` is asked for a robot of another size.
+        UsageError: ``aloha`` is asked for a robot of another size, or without its first camera.
     """
     pictures = observation.get("pixels", {})
     if kind == "aloha":
@@ -34,6 +34,12 @@ def payload(observation: Mapping[str, Any], kind: Payload) -> dict[str, Any]:
         if len(state) != ALOHA_NUMBERS:
             raise UsageError(
                 f"a state of {len(state)} numbers is not ALOHA's, which has {ALOHA_NUMBERS}", hint="--payload generic"
+            )
+        if ALOHA_CAMERAS[0] not in pictures:
+            raise UsageError(
+                f"openpi's ALOHA configuration needs pictures of {ALOHA_CAMERAS[0]}; there are "
+                f"{', '.join(pictures) or 'none'}",
+                hint="observe it, or take --payload generic",
             )
         images = {n: np.ascontiguousarray(p.transpose(2, 0, 1)) for n, p in pictures.items() if n in ALOHA_CAMERAS}
         return {"state": state, "images": images, "prompt": observation["instruction"]}
