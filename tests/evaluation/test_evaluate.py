@@ -13,11 +13,16 @@ import pytest
 from tests.evaluation.policy_server import policy_server
 from tests.run_folders import Finished, command
 from vcage.base.errors import InputFileError, StaleStage, UsageError
-from vcage.evaluation.environment import EnvironmentOptions
+from vcage.base.videos import pictures
+from vcage.evaluation.comparison import compare
+from vcage.evaluation.environment import EnvironmentOptions, RunEnv
 from vcage.evaluation.evaluate import RECORD, Amount, evaluate
+from vcage.evaluation.factors import Factor
+from vcage.evaluation.filming import chosen
 from vcage.evaluation.policy import PolicyFailed
 from vcage.evaluation.rollouts import Order
-from vcage.schema.evaluation import Evaluation, Rollout
+from vcage.schema.evaluation import Evaluation, Rollout, SeedSplit
+from vcage.schema.scene import Scene
 
 BLIND = EnvironmentOptions(pictures=False, max_steps=3)
 
@@ -80,7 +85,7 @@ def test_what_is_finished_is_kept_when_a_policy_fails(finished: Finished, tmp_pa
 def test_another_evaluation_in_the_same_folder_is_refused(finished: Finished, tmp_path: Path) -> None:
     still = order(finished, "tests.evaluation.test_evaluate:Still", solvable=False)
     evaluate(still, Amount(episodes=1), tmp_path)
-    with pytest.raises(StaleStage, match="another policy"):
+    with pytest.raises(StaleStage, match="its execute is 8, not 1"):
         evaluate(replace(still, execute=1), Amount(episodes=1), tmp_path)
     assert len(evaluate(replace(still, execute=1), Amount(episodes=1), tmp_path, force=True).rollouts) == 1
 
@@ -105,23 +110,156 @@ def test_more_episodes_than_were_recorded_cannot_be_replayed(finished: Finished,
         evaluate(order(finished, "replay"), Amount(episodes=5), tmp_path)
 
 
-def test_shares_have_intervals_and_failures_say_how_far_they_came() -> None:
-    def one(seed: int, success: bool, touched: list[str]) -> Rollout:
-        return Rollout(
-            seed=seed,
-            instruction="Put the block on the plate.",
-            success=success,
-            actions=9,
-            seconds=1.0,
-            goals={"block on plate": success},
-            touched=touched,
-            lifted=[],
-            collisions=[],
-        )
+def rollout(seed: int, success: bool = False, **changes: Any) -> Rollout:
+    known = {"instruction": "Put the block on the plate.", "actions": 9, "seconds": 1.0, "collisions": []}
+    goals = {"block on plate": success}
+    return Rollout(
+        **{"seed": seed, "success": success, "goals": goals, "touched": [], "lifted": [], **known, **changes}
+    )
 
-    rollouts = [one(n, n < 9, ["block"] if n < 9 else []) for n in range(10)]
-    record = Evaluation(policy="p", run="r", task="t", options={}, rollouts=rollouts, left_out={17: "the expert fails"})
-    facts = record.facts()
+
+def evaluation(rollouts: list[Rollout], left_out: dict[int, str] | None = None, **starts: Any) -> Evaluation:
+    return Evaluation(
+        policy="p",
+        run="r",
+        task="Put the block on the plate",
+        seeds=SeedSplit(scene=3, stream=2, first=100_000),
+        starts={"max_steps": 80, "vary": None, **starts},
+        asking={},
+        rollouts=rollouts,
+        left_out=left_out or {},
+    )
+
+
+def test_shares_have_intervals_and_failures_say_how_far_they_came() -> None:
+    rollouts = [rollout(n, n < 9, touched=["block"] if n < 9 else []) for n in range(10)]
+    facts = evaluation(rollouts, {17: "the expert fails"}).facts()
     assert (facts["n_episodes"], facts["n_success"], facts["left_out"]) == (10, 9, 1)
     assert facts["pc_success_ci95"] == [59.58, 98.21]  # 59.6 % to 98.2 %: lerobot's own example of 9 in 10
     assert facts["furthest"] == {"done": 9, "nothing touched": 1}
+
+
+@pytest.mark.parametrize(
+    ("changes", "word"),
+    [
+        ({"success": True}, "done"),
+        ({"goals": {"a": True, "b": False}}, "some goals"),
+        ({"touched": ["block"], "lifted": ["block"]}, "lifted"),
+        ({"touched": ["block"]}, "touched"),
+        ({}, "nothing touched"),
+    ],
+)
+def test_an_episode_says_how_far_it_came(changes: dict[str, Any], word: str) -> None:
+    assert rollout(1, **changes).furthest == word
+
+
+def test_two_evaluations_are_compared_where_both_count() -> None:
+    ours = evaluation([rollout(n, n < 9) for n in range(12)])
+    theirs = evaluation([rollout(n, n in (8, 9, 10)) for n in range(2, 14)], vary="light")
+    found = compare(ours, theirs, "light")
+    assert (found.n_episodes, found.n_success, found.n_success_other, found.b, found.c) == (10, 7, 3, 6, 2)
+    assert found.mcnemar_p == pytest.approx(2 * (1 + 8 + 28) / 2**8)  # by hand, of 8 that differ
+    assert found.facts()["pc_success_other"] == 30.0
+
+
+def test_what_has_other_starts_is_not_compared() -> None:
+    ours = evaluation([rollout(1)])
+    with pytest.raises(UsageError, match="max_steps is 80 here and 90 there"):
+        compare(ours, evaluation([rollout(1)], max_steps=90), "other")
+    with pytest.raises(UsageError, match="share no start"):
+        compare(ours, evaluation([rollout(2)]), "other")
+
+
+def test_videos_show_failures_of_every_kind_and_some_successes() -> None:
+    lifted = [rollout(n, touched=["a"], lifted=["a"]) for n in range(6)]
+    record = evaluation([*lifted, rollout(6), rollout(7, True), rollout(8, True)])
+    assert [one.seed for one in chosen(record, 4)] == [0, 1, 6, 7]
+    assert [one.seed for one in chosen(record, 20)] == list(range(9))
+    assert chosen(record, 0) == []
+
+
+@pytest.mark.parametrize("factor", ["light", "camera", "colour"])
+def test_a_factor_of_the_look_changes_nothing_else(finished: Finished, factor: Factor) -> None:
+    plain, other = (RunEnv(finished.run.root, replace(BLIND, vary=vary), finished.context) for vary in (None, factor))
+    begun = []
+    for env in (plain, other):
+        env.reset(seed=4)
+        assert env._episode is not None
+        begun.append(env._episode.start)
+    looks = [start.drawn.look.model_dump() for start in begun]
+    changed = {name for name in looks[0] if looks[0][name] != looks[1][name]}
+    assert changed == set({"light": ["lights", "ambient"], "camera": ["cameras"], "colour": ["tints"]}[factor])
+    assert begun[0].scene == begun[1].scene and begun[0].sentence == begun[1].sentence
+
+
+def test_factors_of_the_world_are_drawn_more_widely(finished: Finished) -> None:
+    clutter = RunEnv(finished.run.root, replace(BLIND, vary="clutter"), finished.context)
+    counts = []
+    for seed in range(3):
+        clutter.reset(seed=seed)
+        assert clutter._episode is not None
+        counts.append(len(clutter._episode.start.drawn.world.clutter))
+    assert max(counts) > 0
+    fixed = RunEnv(finished.run.root, replace(BLIND, vary="layout"), finished.context)
+    fixed.reset(seed=1)
+    assert fixed._episode is not None
+    found = {o.id: o.pose.position for o in fixed._episode.start.scene.objects}
+    optimised = {o.id: o.pose.position for o in Scene.read(finished.run.layout).objects}
+    assert all(np.allclose(found[name][:2], place[:2], atol=0.05) for name, place in optimised.items())
+
+
+def test_a_factor_that_is_drawn_as_widely_already_is_refused(finished: Finished) -> None:
+    with pytest.raises(UsageError, match="the light as widely as 'full'"):
+        RunEnv(finished.run.root, replace(BLIND, randomise="full", vary="light"), finished.context)
+
+
+@pytest.mark.slow
+def test_a_page_shows_videos_of_what_was_done(finished: Finished, capsys, tmp_path: Path) -> None:
+    expert = ["--policy", "expert", "--episodes", "1", "--no-pictures", "--out", tmp_path / "expert"]
+    assert command(capsys, "evaluate", finished.run.root, *expert, "--max-steps", "80").code == 0
+    still = ["--policy", "tests.evaluation.test_evaluate:Still", "--episodes", "1", "--no-pictures", "--out", tmp_path]
+    more = ["--max-steps", "80", "--against", tmp_path / "expert", "--vary", "light", "--videos", "1"]
+    done = command(capsys, "evaluate", finished.run.root, *still, *more)
+    assert done.code == 0, done.stderr
+    compared = done.record["summary"]["compared"]
+    assert [(one["n_success"], one["n_success_other"], one["c"]) for one in compared] == [(0, 0, 0), (0, 1, 1)]
+    page = (tmp_path / "report.html").read_text()
+    assert 'src="data:video/mp4;base64,' in page and "nothing touched" in page and "vary-light/report.html" in page
+    seed = next((tmp_path / "videos").glob("*.mp4")).stem
+    frames = list(pictures(tmp_path / "videos" / f"{seed}.mp4"))
+    assert len(frames) == 81 and frames[0].std() > 10
+    shown = list(pictures(tmp_path / "expert/videos" / f"{seed}.mp4"))
+    assert np.abs(shown[-1].astype(int) - shown[0]).max() > 50
+
+
+@pytest.mark.parametrize(
+    ("changes", "code", "complaint"),
+    [
+        (["--cameras", "cam_low"], 2, "cam_low"),
+        (["--task", "7"], 2, "chain"),
+        (["--payload", "aloha"], 2, "is not ALOHA's"),
+        (["--against", "nowhere"], 3, "nowhere"),
+    ],
+)
+def test_an_evaluation_that_cannot_be_made_is_named(
+    finished: Finished, capsys, tmp_path: Path, changes: list[str], code: int, complaint: str
+) -> None:
+    still = ["--policy", "tests.evaluation.test_evaluate:Still", "--unproven", "--episodes", "1", "--out", tmp_path]
+    pictures = [] if "--cameras" in changes else ["--no-pictures"]
+    done = command(capsys, "evaluate", finished.run.root, *still, *pictures, *changes)
+    assert (done.code, complaint in done.error["message"]) == (code, True), done.error
+
+
+class Breaks:
+    """A policy that raises an error."""
+
+    def infer(self, _observation: Mapping[str, Any]) -> Mapping[str, Any]:
+        raise RuntimeError("no weights")
+
+
+def test_an_error_of_a_policy_is_told_with_its_traceback(finished: Finished, capsys, tmp_path: Path) -> None:
+    options = ["--policy", "tests.evaluation.test_evaluate:Breaks", "--no-pictures", "--out", tmp_path]
+    done = command(capsys, "evaluate", finished.run.root, *options)
+    assert (done.code, done.error["code"]) == (5, "policy_failed")
+    assert "raises RuntimeError: no weights" in done.error["message"]
+    assert "Traceback" in done.error["details"]["traceback"]

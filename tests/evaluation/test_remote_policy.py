@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.evaluation.policy_server import Drop, policy_server
-from vcage.base.errors import UsageError
+from vcage.base.errors import EndpointFailed, UsageError
 from vcage.evaluation import remote_policy
 from vcage.evaluation.policy import PolicyFailed, checked_actions
 from vcage.evaluation.remote_policy import RemotePolicy, RemoteSettings
@@ -53,7 +53,7 @@ def test_a_server_that_always_drops_is_given_up() -> None:
     def dropping(_observation: Mapping[str, Any]) -> Mapping[str, Any]:
         raise Drop
 
-    with policy_server(dropping) as address, pytest.raises(PolicyFailed, match="dropped the connection 3 times"):
+    with policy_server(dropping) as address, pytest.raises(EndpointFailed, match="dropped the connection 3 times"):
         RemotePolicy(address, QUICK).infer(OBSERVATION)
 
 
@@ -87,12 +87,12 @@ def test_a_traceback_becomes_an_error_with_its_last_line() -> None:
 
 def test_a_late_answer_is_an_error() -> None:
     late = RemoteSettings(connect_s=0.2, answer_s=0.2)
-    with policy_server(doubled, first_answer_s=2.0) as address, pytest.raises(PolicyFailed, match=r"within 0\.2 s"):
+    with policy_server(doubled, first_answer_s=2.0) as address, pytest.raises(EndpointFailed, match=r"within 0\.2 s"):
         RemotePolicy(address, late).infer(OBSERVATION)
 
 
 def test_a_server_that_is_not_there_is_named() -> None:
-    with pytest.raises(PolicyFailed, match=r"ws://127\.0\.0\.1:9 cannot be reached within 0\.2 s"):
+    with pytest.raises(EndpointFailed, match=r"ws://127\.0\.0\.1:9 cannot be reached within 0\.2 s"):
         RemotePolicy("ws://127.0.0.1:9", QUICK).infer(OBSERVATION)
 
 

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import logging
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated
 
 from tyro.conf import Positional, arg
 
-from vcage.base.options import FOLDER, NATURAL, POSITIVE, UNSAID, Flag
+from vcage.base.options import FOLDER, NATURAL, POSITIVE, RANGES, UNSAID, Flag, several
 from vcage.cli.arguments import Command
 from vcage.cli.output import Result
 from vcage.cli.progress import progress
+from vcage.evaluation.factors import FACTORS, Factor
 from vcage.evaluation.payload import Payload
 
 logger = logging.getLogger(__name__)
@@ -31,6 +32,8 @@ class Evaluate(Command):
       vcage evaluate runs/blocks --policy ws://127.0.0.1:8000 --episodes 50
       vcage evaluate runs/blocks --policy my_policies:make --no-pictures --environment-state --workers 2
       vcage evaluate runs/blocks --policy replay --episodes 3
+      vcage evaluate runs/blocks --policy new:make --against runs/blocks/evaluations/old-make
+      vcage evaluate runs/blocks --policy my_policies:make --vary light camera clutter
     """
 
     run: Annotated[Path, FOLDER, Positional, arg(metavar="RUN")]
@@ -51,36 +54,70 @@ class Evaluate(Command):
     """number of the task, in a run that has several"""
     max_steps: Annotated[int | None, POSITIVE, UNSAID] = None
     """actions after which an episode ends (default: twice those of the run's longest accepted episode)"""
-    randomise: Annotated[str | None, UNSAID] = None
+    randomise: Annotated[str | None, RANGES, UNSAID] = None
     """ranges of the differences between episodes, as of collect (default: those of the run)"""
+    cameras: Annotated[tuple[str, ...], several("NAME ..."), UNSAID] = ()
+    """whose pictures are observed (default: all of the robot)"""
     no_pictures: Flag = False
-    """observe no pictures; no renderer is needed then"""
+    """observe no pictures; no renderer is needed then, but for videos"""
     environment_state: Flag = False
     """observe the poses of the objects"""
     unproven: Flag = False
     """count all layouts, also those in which the expert fails"""
+    against: Annotated[Path | None, arg(metavar="OTHER"), UNSAID] = None
+    """another evaluation from the same starts, or its folder: who succeeds where, and McNemar's test"""
+    vary: Annotated[tuple[Factor, ...], several("{" + ",".join(FACTORS) + "} ...", choices=FACTORS), UNSAID] = ()
+    """evaluate once more for each of these, which alone is drawn as widely as the ranges full do; layout: where
+    layouts are drawn, the optimised one, and the reverse"""
+    videos: Annotated[int, NATURAL] = 8
+    """episodes on the page, above all failures; none where nothing here can draw"""
     workers: Annotated[int, POSITIVE] = 1
     """processes"""
     force: Flag = False
-    """begin anew"""
+    """begin anew, as when the policy has changed behind its name"""
 
     def execute(self) -> Result:
-        """Evaluate."""
+        """Evaluate, compare, and write the page."""
+        from vcage.evaluation.comparison import compare, read_other, require_same_starts
         from vcage.evaluation.environment import EnvironmentOptions
-        from vcage.evaluation.evaluate import RECORD, Amount, evaluate
+        from vcage.evaluation.evaluate import RECORD, Amount, evaluate, planned
+        from vcage.evaluation.filming import film
+        from vcage.evaluation.report import PAGE, write_page
         from vcage.evaluation.rollouts import Order
 
         environment = EnvironmentOptions(
             chain=self.task,
             pictures=not self.no_pictures,
+            cameras=self.cameras,
             environment_state=self.environment_state,
             max_steps=self.max_steps,
             randomise=self.randomise,
         )
         order = Order(self.run, self.policy, environment, self.payload, self.actions, solvable=not self.unproven)
+        amount = Amount(self.episodes, self.first_seed)
+        varied = {name: replace(order, environment=replace(environment, vary=name)) for name in self.vary}
+        orders = {"": order, **varied}
+        other = None if self.against is None else read_other(self.against)
+        for one in orders.values():  # nothing is done before it is known that all can be
+            plan = planned(one, amount)
+            if other is not None:
+                require_same_starts(plan, other)
         out = self.out or self.run / "evaluations" / re.sub(r"[^A-Za-z0-9.]+", "-", self.policy)
-        with progress("evaluate") as show:
-            record = evaluate(order, Amount(self.episodes, self.first_seed), out, self.workers, self.force, show)
+        folders = {name: out / f"vary-{name}" if name else out for name in orders}
+        records, videos = {}, {}
+        for name, one in orders.items():
+            title = f"evaluate with other {name}" if name else "evaluate"
+            with progress(title) as show:
+                records[name] = evaluate(one, amount, folders[name], self.workers, self.force, show)
+                videos[name] = film(one, records[name], folders[name], self.videos, show)
+        record = records[""]
+        comparisons = [compare(record, records[name], name) for name in varied]
+        if other is not None:
+            comparisons.append(compare(record, other, f"{other.policy} ({self.against})"))
+        for name in varied:
+            write_page(folders[name], records[name], videos[name])
+        write_page(out, record, videos[""], comparisons, {name: f"vary-{name}/{PAGE}" for name in varied})
         facts = record.facts()
         logger.info("%s: %s of %s episodes succeed", self.policy, facts["n_success"], facts["n_episodes"])
-        return Result(output=out / RECORD, schema=record.SCHEMA, summary=facts)
+        compared = {"compared": [comparison.facts() for comparison in comparisons]} if comparisons else {}
+        return Result(output=out / RECORD, schema=record.SCHEMA, summary={**facts, **compared, "page": str(out / PAGE)})

@@ -37,7 +37,7 @@ folder. With `--progress json` each step of long work is a line of JSON on stdou
 | 2 | the request cannot be met: usage, unknown name, no asset fits, no room, output not writable |
 | 3 | an input file is missing, damaged, stale, or of another schema |
 | 4 | a key, package or driver is missing |
-| 5 | the model refused, finally |
+| 5 | the model refused, finally; a policy raised an error, or answered what cannot be carried out |
 | 6 | the endpoint failed for now, or another process works on the folder or writes a file; try again |
 | 7 | partly done, a stage before was interrupted, or the disk is full; `next` goes on |
 | 8 | with `--models agent`: an answer is needed, as `error.details.asked` says; `next` goes on |

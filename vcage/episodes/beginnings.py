@@ -16,7 +16,7 @@ from vcage.runs.context import StageContext
 from vcage.runs.inputs import read_plan
 from vcage.schema.goals import Goal, in_steps
 from vcage.schema.plan import Relation
-from vcage.schema.randomisation import Drawn, Randomisation
+from vcage.schema.randomisation import Drawn, Look, LookRanges, Randomisation
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Chain, Subtask
 from vcage.sim.looks import draw_look
@@ -108,8 +108,12 @@ class Beginnings:
         relations = read_plan(run, Scene.read(run.scene), context).relations if planned else None
         return [cls(scene, c, [kept[name] for name in c.subtasks], relations, ranges, context) for c in found.chains]
 
-    def draw(self, rng: np.random.Generator) -> Beginning:
+    def draw(self, rng: np.random.Generator, looks: np.random.Generator | None = None) -> Beginning:
         """A beginning in which the chain is feasible.
+
+        Args:
+            rng: source of every choice.
+            looks: source of the choices of the look; None: ``rng``, after all others.
 
         Raises:
             InfeasibleScene: the objects do not stay where they were put.
@@ -117,8 +121,12 @@ class Beginnings:
         start = self._starts.draw(rng)
         objects = list(start.objects.values())
         require_settled(start.scene, start.models, objects, "the start of the episode", self.robot)
-        look = draw_look(self._ranges.look, start.scene, start.models, self.robot, rng)
+        look = self.look(start, self._ranges.look, rng if looks is None else looks)
         return Beginning(start, Drawn(ranges=self._ranges.name, look=look, world=start.world))
+
+    def look(self, start: Start, ranges: LookRanges, rng: np.random.Generator) -> Look:
+        """A look of a start, drawn from ranges."""
+        return draw_look(ranges, start.scene, start.models, self.robot, rng)
 
     def sentences(self, start: Start) -> Sentences:
         """The words of an episode that begins there."""

@@ -21,6 +21,7 @@ from vcage.evaluation.acting import Acting
 from vcage.evaluation.attained import Task
 from vcage.evaluation.episode_start import EpisodeStart
 from vcage.evaluation.expert import expert_episode
+from vcage.evaluation.factors import Factor, OtherLook, widened
 from vcage.evaluation.observation import names_of_joints, observation_space
 from vcage.runs.accepted import accepted_episodes
 from vcage.runs.context import StageContext
@@ -47,6 +48,7 @@ class EnvironmentOptions:
         max_steps: actions after which an episode ends; None: twice those of the run's longest accepted episode.
         randomise: ranges of the differences between episodes; None: those of the run's collection.
         layout: drawn for each episode, or as optimised with small shifts; None: as collected.
+        vary: the one factor that is changed: drawn as widely as ``full`` does, or the other kind of layout.
     """
 
     chain: int = 0
@@ -56,6 +58,7 @@ class EnvironmentOptions:
     max_steps: int | None = None
     randomise: str | None = None
     layout: Literal["varied", "fixed"] | None = None
+    vary: Factor | None = None
 
 
 PATIENCE = 2.0
@@ -81,6 +84,11 @@ class RunEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         >>> env = gymnasium.make("vcage/Run-v0", run="runs/blocks")
         >>> observation, info = env.reset(seed=0)
 
+    Attributes:
+        joint_names: of the D numbers of ``agent_pos`` and of an action.
+        state_layout: order of the numbers of ``environment_state``.
+        seed: of the run's scene.
+
     Args:
         run: folder of a run with a layout and sub-tasks.
         options: see :class:`EnvironmentOptions`.
@@ -101,8 +109,12 @@ class RunEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self.metadata = {"render_modes": ["rgb_array"], "render_fps": self.fps}
         self.render_mode = "rgb_array" if self.options.pictures else None
         ranges = _ranges(self.options.randomise, asked)
-        layout = self.options.layout or asked.get("layout", "varied")
-        chains = Beginnings.of_run(self._run, ranges, self._context, varied=layout == "varied")
+        varied = (self.options.layout or asked.get("layout", "varied")) == "varied"
+        vary = self.options.vary
+        self._other_look = None if vary is None else OtherLook.of(ranges, vary)
+        if vary is not None and self._other_look is None:
+            ranges, varied = widened(ranges, vary), varied != (vary == "layout")
+        chains = Beginnings.of_run(self._run, ranges, self._context, varied=varied)
         if self.options.chain not in range(len(chains)):
             raise UnknownName("chain", str(self.options.chain), map(str, range(len(chains))))
         self._beginnings = chains[self.options.chain]
@@ -118,7 +130,7 @@ class RunEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self.observation_space = observation_space(self._robot, self.cameras, self._observed_state, words)
         self._lower, self._upper = self._limits()
         self.action_space = gymnasium.spaces.Box(self._lower, self._upper, dtype=np.float32)
-        self._seed = int(self._scene.provenance.seed)
+        self.seed = int(self._scene.provenance.seed)
         self._episode: Acting | None = None
 
     # --- Gymnasium ------------------------------------------------------------------------------------
@@ -134,7 +146,7 @@ class RunEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         recorded = (options or {}).get("episode")
         if recorded is None:
             number = int(self.np_random.integers(2**31)) if seed is None else seed
-            start = EpisodeStart.drawn_by(self._beginnings, self._seed, number)
+            start = EpisodeStart.drawn_by(self._beginnings, self.seed, number, self._other_look)
         else:
             start = EpisodeStart.recorded(self._run, int(recorded), self._context)
         self.close()
@@ -150,17 +162,33 @@ class RunEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         Raises:
             UsageError: the action has another shape, or NaN; or no episode has begun.
         """
-        if self._episode is None:
-            raise UsageError("no episode has begun", hint="call reset first")
-        self._episode.carry_out(self._checked(action))
-        done, over = self._episode.attained.success, self._episode.actions >= self._max_episode_steps
-        return self._episode.observation(), float(done), done, over and not done, self._episode.info()
+        done, late, info = self.act(action)
+        return self.observe(), float(done), done, late, info
+
+    def act(self, action: NDArray[np.float32]) -> tuple[bool, bool, Info]:
+        """Carry an action out without a look, for policies that are not asked after each; raises as :meth:`step`.
+
+        Returns:
+            ``terminated``, ``truncated`` and ``info`` of :meth:`step`.
+        """
+        episode = self._begun()
+        episode.carry_out(self._checked(action))
+        done, over = episode.attained.success, episode.actions >= self._max_episode_steps
+        return done, over and not done, episode.info()
+
+    def observe(self) -> Observation:
+        """Return the observation of now.
+
+        Raises:
+            UsageError: no episode has begun.
+        """
+        return self._begun().observation()
 
     def render(self) -> NDArray[np.uint8] | None:  # pyrefly: ignore[bad-override]
         """(H, W, 3) the picture of the first camera, of now; None without pictures."""
         if self._episode is None or not self.cameras:
             return None
-        return self._episode.observation()["pixels"][self.cameras[0]]
+        return self.observe()["pixels"][self.cameras[0]]
 
     def expert(self) -> EpisodeRun:
         """Let the scripts that collected the data do the task from the drawn start of this episode, in another world.
@@ -175,6 +203,11 @@ class RunEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     def close(self) -> None:
         """Forget the episode and its worlds."""
         self._episode = None
+
+    def _begun(self) -> Acting:
+        if self._episode is None:
+            raise UsageError("no episode has begun", hint="call reset first")
+        return self._episode
 
     # --- checks ---------------------------------------------------------------------------------------
 

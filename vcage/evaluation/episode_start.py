@@ -12,6 +12,7 @@ from vcage.base.files import RunFolder
 from vcage.datasets.reader import EpisodeReader
 from vcage.episodes.beginnings import Beginnings
 from vcage.episodes.recorded import Recorded
+from vcage.evaluation.factors import OtherLook
 from vcage.runs.accepted import accepted_episodes
 from vcage.runs.context import StageContext
 from vcage.schema.asset import PhysicalModel
@@ -23,6 +24,9 @@ from vcage.tasks.slots import Slot
 
 EVALUATION_STREAM = 2
 """Third number of the seed of an evaluation: collecting draws episodes by two numbers, and wordings with a 1 here."""
+
+WORDING_STREAM, LOOK_STREAM = 1, 2
+"""Fourth numbers of the seeds by which wording and look are chosen: they stay where other factors are changed."""
 
 
 @dataclass(frozen=True)
@@ -48,26 +52,32 @@ class EpisodeStart:
     slots: Mapping[str, Slot] = field(default_factory=dict)
 
     @classmethod
-    def drawn_by(cls, beginnings: Beginnings, seed: int, number: int) -> EpisodeStart:
+    def drawn_by(cls, beginnings: Beginnings, seed: int, number: int, other: OtherLook | None = None) -> EpisodeStart:
         """The start of a number, which depends on nothing else.
 
         Args:
             beginnings: of the task.
             seed: of the run's scene.
             number: of the start.
+            other: the look in which one factor is changed.
 
         Raises:
             InfeasibleScene: its objects do not stay where they are put.
         """
-        rng = np.random.default_rng([seed, number, EVALUATION_STREAM])
-        begins = beginnings.draw(rng)
+        looks = [seed, number, EVALUATION_STREAM, LOOK_STREAM]
+        begins = beginnings.draw(np.random.default_rng([seed, number, EVALUATION_STREAM]), np.random.default_rng(looks))
+        drawn = begins.drawn
+        if other is not None:
+            look = beginnings.look(begins.start, other.ranges, np.random.default_rng(looks))
+            drawn = drawn.model_copy(update={"look": other.change(drawn.look, look)})
         start, sentences = begins.start, beginnings.sentences(begins.start).all
-        sentence = sentences[int(rng.integers(len(sentences)))]
+        words = np.random.default_rng([seed, number, EVALUATION_STREAM, WORDING_STREAM])
+        sentence = sentences[int(words.integers(len(sentences)))]
         return cls(
             start.scene,
             start.models,
             start.objects,
-            begins.drawn,
+            drawn,
             sentence,
             {"seed": number},
             start.grasps,

@@ -1,19 +1,33 @@
-"""An evaluation: rollouts until enough starts are counted, stored as they finish, so that it goes on after a kill."""
+"""An evaluation: rollouts until enough starts are counted, stored as they finish, so that it goes on after a kill.
+
+The actions of each rollout are kept beside the record: from them it can be simulated again.
+"""
 
 from __future__ import annotations
 
+import logging
+import shutil
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
 from vcage.base.errors import MissingStage, StaleStage, UsageError
-from vcage.base.files import RunFolder, sha256_file
+from vcage.base.files import RunFolder, atomic_path, sha256_file
 from vcage.base.progress import Progress, silent
 from vcage.base.workers import Processes, SameProcess
+from vcage.evaluation.episode_start import EVALUATION_STREAM
 from vcage.evaluation.rollouts import REPLAY, Order, Outcome, outcome, rollouts
-from vcage.schema.evaluation import Evaluation
+from vcage.schema.evaluation import Evaluation, SeedSplit
+
+logger = logging.getLogger(__name__)
 
 RECORD = "evaluation.json"
+
+KEPT = ("actions", "videos")
+"""Folders beside it: of each rollout ``actions/<seed>.npy``, and ``videos/<seed>.mp4`` of some."""
 
 
 @dataclass(frozen=True)
@@ -47,19 +61,19 @@ def evaluate(
         progress: told after each episode.
 
     Raises:
-        PolicyFailed: the policy answers wrongly, or not at all; what is finished is kept.
-        StaleStage: ``out`` holds an evaluation of something else.
+        PolicyFailed, EndpointFailed: the policy answers wrongly, or not at all; what is finished is kept.
+        StaleStage: ``out`` holds another evaluation.
         MissingStage: the run lacks a stage, or no start of it is counted.
         UsageError: more recorded episodes are to be replayed than there are.
     """
     path = out / RECORD
-    wanted = _new(order, amount)
-    record = Evaluation.read(path) if path.exists() and not force else wanted
-    if (record.policy, record.options) != (wanted.policy, wanted.options):
-        raise StaleStage(
-            f"{path} holds an evaluation of another policy, run or set of options",
-            hint="give another --out, or --force to replace it",
-        )
+    wanted = planned(order, amount)
+    if force:
+        for name in KEPT:
+            shutil.rmtree(out / name, ignore_errors=True)
+    record = wanted if force else _begun(path, wanted)
+    if record.rollouts:
+        logger.info("%s holds %d episodes already; --force begins anew", path, len(record.rollouts))
     running, known = set[int](), {rollout.seed for rollout in record.rollouts} | {*record.left_out}
     waiting = (seed for seed in _seeds(order, amount) if seed not in known)
     crew = SameProcess(outcome) if workers <= 1 else Processes(outcome, workers)
@@ -77,24 +91,73 @@ def evaluate(
         for done in crew.results():
             running.remove(done.seed)
             record = _with(record, done)
+            if done.actions is not None:
+                write_actions(out, done.seed, done.actions)
             record.write(path)
             _require_counted(record, amount)
             submit()
     return record
 
 
-def _new(order: Order, amount: Amount) -> Evaluation:
-    run = RunFolder(order.run)
-    options = {**asdict(order.environment), "payload": order.payload, "execute": order.execute}
-    options |= {"solvable": order.solvable, "first_seed": amount.first_seed, "layout_sha256": sha256_file(run.layout)}
+def planned(order: Order, amount: Amount) -> Evaluation:
+    """The record before its first episode; raises as :class:`~vcage.evaluation.rollouts.Rollouts`."""
+    env, options = rollouts(order).env, asdict(order.environment)
+    observed = {name: options.pop(name) for name in ("pictures", "cameras", "environment_state")}
     return Evaluation(
         policy=order.policy,
         run=str(order.run),
-        task=rollouts(order).env.task_description,
-        options={**options, "cameras": list(order.environment.cameras)},
+        task=env.task_description,
+        seeds=SeedSplit(scene=env.seed, stream=EVALUATION_STREAM, first=amount.first_seed),
+        starts={
+            **options,
+            "max_steps": env._max_episode_steps,
+            "recorded": order.policy == REPLAY,
+            "layout_sha256": sha256_file(RunFolder(order.run).layout),
+        },
+        asking={
+            **observed,
+            "cameras": list(env.cameras),
+            "payload": order.payload,
+            "execute": order.execute,
+            "solvable": order.solvable,
+        },
         rollouts=[],
         left_out={},
     )
+
+
+def _begun(path: Path, wanted: Evaluation) -> Evaluation:
+    """The evaluation to go on with.
+
+    Raises:
+        StaleStage: the file holds another one; names what differs.
+    """
+    if not path.exists():
+        return wanted
+    record = Evaluation.read(path)
+    ours, theirs = (
+        {"policy": one.policy, **one.starts, **one.asking, **one.seeds.model_dump()} for one in (wanted, record)
+    )
+    for key in sorted({*ours, *theirs}):
+        if ours.get(key) != theirs.get(key):
+            raise StaleStage(
+                f"{path} holds another evaluation: its {key} is {theirs.get(key)}, not {ours.get(key)}",
+                hint="give another --out, or --force to replace it",
+            )
+    return record
+
+
+def write_actions(out: Path, seed: int, actions: NDArray[np.float64]) -> None:
+    """Keep the actions (T, D) of a rollout."""
+    path = actions_file(out, seed)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with atomic_path(path) as part, part.open("wb") as file:
+        np.save(file, actions)
+
+
+def actions_file(out: Path, seed: int) -> Path:
+    """Where the actions of a rollout are kept."""
+    return out / "actions" / f"{seed}.npy"
 
 
 def _seeds(order: Order, amount: Amount) -> Sequence[int] | Iterator[int]:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from vcage.datasets.environment_state import StateLayout
 from vcage.datasets.episode import state_names
+from vcage.evaluation.instruction_space import Instruction
 from vcage.schema.robot import Robot
 from vcage.sim.world import World
 
@@ -44,7 +45,7 @@ def observation_space(
     unbounded = {"low": -np.inf, "high": np.inf, "dtype": np.float32}
     spaces: dict[str, gymnasium.Space[Any]] = {
         "agent_pos": gymnasium.spaces.Box(shape=(len(names_of_joints(robot)),), **unbounded),
-        "instruction": gymnasium.spaces.Text(LONGEST_INSTRUCTION, charset=characters),
+        "instruction": Instruction(LONGEST_INSTRUCTION, charset=characters),
     }
     if state is not None:
         spaces["environment_state"] = gymnasium.spaces.Box(shape=(len(state.names),), **unbounded)

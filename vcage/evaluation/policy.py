@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import importlib
 import sys
-from collections.abc import Mapping
+import traceback
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -15,10 +17,10 @@ from vcage.base.errors import InputFileError, UsageError, VcageError
 
 
 class PolicyFailed(VcageError):
-    """A policy answered wrongly, or not at all."""
+    """A policy raised an error, or answered what cannot be carried out: so it will again."""
 
     code = "policy_failed"
-    exit_code = 6
+    exit_code = 5
 
 
 class Policy(Protocol):
@@ -59,23 +61,66 @@ def checked_actions(answer: Any, size: int, policy: str) -> NDArray[np.float64]:
     return actions
 
 
-def made_by(factory: str) -> Policy:
-    """The policy that ``MODULE:FACTORY`` makes; the current folder's modules are found too.
+class LocalPolicy:
+    """The policy that ``MODULE:FACTORY`` makes, in this process; the current folder's modules are found too.
+
+    Args:
+        factory: its name.
 
     Raises:
         UsageError: it is not of that form.
         InputFileError: there is no such module or factory, or what it makes has no ``infer``.
+        PolicyFailed: the module or the factory raises an error; ``details`` has its traceback.
     """
-    module, _, name = factory.partition(":")
-    if not (module and name):
-        raise UsageError(f"{factory!r} names no policy", hint="give ws://HOST:PORT, MODULE:FACTORY, replay or expert")
-    sys.path.insert(0, str(Path.cwd()))
+
+    def __init__(self, factory: str):
+        self._name = factory
+        module, _, name = factory.partition(":")
+        if not (module and name):
+            raise UsageError(
+                f"{factory!r} names no policy", hint="give ws://HOST:PORT, MODULE:FACTORY, replay or expert"
+            )
+        with self._errors_named():
+            self._made = _found(factory, module, name)()
+        if not callable(getattr(self._made, "infer", None)):
+            raise InputFileError(f"{factory} makes a {type(self._made).__name__} without infer(observation)")
+
+    def reset(self) -> None:
+        """Tell the policy that an episode begins, if it has ``reset``.
+
+        Raises:
+            PolicyFailed: as :meth:`infer`.
+        """
+        if callable(reset := getattr(self._made, "reset", None)):
+            with self._errors_named():
+                reset()
+
+    def infer(self, observation: Mapping[str, Any]) -> Mapping[str, Any]:
+        """Return the policy's answer.
+
+        Raises:
+            PolicyFailed: it raises an error; ``details`` has its traceback.
+        """
+        with self._errors_named():
+            return self._made.infer(observation)
+
+    @contextmanager
+    def _errors_named(self) -> Iterator[None]:
+        try:
+            yield
+        except VcageError:
+            raise
+        except Exception as error:  # any: the program is a user's
+            found = f"{self._name} raises {type(error).__name__}: {error}"
+            raise PolicyFailed(found, details={"traceback": traceback.format_exc()}) from error
+
+
+def _found(factory: str, module: str, name: str) -> Callable[[], Any]:
+    here = str(Path.cwd())
+    sys.path.insert(0, here)
     try:
-        made = getattr(importlib.import_module(module), name)()
+        return getattr(importlib.import_module(module), name)
     except (ImportError, AttributeError) as error:
         raise InputFileError(f"{factory} cannot be loaded: {error}", hint="check the names, or the folder") from error
     finally:
-        sys.path.remove(str(Path.cwd()))
-    if not callable(getattr(made, "infer", None)):
-        raise InputFileError(f"{factory} makes a {type(made).__name__} without infer(observation)")
-    return made
+        sys.path.remove(here)

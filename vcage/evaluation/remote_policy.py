@@ -17,7 +17,7 @@ from urllib.parse import urlparse
 from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidURI
 from websockets.sync.client import ClientConnection, connect
 
-from vcage.base.errors import UsageError
+from vcage.base.errors import EndpointFailed, UsageError
 from vcage.evaluation.policy import PolicyFailed
 from vcage.evaluation.wire import pack, unpack
 
@@ -72,7 +72,8 @@ class RemotePolicy:
         """Return the server's answer.
 
         Raises:
-            PolicyFailed: it cannot be reached, is too slow, reports an error, or answers no map.
+            EndpointFailed: it cannot be reached, drops every connection, or is too slow.
+            PolicyFailed: it reports an error, or answers no map.
         """
         frame, failure = pack(observation), ""
         for _ in range(self.settings.tries):
@@ -82,7 +83,7 @@ class RemotePolicy:
                 failure = str(error)
                 logger.warning("%s dropped the connection (%s)", self.address, failure)
                 self.reset()
-        raise PolicyFailed(
+        raise EndpointFailed(
             f"{self.address} dropped the connection {self.settings.tries} times: {failure}", hint="see the server's log"
         )
 
@@ -113,7 +114,7 @@ class RemotePolicy:
                 break
             except (OSError, InvalidHandshake, InvalidURI) as error:
                 if time.monotonic() > until:
-                    raise PolicyFailed(
+                    raise EndpointFailed(
                         f"{self.address} cannot be reached within {self.settings.connect_s:g} s: {error}",
                         hint="start the policy server, or check the address",
                     ) from error
@@ -125,13 +126,14 @@ class RemotePolicy:
         """The next message.
 
         Raises:
-            PolicyFailed: it is text, which is the traceback of an error there; or none comes, or no frame.
+            EndpointFailed: none comes.
+            PolicyFailed: it is text, which is the traceback of an error there; or it is no frame.
         """
         try:
             found = connection.recv(timeout=self.settings.answer_s)
         except TimeoutError:
             self.reset()
-            raise PolicyFailed(
+            raise EndpointFailed(
                 f"{self.address} did not answer within {self.settings.answer_s:g} s", hint="see the server's log"
             ) from None
         if isinstance(found, str):

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,7 @@ from vcage.base.files import RunFolder
 from vcage.datasets.reader import EpisodeReader
 from vcage.evaluation.environment import EnvironmentOptions, Observation, RunEnv
 from vcage.evaluation.payload import Payload, payload
-from vcage.evaluation.policy import Policy, checked_actions, made_by
+from vcage.evaluation.policy import LocalPolicy, Policy, checked_actions
 from vcage.evaluation.remote_policy import RemotePolicy
 from vcage.runs.accepted import accepted_episodes
 from vcage.schema.evaluation import Rollout
@@ -23,6 +24,10 @@ from vcage.tasks.assemble import recorded_actions
 
 EXPERT, REPLAY = "expert", "replay"
 """Names of the two policies that need no program: the scripts, and the recorded actions from their own starts."""
+
+
+Ask = Callable[[Observation], NDArray[np.float64]]
+"""Observation → (n, D) actions to carry out before the next look."""
 
 
 @dataclass(frozen=True)
@@ -48,10 +53,18 @@ class Order:
 
 @dataclass(frozen=True)
 class Outcome:
-    """The outcome of one start: a rollout, or why it is not counted."""
+    """The outcome of one start.
+
+    Args:
+        seed: of the start.
+        rollout: the episode; None if it is not counted.
+        actions: (T, D) that were carried out.
+        left_out: why it is not counted.
+    """
 
     seed: int
-    rollout: Rollout | None
+    rollout: Rollout | None = None
+    actions: NDArray[np.float64] | None = None
     left_out: str | None = None
 
 
@@ -74,7 +87,7 @@ class Rollouts:
     def policy(self) -> Policy:
         """The policy, made or connected when it is first needed."""
         name = self.order.policy
-        return RemotePolicy(name) if "://" in name else made_by(name)
+        return RemotePolicy(name) if "://" in name else LocalPolicy(name)
 
     def outcome(self, seed: int) -> Outcome:
         """Run the episode of a start.
@@ -83,44 +96,58 @@ class Rollouts:
             seed: of a drawn start; for ``replay``, the number of a recorded episode.
 
         Raises:
-            PolicyFailed: the policy answers wrongly, or not at all.
+            PolicyFailed, EndpointFailed: the policy answers wrongly, or not at all.
         """
-        if self.order.policy == REPLAY:
-            return Outcome(seed, self._followed(seed, self._recorded_actions(seed), {"episode": seed}))
         try:
-            observation, _ = self.env.reset(seed=seed)
+            observation = self.begun(seed)
         except InfeasibleScene as error:
-            return Outcome(seed, None, error.message)
+            return Outcome(seed, left_out=error.message)
+        if self.order.policy == REPLAY:
+            return self._played(seed, observation, self.following(self._recorded_actions(seed)))
         shown = self.env.expert() if self.order.solvable or self.order.policy == EXPERT else None
-        if self.order.policy == EXPERT and shown is not None:
-            return Outcome(seed, self._followed(seed, recorded_actions(shown.log)))
+        if shown is not None and self.order.policy == EXPERT:
+            return self._played(seed, observation, self.following(recorded_actions(shown.log)))
         if shown is not None and not shown.accepted:
-            return Outcome(seed, None, f"the expert fails: {shown.reason}")
+            return Outcome(seed, left_out=f"the expert fails: {shown.reason}")
         self.policy.reset()
-        return Outcome(seed, self._played(seed, observation, self._asked))
+        return self._played(seed, observation, self._asked)
+
+    def begun(self, seed: int) -> Observation:
+        """Begin the episode of a start; its first observation.
+
+        Raises:
+            InfeasibleScene: the objects do not stay where they are put.
+        """
+        start: dict[str, Any] = {"options": {"episode": seed}} if self.order.policy == REPLAY else {"seed": seed}
+        return self.env.reset(**start)[0]
+
+    @staticmethod
+    def following(actions: NDArray[np.float64]) -> Ask:
+        """Carries actions out; when they are over, the arms stay."""
+        left = iter([actions])
+        return lambda _: next(left, actions[-1:])
 
     def recorded(self) -> list[int]:
         """Numbers of the accepted episodes of the task."""
         chain = self.order.environment.chain
         return [e.index for e in accepted_episodes(RunFolder(self.order.run)) if e.chain == chain]
 
-    def _played(
-        self, seed: int, observation: Observation, ask: Callable[[Observation], NDArray[np.float64]]
-    ) -> Rollout:
+    def _played(self, seed: int, observation: Observation, ask: Ask) -> Outcome:
         """Act until the episode ends."""
-        sentence, over, actions, info = observation["instruction"], False, 0, {}
+        sentence, over, done, info = observation["instruction"], False, [], {}
         while not over:
-            for action in ask(observation)[: self.order.execute]:
-                observation, _, done, late, info = self.env.step(action)
-                actions, over = actions + 1, done or late
+            for action in ask(observation if not done else self.env.observe()):
+                success, late, info = self.env.act(action)
+                done.append(action)
+                over = success or late
                 if over:
                     break
         kept = {key: info[key] for key in ("success", "seconds", "goals", "touched", "lifted", "collisions")}
-        return Rollout(seed=seed, instruction=sentence, actions=actions, **kept)
+        return Outcome(seed, Rollout(seed=seed, instruction=sentence, actions=len(done), **kept), np.array(done))
 
     def _asked(self, observation: Observation) -> NDArray[np.float64]:
         answer = self.policy.infer(payload(observation, self.order.payload))
-        return checked_actions(answer, len(self.env.joint_names), self.order.policy)
+        return checked_actions(answer, len(self.env.joint_names), self.order.policy)[: self.order.execute]
 
     def _recorded_actions(self, index: int) -> NDArray[np.float64]:
         """(T, D) of a recorded episode."""
@@ -130,12 +157,6 @@ class Rollouts:
             raise UnknownName("accepted episode", str(index), map(str, found))
         with EpisodeReader(run.file(str(found[index].file))) as reader:
             return reader.episode.action
-
-    def _followed(self, seed: int, actions: NDArray[np.float64], start: Mapping[str, int] | None = None) -> Rollout:
-        """Carry recorded actions out; when they are over, the arms stay."""
-        observation, _ = self.env.reset(seed=None if start else seed, options=dict(start or {}))
-        left = iter(actions)
-        return self._played(seed, observation, lambda _: next(left, actions[-1])[None])
 
 
 @lru_cache(maxsize=1)

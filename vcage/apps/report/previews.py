@@ -46,11 +46,21 @@ def _preview(path: Path, fps: float) -> str | None:
         if not reader.cameras:
             return None
         tracks = [reader.images(camera) for camera in reader.cameras]
-        return _video_url((np.concatenate(row, axis=1) for row in zip(*tracks, strict=True)), fps)
+        return video_url(browser_video((np.concatenate(row, axis=1) for row in zip(*tracks, strict=True)), fps))
 
 
-def _video_url(frames: Iterable[np.ndarray], fps: float) -> str:
-    """Frames (H, W, 3) uint8 RGB."""
+def video_url(video: bytes) -> str:
+    """Return an MP4 as a data URL."""
+    return "data:video/mp4;base64," + base64.b64encode(video).decode()
+
+
+def browser_video(frames: Iterable[np.ndarray], fps: float) -> bytes:
+    """Return an MP4 that every browser plays.
+
+    Args:
+        frames: (H, W, 3) uint8 RGB each.
+        fps: frames per second.
+    """
     buffer = io.BytesIO()
     with av.open(buffer, "w", format="mp4") as container:
         stream = None
@@ -64,4 +74,4 @@ def _video_url(frames: Iterable[np.ndarray], fps: float) -> str:
             container.mux(stream.encode(av.VideoFrame.from_ndarray(np.asarray(even, np.uint8), format="yuv420p")))
         if stream is not None:
             container.mux(stream.encode())
-    return "data:video/mp4;base64," + base64.b64encode(buffer.getvalue()).decode()
+    return buffer.getvalue()

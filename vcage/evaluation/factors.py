@@ -1,0 +1,61 @@
+"""One factor of the differences between episodes, changed alone, to see what it costs a policy."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+from vcage.base.errors import UsageError
+from vcage.schema.randomisation import Look, LookRanges, Randomisation
+from vcage.sim.robots import load_randomisation
+
+Factor = Literal["light", "camera", "clutter", "colour", "height", "layout"]
+
+FACTORS: tuple[str, ...] = get_args(Factor)
+
+WIDEST = "full"
+"""Name of the ranges from which a changed factor is drawn."""
+
+
+def widened(ranges: Randomisation, factor: Factor) -> Randomisation:
+    """The ranges with one factor drawn as widely as the ranges ``full`` do; ``layout`` is none of them.
+
+    Raises:
+        UsageError: the factor is drawn as widely already.
+    """
+    full = load_randomisation(WIDEST)
+    of_look = {"light": "light", "camera": "cameras", "colour": "colours"}
+    of_world = {"clutter": "clutter", "height": "table_height"}
+    look, world = (
+        getattr(ranges, part).model_copy(update={n: getattr(getattr(full, part), n) for n in [names.get(factor)] if n})
+        for part, names in (("look", of_look), ("world", of_world))
+    )
+    if factor != "layout" and (look, world) == (ranges.look, ranges.world):
+        raise UsageError(
+            f"the ranges {ranges.name!r} draw the {factor} as widely as {WIDEST!r} do, so there is nothing to change",
+            hint="leave it out, or compare with narrower ranges: --randomise light",
+        )
+    return ranges.model_copy(update={"look": look, "world": world})
+
+
+@dataclass(frozen=True)
+class OtherLook:
+    """A look in which one factor alone is drawn from other ranges.
+
+    Args:
+        ranges: of that factor.
+        fields: of :class:`~vcage.schema.randomisation.Look` that belong to it.
+    """
+
+    ranges: LookRanges
+    fields: tuple[str, ...]
+
+    @classmethod
+    def of(cls, ranges: Randomisation, factor: Factor) -> OtherLook | None:
+        """The other look of a factor; None where the factor is none of looks."""
+        fields = {"light": ("lights", "ambient"), "camera": ("cameras",), "colour": ("tints",)}.get(factor)
+        return None if fields is None else cls(widened(ranges, factor).look, fields)
+
+    def change(self, look: Look, other: Look) -> Look:
+        """A look with the factor of the ``other``."""
+        return look.model_copy(update={name: getattr(other, name) for name in self.fields})
