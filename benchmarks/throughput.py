@@ -1,4 +1,7 @@
-"""Verified episodes per hour of a two-step task, by one process and by two; memory and processor time beside."""
+"""Verified episodes per hour of a two-step task, by one process and by two; memory and processor time beside.
+
+Then the environment of the same run: steps per CPU second with and without pictures, and memory over resets.
+"""
 
 from __future__ import annotations
 
@@ -18,6 +21,7 @@ from typing import Any
 import numpy as np
 import psutil
 
+from benchmarks._environment_steps import acted
 from vcage.base.errors import VcageError
 from vcage.base.files import RunFolder
 from vcage.base.workers import cores
@@ -41,32 +45,41 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options of this benchmark."""
     parser.add_argument("--episodes", type=int, default=20, help="to collect each time (default: 20; quick: 4)")
     parser.add_argument("--workers", type=int, nargs="+", default=[1, 2], help="numbers of processes (default: 1 2)")
+    parser.add_argument("--steps", type=int, default=300, help="of the environment (default: 300; quick: 60)")
+    parser.add_argument("--resets", type=int, default=100, help="of the environment (default: 100; quick: 12)")
 
 
-def run(quick: bool, episodes: int, workers: list[int]) -> dict[str, Any]:
-    """Collect the same episodes with each number of processes.
+def run(quick: bool, episodes: int, workers: list[int], steps: int, resets: int) -> dict[str, Any]:
+    """Collect the same episodes with each number of processes, and act in the environment of the run.
 
     Each row: ``episodes_per_hour`` that were verified, start of the processes included; ``peak_mb``, the most that the
     largest process held; ``mb_per_episode``, by how much the largest process grew with every episode after the first
     few (least squares); ``cpu_seconds`` as of the last look, one every :data:`WATCHED` s, and ``cpu_share`` of all
-    cores. ``speedup`` is that of the last number over the first.
+    cores. ``speedup`` is that of the last number over the first. ``environment`` has rows without and with pictures
+    (:func:`~benchmarks._environment_steps.acted`).
 
     Args:
-        quick: four episodes.
+        quick: four episodes, 60 steps, 12 resets.
         episodes: to collect.
         workers: numbers of processes.
+        steps: of the environment.
+        resets: of the environment.
     """
-    rows = []
+    rows, environment = [], []
     with tempfile.TemporaryDirectory() as folder:
         first = _begun(Path(folder) / "begun")
-        steps = len(Subtasks.read(first.subtasks).chains[0].subtasks)
+        subtasks = len(Subtasks.read(first.subtasks).chains[0].subtasks)
         for count in workers:
             rows.append(_collected(first, Path(folder) / f"with-{count}", count, 4 if quick else episodes))
             logger.info("%s", rows[-1])
+        for pictures in (False, True):
+            environment.append(acted(first, pictures, 60 if quick else steps, 12 if quick else resets))
+            logger.info("%s", environment[-1])
     return {
         "rows": rows,
         "speedup": round(rows[-1]["episodes_per_hour"] / rows[0]["episodes_per_hour"], 2),
-        "steps": steps,
+        "environment": environment,
+        "steps": subtasks,
         "cores": cores(),
     }
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import gymnasium
 import numpy as np
+import psutil
 import pyarrow.parquet as pq
 import pytest
 from gymnasium.utils.env_checker import check_env
@@ -131,6 +132,23 @@ def test_an_action_that_is_none_is_refused(env: RunEnv, action: np.ndarray, comp
     env.reset(seed=0)
     with pytest.raises(UsageError, match=complaint):
         env.step(action)
+
+
+@pytest.mark.slow
+def test_resets_take_no_more_and_more_memory(env: RunEnv) -> None:
+    held = []
+    for seed in range(20):
+        env.reset(seed=seed)
+        held.append(psutil.Process().memory_info().rss / 1e6)
+    assert held[-1] - held[4] < 5  # megabytes; without forgetting, 0.7 for each
+
+
+def test_without_pictures_nothing_is_drawn(finished: Finished, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sapien.render.RenderSystem", None)
+    monkeypatch.setattr("vcage.evaluation.acting.look_world", None)
+    blind = make_env(finished.run.root, finished.context, pictures=False)
+    seen, _ = blind.reset(seed=2)
+    assert "pixels" not in seen and "pixels" not in blind.step(seen["agent_pos"])[0]
 
 
 def test_before_a_reset_there_is_nothing_to_act_in(finished: Finished) -> None:

@@ -5,6 +5,7 @@ Each reset draws a layout and a look as collecting does, from random streams tha
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 
 from vcage.base.errors import MissingStage, UnknownName, UsageError
 from vcage.base.files import RunFolder
+from vcage.base.memory import forget
 from vcage.episodes.beginnings import Beginnings
 from vcage.evaluation.acting import Acting
 from vcage.evaluation.attained import Task
@@ -143,13 +145,13 @@ class RunEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             UnknownName: there is no recorded episode of that number.
         """
         super().reset(seed=seed)
+        self.close()
         recorded = (options or {}).get("episode")
         if recorded is None:
             number = int(self.np_random.integers(2**31)) if seed is None else seed
             start = EpisodeStart.drawn_by(self._beginnings, self.seed, number, self._other_look)
         else:
             start = EpisodeStart.recorded(self._run, int(recorded), self._context)
-        self.close()
         self._episode = Acting(start, self._task, self.fps, self.cameras, self._observed_state)
         return self._episode.observation(), self._episode.info()
 
@@ -202,7 +204,12 @@ class RunEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     def close(self) -> None:
         """Forget the episode and its worlds."""
+        if self._episode is None:
+            return
         self._episode = None
+        forget()
+        if self.cameras:
+            gc.collect()  # worlds contain reference cycles, and Python does not count the memory of a driver
 
     def _begun(self) -> Acting:
         if self._episode is None:
