@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -12,11 +13,11 @@ import pytest
 
 from tests.evaluation.policy_server import policy_server
 from tests.run_folders import Finished, command
-from vcage.base.errors import InputFileError, StaleStage, UsageError
+from vcage.base.errors import InputFileError, MissingStage, StaleStage, UsageError
 from vcage.base.videos import pictures
 from vcage.evaluation.comparison import compare
 from vcage.evaluation.environment import EnvironmentOptions, RunEnv
-from vcage.evaluation.evaluate import RECORD, Amount, evaluate
+from vcage.evaluation.evaluate import RECORD, Amount, actions_file, evaluate
 from vcage.evaluation.factors import Factor
 from vcage.evaluation.filming import chosen
 from vcage.evaluation.policy import PolicyFailed
@@ -263,3 +264,44 @@ def test_an_error_of_a_policy_is_told_with_its_traceback(finished: Finished, cap
     assert (done.code, done.error["code"]) == (5, "policy_failed")
     assert "raises RuntimeError: no weights" in done.error["message"]
     assert "Traceback" in done.error["details"]["traceback"]
+
+
+def test_starts_from_which_the_expert_fails_are_left_out_and_others_take_their_place(
+    finished: Finished, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fails(env: RunEnv) -> SimpleNamespace:
+        assert env._episode is not None
+        return SimpleNamespace(accepted=env._episode.start.origin["seed"] % 2 == 1, reason="it slipped")
+
+    monkeypatch.setattr(RunEnv, "expert", fails)
+    record = evaluate(order(finished, "tests.evaluation.test_evaluate:Still"), Amount(episodes=2), tmp_path)
+    assert [one.seed for one in record.rollouts] == [100_001, 100_003]
+    assert record.left_out == {100_000: "the expert fails: it slipped", 100_002: "the expert fails: it slipped"}
+    again = evaluate(order(finished, "tests.evaluation.test_evaluate:Still"), Amount(episodes=2), tmp_path)
+    assert again == record == Evaluation.read(tmp_path / RECORD)
+
+
+def test_a_run_without_a_start_that_the_expert_solves_is_given_up(
+    finished: Finished, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(RunEnv, "expert", lambda _env: SimpleNamespace(accepted=False, reason="it slipped"))
+    with pytest.raises(MissingStage, match="none of 2 starts is counted; the last: the expert fails: it slipped"):
+        still = order(finished, "tests.evaluation.test_evaluate:Still")
+        evaluate(still, Amount(episodes=2, most_left_out=2), tmp_path)
+
+
+@pytest.mark.slow
+def test_processes_count_the_same_starts_with_the_same_outcome(finished: Finished, tmp_path: Path) -> None:
+    still = order(finished, "tests.evaluation.test_evaluate:Still")
+    one, two = (evaluate(still, Amount(episodes=3), tmp_path / str(n), workers=n) for n in (1, 2))
+    assert one == two
+
+
+def test_the_actions_of_an_episode_give_it_again(finished: Finished, tmp_path: Path) -> None:
+    patient = replace(BLIND, max_steps=80)
+    done = evaluate(order(finished, "expert", environment=patient), Amount(episodes=1), tmp_path).rollouts[0]
+    env = RunEnv(finished.run.root, patient, finished.context)
+    env.reset(seed=done.seed)
+    for action in np.load(actions_file(tmp_path, done.seed)):
+        success, _, info = env.act(action)
+    assert success and (info["seconds"], info["goals"]) == (done.seconds, done.goals)

@@ -183,6 +183,11 @@ class EpisodeData:
         """The instruction in the wording drawn for the episode."""
         return str(self.meta.get("task", self.instruction))
 
+    @property
+    def targets(self) -> NDArray[np.float64]:
+        """(T, D) joint positions that were commanded at the frames themselves; the arms begin where they are."""
+        return np.concatenate([self.qpos[:1], self.action[:-1]])
+
     def digest(self) -> str:
         """Return the hex SHA-256 of all but the pictures."""
         facts = json.dumps([self.fps, self.state_names, repr(self.segments), self.meta], sort_keys=True)

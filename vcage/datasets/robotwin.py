@@ -59,9 +59,7 @@ def export_robotwin(reader: EpisodeReader, out: Path) -> Path:
     with new_hdf5(out) as file:
         file.attrs.update({"fps": episode.fps, "instruction": episode.instruction, "robot": str(episode.meta["robot"])})
         file.attrs[COLOURS] = "swapped"
-        # the arms begin where they are told to be
-        targets = np.concatenate([episode.qpos[:1], episode.action[:-1]])
-        _write_joints(file.create_group("joint_action"), targets, parts)
+        _write_joints(file.create_group("joint_action"), episode.targets, parts)
         _write_joints(file.create_group("joint_state"), episode.qpos, parts)
         for name, track in episode.cameras.items():
             group = file.create_group(f"observation/{CAMERA_NAMES.get(name, name)}")

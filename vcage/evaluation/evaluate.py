@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from vcage.base.errors import MissingStage, StaleStage, UsageError
 from vcage.base.files import RunFolder, atomic_path, sha256_file
+from vcage.base.hold import held
 from vcage.base.progress import Progress, silent
 from vcage.base.workers import Processes, SameProcess
 from vcage.evaluation.episode_start import EVALUATION_STREAM
@@ -65,13 +66,18 @@ def evaluate(
         StaleStage: ``out`` holds another evaluation.
         MissingStage: the run lacks a stage, or no start of it is counted.
         UsageError: more recorded episodes are to be replayed than there are.
+        FolderInUse: another process evaluates there.
     """
-    path = out / RECORD
     wanted = planned(order, amount)
-    if force:
-        for name in KEPT:
-            shutil.rmtree(out / name, ignore_errors=True)
-    record = wanted if force else _begun(path, wanted)
+    with held(RunFolder(out).make().root):
+        return _evaluated(order, amount, _begun(out, wanted, force), out, workers, progress)
+
+
+def _evaluated(
+    order: Order, amount: Amount, record: Evaluation, out: Path, workers: int, progress: Progress
+) -> Evaluation:
+    """Add the outcomes that a record lacks."""
+    path = out / RECORD
     if record.rollouts:
         logger.info("%s holds %d episodes already; --force begins anew", path, len(record.rollouts))
     running, known = set[int](), {rollout.seed for rollout in record.rollouts} | {*record.left_out}
@@ -126,13 +132,17 @@ def planned(order: Order, amount: Amount) -> Evaluation:
     )
 
 
-def _begun(path: Path, wanted: Evaluation) -> Evaluation:
+def _begun(out: Path, wanted: Evaluation, force: bool) -> Evaluation:
     """The evaluation to go on with.
 
     Raises:
-        StaleStage: the file holds another one; names what differs.
+        StaleStage: the folder holds another one; names what differs.
     """
-    if not path.exists():
+    path = out / RECORD
+    if force or not path.exists():
+        path.unlink(missing_ok=True)
+        for name in KEPT:
+            shutil.rmtree(out / name, ignore_errors=True)
         return wanted
     record = Evaluation.read(path)
     ours, theirs = (

@@ -48,7 +48,7 @@ def log_joints(log: RerunLog, clock: Clock, episode: EpisodeData) -> list[Plot]:
     grippers, velocities = [], []
     for column, name in enumerate(episode.state_names):
         colour = _colour(column)
-        where = _log_joint(log, clock, name, colour, episode.qpos[:, column], episode.action[:, column])
+        where = _log_joint(log, clock, name, colour, episode.qpos[:, column], episode.targets[:, column])
         together = grippers if column in episode.grippers else arms.setdefault(name.partition("_")[0], [])
         together.append(where)
         velocities.append(entity("velocities", name))
