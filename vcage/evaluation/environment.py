@@ -89,7 +89,7 @@ class RunEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     Attributes:
         joint_names: of the D numbers of ``agent_pos`` and of an action.
         state_layout: order of the numbers of ``environment_state``.
-        seed: of the run's scene.
+        scene_seed: seed of the run's scene.
 
     Args:
         run: folder of a run with a layout and sub-tasks.
@@ -132,7 +132,7 @@ class RunEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self.observation_space = observation_space(self._robot, self.cameras, self._observed_state, words)
         self._lower, self._upper = self._limits()
         self.action_space = gymnasium.spaces.Box(self._lower, self._upper, dtype=np.float32)
-        self.seed = int(self._scene.provenance.seed)
+        self.scene_seed = int(self._scene.provenance.seed)
         self._episode: Acting | None = None
 
     # --- Gymnasium ------------------------------------------------------------------------------------
@@ -149,7 +149,7 @@ class RunEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         recorded = (options or {}).get("episode")
         if recorded is None:
             number = int(self.np_random.integers(2**31)) if seed is None else seed
-            start = EpisodeStart.drawn_by(self._beginnings, self.seed, number, self._other_look)
+            start = EpisodeStart.drawn_by(self._beginnings, self.scene_seed, number, self._other_look)
         else:
             start = EpisodeStart.recorded(self._run, int(recorded), self._context)
         self._episode = Acting(start, self._task, self.fps, self.cameras, self._observed_state)

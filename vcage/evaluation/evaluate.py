@@ -113,7 +113,7 @@ def planned(order: Order, amount: Amount) -> Evaluation:
         policy=order.policy,
         run=str(order.run),
         task=env.task_description,
-        seeds=SeedSplit(scene=env.seed, stream=EVALUATION_STREAM, first=amount.first_seed),
+        seeds=SeedSplit(scene=env.scene_seed, stream=EVALUATION_STREAM, first=amount.first_seed),
         starts={
             **options,
             "max_steps": env._max_episode_steps,
