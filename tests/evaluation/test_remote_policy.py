@@ -91,9 +91,11 @@ def test_a_late_answer_is_an_error() -> None:
         RemotePolicy(address, late).infer(OBSERVATION)
 
 
-def test_a_server_that_is_not_there_is_named() -> None:
+def test_a_server_that_is_not_there_is_waited_for_and_named(caplog: pytest.LogCaptureFixture) -> None:
+    caplog.set_level("INFO")
     with pytest.raises(EndpointFailed, match=r"ws://127\.0\.0\.1:9 cannot be reached within 0\.2 s"):
         RemotePolicy("ws://127.0.0.1:9", QUICK).infer(OBSERVATION)
+    assert [one.getMessage().startswith("waiting for ws://127.0.0.1:9") for one in caplog.records] == [True]
 
 
 @pytest.mark.parametrize("address", ["http://127.0.0.1:8000", "ws://", "127.0.0.1:8000"])

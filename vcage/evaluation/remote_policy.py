@@ -98,7 +98,7 @@ class RemotePolicy:
 
     def _connected(self) -> ClientConnection:
         """A connection whose first message, the metadata, was read."""
-        until = time.monotonic() + self.settings.connect_s
+        until, told = time.monotonic() + self.settings.connect_s, False
         while True:
             try:
                 # Neither pings nor a proxy: a server that compiles answers no ping, and loopback needs no proxy.
@@ -118,6 +118,9 @@ class RemotePolicy:
                         f"{self.address} cannot be reached within {self.settings.connect_s:g} s: {error}",
                         hint="start the policy server, or check the address",
                     ) from error
+                if not told:
+                    logger.info("waiting for %s: %s", self.address, error)
+                told = True
                 time.sleep(self.settings.pause_s)
         self.metadata = self._message(found)
         return found
