@@ -1,56 +1,41 @@
-"""A small policy trained on the same episodes as raw pictures, as ours compresses them, and as LeRobot encodes them.
+"""A policy trained on an export of states, served, and evaluated by ``vcage evaluate`` in layouts never seen.
 
-The paper's table II on the scale of two cores: an ACT-like policy (``benchmarks/_policy/network.py``) is trained on
-pictures of each encoding, with several seeds, which are paired: the same first weights and the same frames in the same
-order. It is also trained on raw pictures of as many episodes with a fixed layout. All are tested on held-out episodes
-of layouts that no training has seen, on their raw pictures: the test is of the learned policy, not of its input.
-Pictures are made small, which averages away a part of the encoder's effect (``benchmarks/_policy/demonstrations.py``).
+A small network (``benchmarks/_policy/network.py``) learns from the columns of an exported LeRobot data set: joints,
+grippers, and poses of objects in the frames of the grippers. It is served behind openpi's protocol in a process of its
+own, and evaluated through the command as any policy of a lab would be. The rows differ in their data: layouts drawn
+for every episode, or the optimised layout with small shifts; all are evaluated on the same drawn layouts.
 
-Then policies do the task in the simulator, from the starts of held-out episodes in other lights: the k-th rollouts of
-all rows have the same start and light, and the policies of a row's seeds take turns. ``replayed`` counts the recorded
-actions of these episodes, executed in the same way: losses there are not the policies' fault.
-
-Episodes, small pictures and weights are kept in ``--data``, and an interrupted run goes on where it was.
+Episodes, weights and evaluations are kept in ``--data``, and an interrupted run goes on where it was.
 """
 
 from __future__ import annotations
 
 import argparse
-import hashlib
 import json
 import logging
+import subprocess
+import sys
 import time
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
-import numpy as np
-
-from benchmarks._policy.collected import Task
-from benchmarks._policy.demonstrations import ENCODINGS, Demonstrations, View, load
-from benchmarks._policy.network import Size
-from benchmarks._policy.rollouts import Outcome, Rollouts
-from benchmarks._policy.training import Policy, Settings, errors, named, still, trained
-from vcage.base.errors import UsageError
-from vcage.base.files import cache_dir
-from vcage.base.proportions import LEVEL
-from vcage.schema.episodes import CountedShare
+from benchmarks._policy.collected import Layout, Task, exported
+from benchmarks._policy.demonstrations import Demonstrations
+from benchmarks._policy.training import Training, trained
+from vcage.base.errors import UsageError, VcageError
+from vcage.base.files import RunFolder, atomic_path, cache_dir
 
 logger = logging.getLogger(__name__)
 
 INSTRUCTION = "Put the block on the plate"
 """One sub-task, about four seconds long, among other things that stand about."""
 
-ROBOT = "aloha_agilex"
+ROBOT = "dual_panda"
 
-CAMERAS = ("cam_high", "cam_left_wrist", "cam_right_wrist")
-"""Those that openpi's ALOHA policies take."""
-
-VIEW = View(CAMERAS, 96, 128)
-
-COMPARED = (("raw/varied", "ours/varied"), ("raw/varied", "lerobot/varied"), ("raw/varied", "raw/fixed"))
-"""Pairs of rows with a reported difference."""
+LAYOUTS: tuple[Layout, ...] = get_args(Layout)
 
 
 @dataclass(frozen=True)
@@ -58,189 +43,116 @@ class Plan:
     """Amount of work.
 
     Args:
-        episodes: of training, of each kind of layout.
-        held_out: episodes of testing.
+        episodes: of training, of each row.
         seeds: trainings of each row.
-        steps: of each training.
-        rollouts: of each row.
+        minutes: of each training.
+        rollouts: of each policy.
     """
 
-    episodes: int = 100
-    held_out: int = 30
-    seeds: int = 3
-    steps: int = 1500
-    rollouts: int = 50
+    episodes: int = 300
+    seeds: int = 1
+    minutes: float = 30.0
+    rollouts: int = 100
 
 
-QUICK = Plan(episodes=3, held_out=2, seeds=2, steps=5, rollouts=1)
+QUICK = Plan(episodes=3, seeds=1, minutes=0.1, rollouts=1)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
-    for name, what in (
-        ("episodes", "of training, of each kind of layout"),
-        ("held-out", "episodes of testing"),
-        ("seeds", "trainings of each row, at least 2"),
-        ("steps", "of each training"),
-        ("rollouts", "of each row in the simulator, 0 for none"),
+    for name, kind, what in (
+        ("episodes", int, "of training, of each row"),
+        ("seeds", int, "trainings of each row"),
+        ("minutes", float, "of each training"),
+        ("rollouts", int, "of each policy"),
     ):
-        of = name.replace("-", "_")
-        default = f"default: {getattr(Plan, of)}, with --quick {getattr(QUICK, of)}"
-        parser.add_argument(f"--{name}", type=int, help=f"{what} ({default})")
+        default = f"default: {getattr(Plan, name)}, with --quick {getattr(QUICK, name)}"
+        parser.add_argument(f"--{name}", type=kind, help=f"{what} ({default})")
+    parser.add_argument("--instruction", default=INSTRUCTION, help="the task (default: %(default)s)")
+    parser.add_argument("--robot", default=ROBOT, help="who does it (default: %(default)s)")
+    parser.add_argument("--layouts", default="varied,fixed", help="rows, with commas (default: %(default)s)")
     parser.add_argument("--data", type=Path, help="where episodes and weights are kept (default: the user's cache)")
-    parser.add_argument("--robot", default=ROBOT, help=f"who does it (default: {ROBOT})")
-    parser.add_argument("--cameras", default=",".join(CAMERAS), help="that the policy sees (default: %(default)s)")
-    parser.add_argument("--workers", type=int, help="processes that collect (default: as many as cores)")
+    parser.add_argument("--workers", type=int, default=2, help="processes that collect and evaluate (default: 2)")
 
 
 def run(
     quick: bool,
-    data: Path | None = None,
+    instruction: str = INSTRUCTION,
     robot: str = ROBOT,
-    cameras: str = ",".join(CAMERAS),
-    workers: int | None = None,
-    **chosen: int | None,
+    layouts: str = "varied,fixed",
+    data: Path | None = None,
+    workers: int = 2,
+    **chosen: Any,
 ) -> dict[str, Any]:
-    """A row for each training set: its encoding and its layouts.
+    """A row for each policy: its data, and its evaluation.
 
-    - ``bytes``: of the pictures that the policy's cameras took, at their full size; raw is uncompressed RGB.
-    - ``error_rad``: mean L1 error of a predicted chunk on held-out episodes over all joints, radians, with its interval
-      at 95 % over seeds (Student's t); ``error_gripper``: the same of the openings, from 0 to 1, without interval.
-    - ``touched``, ``lifted``: rollouts in which a hand touched the object to move, or held it above its old place.
-    - ``success``: rollouts that completed the task; ``success_low``, ``success_high``: its Wilson interval at 95 %.
-    - ``seconds``: of training, all seeds together; none where all weights were kept from before.
-    - ``held_out``: its ``still`` is the error of a policy that never moves, which the others must be held against.
-    - ``differences``: of ``error_rad``, paired by seed, with the interval at 95 %; ``within`` says that it holds 0.
+    - ``episodes``, ``frames``: that it was trained on; ``minutes``: of training, wall time.
+    - all figures of ``vcage evaluate``: ``n_success`` of ``n_episodes``, ``pc_success_ci95`` (Wilson), ``furthest``
+      (how far the episodes came), ``left_out`` (layouts in which the expert fails, too).
 
     Args:
-        quick: a few episodes and steps, which show that it runs, and nothing more.
-        data: where episodes and weights are kept.
+        quick: a few episodes and seconds, which show that it runs, and nothing more.
+        instruction: the task.
         robot: who does it.
-        cameras: names with commas.
-        workers: processes that collect.
+        layouts: rows, with commas.
+        data: where episodes and weights are kept.
+        workers: processes.
         chosen: fields of :class:`Plan`.
+
+    Raises:
+        UsageError: a row that is none.
     """
     plan = replace(QUICK if quick else Plan(), **{k: v for k, v in chosen.items() if v is not None})
-    if plan.seeds < 2:
-        raise UsageError(f"--seeds is {plan.seeds}, expected at least 2: an interval needs two")
-    view = replace(VIEW, cameras=tuple(cameras.split(",")))
-    task = Task(INSTRUCTION, robot, data or cache_dir("benchmarks", "policy"), workers)
-    held_out = task.held_out(plan.held_out)
-    others = load(held_out, plan.held_out, "raw", view)
-    rollouts = Rollouts(held_out, plan.held_out, view)
-    rows = [Row(name, demonstrations, plan, task.data / "policies") for name, demonstrations in _sets(task, plan, view)]
-    for seed in range(plan.seeds):  # in turn, so that other load on the machine slows all down alike
-        for row in rows:
-            row.train(seed, others)
-    for number in range(plan.rollouts):
-        for row in rows:
-            row.roll_out(number, rollouts)
-    return {
-        "rows": [row.figures() for row in rows],
-        "differences": differences({row.name: row.errors_rad for row in rows}),
-        "replayed": _counted(sum(map(rollouts.replayed, range(len(rollouts)))), len(rollouts)),
-        "held_out": {"episodes": len(rollouts), "frames": len(others), "still": still(others, Size.chunk)},
-        "seeds": plan.seeds,
-        "view": vars(view),
-        "settings": named(Settings(plan.steps)),
-    }
+    rows = [layout for layout in LAYOUTS if layout in layouts.split(",")]
+    if wrong := {*layouts.split(",")} - {*LAYOUTS}:
+        raise UsageError(f"--layouts knows {', '.join(LAYOUTS)}, not {', '.join(sorted(wrong))}")
+    folder = (data or cache_dir("benchmarks", "policy")) / robot / "-".join(instruction.lower().split())
+    task = Task(instruction, robot, folder, workers)
+    runs = {row: task.collected(plan.episodes, row) for row in rows}
+    evaluated_in = runs.get("varied") or task.collected(plan.episodes, "varied")
+    found = [
+        _row(row, runs[row], evaluated_in, Training(minutes=plan.minutes, seed=seed), plan, task)
+        for seed in range(plan.seeds)
+        for row in rows
+    ]
+    return {"instruction": instruction, "robot": robot, "training": asdict(Training(plan.minutes)), "rows": found}
 
 
-def _sets(task: Task, plan: Plan, view: View) -> list[tuple[str, Demonstrations]]:
-    """The training sets by name."""
-    varied, fixed = task.varied(plan.episodes), task.fixed(plan.episodes)
-    encoded = [(f"{encoding}/varied", load(varied, plan.episodes, encoding, view)) for encoding in ENCODINGS]
-    return [*encoded, ("raw/fixed", load(fixed, plan.episodes, "raw", view))]
+def _row(
+    name: str, source: RunFolder, evaluated_in: RunFolder, training: Training, plan: Plan, task: Task
+) -> dict[str, Any]:
+    demonstrations = Demonstrations.read(exported(source), plan.episodes)
+    weights = task.data / f"{name}-{plan.episodes}-{plan.minutes:g}min-seed{training.seed}.pt"
+    if not weights.exists():
+        logger.info("%s, seed %d: training for %g minutes", name, training.seed, training.minutes)
+        with atomic_path(weights) as part:
+            trained(demonstrations, task.robot, training).write(part)
+    facts = _evaluated(evaluated_in, weights, plan.rollouts, task.workers or 1)
+    counts = {"episodes": len(demonstrations.ends), "frames": len(demonstrations.states)}
+    return {"trained_on": name, "seed": training.seed, "minutes": training.minutes, **counts, **facts}
 
 
-class Row:
-    """A training set, its policies, and what came of them.
-
-    Args:
-        name: encoding and layouts.
-        demonstrations: of the set.
-        plan: how much is done.
-        kept: folder of the weights.
-    """
-
-    def __init__(self, name: str, demonstrations: Demonstrations, plan: Plan, kept: Path):
-        self.name, self._demonstrations, self._plan, self._kept = name, demonstrations, plan, kept
-        self._settings = Settings(plan.steps)
-        self._digest = hashlib.sha256(json.dumps(named(self._settings)).encode())
-        for array in (demonstrations.pictures, demonstrations.actions):
-            self._digest.update(np.ascontiguousarray(array).data)
-        self._policies: list[Policy] = []
-        self._errors: list[dict[str, float]] = []
-        self._outcomes: list[Outcome] = []
-        self._seconds = 0.0
-
-    @property
-    def errors_rad(self) -> list[float]:
-        """Of each seed."""
-        return [error["error_rad"] for error in self._errors]
-
-    def train(self, seed: int, others: Demonstrations) -> None:
-        """Train a policy, and test it on the others."""
-        path = self._kept / f"{self.name.replace('/', '-')}-{seed}-{self._digest.hexdigest()[:12]}.pt"
-        kept, started = path.exists(), time.perf_counter()
-        policy = trained(self._demonstrations, self._settings, seed, f"{self.name}, seed {seed}", path)
-        self._seconds += 0.0 if kept else time.perf_counter() - started
-        self._policies.append(policy)
-        self._errors.append(errors(policy, others))
-        logger.info("%s, seed %d: %s", self.name, seed, self._errors[-1])
-
-    def roll_out(self, number: int, rollouts: Rollouts) -> None:
-        """Let the policy whose turn it is do the task."""
-        policy = self._policies[(number // len(rollouts) + number) % len(self._policies)]
-        self._outcomes.append(rollouts.outcome(policy, number))
-        logger.info("%s, rollout %d: %s", self.name, number + 1, self._outcomes[-1])
-
-    def figures(self) -> dict[str, Any]:
-        """Of all that was done."""
-        low, high = interval(self.errors_rad)
-        success = CountedShare.counted(sum(o.done for o in self._outcomes), len(self._outcomes))
-        return {
-            "trained_on": self.name,
-            "episodes": len(self._demonstrations.ends),
-            "frames": len(self._demonstrations),
-            "bytes": self._demonstrations.bytes,
-            "error_rad": round(float(np.mean(self.errors_rad)), 5),
-            "error_rad_low": round(low, 5),
-            "error_rad_high": round(high, 5),
-            "error_gripper": round(float(np.mean([error["error_gripper"] for error in self._errors])), 5),
-            "touched": sum(o.touched for o in self._outcomes),
-            "lifted": sum(o.lifted for o in self._outcomes),
-            "success": success.some,
-            "rollouts": success.of,
-            "success_low": success.low,
-            "success_high": success.high,
-            "seconds": round(self._seconds, 1) or None,
-        }
+def _evaluated(run: RunFolder, weights: Path, rollouts: int, workers: int) -> dict[str, Any]:
+    """Serve weights and evaluate them; the summary of ``vcage evaluate``."""
+    with served(weights) as address:
+        command = [sys.executable, "-m", "vcage.cli.main", "evaluate", str(run.root), "--policy", address]
+        command += ["--episodes", str(rollouts), "--workers", str(workers), "--no-pictures", "--environment-state"]
+        begun = time.perf_counter()
+        out = run.root / "evaluations" / weights.stem
+        done = subprocess.run([*command, "--out", str(out), "--force"], stdout=subprocess.PIPE, text=True)
+    if done.returncode != 0:
+        raise VcageError(f"vcage evaluate ended with {done.returncode}: {done.stdout[-500:]}")
+    facts = json.loads(done.stdout.splitlines()[-1])["summary"]
+    logger.info("%s: %s of %s in %.0f s", weights.stem, facts["n_success"], rollouts, time.perf_counter() - begun)
+    return facts
 
 
-def differences(found: Mapping[str, Sequence[float]]) -> dict[str, dict[str, Any]]:
-    """Difference of each pair of :data:`COMPARED`, the second less the first, seed by seed."""
-    told = {}
-    for first, second in COMPARED:
-        by_seed = np.subtract(found[second], found[first])
-        low, high = interval(by_seed)
-        told[f"{second} - {first}"] = {
-            "mean": round(float(by_seed.mean()), 5),
-            "low": round(low, 5),
-            "high": round(high, 5),
-            "within": bool(low <= 0 <= high),
-        }
-    return told
-
-
-def interval(values: Sequence[float] | np.ndarray) -> tuple[float, float]:
-    """Student's t interval of the mean of a few values at 95 %."""
-    from scipy.stats import t
-
-    mean, error = float(np.mean(values)), float(np.std(values, ddof=1)) / len(values) ** 0.5
-    reach = float(t.ppf((1 + LEVEL) / 2, len(values) - 1)) * error
-    return mean - reach, mean + reach
-
-
-def _counted(some: int, of: int) -> dict[str, Any]:
-    return CountedShare.counted(some, of).model_dump()
+@contextmanager
+def served(weights: Path) -> Iterator[str]:
+    """Serve a policy in a process of its own; its address."""
+    command = [sys.executable, "-m", "benchmarks._policy.serve", str(weights)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
+        try:
+            yield (server.stdout.readline() if server.stdout else "").strip()
+        finally:
+            server.terminate()

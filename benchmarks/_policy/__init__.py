@@ -1,1 +1,1 @@
-"""The parts of the policy benchmark."""
+"""A small policy that learns from an export, and the parts of the policy benchmark."""

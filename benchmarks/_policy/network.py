@@ -1,16 +1,18 @@
-"""A small policy that predicts chunks of actions from pictures, after ACT (Zhao et al. 2023, arXiv:2304.13705).
+"""A network that predicts some alternative chunks of actions, and which of them is right.
 
-Of ACT it has convolutions over the pictures of each camera, a transformer over their cells and the state, and one query
-per action of the chunk; sized down to two cores. It has no variational latent, which models how demonstrators differ:
-here all demonstrations come from one planner.
+A planner takes this arm or that, and grasps a block from this side or that: of two ways that are as good, a mean is
+none. So each alternative is trained on the demonstrations that it predicts best (A. Guzmán-Rivera et al., "Multiple
+Choice Learning", NeurIPS 2012), and a classifier learns which that will be.
 """
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import torch
 from torch import nn
+from torch.nn.functional import cross_entropy
 
 
 @dataclass(frozen=True)
@@ -19,49 +21,49 @@ class Size:
 
     Args:
         chunk: actions that it predicts at once.
-        width: of the transformer's tokens.
-        heads, layers: of its encoder; the decoder has one layer, as ACT's in effect.
+        width, layers: of its hidden layers.
+        ways: alternative chunks.
     """
 
-    chunk: int = 20
-    width: int = 64
-    heads: int = 4
-    layers: int = 2
+    chunk: int = 16
+    width: int = 768
+    layers: int = 4
+    ways: int = 6
 
 
 class ChunkPolicy(nn.Module):
-    """Pictures and a state → a chunk of actions, all normalised.
+    """Features → alternative chunks, and the score of each.
 
     Args:
-        cameras: C, whose pictures share the convolutions.
-        height, width: of the pictures, pixels.
-        numbers: D of a state and of an action.
+        features: F numbers of an input.
+        numbers: D of an action.
         size: of the network.
     """
 
-    def __init__(self, cameras: int, height: int, width: int, numbers: int, size: Size):
+    def __init__(self, features: int, numbers: int, size: Size):
         super().__init__()
-        w = size.width
-        # Large steps and no normalisation: on a processor the first maps cost the most.
-        self.cells = nn.Sequential(
-            nn.Conv2d(3, w // 2, 8, 4, 2), nn.ReLU(),
-            nn.Conv2d(w // 2, w, 3, 2, 1), nn.ReLU(),
-            nn.Conv2d(w, w, 3, 2, 1),
-        )  # fmt: skip
-        cells = self.cells(torch.zeros(1, 3, height, width)).shape[2:].numel()
-        self.state = nn.Linear(numbers, w)
-        self.places = nn.Parameter(0.02 * torch.randn(1, cameras * cells + 1, w))
-        self.queries = nn.Parameter(0.02 * torch.randn(1, size.chunk, w))
-        layer = {"d_model": w, "nhead": size.heads, "dim_feedforward": 4 * w, "dropout": 0.0, "batch_first": True}
-        encoder = nn.TransformerEncoderLayer(**layer, norm_first=True)
-        self.encoder = nn.TransformerEncoder(encoder, size.layers, nn.LayerNorm(w), enable_nested_tensor=False)
-        self.decoder = nn.TransformerDecoderLayer(**layer, norm_first=True)
-        self.actions = nn.Sequential(nn.LayerNorm(w), nn.Linear(w, numbers))
+        self.size, self.numbers = size, numbers
+        widths = [features, *[size.width] * size.layers]
+        layers = [nn.Sequential(nn.Linear(a, b), nn.LayerNorm(b), nn.GELU()) for a, b in itertools.pairwise(widths)]
+        self.body = nn.Sequential(*layers)
+        self.chunks = nn.Linear(size.width, size.ways * size.chunk * numbers)
+        self.scores = nn.Linear(size.width, size.ways)
 
-    def forward(self, pictures: torch.Tensor, states: torch.Tensor) -> torch.Tensor:
-        """(N, chunk, D) of (N, C, H, W, 3) uint8 pictures and (N, D) states."""
-        count = len(pictures)
-        flat = pictures.flatten(0, 1).permute(0, 3, 1, 2).float() / 127.5 - 1
-        cells = self.cells(flat).flatten(2).transpose(1, 2).reshape(count, -1, self.places.shape[2])
-        tokens = torch.cat([cells, self.state(states)[:, None]], dim=1) + self.places
-        return self.actions(self.decoder(self.queries.expand(count, -1, -1), self.encoder(tokens)))
+    def forward(self, features: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+        """(N, ways, chunk, D) and (N, ways) of (N, F)."""
+        hidden = self.body(features)
+        return self.chunks(hidden).view(-1, self.size.ways, self.size.chunk, self.numbers), self.scores(hidden)
+
+
+def loss_of(given: tuple[torch.Tensor, torch.Tensor], wanted: torch.Tensor, share: float = 0.05) -> torch.Tensor:
+    """Mean error of the nearest alternative, a small share of the mean over all, and the error of the classifier.
+
+    Args:
+        given: what the network returns.
+        wanted: (N, chunk, D).
+        share: of all alternatives, which keeps each of them near the demonstrations.
+    """
+    chunks, scores = given
+    errors = (chunks - wanted[:, None]).abs().mean(dim=(2, 3))
+    nearest, which = errors.min(dim=1)
+    return nearest.mean() + share * errors.mean() + 0.1 * cross_entropy(scores, which)

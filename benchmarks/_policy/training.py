@@ -1,10 +1,10 @@
-"""Training a policy on demonstrations, and its error on others."""
+"""A policy trained on demonstrations, and its answers."""
 
 from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -12,198 +12,134 @@ from typing import Any
 import numpy as np
 import torch
 from numpy.typing import NDArray
-from torch.nn.functional import l1_loss
 
 from benchmarks._policy.demonstrations import Demonstrations
-from benchmarks._policy.network import ChunkPolicy, Size
-from vcage.base.files import atomic_path
+from benchmarks._policy.features import Features
+from benchmarks._policy.network import ChunkPolicy, Size, loss_of
 
 logger = logging.getLogger(__name__)
 
-SMALLEST_SPREAD = 0.01
-"""Least standard deviation that numbers are divided by, as in ACT: an arm that never moves would else be all noise."""
-
-SPOKEN_EVERY = 50
-"""Steps from one line of the log to the next."""
-
 
 @dataclass(frozen=True)
-class Settings:
-    """Settings of the training of a policy.
+class Training:
+    """How a policy is trained.
 
     Args:
-        steps: of the optimiser.
-        batch: frames in each.
-        rate: the highest learning rate; it rises over the first twentieth of the steps and falls as a cosine.
-        decay: of the weights, by AdamW.
-        clip: largest norm of a gradient.
+        minutes: of wall time.
+        batch: frames of a step.
+        rate: highest learning rate; it falls to none along a cosine.
+        noise_rad: standard deviation of what is added to the joints in copies of the demonstrations: their targets
+            stay, so that the policy learns to come back to the way.
+        copies: of each frame with noise.
+        seed: of weights, noise and order.
         size: of the network.
     """
 
-    steps: int
-    batch: int = 32
+    minutes: float = 20.0
+    batch: int = 512
     rate: float = 1e-3
-    decay: float = 1e-4
-    clip: float = 1.0
+    noise_rad: float = 0.02
+    copies: int = 8
+    seed: int = 0
     size: Size = field(default_factory=Size)
 
 
-@dataclass(frozen=True)
-class Scale:
-    """Mean and spread, (D,) each, by which numbers are normalised."""
-
-    mean: torch.Tensor
-    spread: torch.Tensor
-
-    @classmethod
-    def of(cls, numbers: NDArray[np.float32]) -> Scale:
-        """The scaling of (F, D) numbers."""
-        spread = np.maximum(numbers.std(axis=0), SMALLEST_SPREAD)
-        return cls(torch.from_numpy(numbers.mean(axis=0)), torch.from_numpy(spread))
-
-    def normalised(self, numbers: torch.Tensor) -> torch.Tensor:
-        """Numbers in units of the spread."""
-        return (numbers - self.mean.to(numbers.device)) / self.spread.to(numbers.device)
-
-    def restored(self, numbers: torch.Tensor) -> torch.Tensor:
-        """Numbers in their own units."""
-        return numbers * self.spread.to(numbers.device) + self.mean.to(numbers.device)
-
-
 class Policy:
-    """A network with the scales of what it was trained on.
+    """A network with what its numbers mean.
 
     Args:
-        demonstrations: that it is trained on.
+        robot: name of the robot.
+        names, object_names: of the numbers of a state and of the objects.
+        scales: mean and deviation of features and of targets.
         size: of the network.
-        seed: of its first weights.
     """
 
-    def __init__(self, demonstrations: Demonstrations, size: Size, seed: int):
-        torch.manual_seed(seed)
-        self.device = torch.device("cuda" if torch.cuda.is_available() else "cpu")
-        self.states, self.actions = Scale.of(demonstrations.states), Scale.of(demonstrations.actions)
-        _, cameras, height, width, _ = demonstrations.pictures.shape
-        numbers = demonstrations.states.shape[1]
-        self.network = ChunkPolicy(cameras, height, width, numbers, size).to(self.device)
-        self.chunk = size.chunk
+    def __init__(
+        self,
+        robot: str,
+        names: tuple[str, ...],
+        object_names: tuple[str, ...],
+        scales: Mapping[str, NDArray[np.float32]],
+        size: Size,
+    ):
+        self.robot, self.names, self.object_names, self.scales, self.size = robot, names, object_names, scales, size
+        self.features = Features(robot, names, object_names)
+        self.joints = np.array(["_joint_" in name for name in names])
+        self.network = ChunkPolicy(len(scales["input_mean"]), len(names), size)
 
-    def normalised(self, pictures: NDArray[np.uint8], states: NDArray[np.float32]) -> torch.Tensor:
-        """(N, chunk, D) normalised actions for (N, C, H, W, 3) pictures and (N, D) states."""
-        seen, measured = torch.from_numpy(pictures), torch.from_numpy(states)
-        return self.network(seen.to(self.device), self.states.normalised(measured.to(self.device)))
-
-    def act(self, pictures: NDArray[np.uint8], states: NDArray[np.float32]) -> NDArray[np.float32]:
-        """The same in units of the actions, without gradients."""
-        self.network.eval()
+    def infer(self, observation: Mapping[str, Any]) -> dict[str, NDArray[np.float64]]:
+        """Return ``actions`` (chunk, D), absolute targets, for ``observation/state`` and ``…/environment_state``."""
+        state = np.asarray(observation["observation/state"], np.float64)
+        objects = np.asarray(observation["observation/environment_state"], np.float64)
+        seen = self.normalised(self.features(state[None], objects[None]))
         with torch.inference_mode():
-            return self.actions.restored(self.normalised(pictures, states)).cpu().numpy()
+            chunks, scores = self.network(torch.from_numpy(seen))
+        chunk = chunks[0, int(scores[0].argmax())].numpy() * self.scales["target_scale"] + self.scales["target_mean"]
+        return {"actions": chunk.astype(np.float64) + np.where(self.joints, state, 0.0)}
 
+    def normalised(self, features: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Features with mean 0 and deviation 1."""
+        return ((features - self.scales["input_mean"]) / self.scales["input_scale"]).clip(-5, 5).astype(np.float32)
 
-def trained(demonstrations: Demonstrations, settings: Settings, seed: int, name: str, kept: Path) -> Policy:
-    """A trained policy; its weights are in a file, so that an interrupted benchmark resumes there."""
-    policy = Policy(demonstrations, settings.size, seed)
-    if kept.exists():
-        policy.network.load_state_dict(torch.load(kept, map_location=policy.device, weights_only=True))
+    def write(self, path: Path) -> None:
+        """Write all that :meth:`read` needs."""
+        facts = {"robot": self.robot, "names": self.names, "object_names": self.object_names}
+        scales = {name: torch.from_numpy(values) for name, values in self.scales.items()}
+        weights = self.network.state_dict()
+        torch.save({**facts, "scales": scales, "size": asdict(self.size), "weights": weights}, path)
+
+    @classmethod
+    def read(cls, path: Path) -> Policy:
+        """Read what :meth:`write` wrote."""
+        kept = torch.load(path, weights_only=True)
+        scales = {name: values.numpy() for name, values in kept["scales"].items()}
+        policy = cls(kept["robot"], kept["names"], kept["object_names"], scales, Size(**kept["size"]))
+        policy.network.load_state_dict(kept["weights"])
+        policy.network.eval()
         return policy
-    train(policy, demonstrations, settings, seed, _Log(name, settings.steps))
-    with atomic_path(kept) as part:
-        torch.save(policy.network.state_dict(), part)
+
+
+def trained(demonstrations: Demonstrations, robot: str, training: Training) -> Policy:
+    """Train a policy."""
+    torch.manual_seed(training.seed)
+    rng = np.random.default_rng(training.seed)
+    joints = np.array(["_joint_" in name for name in demonstrations.names])
+    chunks = demonstrations.chunks(training.size.chunk)
+    measured = Features(robot, demonstrations.names, demonstrations.object_names)
+    inputs, targets = [], []
+    for copy in range(1 + training.copies):
+        noise = training.noise_rad * rng.standard_normal(demonstrations.states.shape) * joints * (copy > 0)
+        states = demonstrations.states + noise
+        inputs.append(measured(states, demonstrations.objects))
+        targets.append((chunks - np.where(joints, states, 0.0)[:, None]).astype(np.float32))
+    seen, wanted = np.concatenate(inputs), np.concatenate(targets)
+    scales = {
+        "input_mean": seen.mean(axis=0),
+        "input_scale": seen.std(axis=0).clip(1e-3),
+        "target_mean": wanted.mean(axis=(0, 1)),
+        "target_scale": wanted.std(axis=(0, 1)).clip(1e-3),
+    }
+    policy = Policy(robot, demonstrations.names, demonstrations.object_names, scales, training.size)
+    wanted = (wanted - scales["target_mean"]) / scales["target_scale"]
+    _fit(policy.network, torch.from_numpy(policy.normalised(seen)), torch.from_numpy(wanted), training)
     return policy
 
 
-def train(
-    policy: Policy,
-    demonstrations: Demonstrations,
-    settings: Settings,
-    seed: int,
-    told: Callable[[int, float], None] = lambda _step, _loss: None,
-) -> None:
-    """Train a policy by the L1 error of its chunks; the same seed sees the same frames in the same order.
-
-    Args:
-        told: called with the number of each step from 1, and its loss.
-    """
-    optimiser = torch.optim.AdamW(policy.network.parameters(), lr=settings.rate, weight_decay=settings.decay)
-    schedule = torch.optim.lr_scheduler.LambdaLR(optimiser, lambda step: _rate(step, settings.steps))
-    policy.network.train()
-    batches = _batches(len(demonstrations), settings.batch, np.random.default_rng(seed))
-    for step in range(1, settings.steps + 1):
-        loss = _loss(policy, demonstrations, next(batches))
+def _fit(network: ChunkPolicy, seen: torch.Tensor, wanted: torch.Tensor, training: Training) -> None:
+    optimiser = torch.optim.AdamW(network.parameters(), lr=training.rate, weight_decay=1e-4)
+    begun, step, mean = time.perf_counter(), 0, 0.0
+    length = training.minutes * 60
+    network.train()
+    while (spent := time.perf_counter() - begun) < length:
+        for group in optimiser.param_groups:
+            group["lr"] = training.rate * min(1.0, (step + 1) / 100) * 0.5 * (1 + np.cos(np.pi * spent / length))
+        chosen = torch.randint(len(seen), (training.batch,))
+        loss = loss_of(network(seen[chosen]), wanted[chosen])
         optimiser.zero_grad()
         loss.backward()
-        torch.nn.utils.clip_grad_norm_(policy.network.parameters(), settings.clip)
+        torch.nn.utils.clip_grad_norm_(network.parameters(), 1.0)
         optimiser.step()
-        schedule.step()
-        told(step, float(loss.detach()))
-
-
-def errors(policy: Policy, others: Demonstrations, batch: int = 64) -> dict[str, float]:
-    """Mean L1 error of the chunks that a policy predicts at every frame of other episodes: of joints, radians, and of
-    grippers, of their opening from 0 to 1."""
-    batches = [np.arange(start, min(start + batch, len(others))) for start in range(0, len(others), batch)]
-    given = np.concatenate([policy.act(others.pictures[frames], others.states[frames]) for frames in batches])
-    return _errors(given, others)
-
-
-def still(others: Demonstrations, chunk: int) -> dict[str, float]:
-    """The same of one that stays where it is measured to be."""
-    return _errors(np.repeat(others.states[:, None], chunk, axis=1), others)
-
-
-def _errors(given: NDArray[np.float32], others: Demonstrations) -> dict[str, float]:
-    """(F, chunk, D) actions, without the padding after the end of an episode."""
-    wanted, valid = others.chunk(np.arange(len(others)), given.shape[1])
-    per_number = np.abs(given - wanted)[valid].mean(axis=0)
-    is_gripper = np.isin(np.arange(len(per_number)), others.grippers)
-    found = {"error_rad": per_number[~is_gripper].mean(), "error_gripper": per_number[is_gripper].mean()}
-    return {name: float(value) for name, value in found.items()}
-
-
-def _loss(policy: Policy, demonstrations: Demonstrations, frames: NDArray[np.int64]) -> torch.Tensor:
-    """Mean L1 error of normalised actions, those behind the end of an episode left out."""
-    chunk, valid = demonstrations.chunk(frames, policy.chunk)
-    wanted = policy.actions.normalised(torch.from_numpy(chunk).to(policy.device))
-    given = policy.normalised(demonstrations.pictures[frames], demonstrations.states[frames])
-    mask = torch.from_numpy(valid).to(policy.device)
-    return l1_loss(given[mask], wanted[mask])
-
-
-def _batches(count: int, batch: int, rng: np.random.Generator) -> Iterator[NDArray[np.int64]]:
-    """Frames in random order, all once before one comes again."""
-    order = np.empty(0, np.int64)
-    while True:
-        while len(order) < batch:
-            order = np.concatenate([order, rng.permutation(count)])
-        yield order[:batch]
-        order = order[batch:]
-
-
-def _rate(step: int, steps: int) -> float:
-    """Share of the highest learning rate."""
-    rise = max(1, steps // 20)
-    if step < rise:
-        return (step + 1) / rise
-    return 0.5 * (1 + np.cos(np.pi * (step - rise) / max(1, steps - rise)))
-
-
-class _Log:
-    """Says now and then how far a training is."""
-
-    def __init__(self, name: str, steps: int):
-        self._name, self._steps = name, steps
-        self._started, self._losses = time.perf_counter(), list[float]()
-
-    def __call__(self, step: int, loss: float) -> None:
-        self._losses.append(loss)
-        if step % SPOKEN_EVERY and step != self._steps:
-            return
-        seconds = time.perf_counter() - self._started
-        told = (self._name, step, self._steps, np.mean(self._losses), seconds, seconds * (self._steps / step - 1))
-        logger.info("%s: step %d of %d, loss %.4f, %.0f s, about %.0f s left", *told)
-        self._losses.clear()
-
-
-def named(settings: Settings) -> dict[str, Any]:
-    """The settings as plain values."""
-    return asdict(settings)
+        step, mean = step + 1, 0.98 * mean + 0.02 * float(loss.detach())
+        if step % 500 == 0:
+            logger.info("step %d, loss %.4f, %.0f of %.0f s", step, mean, spent, length)
+    network.eval()
