@@ -41,6 +41,7 @@ COMMANDS: dict[str, tuple[str, str]] = {
     "replay": ("vcage.cli.recorded.Replay", "simulate recorded episodes again, and say what differs"),
     "report": ("vcage.cli.recorded.Report", "write the HTML page of a run"),
     "evaluate": ("vcage.cli.evaluate.Evaluate", "let a policy act in the scenes of a run, and count successes"),
+    "serve": ("vcage.cli.serve.Serve", "serve the environments of a run over a socket"),
     "view": ("vcage.cli.recorded.ViewEpisode", "look at an episode in the viewer Rerun"),
     "prompts show": ("vcage.cli.prompts.ShowPrompt", "print what a model would be asked in a run"),
     "assets list": ("vcage.cli.assets.ListAssets", "list the objects of the library"),

@@ -1,0 +1,129 @@
+"""The environments of a run behind a socket, for programs that cannot share this one's packages.
+
+Messages are openpi's frames (:mod:`vcage.evaluation.wire`). The server begins with a map that describes the
+environment (:func:`description`). Then it answers each request:
+
+- ``{"call": "reset", "seed": 5}``, or with ``"options": {"episode": 0}``: ``observation`` and ``info``;
+- ``{"call": "step", "action": (D,)}``: ``observation``, ``reward``, ``terminated``, ``truncated`` and ``info``;
+- ``{"call": "render"}``: ``picture``, (H, W, 3) uint8 or none.
+
+An error is answered by ``{"error": {"code", "message", "hint"}}``; the connection stays open. Each connection has an
+environment and a process of its own, as a vector environment needs.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.server import Server, ServerConnection
+from websockets.sync.server import serve as listen
+
+from vcage.base.errors import UnknownName, UsageError, VcageError
+from vcage.base.workers import Processes
+from vcage.evaluation.environment import EnvironmentOptions, RunEnv
+from vcage.evaluation.wire import pack, unpack
+
+logger = logging.getLogger(__name__)
+
+CALLS = ("reset", "step", "render")
+
+Task = tuple[Path, EnvironmentOptions, bytes]
+"""Run, options, and the frame of a request; an empty one asks for the description."""
+
+
+@contextmanager
+def environment_server(run: Path, options: EnvironmentOptions, host: str, port: int) -> Iterator[Server]:
+    """Serve the environments of a run: call ``serve_forever`` of what is entered.
+
+    Args:
+        run: folder of the run.
+        options: of the environments.
+        host: of the interface to listen on.
+        port: 0 takes a free one.
+
+    Raises:
+        MissingStage, UnknownName, NoRenderer: see :class:`~vcage.evaluation.environment.RunEnv`.
+        UsageError: the port is taken, or there is no such interface.
+    """
+    first = answer((run, options, b""))  # before anyone connects, so that what is wrong with the run is said here
+
+    def talk(connection: ServerConnection) -> None:
+        client = "{}:{}".format(*connection.remote_address[:2])
+        logger.info("%s is connected", client)
+        connection.send(first)
+        with Processes(answer, 1) as process:
+            try:
+                while True:
+                    process.submit((run, options, connection.recv(decode=False)))
+                    connection.send(next(process.results()))
+            except ConnectionClosed:
+                logger.info("%s is gone", client)
+
+    try:
+        listening = listen(talk, host, port, compression=None, max_size=None, ping_interval=None)
+    except OSError as error:
+        raise UsageError(f"{host}:{port} cannot be served: {error.strerror}", hint="give another --port") from error
+    with listening as server:
+        yield server
+
+
+def description(env: RunEnv) -> dict[str, Any]:
+    """What a client must know before it acts: the task, and names, sizes and limits of its numbers."""
+    observed, acted = env.observation_space, env.action_space
+    assert isinstance(observed, gymnasium.spaces.Dict)
+    assert isinstance(acted, gymnasium.spaces.Box)
+    pictures = observed.spaces.get("pixels")
+    cameras = pictures.spaces if isinstance(pictures, gymnasium.spaces.Dict) else {}
+    return {
+        "task_description": env.task_description,
+        "fps": env.fps,
+        "max_episode_steps": env.get_wrapper_attr("_max_episode_steps"),
+        "action_names": env.joint_names,
+        "action_low": acted.low,
+        "action_high": acted.high,
+        "cameras": {name: list(space.shape or ()) for name, space in cameras.items()},
+        "state_names": env.state_layout.names if env.options.environment_state else [],
+    }
+
+
+def answer(task: Task) -> bytes:
+    """The frame that answers a request, in the process of one connection."""
+    run, options, frame = task
+    env = _environment(run, options)
+    if not frame:
+        return pack(description(env))
+    try:
+        return pack(_answered(env, unpack(frame)))
+    except VcageError as error:
+        return pack({"error": {"code": error.code, "message": error.message, "hint": error.way_out}})
+    except ValueError as error:
+        return pack({"error": {"code": UsageError.code, "message": str(error), "hint": "send openpi's frames"}})
+
+
+@lru_cache(maxsize=1)
+def _environment(run: Path, options: EnvironmentOptions) -> RunEnv:
+    """The environment of this process."""
+    return RunEnv(run, options)
+
+
+def _answered(env: RunEnv, request: Any) -> dict[str, Any]:
+    call = request.get("call") if isinstance(request, Mapping) else None
+    if call not in CALLS:
+        raise UnknownName("call", str(call), CALLS)
+    if call == "render":
+        return {"picture": env.render()}
+    if call == "reset":
+        observation, info = env.reset(seed=request.get("seed"), options=request.get("options"))
+        return {"observation": observation, "info": info}
+    if "action" not in request:
+        raise UsageError("the step has no action", hint="send {'call': 'step', 'action': …}")
+    observation, reward, terminated, truncated, info = env.step(request["action"])
+    ended = {"reward": reward, "terminated": terminated, "truncated": truncated}
+    return {"observation": observation, **ended, "info": info}
