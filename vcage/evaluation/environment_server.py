@@ -14,25 +14,42 @@ environment and a process of its own, as a vector environment needs.
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import gymnasium
+from pydantic import BaseModel, NonNegativeInt, ValidationError
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.server import Server, ServerConnection
 from websockets.sync.server import serve as listen
 
-from vcage.base.errors import UnknownName, UsageError, VcageError
+from vcage.base.errors import UsageError, VcageError
 from vcage.base.workers import Processes
 from vcage.evaluation.environment import EnvironmentOptions, RunEnv
 from vcage.evaluation.wire import pack, unpack
 
 logger = logging.getLogger(__name__)
 
-CALLS = ("reset", "step", "render")
+
+class _Recorded(BaseModel, extra="forbid"):
+    """The recorded episode whose start is wanted; none for a drawn start."""
+
+    episode: int | None = None
+
+
+class _Request(BaseModel, extra="forbid"):
+    """What a client may send."""
+
+    call: Literal["reset", "step", "render"]
+    seed: NonNegativeInt | None = None
+    options: _Recorded | None = None
+    action: Any = None
+
+
+SENT = "send {'call': 'reset', 'seed': 0}, {'call': 'step', 'action': …} or {'call': 'render'} as openpi's frames"
 
 Task = tuple[Path, EnvironmentOptions, bytes]
 """Run, options, and the frame of a request; an empty one asks for the description."""
@@ -100,11 +117,15 @@ def answer(task: Task) -> bytes:
     if not frame:
         return pack(description(env))
     try:
-        return pack(_answered(env, unpack(frame)))
-    except VcageError as error:
-        return pack({"error": {"code": error.code, "message": error.message, "hint": error.way_out}})
+        return pack(_answered(env, _Request.model_validate(unpack(frame))))
+    except ValidationError as error:
+        first = error.errors()[0]
+        found = UsageError(f"request: {'.'.join(map(str, first['loc']))}: {first['msg']}", hint=SENT)
     except ValueError as error:
-        return pack({"error": {"code": UsageError.code, "message": str(error), "hint": "send openpi's frames"}})
+        found = UsageError(str(error), hint=SENT)
+    except VcageError as error:
+        found = error
+    return pack({"error": {"code": found.code, "message": found.message, "hint": found.way_out}})
 
 
 @lru_cache(maxsize=1)
@@ -113,17 +134,15 @@ def _environment(run: Path, options: EnvironmentOptions) -> RunEnv:
     return RunEnv(run, options)
 
 
-def _answered(env: RunEnv, request: Any) -> dict[str, Any]:
-    call = request.get("call") if isinstance(request, Mapping) else None
-    if call not in CALLS:
-        raise UnknownName("call", str(call), CALLS)
-    if call == "render":
+def _answered(env: RunEnv, request: _Request) -> dict[str, Any]:
+    if request.call == "render":
         return {"picture": env.render()}
-    if call == "reset":
-        observation, info = env.reset(seed=request.get("seed"), options=request.get("options"))
+    if request.call == "reset":
+        options = request.options.model_dump() if request.options else None
+        observation, info = env.reset(seed=request.seed, options=options)
         return {"observation": observation, "info": info}
-    if "action" not in request:
+    if request.action is None:
         raise UsageError("the step has no action", hint="send {'call': 'step', 'action': …}")
-    observation, reward, terminated, truncated, info = env.step(request["action"])
+    observation, reward, terminated, truncated, info = env.step(request.action)
     ended = {"reward": reward, "terminated": terminated, "truncated": truncated}
     return {"observation": observation, **ended, "info": info}

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from typing import Any
 
 import gymnasium
@@ -37,7 +38,8 @@ class RemoteEnv(gymnasium.Env[dict[str, Any], NDArray[np.float32]]):
 
     def __init__(self, address: str = ADDRESS, render_mode: str | None = "rgb_array"):
         self.address, self.render_mode = address, render_mode
-        self._connection = _connected(address)
+        self._open = ExitStack()
+        self._connection = self._open.enter_context(_connection(address))
         self.description: Mapping[str, Any] = unpack(self._connection.recv())
         self.metadata = {"render_modes": ["rgb_array"], "render_fps": self.description["fps"]}
         self.task = self.task_description = self.description["task_description"]
@@ -67,7 +69,7 @@ class RemoteEnv(gymnasium.Env[dict[str, Any], NDArray[np.float32]]):
 
     def close(self) -> None:
         """Close the connection; the server ends its process."""
-        self._connection.close()
+        self._open.close()
 
     def _asked(self, request: Mapping[str, Any]) -> Mapping[str, Any]:
         self._connection.send(pack(request))
@@ -95,12 +97,16 @@ def _numbers(count: int) -> gymnasium.spaces.Box:
     return gymnasium.spaces.Box(-np.inf, np.inf, (count,), np.float32)
 
 
-def _connected(address: str) -> ClientConnection:
-    try:
-        # Neither pings, which a server that draws a scene answers late, nor a proxy.
-        return connect(address, compression=None, max_size=None, ping_interval=None, proxy=None)
-    except (OSError, InvalidHandshake, InvalidURI) as error:
-        raise ServerError(f"no environments at {address} ({error}): start `vcage serve RUN`") from error
+@contextmanager
+def _connection(address: str) -> Iterator[ClientConnection]:
+    with ExitStack() as stack:
+        try:
+            # Neither pings, which a server that draws a scene answers late, nor a proxy.
+            opened = connect(address, compression=None, max_size=None, ping_interval=None, proxy=None)
+            connection = stack.enter_context(opened)
+        except (OSError, InvalidHandshake, InvalidURI) as error:
+            raise ServerError(f"no environments at {address} ({error}): start `vcage serve RUN`") from error
+        yield connection
 
 
 def _plain(options: Mapping[str, Any]) -> dict[str, Any]:
