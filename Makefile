@@ -15,6 +15,8 @@
 #   make test-wheel     the wheel in an empty environment outside the checkout, with an empty cache: set-up and one run
 #   make test-ray       installs Ray, and runs campaigns on a cluster of two nodes on this machine, of which workers, nodes,
 #                       the driver and the head are killed
+#   make test-policy    the real lerobot-eval and vla-eval act in a served run; fetches both and torch (several GB), and
+#                       needs Python 3.12 (PYTHON312=…)
 #   make test-containers   what containers/Dockerfile says, done in a Debian 12 of its own and without Docker, and one run
 #                       there; needs root and debootstrap; BIND="FOLDER…" are folders in which pip finds packages
 #   make test-clients   the clients of agents, fetched into the user's cache (1.8 GB), find the skills
@@ -50,6 +52,12 @@ LLM := .venv-llm
 LLM_STAMP := $(LLM)/.made-from-packages
 LLM_PACKAGES := tests/llm/packages.txt
 
+POLICY := .venv-policy
+POLICY_PIP := $(POLICY)/bin/python -m pip --disable-pip-version-check
+POLICY_STAMP := $(POLICY)/.made-from-packages
+POLICY_PACKAGES := tests/policy/packages.txt
+PYTHON312 ?= python3.12
+
 # Ray brings three packages that nothing else here has, and changes none, so it may lie in the same environment.
 RAY_STAMP := .venv/.made-with-ray
 
@@ -63,7 +71,7 @@ CLIENT_PACKAGES := openclaw@2026.9.6 @anthropic-ai/claude-code@2.1.330 @openai/c
 DEMO := Pack the marker pens and the eraser into the box
 
 .DEFAULT_GOAL := help
-.PHONY: help venv vulkan assets setup demo skills lint test test-lerobot test-llm test-wheel test-ray test-containers test-clients dist docs \
+.PHONY: help venv vulkan assets setup demo skills lint test test-lerobot test-llm test-wheel test-ray test-policy test-containers test-clients dist docs \
   doctor clean
 
 help:
@@ -172,6 +180,20 @@ $(RAY_STAMP): $(STAMP)
 test-ray: $(RAY_STAMP)
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -q -n 0 -rs -p no:cacheprovider tests/campaigns/test_on_ray.py
 
+$(POLICY_STAMP): $(POLICY_PACKAGES) | $(STAMP)
+	@echo "lerobot, vla-eval and torch are fetched into $(POLICY): several GB" >&2
+	@test -x $(POLICY)/bin/python && $(POLICY_PIP) --version >/dev/null 2>&1 || "$(PYTHON312)" -m venv --clear $(POLICY)
+	$(POLICY_PIP) install -q $(INDEX) torch==2.11.0+cpu 2>/dev/null || $(POLICY_PIP) install -q $(INDEX) torch==2.11.0
+	$(POLICY_PIP) install -q -r $(POLICY_PACKAGES)
+	@touch $@
+
+# lerobot 0.6 asks for Python 3.12 and numpy 2, which the engine cannot share.
+test-policy: venv
+	@"$(PYTHON312)" -c 'import sys; sys.exit(sys.version_info[:2] != (3, 12))' 2>/dev/null || { \
+	  echo "make: test-policy is skipped: $(PYTHON312) is no Python 3.12; name one: make test-policy PYTHON312=/path" >&2; exit 0; }; \
+	$(MAKE) --no-print-directory $(POLICY_STAMP) && $(POLICY_PIP) install -q --no-deps clients/lerobot_env_vcage && \
+	VCAGE_POLICY_PYTHON=$(CURDIR)/$(POLICY)/bin/python $(BIN)/python -m pytest -q -n 0 -p no:cacheprovider tests/policy/check.py
+
 test-containers: venv
 	@set -e; work=$$(mktemp -d); trap 'rm -rf --one-file-system "$$work"' EXIT; chmod 755 "$$work"; \
 	$(BIN)/python -m tests.release.try_containers "$$work" $(BIND)
@@ -195,5 +217,5 @@ doctor: venv
 	@$(BIN)/vcage doctor
 
 clean:
-	rm -rf .venv $(LEROBOT) $(LLM) build dist .pytest_cache .ruff_cache .hypothesis
+	rm -rf .venv $(LEROBOT) $(LLM) $(POLICY) build dist .pytest_cache .ruff_cache .hypothesis
 	find vcage assets tests benchmarks skills -name __pycache__ -prune -exec rm -rf {} +
