@@ -140,6 +140,6 @@ def _fit(network: ChunkPolicy, seen: torch.Tensor, wanted: torch.Tensor, trainin
         torch.nn.utils.clip_grad_norm_(network.parameters(), 1.0)
         optimiser.step()
         step, mean = step + 1, 0.98 * mean + 0.02 * float(loss.detach())
-        if step % 500 == 0:
+        if step % 200 == 0:
             logger.info("step %d, loss %.4f, %.0f of %.0f s", step, mean, spent, length)
     network.eval()
