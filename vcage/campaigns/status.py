@@ -8,7 +8,7 @@ from __future__ import annotations
 import contextlib
 import time
 from collections import Counter
-from collections.abc import Collection
+from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 
 from vcage.apps.html import rendered
@@ -82,18 +82,7 @@ def table(status: Status, most: int = 60) -> str:
         lines.append(f"{total.per_worker_hour:.1f} verified episodes an hour and process{left}")
     if status.spent:
         lines.append(f"models: {status.calls} answers, {status.usd:.4f} USD")
-    rows = [["cell", "asked", "running", "verified", "rejected", "left", "state"]]
-    listed = sorted(status.cells, key=lambda cell: cell.left == 0)
-    for cell in listed[:most]:
-        figures = (cell.asked, cell.running, cell.verified, cell.tried - cell.verified, cell.left)
-        rows.append([cell.name, *map(str, figures), cell.state])
-    widths = [max(len(row[column]) for row in rows) for column in range(6)]
-    lines.append("")
-    for name, *figures, state in rows:
-        columns = "  ".join(figure.rjust(width) for figure, width in zip(figures, widths[1:]))
-        lines.append(f"{name.ljust(widths[0])}  {columns}  {state}")
-    if len(listed) > most:
-        lines.append(f"… and {len(listed) - most} more cells")
+    lines += ["", *_columns(status.cells, most)]
     for record in status.not_done[:10]:
         assert record.error is not None
         lines.append(f"{record.state.replace('_', ' ')}: {record.job_id}: {record.error.message}")
@@ -105,6 +94,20 @@ def table(status: Status, most: int = 60) -> str:
 
 
 # --- inside ------------------------------------------------------------------------------------------------
+
+
+def _columns(cells: Sequence[CellStatus], most: int) -> Iterator[str]:
+    """Lines with the figures of the first cells, those that go on before the others."""
+    rows = [["cell", "asked", "running", "verified", "rejected", "left", "state"]]
+    for cell in sorted(cells, key=lambda cell: cell.left == 0)[:most]:
+        figures = (cell.asked, cell.running, cell.verified, cell.tried - cell.verified, cell.left)
+        rows.append([cell.name, *map(str, figures), cell.state])
+    widths = [max(len(row[column]) for row in rows) for column in range(6)]
+    for name, *figures, state in rows:
+        columns = "  ".join(figure.rjust(width) for figure, width in zip(figures, widths[1:]))
+        yield f"{name.ljust(widths[0])}  {columns}  {state}"
+    if len(cells) > most:
+        yield f"… and {len(cells) - most} more cells"
 
 
 def _cell_status(plan: Plan, cell: Cell, records: dict[int, JobRecord], running: int) -> CellStatus:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import logging
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from tyro.conf import Positional, arg
 
@@ -16,6 +17,11 @@ from vcage.cli.output import Result
 from vcage.cli.progress import progress
 from vcage.evaluation.factors import FACTORS, Factor
 from vcage.evaluation.payload import Payload
+
+if TYPE_CHECKING:
+    from vcage.evaluation.evaluate import Amount
+    from vcage.evaluation.rollouts import Order
+    from vcage.schema.evaluation import Evaluation
 
 logger = logging.getLogger(__name__)
 
@@ -78,11 +84,36 @@ class Evaluate(Command):
 
     def execute(self) -> Result:
         """Evaluate, compare, and write the page."""
-        from vcage.evaluation.comparison import compare, read_other, require_same_starts
-        from vcage.evaluation.environment import EnvironmentOptions
-        from vcage.evaluation.evaluate import RECORD, Amount, evaluate, planned
+        from vcage.evaluation.comparison import compare, read_other
+        from vcage.evaluation.evaluate import RECORD, Amount, evaluate
         from vcage.evaluation.filming import film
         from vcage.evaluation.report import PAGE, write_page
+
+        orders, amount = self._orders(), Amount(self.episodes, self.first_seed)
+        other = None if self.against is None else read_other(self.against)
+        _require_possible(orders.values(), amount, other)
+        out = self.out or self.run / "evaluations" / re.sub(r"[^A-Za-z0-9.]+", "-", self.policy)
+        folders = {"": out, **{name: out / f"vary-{name}" for name in self.vary}}
+        records, videos = {}, {}
+        for name, order in orders.items():
+            with progress(f"evaluate with other {name}" if name else "evaluate") as show:
+                records[name] = evaluate(order, amount, folders[name], self.workers, self.force, show)
+                videos[name] = film(order, records[name], folders[name], self.videos, show)
+        record = records[""]
+        comparisons = [compare(record, records[name], name) for name in self.vary]
+        if other is not None:
+            comparisons.append(compare(record, other, f"{other.policy} ({self.against})"))
+        for name in self.vary:
+            write_page(folders[name], records[name], videos[name])
+        write_page(out, record, videos[""], comparisons, {name: f"vary-{name}/{PAGE}" for name in self.vary})
+        facts = record.facts()
+        logger.info("%s: %s of %s episodes succeed", self.policy, facts["n_success"], facts["n_episodes"])
+        facts |= {"compared": [comparison.facts() for comparison in comparisons], "page": str(out / PAGE)}
+        return Result(output=out / RECORD, schema=record.SCHEMA, summary=facts)
+
+    def _orders(self) -> dict[str, Order]:
+        """The evaluation, by an empty name, and one more for each factor that is varied."""
+        from vcage.evaluation.environment import EnvironmentOptions
         from vcage.evaluation.rollouts import Order
 
         environment = EnvironmentOptions(
@@ -94,30 +125,16 @@ class Evaluate(Command):
             randomise=self.randomise,
         )
         order = Order(self.run, self.policy, environment, self.payload, self.actions, solvable=not self.unproven)
-        amount = Amount(self.episodes, self.first_seed)
         varied = {name: replace(order, environment=replace(environment, vary=name)) for name in self.vary}
-        orders = {"": order, **varied}
-        other = None if self.against is None else read_other(self.against)
-        for one in orders.values():  # nothing is done before it is known that all can be
-            plan = planned(one, amount)
-            if other is not None:
-                require_same_starts(plan, other)
-        out = self.out or self.run / "evaluations" / re.sub(r"[^A-Za-z0-9.]+", "-", self.policy)
-        folders = {name: out / f"vary-{name}" if name else out for name in orders}
-        records, videos = {}, {}
-        for name, one in orders.items():
-            title = f"evaluate with other {name}" if name else "evaluate"
-            with progress(title) as show:
-                records[name] = evaluate(one, amount, folders[name], self.workers, self.force, show)
-                videos[name] = film(one, records[name], folders[name], self.videos, show)
-        record = records[""]
-        comparisons = [compare(record, records[name], name) for name in varied]
+        return {"": order, **varied}
+
+
+def _require_possible(orders: Iterable[Order], amount: Amount, other: Evaluation | None) -> None:
+    """Require that each evaluation can be done, and be compared with the other, before any is begun."""
+    from vcage.evaluation.comparison import require_same_starts
+    from vcage.evaluation.evaluate import planned
+
+    for order in orders:
+        plan = planned(order, amount)
         if other is not None:
-            comparisons.append(compare(record, other, f"{other.policy} ({self.against})"))
-        for name in varied:
-            write_page(folders[name], records[name], videos[name])
-        write_page(out, record, videos[""], comparisons, {name: f"vary-{name}/{PAGE}" for name in varied})
-        facts = record.facts()
-        logger.info("%s: %s of %s episodes succeed", self.policy, facts["n_success"], facts["n_episodes"])
-        compared = {"compared": [comparison.facts() for comparison in comparisons]} if comparisons else {}
-        return Result(output=out / RECORD, schema=record.SCHEMA, summary={**facts, **compared, "page": str(out / PAGE)})
+            require_same_starts(plan, other)

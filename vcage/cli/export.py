@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated
@@ -53,24 +54,30 @@ class ExportEpisodes(StageCommand[export.Options], Command):
 
 def _require_sense(options: export.Options, run: RunFolder, growing: Path | None) -> None:
     """Raise UsageError where options are of no use together, before any work is done."""
-    encoding = {"--codec": options.codec, "--crf": options.crf}
-    numbers = {"--no-videos": options.no_videos or None, "--environment-state": options.environment_state or None}
-    of_lerobot = {"--append-to": growing, **encoding, **numbers}
-    given = [option for option, value in of_lerobot.items() if value is not None]
+    encoding = [name for name, value in {"--codec": options.codec, "--crf": options.crf}.items() if value is not None]
+    numbers = {"--no-videos": options.no_videos, "--environment-state": options.environment_state}
+    of_states = [name for name, wanted in numbers.items() if wanted]
+    given = [*(["--append-to"] if growing is not None else []), *encoding, *of_states]
     if given and not set(options.formats) & set(FORMATS):
         raise UsageError(
             f"{' and '.join(given)} concern LeRobot's data sets alone",
             hint=f"add one of them: --formats {' '.join(FORMATS)}",
         )
-    alone = [option for option in given if option in numbers]
-    if growing is not None and alone:
+    if options.no_videos and encoding:
+        raise UsageError(f"{' and '.join(encoding)} cannot go with --no-videos", hint="leave one of them out")
+    if growing is not None:
+        _require_growing(growing, run, of_states)
+
+
+def _require_growing(growing: Path, run: RunFolder, of_states: Sequence[str]) -> None:
+    """Raise UsageError where a data set that grows from run to run cannot be, or cannot hold what is asked for."""
+    if of_states:
         raise UsageError(
-            f"{' and '.join(alone)} cannot go with --append-to, whose episodes have videos and may have other objects",
+            f"{' and '.join(of_states)} cannot go with --append-to, whose episodes have videos and may have other "
+            "objects",
             hint="export the run alone",
         )
-    if options.no_videos and (of_videos := [option for option in given if option in encoding]):
-        raise UsageError(f"{' and '.join(of_videos)} cannot go with --no-videos", hint="leave one of them out")
-    if growing is not None and growing.resolve().is_relative_to(run.root):
+    if growing.resolve().is_relative_to(run.root):
         raise UsageError(
             f"{growing} is in the run folder, which one run makes and replaces", hint="give a folder outside of it"
         )

@@ -110,12 +110,7 @@ class RunEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self.fps = int(asked.get("fps", 10))
         self.metadata = {"render_modes": ["rgb_array"], "render_fps": self.fps}
         self.render_mode = "rgb_array" if self.options.pictures else None
-        ranges = _ranges(self.options.randomise, asked)
-        varied = (self.options.layout or asked.get("layout", "varied")) == "varied"
-        vary = self.options.vary
-        self._other_look = None if vary is None else OtherLook.of(ranges, vary)
-        if vary is not None and self._other_look is None:
-            ranges, varied = widened(ranges, vary), varied != (vary == "layout")
+        ranges, varied, self._other_look = self._drawing(asked)
         chains = Beginnings.of_run(self._run, ranges, self._context, varied=varied)
         if self.options.chain not in range(len(chains)):
             raise UnknownName("chain", str(self.options.chain), map(str, range(len(chains))))
@@ -229,6 +224,20 @@ class RunEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             which = ", ".join(self.joint_names[i] for i in np.flatnonzero(~np.isfinite(given)))
             raise UsageError(f"the action holds NaN or infinity for {which}", hint="check what the policy was given")
         return np.clip(given, self._lower, self._upper)
+
+    def _drawing(self, collected: Mapping[str, Any]) -> tuple[Randomisation, bool, OtherLook | None]:
+        """The ranges of starts, true if layouts are drawn, and the other look where one factor of it is varied.
+
+        Args:
+            collected: options of the collection.
+        """
+        ranges, vary = _ranges(self.options.randomise, collected), self.options.vary
+        varied = (self.options.layout or collected.get("layout", "varied")) == "varied"
+        if vary is None:
+            return ranges, varied, None
+        if other := OtherLook.of(ranges, vary):
+            return ranges, varied, other
+        return widened(ranges, vary), varied != (vary == "layout"), None
 
     def _chosen_cameras(self) -> list[str]:
         for name in self.options.cameras:
