@@ -120,3 +120,10 @@ def test_a_taken_port_is_named(finished: Finished, address: str) -> None:
     taken = pytest.raises(UsageError, match=f"127.0.0.1:{port} cannot be served: Address already in use")
     with taken, environment_server(finished.run.root, STATE_ONLY, "127.0.0.1", port):
         pass
+
+
+@pytest.mark.parametrize(("host", "port"), [("127.0.0.1", 70_000), ("no-such-host.invalid", 0)])
+def test_an_address_that_cannot_be_is_named(finished: Finished, host: str, port: int) -> None:
+    wrong = pytest.raises(UsageError, match=f"{host}:{port} cannot be served: ")
+    with wrong, environment_server(finished.run.root, STATE_ONLY, host, port):
+        pass

@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from tyro.conf import Positional, arg
+from tyro.conf import arg
 
-from vcage.base.options import FOLDER, NATURAL, POSITIVE, RANGES, UNSAID, Flag, several
-from vcage.cli.arguments import Command
+from vcage.base.options import FOLDER, NATURAL, POSITIVE, UNSAID, Flag, several
+from vcage.cli.environment_command import EnvironmentCommand
 from vcage.cli.output import Result
 from vcage.cli.progress import progress
 from vcage.evaluation.factors import FACTORS, Factor
@@ -27,7 +27,7 @@ logger = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Evaluate(Command):
+class Evaluate(EnvironmentCommand):
     """Let a policy act in the scenes of a run, in layouts and looks that its data does not have, and count successes.
 
     The policy is a server that speaks openpi's protocol, a factory in a Python module, the recorded actions (replay),
@@ -42,8 +42,6 @@ class Evaluate(Command):
       vcage evaluate runs/blocks --policy my_policies:make --vary light camera clutter
     """
 
-    run: Annotated[Path, FOLDER, Positional, arg(metavar="RUN")]
-    """the run"""
     policy: Annotated[str, arg(metavar="POLICY")]
     """ws://HOST:PORT, MODULE:FACTORY, replay or expert"""
     out: Annotated[Path | None, FOLDER, UNSAID] = None
@@ -56,18 +54,6 @@ class Evaluate(Command):
     """actions of an answer that are carried out before the policy is asked again"""
     payload: Annotated[Payload, UNSAID] = "generic"
     """fields of an observation: generic, or those of openpi's ALOHA configuration"""
-    task: Annotated[int, NATURAL] = 0
-    """number of the task, in a run that has several"""
-    max_steps: Annotated[int | None, POSITIVE, UNSAID] = None
-    """actions after which an episode ends (default: twice those of the run's longest accepted episode)"""
-    randomise: Annotated[str | None, RANGES, UNSAID] = None
-    """ranges of the differences between episodes, as of collect (default: those of the run)"""
-    cameras: Annotated[tuple[str, ...], several("NAME ..."), UNSAID] = ()
-    """whose pictures are observed (default: all of the robot)"""
-    no_pictures: Flag = False
-    """observe no pictures; no renderer is needed then, but for videos"""
-    environment_state: Flag = False
-    """observe the poses of the objects"""
     unproven: Flag = False
     """count all layouts, also those in which the expert fails"""
     against: Annotated[Path | None, arg(metavar="OTHER"), UNSAID] = None
@@ -113,17 +99,9 @@ class Evaluate(Command):
 
     def _orders(self) -> dict[str, Order]:
         """The evaluation, by an empty name, and one more for each factor that is varied."""
-        from vcage.evaluation.environment import EnvironmentOptions
         from vcage.evaluation.rollouts import Order
 
-        environment = EnvironmentOptions(
-            chain=self.task,
-            pictures=not self.no_pictures,
-            cameras=self.cameras,
-            environment_state=self.environment_state,
-            max_steps=self.max_steps,
-            randomise=self.randomise,
-        )
+        environment = self.environment()
         order = Order(self.run, self.policy, environment, self.payload, self.actions, solvable=not self.unproven)
         varied = {name: replace(order, environment=replace(environment, vary=name)) for name in self.vary}
         return {"": order, **varied}

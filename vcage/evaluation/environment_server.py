@@ -85,8 +85,9 @@ def environment_server(run: Path, options: EnvironmentOptions, host: str, port: 
 
     try:
         listening = listen(talk, host, port, compression=None, max_size=None, ping_interval=None)
-    except OSError as error:
-        raise UsageError(f"{host}:{port} cannot be served: {error.strerror}", hint="give another --port") from error
+    except (OSError, OverflowError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise UsageError(f"{host}:{port} cannot be served: {reason}", hint="give another --port or --host") from error
     with listening as server:
         yield server
 
