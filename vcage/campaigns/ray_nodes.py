@@ -7,6 +7,7 @@ import time
 from pathlib import Path
 from typing import Any
 
+from vcage.base.commands import vcage_command
 from vcage.base.errors import ConfigurationError
 
 logger = logging.getLogger(__name__)
@@ -61,8 +62,9 @@ class Nodes:
         if self.processors == 0:
             raise ConfigurationError(
                 f"no node of the Ray cluster can run this campaign: {'; '.join(self._unfit.values())}",
-                hint=f"every node needs vcage {self._version} with all parts (vcage setup all; vcage doctor names what "
-                f"is missing), and {self._root} as the same shared folder",
+                hint=f"every node needs vcage {self._version}, and {self._root} as the same shared folder; to see what "
+                "one lacks, run there",
+                command=vcage_command("doctor"),
             )
 
     def reason_against(self, version: str, mark: str, fault: str) -> str:
