@@ -26,7 +26,7 @@ class Size:
     """
 
     chunk: int = 16
-    width: int = 768
+    width: int = 512
     layers: int = 4
     ways: int = 6
 

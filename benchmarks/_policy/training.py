@@ -22,7 +22,7 @@ logger = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Training:
-    """How a policy is trained.
+    """Settings of a training.
 
     Args:
         minutes: of wall time.
@@ -39,7 +39,7 @@ class Training:
     batch: int = 512
     rate: float = 1e-3
     noise_rad: float = 0.02
-    copies: int = 8
+    copies: int = 6
     seed: int = 0
     size: Size = field(default_factory=Size)
 

@@ -71,7 +71,7 @@ class Acting:
         self.actions += 1
 
     def observation(self) -> dict[str, Any]:
-        """What is observed now."""
+        """The present observation."""
         seen: dict[str, Any] = {"agent_pos": agent_pos(self.world), "instruction": self.start.sentence}
         if self.state is not None:
             poses, joints = self.world.object_poses(), self.world.joints_of_objects()
@@ -81,7 +81,7 @@ class Acting:
         return seen
 
     def info(self) -> dict[str, Any]:
-        """What is known of the episode."""
+        """Facts about the episode."""
         attained = self.attained
         return {
             "success": attained.success,

@@ -30,7 +30,7 @@ LIFT = LiftSettings()
 
 @dataclass(frozen=True)
 class Task:
-    """What is to be attained.
+    """The goals of an episode, and the objects that it moves.
 
     Args:
         lasting: goals that must be true together.

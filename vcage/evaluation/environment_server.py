@@ -41,7 +41,7 @@ class _Recorded(BaseModel, extra="forbid"):
 
 
 class _Request(BaseModel, extra="forbid"):
-    """What a client may send."""
+    """A request of a client."""
 
     call: Literal["reset", "step", "render"]
     seed: NonNegativeInt | None = None
@@ -93,7 +93,7 @@ def environment_server(run: Path, options: EnvironmentOptions, host: str, port: 
 
 
 def description(env: RunEnv) -> dict[str, Any]:
-    """What a client must know before it acts: the task, and names, sizes and limits of its numbers."""
+    """The facts that a client needs before it acts: the task, and names, sizes and limits of its numbers."""
     observed, acted = env.observation_space, env.action_space
     assert isinstance(observed, gymnasium.spaces.Dict)
     assert isinstance(acted, gymnasium.spaces.Box)

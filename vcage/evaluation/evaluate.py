@@ -33,7 +33,7 @@ KEPT = ("actions", "videos")
 
 @dataclass(frozen=True)
 class Amount:
-    """How many episodes, from which seeds.
+    """Number of episodes, and their seeds.
 
     Args:
         episodes: to count.
@@ -166,7 +166,7 @@ def write_actions(out: Path, seed: int, actions: NDArray[np.float64]) -> None:
 
 
 def actions_file(out: Path, seed: int) -> Path:
-    """Where the actions of a rollout are kept."""
+    """The file that keeps the actions of a rollout."""
     return out / "actions" / f"{seed}.npy"
 
 

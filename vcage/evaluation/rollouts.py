@@ -32,7 +32,7 @@ Ask = Callable[[Observation], NDArray[np.float64]]
 
 @dataclass(frozen=True)
 class Order:
-    """How a policy is asked, and where.
+    """A policy, the way to ask it, and the environment.
 
     Args:
         run: folder of the run.

@@ -25,7 +25,7 @@ class Rollout(Record):
 
     @property
     def furthest(self) -> str:
-        """How far it came, in a word."""
+        """The furthest point that it reached, in a word."""
         if self.success:
             return "done"
         if any(self.goals.values()):

@@ -115,5 +115,5 @@ def _plain(options: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _info(found: Mapping[str, Any]) -> dict[str, Any]:
-    """What vector environments can stack."""
+    """The facts that vector environments can stack."""
     return {name: found["info"][name] for name in ("success", "is_success", "seconds")}
