@@ -5,12 +5,13 @@ grippers, and poses of objects in the frames of the grippers. It is served behin
 own, and evaluated through the command as any policy of a lab would be. The rows differ in their data: layouts drawn
 for every episode, or the optimised layout with small shifts; all are evaluated on the same drawn layouts.
 
-Episodes, weights and evaluations are kept in ``--data``, and an interrupted run goes on where it was.
+Episodes and weights are kept in ``--data``: an interrupted run collects and trains nothing twice, and evaluates anew.
 """
 
 from __future__ import annotations
 
 import argparse
+import hashlib
 import json
 import logging
 import subprocess
@@ -21,6 +22,8 @@ from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, get_args
+
+import numpy as np
 
 from benchmarks._policy.collected import Layout, Task, exported
 from benchmarks._policy.demonstrations import Demonstrations
@@ -122,7 +125,10 @@ def _row(
     name: str, source: RunFolder, evaluated_in: RunFolder, training: Training, plan: Plan, task: Task
 ) -> dict[str, Any]:
     demonstrations = Demonstrations.read(exported(source), plan.episodes)
-    weights = task.data / f"{name}-{plan.episodes}-{plan.minutes:g}min-seed{training.seed}.pt"
+    made_from = hashlib.sha256(repr(training).encode())
+    for numbers in (demonstrations.states, demonstrations.objects, demonstrations.actions):
+        made_from.update(np.ascontiguousarray(numbers).data)
+    weights = task.data / f"{name}-seed{training.seed}-{made_from.hexdigest()[:12]}.pt"
     if not weights.exists():
         logger.info("%s, seed %d: training for %g minutes", name, training.seed, training.minutes)
         with atomic_path(weights) as part:

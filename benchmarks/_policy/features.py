@@ -1,4 +1,4 @@
-"""What the policy sees of a state: joints, grippers, and objects in the world and in the frame of each gripper."""
+"""The input of the policy's network: joints, grippers, and objects in the world and in the frame of each gripper."""
 
 from __future__ import annotations
 

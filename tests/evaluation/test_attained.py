@@ -1,4 +1,4 @@
-"""What has been attained in an episode: goals by the simulator's state, touches, lifts and collisions."""
+"""Progress of an episode: goals by the simulator's state, touches, lifts and collisions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What has been attained in an episode so far, by the simulator's state."""
+"""Progress of an episode, by the simulator's state."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a policy observes in a run: pictures, joints, poses of objects and the instruction, and their spaces."""
+"""The observations of a policy in a run: pictures, joints, poses of objects and the instruction, and their spaces."""
 
 from __future__ import annotations
 

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-import gymnasium
 from gymnasium.vector import AsyncVectorEnv, AutoresetMode, SyncVectorEnv, VectorEnv
 from lerobot.configs import FeatureType, PolicyFeature
 from lerobot.envs.configs import EnvConfig
@@ -65,6 +64,3 @@ def _features(env: RemoteEnv) -> tuple[dict[str, PolicyFeature], dict[str, str]]
         features[f"pixels/{camera}"] = PolicyFeature(type=FeatureType.VISUAL, shape=tuple(shape))
         names[f"pixels/{camera}"] = f"{OBS_IMAGES}.{camera}"
     return features, names
-
-
-gymnasium.register("gym_vcage/Run-v0", RemoteEnv)
