@@ -160,7 +160,7 @@ def _refilled(listing: str) -> str:
         name, text = line[:column], line[column:]
         if text and not name.strip():
             rows[-1][1].append(text)
-        elif text and name.endswith(" "):
+        elif text and name.endswith("  "):
             rows.append((name, [text]))
         else:  # a title, or an option whose name leaves no room for the explanation
             rows.append((line + margin, []))
