@@ -25,7 +25,7 @@ from typing import Any, get_args
 
 import numpy as np
 
-from benchmarks._policy.collected import Layout, Task, exported
+from benchmarks._policy.collected import Layout, Task, exported, task_objects
 from benchmarks._policy.demonstrations import Demonstrations
 from benchmarks._policy.training import Training, trained
 from vcage.base.errors import UsageError, VcageError
@@ -132,7 +132,7 @@ def _row(
     if not weights.exists():
         logger.info("%s, seed %d: training for %g minutes", name, training.seed, training.minutes)
         with atomic_path(weights) as part:
-            trained(demonstrations, task.robot, training).write(part)
+            trained(demonstrations, task.robot, task_objects(source), training).write(part)
     facts = _evaluated(evaluated_in, weights, plan.rollouts, task.workers or 1)
     counts = {"episodes": len(demonstrations.ends), "frames": len(demonstrations.states)}
     return {"trained_on": name, "seed": training.seed, "minutes": training.minutes, **counts, **facts}

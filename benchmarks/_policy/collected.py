@@ -11,6 +11,7 @@ from vcage.base.errors import TooFewVerified
 from vcage.base.files import RunFolder
 from vcage.base.progress import Progress
 from vcage.runs.accepted import accepted_episodes
+from vcage.schema.subtasks import Subtasks
 from vcage.stages import collect, export, inpaint_plan, match, optimize, search_subtasks, select_place, verify
 from vcage.stages.chain import ChainOptions
 
@@ -67,6 +68,14 @@ class Task:
 def exported(run: RunFolder) -> Path:
     """Folder of the exported data set."""
     return run.export.parent / FORMAT
+
+
+def task_objects(run: RunFolder) -> set[str]:
+    """Ids of the objects that the sub-tasks of a run's first chain move, open, press or put something on."""
+    read = Subtasks.read(run.subtasks)
+    kept = [subtask for subtask in read.kept if subtask.id in read.chains[0].subtasks]
+    named = (name for subtask in kept for name in (subtask.object, subtask.receptacle, subtask.grasped))
+    return {name for name in named if name not in (None, "table")}
 
 
 def _said(what: str) -> Progress:

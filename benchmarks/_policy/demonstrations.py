@@ -60,8 +60,7 @@ class Demonstrations:
             object_names=tuple(features[OBJECTS]["names"]),
         )
 
-    def chunks(self, length: int) -> NDArray[np.float64]:
-        """(F, length, D) the next actions from each frame on; behind the end of an episode the last one again."""
+    def next_frames(self, length: int) -> NDArray[np.int64]:
+        """(F, length) the frames from each one on; behind the end of an episode its last one again."""
         last = self.ends[np.searchsorted(self.ends, np.arange(len(self.states)), side="right")] - 1
-        wanted = np.arange(len(self.states))[:, None] + np.arange(length)
-        return self.actions[np.minimum(wanted, last[:, None])]
+        return np.minimum(np.arange(len(self.states))[:, None] + np.arange(length), last[:, None])

@@ -1,4 +1,4 @@
-"""A network that predicts some alternative chunks of actions, and which of them is right.
+"""A network that predicts some alternative chunks of targets, and which of them is right.
 
 A planner takes this arm or that, and grasps a block from this side or that: of two ways that are as good, a mean is
 none. So each alternative is trained on the demonstrations that it predicts best (A. Guzmán-Rivera et al., "Multiple
@@ -20,13 +20,13 @@ class Size:
     """Size of a policy.
 
     Args:
-        chunk: actions that it predicts at once.
+        chunk: targets that it predicts at once.
         width, layers: of its hidden layers.
         ways: alternative chunks.
     """
 
-    chunk: int = 16
-    width: int = 512
+    chunk: int = 12
+    width: int = 384
     layers: int = 4
     ways: int = 6
 
@@ -36,7 +36,7 @@ class ChunkPolicy(nn.Module):
 
     Args:
         features: F numbers of an input.
-        numbers: D of an action.
+        numbers: D of a target.
         size: of the network.
     """
 

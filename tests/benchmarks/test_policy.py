@@ -1,0 +1,131 @@
+"""The policy of the policy benchmark: frames of hands, inverse kinematics, and a training."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import torch
+
+from benchmarks._policy.demonstrations import Demonstrations
+from benchmarks._policy.features import ObjectPoses, Objects, poses_of, seen_by, targets_of
+from benchmarks._policy.hands import HandPoses, Hands
+from benchmarks._policy.network import Size
+from benchmarks._policy.training import Noise, Policy, Training, trained
+from vcage.sim.kinematics import kinematics_of
+from vcage.sim.robots import load_robot
+
+ROBOT = "dual_panda"
+
+
+def names_of_state() -> tuple[str, ...]:
+    arms = sorted(load_robot(ROBOT).arms.items())
+    return tuple(
+        n for arm, a in arms for n in (*(f"{arm}_joint_{j + 1}" for j in range(len(a.joints))), f"{arm}_gripper")
+    )
+
+
+def state_near_home(rng: np.random.Generator, spread_rad: float = 0.2) -> np.ndarray:
+    arms = [kinematics_of(arm) for _, arm in sorted(load_robot(ROBOT).arms.items())]
+    parts = []
+    for arm in arms:
+        joints = arm.home + rng.uniform(-spread_rad, spread_rad, len(arm.home))
+        parts += [np.clip(joints, arm.lower + 0.05, arm.upper - 0.05), [rng.uniform()]]
+    return np.concatenate(parts)
+
+
+def demonstrations(episodes: int = 2, frames: int = 20) -> Demonstrations:
+    """Arms that wander, and a block that stands."""
+    rng = np.random.default_rng(3)
+    names = names_of_state()
+    ways = [
+        np.linspace(0, 1, frames + 1)[:, None] * (state_near_home(rng) - (first := state_near_home(rng))) + first
+        for _ in range(episodes)
+    ]
+    return Demonstrations(
+        states=np.concatenate([way[:-1] for way in ways]),
+        objects=np.tile([0.0, 0.1, 0.75, 1, 0, 0, 0, 1, 0], (episodes * frames, 1)),
+        actions=np.concatenate([way[1:] for way in ways]),
+        ends=np.arange(1, episodes + 1) * frames,
+        names=names,
+        object_names=tuple(f"block.{n}" for n in ("x", "y", "z", "r11", "r21", "r31", "r12", "r22", "r32")),
+    )
+
+
+def hands_of(states: np.ndarray) -> HandPoses:
+    return Hands(ROBOT, names_of_state()).poses(states)
+
+
+def test_targets_lead_from_a_pose_to_the_next_poses() -> None:
+    rng = np.random.default_rng(0)
+    states = np.stack([state_near_home(rng) for _ in range(5)])
+    now, future = hands_of(states[:1]), hands_of(states[1:])
+    told = targets_of(now, HandPoses(future.position[None], future.rotation[None], future.opening[None]))
+    back = poses_of(told[0], now)
+    assert torch.allclose(back.position, future.position, atol=1e-5)
+    assert torch.allclose(back.rotation, future.rotation, atol=1e-5)
+    assert torch.equal(back.opening, future.opening)
+
+
+def test_inverse_kinematics_finds_the_poses_of_a_way() -> None:
+    rng = np.random.default_rng(1)
+    first, last = state_near_home(rng), state_near_home(rng)
+    way = hands_of(np.linspace(first, last, 12)[1:])
+    found = hands_of(Hands(ROBOT, names_of_state()).states(way, first))
+    assert float((found.position - way.position).norm(dim=-1).max()) < 1e-3
+    assert float((found.rotation - way.rotation).abs().max()) < 5e-3
+    assert torch.allclose(found.opening, way.opening, atol=1e-6)
+
+
+def test_a_pose_out_of_reach_leaves_the_joints_within_their_limits() -> None:
+    state = state_near_home(np.random.default_rng(2))
+    there = hands_of(state[None])
+    far = HandPoses(there.position + 3.0, there.rotation, there.opening)
+    joints = Hands(ROBOT, names_of_state()).states(far, state)[0]
+    first = 0
+    for _, record in sorted(load_robot(ROBOT).arms.items()):
+        arm = kinematics_of(record)
+        part = joints[first : first + len(arm.home)]
+        assert np.all(part >= arm.lower) and np.all(part <= arm.upper)
+        first += len(arm.home) + 1
+
+
+def test_what_a_hand_sees_does_not_depend_on_where_both_are() -> None:
+    state = state_near_home(np.random.default_rng(4))
+    hands = hands_of(state[None])
+    objects = ObjectPoses(torch.tensor([[[0.1, 0.2, 0.75]]]), torch.eye(3)[None, None, :2], torch.zeros(1, 0))
+    turn = torch.tensor([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    shift = torch.tensor([0.3, -0.2, 0.0])
+    moved = HandPoses(hands.position @ turn.T + shift, turn @ hands.rotation, hands.opening)
+    carried = ObjectPoses(objects.position @ turn.T + shift, objects.axes @ turn.T, objects.parts)
+    assert torch.allclose(seen_by(hands, objects), seen_by(moved, carried), atol=1e-5)
+
+
+def test_objects_that_the_task_is_not_about_are_not_seen() -> None:
+    names = [f"{o}.{n}" for o in ("block", "lemon") for n in ("x", "y", "z", "r11", "r21", "r31", "r12", "r22", "r32")]
+    numbers = np.arange(18.0)[None]
+    found = Objects(names, {"lemon"}).poses(numbers)
+    assert found.position.tolist() == [[[9.0, 10.0, 11.0]]]
+    assert found.axes.tolist() == [[[[12.0, 13.0, 14.0], [15.0, 16.0, 17.0]]]]
+
+
+def test_noise_moves_a_share_of_the_hands_and_keeps_rotations() -> None:
+    torch.manual_seed(0)
+    hands = hands_of(np.tile(state_near_home(np.random.default_rng(5)), (2000, 1)))
+    noisy = Noise(share=0.5).added(hands)
+    moved = (noisy.position - hands.position).abs().amax(dim=(1, 2)) > 0
+    assert 0.45 < float(moved.float().mean()) < 0.55
+    unit = noisy.rotation @ noisy.rotation.transpose(-1, -2)
+    assert torch.allclose(unit, torch.eye(3).expand_as(unit), atol=1e-5)
+
+
+def test_a_trained_policy_follows_its_demonstrations_and_can_be_stored(tmp_path: Path) -> None:
+    data = demonstrations()
+    size = Size(chunk=4, width=64, layers=2, ways=2)
+    policy = trained(data, ROBOT, {"block"}, Training(minutes=0.05, batch=32, size=size))
+    seen = {"observation/state": data.states[3], "observation/environment_state": data.objects[3]}
+    told = policy.infer(seen)["actions"]
+    assert told.shape == (4, 16)
+    assert np.abs(told - data.actions[3:7]).max() < np.abs(data.actions[3:7] - data.states[3]).max()
+    policy.write(tmp_path / "weights.pt")
+    assert np.array_equal(Policy.read(tmp_path / "weights.pt").infer(seen)["actions"], told)
