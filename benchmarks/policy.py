@@ -1,9 +1,15 @@
-"""A policy trained on an export of states, served, and evaluated by ``vcage evaluate`` in layouts never seen.
+"""A policy trained on an export, served, and evaluated by ``vcage evaluate`` in layouts never seen.
 
-A small network (``benchmarks/_policy/network.py``) learns from the columns of an exported LeRobot data set: joints,
-grippers, and poses of objects in the frames of the grippers. It is served behind openpi's protocol in a process of its
-own, and evaluated through the command as any policy of a lab would be. The rows differ in their data: layouts drawn
-for every episode, or the optimised layout with small shifts; all are evaluated on the same drawn layouts.
+A small network (``benchmarks/_policy/network.py``) learns from the columns of an exported LeRobot data set. It predicts
+the next poses of the hands from objects as the hands see them. On states, the poses of the objects are given. On
+pictures, eyes (``benchmarks/_policy/eyes.py``) tell where objects are. The policy is served behind openpi's protocol in
+a process of its own, and evaluated through the command as any policy of a lab would be. Rows differ in their data:
+
+- ``varied``: states, layouts drawn for every episode; ``fixed``: states, the optimised layout with small shifts;
+- ``raw``, ``compressed``, ``lerobot``: pictures of the varied episodes as recorded, as ``vcage compress`` stores them,
+  and as LeRobot's defaults do (AV1, CRF 30).
+
+All are evaluated on the same drawn layouts, and rows on pictures are compared with ``raw`` start by start (McNemar).
 
 Episodes and weights are kept in ``--data``: an interrupted run collects and trains nothing twice, and evaluates anew.
 """
@@ -25,9 +31,12 @@ from typing import Any, get_args
 
 import numpy as np
 
-from benchmarks._policy.collected import Layout, Task, exported, task_objects
+from benchmarks._policy.collected import Layout, Task, exported, meaning_of
 from benchmarks._policy.demonstrations import Demonstrations
-from benchmarks._policy.training import Training, trained
+from benchmarks._policy.eyes import EyesTraining, trained_eyes, views_of
+from benchmarks._policy.pictures import Format, shrunk_pictures
+from benchmarks._policy.policy import Policy
+from benchmarks._policy.training import Noise, Training, trained
 from vcage.base.errors import UsageError, VcageError
 from vcage.base.files import RunFolder, atomic_path, cache_dir
 
@@ -40,6 +49,10 @@ ROBOT = "dual_panda"
 
 LAYOUTS: tuple[Layout, ...] = get_args(Layout)
 
+FORMATS: tuple[Format, ...] = get_args(Format)
+
+ROWS = (*LAYOUTS, *FORMATS)
+
 
 @dataclass(frozen=True)
 class Plan:
@@ -48,14 +61,16 @@ class Plan:
     Args:
         episodes: of training, of each row.
         seeds: trainings of each row.
-        minutes: of each training.
+        minutes: of each training of a network, CPU time of one core; eyes take as long.
         rollouts: of each policy.
+        object_noise_m: standard deviation of the objects' places in training, where eyes will tell them.
     """
 
     episodes: int = 300
     seeds: int = 1
-    minutes: float = 30.0
+    minutes: float = 10.0
     rollouts: int = 100
+    object_noise_m: float = 0.004
 
 
 QUICK = Plan(episodes=3, seeds=1, minutes=0.1, rollouts=1)
@@ -66,14 +81,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     for name, kind, what in (
         ("episodes", int, "of training, of each row"),
         ("seeds", int, "trainings of each row"),
-        ("minutes", float, "of each training"),
+        ("minutes", float, "of each training of a network, CPU time"),
         ("rollouts", int, "of each policy"),
     ):
         default = f"default: {getattr(Plan, name)}, with --quick {getattr(QUICK, name)}"
         parser.add_argument(f"--{name}", type=kind, help=f"{what} ({default})")
     parser.add_argument("--instruction", default=INSTRUCTION, help="the task (default: %(default)s)")
     parser.add_argument("--robot", default=ROBOT, help="who does it (default: %(default)s)")
-    parser.add_argument("--layouts", default="varied,fixed", help="rows, with commas (default: %(default)s)")
+    parser.add_argument("--rows", default=",".join(ROWS), help="with commas (default: %(default)s)")
     parser.add_argument("--data", type=Path, help="where episodes and weights are kept (default: the user's cache)")
     parser.add_argument("--workers", type=int, default=2, help="processes that collect and evaluate (default: 2)")
 
@@ -82,22 +97,22 @@ def run(
     quick: bool,
     instruction: str = INSTRUCTION,
     robot: str = ROBOT,
-    layouts: str = "varied,fixed",
+    rows: str = ",".join(ROWS),
     data: Path | None = None,
     workers: int = 2,
     **chosen: Any,
 ) -> dict[str, Any]:
     """A row for each policy: its data, and its evaluation.
 
-    - ``episodes``, ``frames``: that it was trained on; ``minutes``: of training, wall time.
+    - ``episodes``, ``frames``: that it was trained on; ``minutes``: of training, CPU time of one core.
     - all figures of ``vcage evaluate``: ``n_success`` of ``n_episodes``, ``pc_success_ci95`` (Wilson), ``furthest``
-      (how far the episodes came), ``left_out`` (layouts in which the expert fails, too).
+      (how far the episodes came), ``left_out`` (layouts in which the expert fails, too); ``compared`` with ``raw``.
 
     Args:
         quick: a few episodes and seconds, which show that it runs, and nothing more.
         instruction: the task.
         robot: who does it.
-        layouts: rows, with commas.
+        rows: with commas.
         data: where episodes and weights are kept.
         workers: processes.
         chosen: fields of :class:`Plan`.
@@ -106,51 +121,76 @@ def run(
         UsageError: a row that is none.
     """
     plan = replace(QUICK if quick else Plan(), **{k: v for k, v in chosen.items() if v is not None})
-    rows = [layout for layout in LAYOUTS if layout in layouts.split(",")]
-    if wrong := {*layouts.split(",")} - {*LAYOUTS}:
-        raise UsageError(f"--layouts knows {', '.join(LAYOUTS)}, not {', '.join(sorted(wrong))}")
+    chosen_rows = [row for row in ROWS if row in rows.split(",")]
+    if wrong := {*rows.split(",")} - {*ROWS}:
+        raise UsageError(f"--rows knows {', '.join(ROWS)}, not {', '.join(sorted(wrong))}")
     folder = (data or cache_dir("benchmarks", "policy")) / robot / "-".join(instruction.lower().split())
-    task = Task(instruction, robot, folder, workers)
-    runs = {row: task.collected(plan.episodes, row) for row in rows}
-    evaluated_in = runs.get("varied") or task.collected(plan.episodes, "varied")
-    found = [
-        _row(row, runs[row], evaluated_in, Training(minutes=plan.minutes, seed=seed), plan, task)
-        for seed in range(plan.seeds)
-        for row in rows
-    ]
-    return {"instruction": instruction, "robot": robot, "training": asdict(Training(plan.minutes)), "rows": found}
+    bench = _Bench(Task(instruction, robot, folder, workers), plan)
+    found = [bench.row(row, seed) for seed in range(plan.seeds) for row in chosen_rows]
+    return {"instruction": instruction, "robot": robot, "plan": asdict(plan), "rows": found}
 
 
-def _row(
-    name: str, source: RunFolder, evaluated_in: RunFolder, training: Training, plan: Plan, task: Task
-) -> dict[str, Any]:
-    demonstrations = Demonstrations.read(exported(source), plan.episodes)
-    made_from = hashlib.sha256(repr(training).encode())
-    for numbers in (demonstrations.states, demonstrations.objects, demonstrations.actions):
-        made_from.update(np.ascontiguousarray(numbers).data)
-    weights = task.data / f"{name}-seed{training.seed}-{made_from.hexdigest()[:12]}.pt"
-    if not weights.exists():
-        logger.info("%s, seed %d: training for %g minutes", name, training.seed, training.minutes)
-        with atomic_path(weights) as part:
-            trained(demonstrations, task.robot, task_objects(source), training).write(part)
-    facts = _evaluated(evaluated_in, weights, plan.rollouts, task.workers or 1)
-    counts = {"episodes": len(demonstrations.ends), "frames": len(demonstrations.states)}
-    return {"trained_on": name, "seed": training.seed, "minutes": training.minutes, **counts, **facts}
+@dataclass(frozen=True)
+class _Bench:
+    task: Task
+    plan: Plan
 
+    def row(self, name: str, seed: int) -> dict[str, Any]:
+        """Train, serve and evaluate a policy."""
+        layout: Layout = "fixed" if name == "fixed" else "varied"
+        source = self.task.collected(self.plan.episodes, layout)
+        demonstrations = Demonstrations.read(exported(source), self.plan.episodes)
+        stored = next((known for known in FORMATS if known == name), None)
+        weights = self.task.data / f"{name}-seed{seed}-{self._made_from(demonstrations, seed)}.pt"
+        if not weights.exists():
+            logger.info("%s, seed %d: training for %g minutes", name, seed, self.plan.minutes)
+            policy = self._trained(source, demonstrations, stored, seed)
+            with atomic_path(weights) as part:
+                policy.write(part)
+        facts = self._evaluated(weights, name, seed, pictures=stored is not None)
+        counts = {"episodes": len(demonstrations.ends), "frames": len(demonstrations.states)}
+        return {"trained_on": name, "seed": seed, "minutes": self.plan.minutes, **counts, **facts}
 
-def _evaluated(run: RunFolder, weights: Path, rollouts: int, workers: int) -> dict[str, Any]:
-    """Serve weights and evaluate them; the summary of ``vcage evaluate``."""
-    with served(weights) as address:
-        command = [sys.executable, "-m", "vcage.cli.main", "evaluate", str(run.root), "--policy", address]
-        command += ["--episodes", str(rollouts), "--workers", str(workers), "--no-pictures", "--environment-state"]
-        begun = time.perf_counter()
-        out = run.root / "evaluations" / weights.stem
-        done = subprocess.run([*command, "--out", str(out), "--force"], stdout=subprocess.PIPE, text=True)
-    if done.returncode != 0:
-        raise VcageError(f"vcage evaluate ended with {done.returncode}: {done.stdout[-500:]}")
-    facts = json.loads(done.stdout.splitlines()[-1])["summary"]
-    logger.info("%s: %s of %s in %.0f s", weights.stem, facts["n_success"], rollouts, time.perf_counter() - begun)
-    return facts
+    def _made_from(self, demonstrations: Demonstrations, seed: int) -> str:
+        """A hash of all that weights depend on."""
+        made_from = hashlib.sha256(repr((self.plan, seed)).encode())
+        for numbers in (demonstrations.states, demonstrations.objects, demonstrations.actions):
+            made_from.update(np.ascontiguousarray(numbers).data)
+        return made_from.hexdigest()[:12]
+
+    def _trained(self, source: RunFolder, demonstrations: Demonstrations, stored: Format | None, seed: int) -> Policy:
+        meaning = meaning_of(source, demonstrations, self.task.robot, turned=stored is None)
+        noise = Noise(object_m=0.0 if stored is None else self.plan.object_noise_m)
+        policy = trained(demonstrations, meaning, Training(minutes=self.plan.minutes, seed=seed, noise=noise))
+        if stored is not None:
+            if stored == "compressed":
+                self.task.compressed(source)
+            views = views_of(self.task.robot)
+            seen = shrunk_pictures(source, stored, views, self.plan.episodes, self.task.data / "lerobot")
+            hands = meaning.hands().poses(demonstrations.states)
+            places = meaning.seen_objects().poses(demonstrations.objects).position
+            policy.eyes = trained_eyes(seen, hands, places, views, EyesTraining(self.plan.minutes, seed=seed))
+        return policy
+
+    def _evaluated(self, weights: Path, name: str, seed: int, pictures: bool) -> dict[str, Any]:
+        """Serve weights and evaluate them; the summary of ``vcage evaluate``."""
+        run = self.task.collected(self.plan.episodes, "varied")
+        out, raw = (run.root / "evaluations" / f"{row}-seed{seed}" for row in (name, "raw"))
+        with served(weights) as address:
+            command = [sys.executable, "-m", "vcage.cli.main", "evaluate", str(run.root), "--policy", address]
+            command += ["--episodes", str(self.plan.rollouts), "--workers", str(self.task.workers or 1)]
+            command += ["--out", str(out), "--force"]
+            command += [] if pictures else ["--no-pictures", "--environment-state"]
+            if pictures and name != "raw" and raw.exists():
+                command += ["--against", str(raw)]
+            begun = time.perf_counter()
+            done = subprocess.run(command, stdout=subprocess.PIPE, text=True)
+        if done.returncode != 0:
+            raise VcageError(f"vcage evaluate ended with {done.returncode}: {done.stdout[-500:]}")
+        facts = json.loads(done.stdout.splitlines()[-1])["summary"]
+        spent = time.perf_counter() - begun
+        logger.info("%s: %s of %s in %.0f s", weights.stem, facts["n_success"], self.plan.rollouts, spent)
+        return facts
 
 
 @contextmanager

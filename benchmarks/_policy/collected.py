@@ -7,12 +7,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
+from benchmarks._policy.demonstrations import Demonstrations
+from benchmarks._policy.policy import Meaning
 from vcage.base.errors import TooFewVerified
 from vcage.base.files import RunFolder
 from vcage.base.progress import Progress
 from vcage.runs.accepted import accepted_episodes
+from vcage.runs.context import StageContext
 from vcage.schema.subtasks import Subtasks
-from vcage.stages import collect, export, inpaint_plan, match, optimize, search_subtasks, select_place, verify
+from vcage.stages import collect, compress, export, inpaint_plan, match, optimize, search_subtasks, select_place, verify
 from vcage.stages.chain import ChainOptions
 
 logger = logging.getLogger(__name__)
@@ -64,18 +67,27 @@ class Task:
         export.execute(run, asked, context, _said(f"{layout}: export"))
         return run
 
+    def compressed(self, run: RunFolder) -> None:
+        """Compress the videos of a run, and keep the raw pictures."""
+        options = compress.Options(keep_raw=True, workers=self.workers)
+        compress.execute(run, options, StageContext("offline"), _said("compress"))
+
 
 def exported(run: RunFolder) -> Path:
     """Folder of the exported data set."""
     return run.export.parent / FORMAT
 
 
-def task_objects(run: RunFolder) -> set[str]:
-    """Ids of the objects that the sub-tasks of a run's first chain move, open, press or put something on."""
+def meaning_of(run: RunFolder, demonstrations: Demonstrations, robot: str, turned: bool) -> Meaning:
+    """Meaning of the numbers of a run's demonstrations.
+
+    The task is about what its sub-tasks move, open, press or put something on.
+    """
     read = Subtasks.read(run.subtasks)
     kept = [subtask for subtask in read.kept if subtask.id in read.chains[0].subtasks]
-    named = (name for subtask in kept for name in (subtask.object, subtask.receptacle, subtask.grasped))
-    return {name for name in named if name not in (None, "table")}
+    named = {name for subtask in kept for name in (subtask.object, subtask.receptacle, subtask.grasped)}
+    objects = tuple(sorted(name for name in named if name not in (None, "table")))
+    return Meaning(robot, demonstrations.names, demonstrations.object_names, objects, turned)
 
 
 def _said(what: str) -> Progress:

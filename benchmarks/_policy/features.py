@@ -41,15 +41,23 @@ class ObjectPoses:
         return ObjectPoses(self.position[which], self.axes[which], self.parts[which])
 
 
+def only_positions(position: torch.Tensor) -> ObjectPoses:
+    """Objects of which nothing but the position (N, O, 3) is known."""
+    return ObjectPoses(position, position.new_zeros(*position.shape[:2], 0, 3), position.new_zeros(len(position), 0))
+
+
 class Objects:
     """The objects of a task among those of a state.
 
     Args:
         names: of the M numbers of the objects of a state.
         objects: ids of those that the task is about.
+        turned: tell how they are turned, and how their parts stand; else only where they are, as eyes do.
     """
 
-    def __init__(self, names: Sequence[str], objects: Collection[str]):
+    def __init__(self, names: Sequence[str], objects: Collection[str], turned: bool = True):
+        self.ids = [name[:-2] for name in names if name.endswith(".x") and name[:-2] in objects]
+        self._turned = turned
         self._poses = [i for i, name in enumerate(names) if name.endswith(".x") and name[:-2] in objects]
         self._parts = [i for i, name in enumerate(names) if ".part" in name and name.partition(".part")[0] in objects]
 
@@ -57,7 +65,8 @@ class Objects:
         """The poses for (N, M) numbers."""
         told = torch.from_numpy(numbers.astype(np.float32))
         poses = torch.stack([told[:, first : first + POSE] for first in self._poses], dim=1)
-        return ObjectPoses(poses[..., :3], poses[..., 3:].unflatten(-1, (2, 3)), told[:, self._parts])
+        axes, parts = poses[..., 3:].unflatten(-1, (2, 3)), told[:, self._parts]
+        return ObjectPoses(poses[..., :3], axes, parts) if self._turned else only_positions(poses[..., :3])
 
 
 def seen_by(hands: HandPoses, objects: ObjectPoses) -> torch.Tensor:

@@ -15,7 +15,7 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.server import ServerConnection
 from websockets.sync.server import serve as serve_sockets
 
-from benchmarks._policy.training import Policy
+from benchmarks._policy.policy import Policy
 from vcage.evaluation.wire import pack, unpack
 
 

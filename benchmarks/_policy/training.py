@@ -1,32 +1,30 @@
-"""A policy trained on demonstrations, and its answers."""
+"""The training of a policy on demonstrations."""
 
 from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Collection, Mapping
-from dataclasses import asdict, dataclass, field
-from pathlib import Path
-from typing import Any
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 
 from benchmarks._policy.demonstrations import Demonstrations
-from benchmarks._policy.features import TARGET, Objects, poses_of, seen_by, targets_of
-from benchmarks._policy.hands import HandPoses, Hands
-from benchmarks._policy.network import ChunkPolicy, Size, loss_of
+from benchmarks._policy.features import ObjectPoses, seen_by, targets_of
+from benchmarks._policy.hands import HandPoses
+from benchmarks._policy.network import Size, loss_of
+from benchmarks._policy.policy import Meaning, Policy, Scale
 
 logger = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
 class Noise:
-    """Displacement of the hands in training: their targets stay, so that the policy learns to come back to the way.
+    """Displacement of hands and objects in training: targets stay, so that the policy learns to come back to the way.
 
     Args:
-        position_m, rotation_rad, opening: standard deviations.
+        position_m, rotation_rad, opening: standard deviations of hands.
+        object_m: of the positions of objects.
         spread: of the logarithm of a factor by which a frame's noise is larger or smaller.
         share: of the frames that get any.
     """
@@ -34,6 +32,7 @@ class Noise:
     position_m: float = 0.006
     rotation_rad: float = 0.025
     opening: float = 0.02
+    object_m: float = 0.0
     spread: float = 0.5
     share: float = 0.8
 
@@ -49,6 +48,10 @@ class Noise:
             hands.rotation @ torch.linalg.matrix_exp(skew),
             (hands.opening + torch.randn(count, number) * self.opening).clip(0, 1),
         )
+
+    def moved(self, objects: ObjectPoses) -> ObjectPoses:
+        """Displaced objects."""
+        return replace(objects, position=objects.position + torch.randn_like(objects.position) * self.object_m)
 
 
 @dataclass(frozen=True)
@@ -74,100 +77,19 @@ class Training:
     size: Size = field(default_factory=Size)
 
 
-@dataclass(frozen=True)
-class Scale:
-    """Mean and deviation of the numbers of inputs (F,) and targets (:data:`TARGET`,)."""
-
-    input_mean: torch.Tensor
-    input_deviation: torch.Tensor
-    target_mean: torch.Tensor
-    target_deviation: torch.Tensor
-
-    @classmethod
-    def of(cls, inputs: torch.Tensor, targets: torch.Tensor) -> Scale:
-        """The scale of (N, F) inputs and (N, K, A, :data:`TARGET`) targets; one for all directions in space."""
-        deviation = targets.std(dim=(0, 1, 2)).clip(1e-3)
-        deviation[:3], deviation[3:-1] = deviation[:3].mean(), deviation[3:-1].mean()
-        return cls(inputs.mean(dim=0), inputs.std(dim=0).clip(1e-3), targets.mean(dim=(0, 1, 2)), deviation)
-
-    def inputs(self, inputs: torch.Tensor) -> torch.Tensor:
-        """Inputs with mean 0 and deviation 1."""
-        return ((inputs - self.input_mean) / self.input_deviation).clip(-5, 5)
-
-    def targets(self, targets: torch.Tensor) -> torch.Tensor:
-        """Targets with mean 0 and deviation 1."""
-        return (targets - self.target_mean) / self.target_deviation
-
-    def told(self, targets: torch.Tensor) -> torch.Tensor:
-        """The inverse of :meth:`targets`."""
-        return targets * self.target_deviation + self.target_mean
-
-
-class Policy:
-    """A network with what its numbers mean.
-
-    Args:
-        robot: name of the robot.
-        names, object_names: of the numbers of a state and of its objects.
-        objects: ids of the objects that the task is about.
-        scale: of inputs and targets.
-        size: of the network.
-    """
-
-    def __init__(
-        self,
-        robot: str,
-        names: tuple[str, ...],
-        object_names: tuple[str, ...],
-        objects: Collection[str],
-        scale: Scale,
-        size: Size,
-    ):
-        self.facts = {"robot": robot, "names": names, "object_names": object_names, "objects": sorted(objects)}
-        self.scale, self.size = scale, size
-        self.hands, self.objects = Hands(robot, names), Objects(object_names, objects)
-        self.network = ChunkPolicy(len(scale.input_mean), len(self.hands) * TARGET, size)
-
-    def infer(self, observation: Mapping[str, Any]) -> dict[str, NDArray[np.float64]]:
-        """Return ``actions`` (chunk, D), absolute targets, for ``observation/state`` and ``…/environment_state``."""
-        state = np.asarray(observation["observation/state"], np.float64)
-        objects = np.asarray(observation["observation/environment_state"], np.float64)
-        hands = self.hands.poses(state[None])
-        with torch.inference_mode():
-            chunks, scores = self.network(self.scale.inputs(seen_by(hands, self.objects.poses(objects[None]))))
-        chunk = chunks[0, int(scores[0].argmax())].unflatten(-1, (len(self.hands), TARGET))
-        return {"actions": self.hands.states(poses_of(self.scale.told(chunk), hands), state)}
-
-    def write(self, path: Path) -> None:
-        """Write all that :meth:`read` needs."""
-        kept = {**self.facts, "scale": vars(self.scale), "size": asdict(self.size)}
-        torch.save({**kept, "weights": self.network.state_dict()}, path)
-
-    @classmethod
-    def read(cls, path: Path) -> Policy:
-        """Read what :meth:`write` wrote."""
-        kept = torch.load(path, weights_only=True)
-        weights, scale, size = kept.pop("weights"), Scale(**kept.pop("scale")), Size(**kept.pop("size"))
-        policy = cls(**kept, scale=scale, size=size)
-        policy.network.load_state_dict(weights)
-        policy.network.eval()
-        return policy
-
-
 class Batches:
     """Inputs and targets of frames.
 
     Args:
         demonstrations: all frames.
-        hands: of the robot.
-        objects: that the task is about.
+        meaning: of their numbers.
         training: its noise, and the length of its chunks.
     """
 
-    def __init__(self, demonstrations: Demonstrations, hands: Hands, objects: Objects, training: Training):
-        self._noise = training.noise
+    def __init__(self, demonstrations: Demonstrations, meaning: Meaning, training: Training):
+        self._noise, hands = training.noise, meaning.hands()
         self._hands, self._future = hands.poses(demonstrations.states), hands.poses(demonstrations.actions)
-        self._objects = objects.poses(demonstrations.objects)
+        self._objects = meaning.seen_objects().poses(demonstrations.objects)
         self._next = torch.from_numpy(demonstrations.next_frames(training.size.chunk))
 
     def __len__(self) -> int:
@@ -177,23 +99,17 @@ class Batches:
     def __getitem__(self, frames: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
         """(N, F) inputs with fresh noise, and their (N, K, A, :data:`TARGET`) targets."""
         hands = self._noise.added(self._hands[frames])
-        return seen_by(hands, self._objects[frames]), targets_of(hands, self._future[self._next[frames]])
+        return seen_by(hands, self._noise.moved(self._objects[frames])), targets_of(
+            hands, self._future[self._next[frames]]
+        )
 
 
-def trained(demonstrations: Demonstrations, robot: str, objects: Collection[str], training: Training) -> Policy:
-    """Train a policy.
-
-    Args:
-        demonstrations: the data.
-        robot: name of the robot.
-        objects: ids of the objects that the task is about.
-        training: settings.
-    """
+def trained(demonstrations: Demonstrations, meaning: Meaning, training: Training) -> Policy:
+    """Train a policy on states."""
     torch.manual_seed(training.seed)
-    hands, seen = Hands(robot, demonstrations.names), Objects(demonstrations.object_names, objects)
-    batches = Batches(demonstrations, hands, seen, training)
+    batches = Batches(demonstrations, meaning, training)
     scale = Scale.of(*batches[torch.arange(len(batches))])
-    policy = Policy(robot, demonstrations.names, demonstrations.object_names, objects, scale, training.size)
+    policy = Policy(meaning, scale, training.size)
     _fit(policy, batches, training)
     return policy
 

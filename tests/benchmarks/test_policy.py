@@ -11,7 +11,8 @@ from benchmarks._policy.demonstrations import Demonstrations
 from benchmarks._policy.features import ObjectPoses, Objects, poses_of, seen_by, targets_of
 from benchmarks._policy.hands import HandPoses, Hands
 from benchmarks._policy.network import Size
-from benchmarks._policy.training import Noise, Policy, Training, trained
+from benchmarks._policy.policy import Meaning, Policy
+from benchmarks._policy.training import Noise, Training, trained
 from vcage.sim.kinematics import kinematics_of
 from vcage.sim.robots import load_robot
 
@@ -122,7 +123,8 @@ def test_noise_moves_a_share_of_the_hands_and_keeps_rotations() -> None:
 def test_a_trained_policy_follows_its_demonstrations_and_can_be_stored(tmp_path: Path) -> None:
     data = demonstrations()
     size = Size(chunk=4, width=64, layers=2, ways=2)
-    policy = trained(data, ROBOT, {"block"}, Training(minutes=0.05, batch=32, size=size))
+    meaning = Meaning(ROBOT, data.names, data.object_names, ("block",))
+    policy = trained(data, meaning, Training(minutes=0.02, batch=32, size=size))
     seen = {"observation/state": data.states[3], "observation/environment_state": data.objects[3]}
     told = policy.infer(seen)["actions"]
     assert told.shape == (4, 16)

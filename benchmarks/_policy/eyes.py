@@ -1,0 +1,213 @@
+"""Eyes of a policy: from pictures to the positions of the objects of its task.
+
+Each camera finds points in its picture (spatial soft-argmax: S. Levine et al., "End-to-End Training of Deep Visuomotor
+Policies", JMLR 2016, section 4.2), and from them tells where each object is, in the world or, if a hand carries it, in
+the frame of the hand, and how far that is to be trusted. Labels are the poses of the objects in the export.
+"""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import nn
+
+from benchmarks._policy.hands import HandPoses
+from vcage.sim.robots import load_robot
+
+logger = logging.getLogger(__name__)
+
+METRES = 0.1
+"""Unit of the networks' answers: objects are a few of these away from the middle."""
+
+
+@dataclass(frozen=True)
+class View:
+    """A camera, as the eyes see through it.
+
+    Args:
+        camera: its name.
+        hand: number of the hand that carries it; None for a fixed one.
+        height, width: of the picture that the network gets, pixels.
+    """
+
+    camera: str
+    hand: int | None
+    height: int
+    width: int
+
+    def shrunk(self, picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        """(H, W, 3) uint8 as (height, width, 3)."""
+        return np.asarray(cv2.resize(picture, (self.width, self.height), interpolation=cv2.INTER_AREA), np.uint8)
+
+
+def views_of(robot: str) -> list[View]:
+    """The cameras of a robot: fixed ones at half their size, those of hands, which come near, at a quarter."""
+    record = load_robot(robot)
+    arms = sorted(record.arms)
+    return [
+        View(name, hand, camera.height // part, camera.width // part)
+        for name, camera in sorted(record.cameras.items())
+        for hand, part in [(None, 2) if camera.arm is None else (arms.index(camera.arm), 4)]
+    ]
+
+
+@dataclass(frozen=True)
+class EyesTraining:
+    """Settings of the training of eyes.
+
+    Args:
+        minutes: of CPU time, on one core.
+        batch: moments of a step.
+        rate: highest learning rate; it falls to none along a cosine.
+        brightness: standard deviation of a change of gain and of offset, of a picture between -1 and 1.
+        each: share of the loss of each camera's own answer.
+        seed: of weights and order.
+    """
+
+    minutes: float = 10.0
+    batch: int = 48
+    rate: float = 2e-3
+    brightness: float = 0.1
+    each: float = 0.2
+    seed: int = 0
+
+
+def _layer(before: int, after: int, kernel: int = 3, stride: int = 1, dilation: int = 1) -> nn.Sequential:
+    convolution = nn.Conv2d(before, after, kernel, stride, dilation * (kernel // 2), dilation)
+    return nn.Sequential(convolution, nn.BatchNorm2d(after), nn.ReLU())
+
+
+class Eye(nn.Module):
+    """Picture → position of each object, and the logarithm of its weight.
+
+    Args:
+        points: to find in a picture.
+        objects: number of objects.
+        known: further numbers that it is told.
+        channels: of the first layer.
+    """
+
+    def __init__(self, points: int, objects: int, known: int, channels: int = 16):
+        super().__init__()
+        wide = 2 * channels
+        self.body = nn.Sequential(
+            _layer(3, channels, kernel=5, stride=2),
+            _layer(channels, wide, stride=2),
+            _layer(wide, wide),
+            _layer(wide, wide, dilation=2),
+            nn.Conv2d(wide, points, 1),
+        )
+        self.sharpness = nn.Parameter(torch.full((points,), 2.0))
+        self.head = nn.Sequential(
+            nn.Linear(3 * points + known, 128), nn.GELU(), nn.Linear(128, 128), nn.GELU(), nn.Linear(128, 4 * objects)
+        )
+
+    def forward(self, pictures: torch.Tensor, known: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+        """(N, O, 3) metres and (N, O), for (N, 3, h, w) and (N, known)."""
+        heat = self.body(pictures)
+        rows, columns = heat.shape[2:]
+        share = (heat.flatten(2) * self.sharpness[:, None]).softmax(-1).view_as(heat)
+        across = (share.sum(2) * torch.linspace(-1, 1, columns)).sum(-1)
+        down = (share.sum(3) * torch.linspace(-1, 1, rows)).sum(-1)
+        found = torch.cat([across, down, share.flatten(2).amax(-1), known], dim=1)
+        told = self.head(found).unflatten(1, (-1, 4))
+        return told[..., :3] * METRES, told[..., 3]
+
+
+class Eyes(nn.Module):
+    """The eyes of a robot.
+
+    Args:
+        views: the cameras.
+        objects: number of objects.
+    """
+
+    def __init__(self, views: Sequence[View], objects: int):
+        super().__init__()
+        self.views = list(views)
+        self.middle = nn.Parameter(torch.zeros(objects, 3), requires_grad=False)
+        self.fixed = nn.ModuleDict({view.camera: Eye(16, objects, 0) for view in views if view.hand is None})
+        self.carried = Eye(12, objects, 6) if any(view.hand is not None for view in views) else None
+
+    def forward(
+        self, pictures: Mapping[str, torch.Tensor], hands: HandPoses
+    ) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
+        """(N, O, 3) positions in the world, metres; those of each camera (N, C, O, 3), and its weights (N, C, O)."""
+        told = [self._told(view, pictures[view.camera], hands) for view in self.views]
+        positions = torch.stack([position for position, _ in told], dim=1)
+        weights = torch.stack([weight for _, weight in told], dim=1).softmax(dim=1)
+        return (positions * weights[..., None]).sum(dim=1), positions, weights
+
+    def _told(self, view: View, pictures: torch.Tensor, hands: HandPoses) -> tuple[torch.Tensor, torch.Tensor]:
+        if view.hand is None:
+            away, weight = self.fixed[view.camera](pictures, pictures.new_zeros(len(pictures), 0))
+            return self.middle + away, weight
+        assert self.carried is not None
+        position, rotation = hands.position[:, view.hand], hands.rotation[:, view.hand]
+        number = torch.full((len(position), 1), float(view.hand))
+        known = torch.cat([position[:, 2:], rotation[:, 2], hands.opening[:, view.hand, None], number], dim=1)
+        away, weight = self.carried(pictures, known)
+        return torch.einsum("nij,noj->noi", rotation, away) + position[:, None], weight
+
+    def look(self, pictures: Mapping[str, NDArray[np.uint8]], hands: HandPoses) -> torch.Tensor:
+        """(1, O, 3) positions, for one picture (H, W, 3) uint8 of each camera."""
+        seen = {view.camera: as_input(view.shrunk(pictures[view.camera])[None]) for view in self.views}
+        with torch.inference_mode():
+            return self(seen, hands)[0]
+
+
+def as_input(pictures: NDArray[np.uint8]) -> torch.Tensor:
+    """(N, h, w, 3) uint8 as (N, 3, h, w) from -1 to 1."""
+    return torch.from_numpy(pictures).permute(0, 3, 1, 2).float() / 127.5 - 1
+
+
+def trained_eyes(
+    pictures: Mapping[str, NDArray[np.uint8]],
+    hands: HandPoses,
+    positions: torch.Tensor,
+    views: Sequence[View],
+    training: EyesTraining,
+) -> Eyes:
+    """Train eyes.
+
+    Args:
+        pictures: (F, h, w, 3) of each view's camera, shrunk.
+        hands: of the F frames.
+        positions: (F, O, 3) of the objects.
+        views: the cameras.
+        training: settings.
+    """
+    torch.manual_seed(training.seed)
+    eyes = Eyes(views, positions.shape[1])
+    eyes.middle.data.copy_(positions.mean(dim=0))
+    optimiser = torch.optim.AdamW(eyes.parameters(), lr=training.rate, weight_decay=1e-3)
+    begun, length, step, mean = time.process_time(), training.minutes * 60, 0, 0.0
+    while (spent := time.process_time() - begun) < length:
+        for group in optimiser.param_groups:
+            group["lr"] = training.rate * min(1.0, (step + 1) / 50) * 0.5 * (1 + np.cos(np.pi * spent / length))
+        frames = torch.randint(len(positions), (training.batch,))
+        seen = {name: _otherwise_lit(as_input(rows[frames.numpy()]), training) for name, rows in pictures.items()}
+        found, each, weights = eyes(seen, hands[frames])
+        wanted = positions[frames]
+        error = (found - wanted).abs().mean()
+        own = (weights[..., None] * (each - wanted[:, None]).abs()).sum(dim=1).mean()
+        optimiser.zero_grad()
+        ((error + training.each * own) / METRES).backward()
+        nn.utils.clip_grad_norm_(eyes.parameters(), 1.0)
+        optimiser.step()
+        step, mean = step + 1, 0.98 * mean + 0.02 * float(error.detach())
+        if step % 200 == 0:
+            logger.info("eyes: step %d, error %.1f mm, %.0f of %.0f s", step, 1000 * mean, spent, length)
+    return eyes.eval()
+
+
+def _otherwise_lit(pictures: torch.Tensor, training: EyesTraining) -> torch.Tensor:
+    gain, offset = torch.randn(2, len(pictures), 1, 1, 1) * training.brightness
+    return pictures * (1 + gain) + offset
