@@ -14,7 +14,7 @@ from tests.run_folders import Finished, copied
 from vcage.base.errors import InputFileError, SchemaMismatch
 from vcage.base.files import RunFolder, read_json, write_json
 from vcage.base.pictures import read_picture, write_picture
-from vcage.runs.inputs import read_matches, read_pictures, read_plan
+from vcage.runs.inputs import read_matches, read_pictures, read_plan, state_layout
 from vcage.schema.scene import Scene
 from vcage.stages import inpaint_plan
 
@@ -103,3 +103,15 @@ def test_a_target_picture_is_refused_by_its_header(run, finished, tmp_path):
     path.write_bytes(cv2.imencode(".png", np.zeros((1, 20_000), np.uint8))[1].tobytes())
     with pytest.raises(InputFileError, match=r"target\.png is too large: 20000 x 1 pixels"):
         inpaint_plan.job(run, inpaint_plan.Options(target=path), finished.context)
+
+
+def test_the_state_of_a_closed_cabinet_has_a_number_for_each_drawer(run, finished):
+    def change(layout: Any) -> None:
+        layout["objects"][0].update(asset="cabinet_three_drawers", variant="steel", joints=[])
+
+    edit(run.scene, change)
+    run.layout.parent.mkdir(parents=True, exist_ok=True)
+    run.layout.write_bytes(run.scene.read_bytes())
+    names = state_layout(run, finished.context).names
+    cabinet = read_json(run.layout)["objects"][0]["id"]
+    assert [name for name in names if ".part" in name] == [f"{cabinet}.part{number}" for number in (1, 2, 3)]

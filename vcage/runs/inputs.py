@@ -116,4 +116,5 @@ def state_layout(run: RunFolder, context: StageContext) -> StateLayout:
         UnknownName: the library lacks an object of it.
     """
     scene = Scene.read(run.layout)
-    return StateLayout.of(scene, {o.id: len(o.joints) for o in context.objects(scene)})
+    models = context.physical_models(scene)
+    return StateLayout.of(scene, {name: len(model.links) for name, model in models.items()})
