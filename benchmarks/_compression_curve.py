@@ -44,7 +44,7 @@ def curve(clip: Clip) -> list[Point]:
 
 
 def _points(clip: Clip) -> list[Point]:
-    film, metric = clip.load(), JodMetric(device="cpu")
+    film, metric = clip.load(), JodMetric()
 
     def point(name: str, crf: int, video: bytes) -> Point:
         losses = metric.loss(decode(video, film.held_out), film.frames[film.held_out])

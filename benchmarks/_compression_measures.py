@@ -65,7 +65,7 @@ def measure_clip(clip: Clip, formats: Sequence[Format]) -> list[Measured]:
     known = {record["format"]: Measured(**record) for record in read_json(path)} if path.exists() else {}
     missing = [form for form in formats if form.name not in known]
     if missing:
-        film, metric = clip.load(), JodMetric(device="cpu")
+        film, metric = clip.load(), JodMetric()
         for form in missing:
             known[form.name] = measure(clip, form, film, metric, known)
             write_json(path, [asdict(one) for one in known.values()])

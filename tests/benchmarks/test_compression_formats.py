@@ -21,7 +21,7 @@ HEVC = Choices("hevc", pixel_formats=("yuv444p10le",), gops=(4,))
 
 @pytest.fixture(scope="module")
 def metric() -> JodMetric:
-    return JodMetric(device="cpu")
+    return JodMetric()
 
 
 def loss(made: Made, metric: JodMetric) -> float:

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import json
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib.util import find_spec
+from pathlib import Path
+from types import ModuleType
 
+import cv2
 import numpy as np
 import pytest
 import torch
 
 from tests.recordings import clip
 from vcage.base.errors import MissingDependency, UnknownName, UsageError
-from vcage.video.colorvideovdp import GaussianBlur
 from vcage.video.jod import JodMetric, require_display
 
 
@@ -55,18 +61,21 @@ def test_a_display_that_takes_no_srgb_is_refused(name):
         JodMetric(name)
 
 
-def test_the_number_of_threads_of_torch_is_left_as_it_was(metric):
-    before = torch.get_num_threads()
-    metric.loss(clip(1), clip(1))
-    assert torch.get_num_threads() == before
-
-
 def test_displays_of_a_folder_of_ones_own_are_known(monkeypatch, tmp_path):
     (tmp_path / "display_models.json").write_text('{"cinema": {}}')
     monkeypatch.setenv("CVVDP_PATH", str(tmp_path))
     require_display("cinema")
     with pytest.raises(UnknownName, match="cinema"):
         require_display("standard_fhd")
+
+
+def test_another_form_of_the_metric_is_refused(monkeypatch, tmp_path):
+    own = Path(find_spec("pycvvdp").origin).parent / "vvdp_data/cvvdp_parameters.json"
+    other = json.loads(own.read_text()) | {"masking_model": "add-transducer"}
+    (tmp_path / "cvvdp_parameters.json").write_text(json.dumps(other))
+    monkeypatch.setenv("CVVDP_PATH", str(tmp_path))
+    with pytest.raises(MissingDependency, match="masking_model is 'add-transducer', not 'mult-mutual'"):
+        JodMetric()
 
 
 def test_a_missing_cvvdp_error_names_the_package(monkeypatch):
@@ -76,23 +85,50 @@ def test_a_missing_cvvdp_error_names_the_package(monkeypatch):
     assert missing.value.command.endswith("vcage setup cvvdp")
 
 
-def test_the_stand_in_blur_keeps_a_constant_and_spreads_a_point():
-    blur = GaussianBlur(9, 2.0)
-    np.testing.assert_allclose(blur(torch.full((1, 2, 20, 20), 3.0)), 3.0, rtol=1e-6)
-    point = torch.zeros(1, 1, 21, 21)
-    point[0, 0, 10, 10] = 1.0
-    spread = blur(point)[0, 0]
-    assert spread.sum() == pytest.approx(1.0)
-    assert float(spread[10, 12] / spread[10, 10]) == pytest.approx(np.exp(-0.5), rel=1e-5)
+@pytest.mark.parametrize(
+    "display", ["standard_fhd", "standard_4k", "standard_phone", "htc_vive_pro", "lg_oled_2017_sdr"]
+)
+@pytest.mark.parametrize("size", [(240, 320), (98, 134), (97, 134), (99, 77), (16, 20)])
+def test_losses_match_the_package(display, size):
+    height, width = size
+    frames = np.stack([cv2.resize(picture, (width, height)) for picture in clip(2)])
+    worse = np.stack([frames[0] // 16 * 16, noisy(frames[1], 4)])
+    assert JodMetric(display).loss(worse, frames) == pytest.approx(package_losses(display, worse, frames), abs=2e-5)
 
 
-def test_no_false_torchvision_is_left_behind(metric):
-    assert "torchvision" not in sys.modules or hasattr(sys.modules["torchvision"], "__file__")
+def package_losses(display: str, test: np.ndarray, reference: np.ndarray) -> np.ndarray:
+    """Return the losses that the package itself computes."""
+    with torchvision_names():
+        from pycvvdp import cvvdp
+    jod, _ = cvvdp(display_name=display, device=torch.device("cpu"), quiet=True).predict(test, reference, "BHWC")
+    return 10 - jod.numpy()
 
 
-def test_losses_match_the_library_with_its_own_reading_and_convolutions(metric):
-    frames = clip(4)
-    worse = frames // 16 * 16
-    jod, _ = metric._metric.predict(worse, frames, dim_order="BHWC")
-    assert torch.backends.mkldnn.set_flags()[0] == torch.backends.mkldnn.is_available()
-    assert metric.loss(worse, frames) == pytest.approx(10 - jod.numpy(), abs=2e-5)
+@contextmanager
+def torchvision_names() -> Iterator[None]:
+    """Let ``import pycvvdp`` find inside what it takes from torchvision, where that is missing."""
+    names = {"torchvision.transforms": {"GaussianBlur": Blur}, "torchvision.ops": {"MLP": None}}
+    made = {}
+    for name, members in names.items():
+        made[name] = ModuleType(name)
+        vars(made[name]).update(members)
+    with pytest.MonkeyPatch.context() as patch:
+        for name, module in {"torchvision": ModuleType("torchvision"), **made}.items():
+            patch.setitem(sys.modules, name, module)
+        yield
+
+
+class Blur:
+    """``torchvision.transforms.GaussianBlur`` for one sigma."""
+
+    def __init__(self, kernel_size: int, sigma: float):
+        places = torch.linspace(-(kernel_size - 1) / 2, (kernel_size - 1) / 2, kernel_size)
+        weights = torch.exp(-0.5 * (places / sigma) ** 2)
+        self.weights = weights / weights.sum()
+
+    def forward(self, image: torch.Tensor) -> torch.Tensor:
+        """Blur (N, 1, H, W)."""
+        half = len(self.weights) // 2
+        padded = torch.nn.functional.pad(image, (half,) * 4, mode="reflect")
+        rows = torch.nn.functional.conv2d(padded, self.weights.view(1, 1, 1, -1))
+        return torch.nn.functional.conv2d(rows, self.weights.view(1, 1, -1, 1))

@@ -16,6 +16,5 @@ with suppress(Exception):  # its users report the error
 
 with suppress(Exception):
     import vcage.datasets.packing.clips
-    import vcage.video.colorvideovdp
 
 gc.freeze()  # leaves loaded modules out of garbage collections, so that forked processes share their memory

@@ -1,149 +1,323 @@
-"""ColorVideoVDP as this project uses it; its import takes a second, most of it for torch."""
+"""ColorVideoVDP of still pictures in NumPy and OpenCV.
+
+The package cvvdp holds the display models, the parameters and the tables of contrast sensitivity that are read here. It
+computes with PyTorch, for videos as well: on one core three times as long for a pair of pictures, after an import of
+more than a second. The losses are the same but for roundings of the fifth decimal, see ``tests/video/test_jod.py``.
+"""
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
-from importlib import import_module
-from types import ModuleType
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import cv2
 import numpy as np
-import torch
-from numpy.typing import NDArray
-from torch import Tensor, nn
-from torch.nn import functional
+from numpy.typing import ArrayLike, NDArray
 
-from vcage.base.imports import left_out
+Planes = NDArray[Any]
+"""(H, C, W) float32, their channels achromatic, red-green and yellow-violet, of one picture or of two. So OpenCV
+filters all of them at once: columns of (H, C·W), and rows of (H·C, W)."""
 
+XYZ_TO_LMS = (
+    (0.187596268556126, 0.585168649077728, -0.026384263306304),
+    (-0.133397430663221, 0.405505777260049, 0.034502127690364),
+    (0.000244379021663, -0.000542995890619, 0.019406849066323),
+)
+"""CIE 2006 cone responses."""
 
-class GaussianBlur(nn.Module):
-    """Gaussian blur with reflecting borders, as ``torchvision.transforms.GaussianBlur`` for one sigma.
+LMS_TO_DKL = ((1.0, 1.0, 0.0), (1.0, -2.311130179947035, 0.0), (-1.0, -1.0, 50.977571328718781))
+"""Opponent colours about the white D65."""
 
-    Args:
-        kernel_size: taps, odd.
-        sigma: standard deviation, pixels.
-    """
+KERNEL = np.array([0.05, 0.25, 0.4, 0.25, 0.05], np.float32)
+"""Of the Gaussian pyramid."""
 
-    def __init__(self, kernel_size: int, sigma: float):
-        super().__init__()
-        half = (kernel_size - 1) / 2
-        weights = torch.exp(-0.5 * (torch.linspace(-half, half, kernel_size) / sigma) ** 2)
-        self.weights = weights / weights.sum()
-
-    def forward(self, image: Tensor) -> Tensor:
-        """Blur (…, H, W)."""
-        for axis in (-1, -2):
-            image = self._along(image, axis)
-        return image
-
-    def _along(self, image: Tensor, axis: int) -> Tensor:
-        """Blur along one axis: shifted copies added up, which takes a fifth of a convolution's time on a CPU."""
-        pad, length = len(self.weights) // 2, image.shape[axis]
-        padding = (pad, pad, 0, 0) if axis == -1 else (0, 0, pad, pad)
-        padded = functional.pad(image.reshape(-1, 1, *image.shape[-2:]), padding, mode="reflect")
-        blurred = torch.zeros_like(image)
-        for shift, weight in enumerate(self.weights.tolist()):
-            blurred.add_(padded.narrow(axis, shift, length).reshape(image.shape), alpha=weight)
-        return blurred
+TINY = 1e-5
+"""Added before a power, and its power taken off after it, as in the package."""
 
 
-class MLP(nn.Module):
-    """Only named by pycvvdp's learned variants, which this project does not use."""
-
-    def __init__(self, *_args: object, **_kwargs: object):
-        super().__init__()
-        raise NotImplementedError("the learned variants of ColorVideoVDP need torchvision")
-
-
-def _usable() -> bool:
-    """True if torchvision is there and fits torch: a wheel for another torch fails at import with RuntimeError."""
-    try:
-        import_module("torchvision.ops")
-        import_module("torchvision.transforms")
-    except (ImportError, RuntimeError, AttributeError):
-        return False
-    return True
-
-
-@contextmanager
-def torchvision_names() -> Iterator[None]:
-    """Let ``import pycvvdp`` find ``GaussianBlur`` and ``MLP`` inside, without a false torchvision afterwards."""
-    if _usable():
-        yield
-        return
-    names = {
-        "torchvision": {},
-        "torchvision.transforms": {"GaussianBlur": GaussianBlur},
-        "torchvision.ops": {"MLP": MLP},
-    }
-    before = {name: sys.modules.get(name) for name in names}
-    for name, members in names.items():
-        module = ModuleType(name)
-        vars(module).update(members)
-        sys.modules[name] = module
-    try:
-        yield
-    finally:
-        for name, module in before.items():
-            if module is None:
-                del sys.modules[name]
-            else:
-                sys.modules[name] = module
-
-
-with torchvision_names(), left_out("matplotlib", "pyplot"):  # which it draws charts with
-    from pycvvdp import cvvdp
-    from pycvvdp.display_model import vvdp_display_photometry
-
-__all__ = ["Pairs", "cvvdp"]
-
-DEPTH = 256
-"""Values of 8 bits."""
-
-
-class Pairs:
-    """Pictures and their references as a display shows them: a ``video_source`` of ColorVideoVDP.
-
-    The light of each of the 256 values on the display is computed once and looked up. The metric's own source computes
-    it for every pixel and checks the result, which is a quarter of the time of a loss (measured, at 320x240 on a CPU).
-    The losses are the same but for roundings of the fifth decimal.
+@dataclass(frozen=True)
+class Display:
+    """Light of a display, and how large its pixels are seen.
 
     Args:
-        test, reference: (N, H, W, 3) uint8 RGB.
-        photometry: of a display that takes sRGB, and so shows each channel by itself.
+        light: (256,) light of a channel's values, cd/m².
+        to_dkl: (3, 3) from this light to opponent colours.
+        pixels_per_degree: in the middle of the display.
     """
 
-    def __init__(self, test: NDArray[np.uint8], reference: NDArray[np.uint8], photometry: vvdp_display_photometry):
-        self._test, self._reference, self._photometry = test, reference, photometry
-        values = torch.arange(DEPTH, dtype=torch.float32) / (DEPTH - 1)
-        self._shown = np.asarray(photometry.forward(values.view(1, 1, 1, 1, DEPTH))).ravel()
+    light: NDArray[np.float32]
+    to_dkl: NDArray[np.float64]
+    pixels_per_degree: float
 
-    def get_video_size(self) -> tuple[int, int, int]:
-        """Height, width, and one frame: the pairs are a batch of pictures."""
-        _, height, width, _ = self._test.shape
-        return height, width, 1
+    @classmethod
+    def of(cls, model: Mapping[str, Any], colour_space: Mapping[str, Any]) -> Display:
+        """Return the display of one of the package's models that takes sRGB.
 
-    def get_frames_per_second(self) -> float:
-        """0 for pictures."""
-        return 0
+        Args:
+            model: see the package's ``display_models.json``.
+            colour_space: sRGB in its ``color_spaces.json``.
+        """
+        peak = model["max_luminance"]
+        black = model["min_luminance"] if "min_luminance" in model else peak / model.get("contrast", 500)
+        reflected = model.get("E_ambient", 0) / math.pi * model.get("k_refl", 0.005)
+        values = np.arange(256) / 255
+        linear = np.where(values > 0.04045, ((values + 0.055) / 1.055) ** 2.4, values / 12.92)
+        light = (peak - black) * np.clip(model.get("exposure", 1) * linear, 0, 1) + black + reflected
+        to_xyz = np.array([colour_space[row] for row in ("RGB2X", "RGB2Y", "RGB2Z")])
+        to_dkl = np.linalg.multi_dot([LMS_TO_DKL, XYZ_TO_LMS, to_xyz])
+        return cls(light.astype(np.float32), to_dkl, _pixels_per_degree(model))
 
-    def get_batch_size(self) -> int:
-        """Return the number of pairs."""
-        return len(self._test)
+    def shown(self, picture: NDArray[np.uint8]) -> Planes:
+        """Return a (H, W, 3) uint8 sRGB picture in opponent colours."""
+        return np.stack(cv2.split(cv2.transform(cv2.LUT(picture, self.light), self.to_dkl)), axis=1)
 
-    def get_test_frame(self, _frame: int, device: torch.device, colorspace: str) -> Tensor:
-        """(N, 3, 1, H, W) in a linear colour space."""
-        return self._displayed(self._test, device, colorspace)
 
-    def get_reference_frame(self, _frame: int, device: torch.device, colorspace: str) -> Tensor:
-        """(N, 3, 1, H, W) in a linear colour space."""
-        return self._displayed(self._reference, device, colorspace)
+def _pixels_per_degree(model: Mapping[str, Any], metres_per_inch: float = 0.0254) -> float:
+    if "pixels_per_degree" in model:
+        return float(model["pixels_per_degree"])
+    width, height = model["resolution"]
+    if "fov_diagonal" in model:
+        away = math.hypot(width, height) / 2 / math.tan(math.radians(model["fov_diagonal"] / 2))  # in pixels
+    else:
+        metres = model.get("diagonal_size_meters", model.get("diagonal_size_inches", 0) * metres_per_inch)
+        distance = model.get("viewing_distance_meters", model.get("viewing_distance_inches", 0) * metres_per_inch)
+        away = distance * math.hypot(width, height) / metres
+    return 1 / (2 * math.degrees(math.atan(0.5 / away)))
 
-    def _displayed(self, pictures: NDArray[np.uint8], device: torch.device, colorspace: str) -> Tensor:
-        count, height, width, channels = pictures.shape
-        light = cv2.LUT(pictures.reshape(count * height, width, channels), self._shown).reshape(pictures.shape)
-        axes = torch.eye(channels, device=device).view(channels, channels, 1, 1, 1)
-        matrix = self._photometry.linear_2_target_colorspace(axes, colorspace).view(channels, channels)
-        return (torch.from_numpy(light).to(device) @ matrix).permute(0, 3, 1, 2).unsqueeze(2)
+
+@dataclass(frozen=True)
+class Band:
+    """The contrast of two pictures in one band of spatial frequencies.
+
+    Args:
+        test, reference: (H, 3, W) contrasts.
+        background: (H, W) the reference's light around each pixel, or its mean over the picture.
+        cycles_per_degree: frequency of the band.
+        base: true for the last one, all that is coarser than the others.
+    """
+
+    test: Planes
+    reference: Planes
+    background: Planes
+    cycles_per_degree: float
+    base: bool
+
+
+@dataclass(frozen=True)
+class StillMetric:
+    """ColorVideoVDP for pairs of pictures on one display.
+
+    Args:
+        display: that shows them.
+        parameters: the package's ``cvvdp_parameters.json``, of the masking model "mult-mutual".
+        sensitivity: the package's table that these name, of log10 sensitivity by light and frequency.
+    """
+
+    display: Display
+    parameters: Mapping[str, Any]
+    sensitivity: Mapping[str, Any]
+
+    def loss(self, test: NDArray[np.uint8], reference: NDArray[np.uint8]) -> float:
+        """Return the loss of a (H, W, 3) uint8 sRGB picture against a reference, JOD."""
+        pair = np.concatenate([self.display.shown(test), self.display.shown(reference)], axis=1)
+        seen = np.array([self._difference(band) for band in _bands(pair, self.display.pixels_per_degree)])
+        chroma = self.parameters["ch_chrom_w"]
+        seen *= np.array([1.0, chroma, chroma])
+        seen[-1] *= self.parameters["baseband_weight"][:3]
+        over_bands = _norm(seen, self.parameters["beta_sch"])
+        together = float(_norm(over_bands, self.parameters["beta_tch"])) * self.parameters["image_int"]
+        return self._objectionable(together)
+
+    def _objectionable(self, difference: float, straight_below: float = 0.1) -> float:
+        """Return JOD of a difference: a power of it, and a straight line near zero."""
+        scale, exponent = self.parameters["jod_a"], self.parameters["jod_exp"]
+        if difference <= straight_below:
+            return scale * straight_below ** (exponent - 1) * difference
+        return scale * difference**exponent
+
+    def _difference(self, band: Band) -> NDArray[np.float64]:
+        """Return (3,) how much of a band's difference is seen in each channel."""
+        seen = self._sensitivity(band)
+        test, reference = (
+            np.multiply(band.test, seen, out=band.test),
+            np.multiply(band.reference, seen, out=band.reference),
+        )
+        difference = np.abs(test - reference) if band.base else self._masked(test, reference)
+        exponent = self.parameters["beta"]
+        return _root(_power(difference, exponent).mean(axis=2, dtype=np.float64).mean(axis=0), exponent)
+
+    def _sensitivity(self, band: Band) -> Planes:
+        """Return (H, 3, W) the sensitivity to contrast at the reference's light, with the gain of masking."""
+        table = self._sensitivities(band.cycles_per_degree, band.base)
+        (first, *_, last), steps = self._log_light, table.shape[1] - 1
+        place = cv2.log(band.background)
+        place *= steps / (math.log(10) * (last - first))
+        place += 0.5 - steps * first / (last - first)
+        nearest = np.clip(place, 0, steps, out=place).astype(np.intp)
+        return np.stack([sensitivities.take(nearest) for sensitivities in table], axis=1)
+
+    def _sensitivities(self, cycles_per_degree: float, base: bool, steps: int = 2**14) -> NDArray[np.float32]:
+        """Return (3, steps + 1) sensitivities at a frequency, evenly spaced in the logarithm of light."""
+        key = cycles_per_degree, base
+        if key not in self._known:
+            light, place = self._log_light, math.log10(cycles_per_degree)
+            logs = [_interpolated(table, self._log_frequencies, place) for table in self._tables]
+            logs = [np.interp(np.linspace(light[0], light[-1], steps + 1), light, one) for one in logs]
+            gains = np.ones((3, 1)) if base else np.array([[1.0], [1.45], [1.0]])
+            found = gains * 10 ** (np.array(logs) + self.parameters["sensitivity_correction"] / 20)
+            self._known[key] = found.astype(np.float32)
+        return self._known[key]
+
+    @cached_property
+    def _known(self) -> dict[tuple[float, bool], NDArray[np.float32]]:
+        return {}
+
+    @cached_property
+    def _log_light(self) -> NDArray[np.float64]:
+        return np.log10(self.sensitivity["L_bkg"])
+
+    @cached_property
+    def _log_frequencies(self) -> NDArray[np.float64]:
+        return np.log10(self.sensitivity["rho"])
+
+    @cached_property
+    def _tables(self) -> list[NDArray[np.float64]]:
+        return [np.array(self.sensitivity[f"o0_c{channel}"]) for channel in (1, 2, 3)]
+
+    def _masked(self, test: Planes, reference: Planes) -> Planes:
+        """Return (H, 3, W) differences that are left where both pictures have contrast of their own."""
+        difference = _power(np.abs(test - reference), self.parameters["mask_p"])
+        common = np.minimum(np.abs(test, out=test), np.abs(reference, out=reference), out=test)
+        common = _blurred(common, self.parameters["pu_dilate"])
+        common *= np.float32(10 ** self.parameters["mask_c"])
+        for channel, exponent in enumerate(self.parameters["mask_q"][:3]):
+            common[:, channel] = _power(common[:, channel].copy(), exponent)
+        weights = 2 ** np.reshape(self.parameters["xcm_weights"], (4, 4))[:3, :3].astype(np.float32)
+        masking = weights.T @ common
+        masking += 1
+        difference /= masking
+        most = np.float32(10 ** self.parameters["d_max"])
+        return np.divide(most * difference, most + difference, out=difference)
+
+
+def _interpolated(table: NDArray[np.float64], places: NDArray[np.float64], place: float) -> NDArray[np.float64]:
+    """Return (N,) values between the columns of an (N, P) table at P places; beyond its ends, the lines go on."""
+    before = int(np.clip(np.searchsorted(places, place) - 1, 0, len(places) - 2))
+    part = (place - places[before]) / (places[before + 1] - places[before])
+    return table[:, before] + part * (table[:, before + 1] - table[:, before])
+
+
+def _power(values: Planes, exponent: float) -> Planes:
+    """Return powers of values of at least 0, which change."""
+    values += np.float32(TINY)
+    rows = values.reshape(-1, values.shape[-1])  # as OpenCV takes the last axis of three for channels
+    cv2.pow(rows, exponent, dst=rows)
+    values -= np.float32(TINY**exponent)
+    return values
+
+
+def _norm(values: NDArray[np.float64], exponent: float) -> NDArray[np.float64]:
+    """Return the norm of values along their first axis."""
+    return _root(((values + TINY) ** exponent - TINY**exponent).sum(axis=0), exponent)
+
+
+def _root(values: NDArray[np.float64], exponent: float) -> NDArray[np.float64]:
+    """Return roots of values of at least 0."""
+    return (values + TINY) ** (1 / exponent) - TINY ** (1 / exponent)
+
+
+def _blurred(planes: Planes, sigma: float) -> Planes:
+    """Return planes blurred by a Gaussian, mirrored beyond their edges; small ones as they are."""
+    half = int(2 * sigma)
+    if min(planes.shape[0], planes.shape[2]) <= half:
+        return planes
+    weights = np.exp(-0.5 * (np.arange(-half, half + 1) / sigma) ** 2)
+    weights /= weights.sum()
+    return _across(_along(planes, weights, cv2.BORDER_REFLECT_101), weights, cv2.BORDER_REFLECT_101)
+
+
+# --- bands of spatial frequencies ------------------------------------------------------------------------------
+
+
+def _bands(
+    pair: Planes, pixels_per_degree: float, darkest: float = 0.01, most_contrast: float = 1000
+) -> Iterator[Band]:
+    """Yield the bands of two pictures, the finest first.
+
+    Args:
+        pair: (H, 6, W) light of the test, then of the reference.
+        pixels_per_degree: of the display.
+        darkest: least light around a pixel, cd/m².
+        most_contrast: largest contrast.
+    """
+    frequencies = _frequencies(min(pair.shape[0], pair.shape[2]), pixels_per_degree)
+    fine = pair
+    for number, frequency in enumerate(frequencies):
+        base = number == len(frequencies) - 1
+        if base:
+            layer, background = fine, np.maximum(fine[:, ::3], darkest).mean(axis=(0, 2), keepdims=True)
+        else:
+            coarse = _reduced(fine)
+            around = _expanded(coarse, fine.shape[0], fine.shape[2])
+            layer, background, fine = fine - around, np.maximum(around[:, ::3], np.float32(darkest)), coarse
+        gain = np.float32(1 if base or number == 0 else 2)
+        test, reference = (layer[:, 3 * n : 3 * n + 3] / background[:, n : n + 1] for n in range(2))
+        for contrast in (test, reference):
+            np.minimum(contrast, np.float32(most_contrast), out=contrast)
+            contrast *= gain
+        yield Band(test, reference, np.ascontiguousarray(background[:, 1]), 0.1 if base else frequency, base)
+
+
+def _frequencies(side: int, pixels_per_degree: float, lowest: float = 0.2) -> list[float]:
+    """Return the frequencies of the bands, cycles per degree, those of the last without meaning.
+
+    Args:
+        side: of the picture, the shorter, pixels.
+        pixels_per_degree: of the display.
+        lowest: of the bands.
+    """
+    nyquist = pixels_per_degree / 2
+    found = [nyquist] + [nyquist * 0.3228 * 2.0**-number for number in range(14)]
+    most = int(math.log2(side)) - 1
+    first = next((number for number, frequency in enumerate(found) if frequency <= lowest), most)
+    return found[: min(first + 1, most) + 1]
+
+
+def _reduced(planes: Planes) -> Planes:
+    """Return planes of half the size; beyond their edges they are mirrored."""
+    height, _, width = planes.shape
+    rows = np.ascontiguousarray(_along(planes, KERNEL, cv2.BORDER_REFLECT)[::2])
+    small = np.ascontiguousarray(_across(rows, KERNEL, cv2.BORDER_REFLECT)[..., ::2])
+    if height % 2 != width % 2:  # the package goes by the number of rows where it fills up the last column
+        end, near = KERNEL[:2]
+        missing = near * rows[..., -1] + end * (rows[..., -2] - rows[..., -1])
+        small[..., -1] += missing if height % 2 else -missing
+    return small
+
+
+def _expanded(planes: Planes, height: int, width: int) -> Planes:
+    """Return planes of twice the size; beyond their edges they go on as they end."""
+    end, near, middle = 2 * KERNEL[:3]
+    even, odd, edge = (end, middle, end), (0, near, near), cv2.BORDER_REPLICATE
+    rows = np.empty((height, *planes.shape[1:]), np.float32)
+    rows[::2], rows[1::2] = _along(planes, even, edge), _along(planes, odd, edge)[: height // 2]
+    columns = [_across(rows, kernel, edge).reshape(-1, planes.shape[2]) for kernel in (even, odd)]
+    return cv2.merge(columns).reshape(height, planes.shape[1], -1)[..., :width]
+
+
+ONE = np.ones(1, np.float32)
+
+
+def _along(planes: Planes, kernel: ArrayLike, border: int) -> Planes:
+    """Return planes filtered along their columns."""
+    columns = planes.reshape(len(planes), -1)
+    return cv2.sepFilter2D(columns, -1, ONE, np.array(kernel, np.float32), borderType=border).reshape(planes.shape)
+
+
+def _across(planes: Planes, kernel: ArrayLike, border: int) -> Planes:
+    """Return planes filtered along their rows."""
+    rows = planes.reshape(-1, planes.shape[2])
+    return cv2.sepFilter2D(rows, -1, np.array(kernel, np.float32), ONE, borderType=border).reshape(planes.shape)
