@@ -13,7 +13,7 @@ from vcage.base.errors import DamagedFile, UsageError
 from vcage.base.videos import (
     codec_name,
     decode,
-    decoded_count,
+    decode_whole,
     frame_count,
     frame_rate,
     frame_times,
@@ -88,7 +88,15 @@ def test_pictures_come_one_by_one_as_in_the_whole_video(videos, name):
     path, whole = videos[name]
     assert all(np.array_equal(*pair) for pair in zip(pictures(path), whole, strict=True))
     assert np.array_equal(decode(path), whole)
-    assert frame_count(path) == decoded_count(path) == FRAMES
+    assert frame_count(path) == FRAMES
+
+
+@pytest.mark.parametrize("name", [*OTHERS, *OURS])
+def test_frames_are_counted_where_all_are_decoded_for_some(videos, name):
+    path, whole = videos[name]
+    found, count = decode_whole(path, [31, 3])
+    assert np.array_equal(found, whole[[3, 31]])
+    assert count == FRAMES
 
 
 @pytest.mark.parametrize("name", [*OTHERS, *OURS])
@@ -144,7 +152,7 @@ READERS = {
     "one": lambda path: decode(path, [0]),
     "pictures": lambda path: list(pictures(path)),
     "count": frame_count,
-    "decoded": decoded_count,
+    "whole": lambda path: decode_whole(path, [0]),
 }
 
 

@@ -128,10 +128,11 @@ def test_another_codec_without_raw_pictures_is_refused(done):
         export.execute(done, export.Options(seed=7, codec="h264", crf=30), StageContext("offline"))
 
 
-def test_a_damaged_video_leaves_the_episode_its_pictures(run):
+@pytest.mark.parametrize("spoilt", [lambda content: content[:-200], lambda content: content[:-200] + bytes(200)])
+def test_a_damaged_video_leaves_the_episode_its_pictures(run, spoilt):
     record = compressed(run, keep_raw=True)
     video = run.root / record.streams[0].file
-    video.write_bytes(video.read_bytes()[:-200])
+    video.write_bytes(spoilt(video.read_bytes()))
     with pytest.raises(DamagedFile):
         compressed(run)
     assert not holds_links(files_of(run)[0])

@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from tests.recordings import FPS, clip
+from vcage.base.errors import DamagedFile
 from vcage.base.videos import decode
+from vcage.video.choices import Criterion
 from vcage.video.codec import EncoderSettings, encode
 from vcage.video.encoders import CODECS
-from vcage.video.judge import KnownLosses, excerpt
+from vcage.video.judge import Judge, KnownLosses, excerpt
 
 FRAMES = clip(47)
 SCORED = [0, 13, 17, 38, 46]
@@ -97,3 +99,11 @@ def test_a_pair_with_another_picture_is_judged_again(changed):
     pair[changed] = pair[changed] ^ np.uint8(1)
     known.loss(*pair)
     assert metric.asked == [1, 1]
+
+
+@pytest.mark.parametrize("frames", [0, 3])
+def test_a_whole_video_that_lacks_frames_is_refused(frames):
+    judge = Judge(PICTURES, [0, 2], 10.0, Criterion(), Counting())
+    short = encode(PICTURES[:-1], 10.0, EncoderSettings(), 20)
+    with pytest.raises(DamagedFile, match=f"holds {len(PICTURES) - 1} of {len(PICTURES)} frames"):
+        judge.losses(short, range(frames))

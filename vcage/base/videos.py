@@ -66,14 +66,18 @@ def pictures(video: bytes | Path) -> Iterator[NDArray[np.uint8]]:
         yield from map(source.picture, source.all())
 
 
-def decoded_count(video: bytes | Path) -> int:
-    """Count the frames by decoding each.
+def decode_whole(video: bytes | Path, indices: Sequence[int]) -> tuple[NDArray[np.uint8], int]:
+    """The pictures at ``indices`` as of :func:`decode`, and the number of all frames, each of which is decoded.
 
     Raises:
         DamagedFile: it is no video, is cut off, or holds fewer frames than it claims, or one is damaged.
     """
+    wanted, found, count = set(indices), [], 0
     with _opened(video) as source:
-        return sum(1 for _ in source.all())
+        for count, frame in enumerate(source.all(), start=1):
+            if count - 1 in wanted:
+                found.append(source.picture(frame))
+        return np.stack(found) if found else np.empty((0, *source.size, 3), np.uint8), count
 
 
 def frame_count(video: bytes | Path) -> int:

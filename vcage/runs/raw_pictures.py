@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import chain, groupby
@@ -18,8 +17,6 @@ from typing import Any
 
 from vcage.base.errors import DamagedFile, InputFileError, MissingStage, StaleStage
 from vcage.base.files import RunFolder, atomic_path, link_or_copy, sha256_file
-from vcage.base.videos import decoded_count
-from vcage.base.workers import cores
 from vcage.datasets.hdf5_files import damage, open_hdf5_file
 from vcage.datasets.packed import write_packed
 from vcage.datasets.packing.clips import Clip
@@ -188,8 +185,8 @@ def link_videos(run: RunFolder, files: Iterable[EpisodeFile], record: Compressio
         file: [(run.file(stream.file), stream) for stream in record.streams if stream.episode == file.name]
         for file in raw
     }
-    with ThreadPoolExecutor(cores()) as pool:  # FFmpeg releases the interpreter
-        list(pool.map(lambda video: _verify(*video), chain(*waiting.values())))
+    for video, stream in chain(*waiting.values()):
+        _verify(video, stream)
     for file, videos in waiting.items():
         for video, _ in videos:
             with atomic_path(file.path.with_name(video.name)) as part:
@@ -209,10 +206,10 @@ def _packed(episode: Path, streams: Sequence[VideoStream], scratch: Path) -> Pat
 
 
 def _verify(video: Path, stream: VideoStream) -> None:
-    """Raise DamagedFile where a fully decoded video differs from the written one."""
-    frames, size = decoded_count(video), video.stat().st_size
-    if (frames, size) != (stream.frames, stream.bytes):
+    """Raise DamagedFile where a video is another file than was written, which the search decoded whole."""
+    if sha256_file(video) != stream.sha256:
         raise DamagedFile(
-            f"{video} holds {frames} frames in {size} bytes, {stream.frames} in {stream.bytes} were written",
+            f"{video} is not the file of {stream.bytes} bytes that was written",
+            hint="compress the run again with --force, as long as its episodes hold their pictures",
             maker="compress",
         )

@@ -44,6 +44,7 @@ class VideoStream(Record):
     file: RunPath
     frames: int
     bytes: int
+    sha256: str = Field("", description="of the file, which was decoded whole; none in earlier records")
     raw_bytes: int = Field(description="uint8 RGB")
     jpeg_bytes: int = Field(description="JPEG quality 95, as RoboTwin's HDF5 stores it")
     stored_bytes: int = Field(description="as the recording stored the pictures before")

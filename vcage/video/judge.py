@@ -11,7 +11,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from vcage.base.videos import decode
+from vcage.base.errors import DamagedFile
+from vcage.base.videos import decode, decode_whole
 from vcage.schema.compression import Evaluation
 from vcage.video.bisection import highest_passing
 from vcage.video.choices import Criterion
@@ -117,8 +118,15 @@ class Judge:
         return self._videos[key]
 
     def losses(self, video: bytes, frames: Sequence[int]) -> NDArray[np.float64]:
-        """Return (N,) losses of N increasing frames in a whole video, JOD."""
-        return self.loss(decode(video, frames), frames)
+        """Return (N,) losses of N increasing frames in a whole video, JOD.
+
+        Raises:
+            DamagedFile: one of its frames cannot be decoded, or is missing.
+        """
+        pictures, count = decode_whole(video, frames)
+        if count != len(self.frames):
+            raise DamagedFile(f"an encoded video holds {count} of {len(self.frames)} frames")
+        return self.loss(pictures, frames)
 
     def loss(self, pictures: NDArray[np.uint8], frames: Sequence[int]) -> NDArray[np.float64]:
         """Return (N,) losses of (N, H, W, 3) pictures against N frames, JOD."""

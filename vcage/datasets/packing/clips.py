@@ -190,6 +190,7 @@ def _stream(clip: Clip, judge: Judge, result: SearchResult) -> VideoStream:
         file=clip.video,
         frames=len(frames),
         bytes=len(result.video),
+        sha256=hashlib.sha256(result.video).hexdigest(),
         raw_bytes=frames.nbytes,
         jpeg_bytes=jpeg_bytes(frames),
         stored_bytes=clip.recording.camera(clip.camera).stored_bytes,
