@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -76,3 +78,24 @@ def test_without_figures_of_the_process_its_lifetime_counts(machine, monkeypatch
         monkeypatch.setattr(memory, name, machine / "missing" / name)
     memory.measure_memory_anew()
     assert memory.largest_memory() > 1_000_000
+
+
+@pytest.mark.parametrize("reuse", [False, True])
+def test_freed_memory_is_used_again(reuse):
+    code = f"""
+import resource
+import numpy as np
+from vcage.base.memory import reuse_freed_memory
+
+def faults():
+    for _ in range(10):
+        held = [np.ones(2**20) for _ in range(3)]
+        del held
+    return resource.getrusage(resource.RUSAGE_SELF).ru_minflt
+
+if {reuse}:
+    reuse_freed_memory()
+print(-faults() + faults())
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert (int(done.stdout) < 3 * 2048) == reuse  # pages of one turn

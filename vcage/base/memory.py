@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import functools
 import re
 import resource
@@ -74,6 +75,26 @@ def _free_bytes(folder: Path, limit: str, usage: str) -> list[int]:
     except OSError:
         return []
     return [] if most == "max" else [int(most) - used + max(map(int, reclaimable), default=0)]
+
+
+_M_TRIM_THRESHOLD, _M_MMAP_THRESHOLD = -1, -3
+"""From glibc's <malloc.h>."""
+
+
+def reuse_freed_memory(kept_bytes: int = 128 << 20, array_bytes: int = 32 << 20) -> None:
+    """Let the C library keep freed memory for the next arrays of this process.
+
+    Without, glibc gives it back after nearly every picture, and the system clears each page before it is used again:
+    measured, a seventh of the CPU time of the first clip that a process encodes and judges.
+
+    Args:
+        kept_bytes: that are kept free at most, where the heap ends.
+        array_bytes: larger arrays are given back as soon as they are freed; glibc takes no more than 32 MiB.
+    """
+    library = ctypes.CDLL(None)
+    if hasattr(library, "mallopt"):
+        library.mallopt(_M_TRIM_THRESHOLD, kept_bytes)
+        library.mallopt(_M_MMAP_THRESHOLD, array_bytes)
 
 
 _remembering: WeakSet[functools._lru_cache_wrapper] = WeakSet()

@@ -22,6 +22,7 @@ from typing import Any
 
 from vcage.base.errors import UsageError
 from vcage.base.leftovers import mark_scratch, sweep_scratch
+from vcage.base.memory import reuse_freed_memory
 
 DONE, FAILED, SAID = range(3)
 """Kinds of messages: a result, an error, or a record of the log."""
@@ -36,6 +37,7 @@ def serve(connection: Connection, level: int, environment: Mapping[str, str]) ->
         environment: of the process that gives the tasks.
     """
     _follow(environment)
+    reuse_freed_memory()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's business
     threading.Thread(target=_end_with_parent, daemon=True).start()
     logging.basicConfig(level=level, format="%(message)s", handlers=[_ToParent(connection)], force=True)

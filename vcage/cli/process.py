@@ -19,6 +19,7 @@ from pathlib import Path
 from types import FrameType
 
 from vcage.base.errors import ConfigurationError, UsageError, VcageError
+from vcage.base.memory import reuse_freed_memory
 
 STREAMS = ("stdin", "stdout", "stderr")
 
@@ -42,6 +43,7 @@ LIMITS = FileLimits()
 def prepare() -> None:
     """Prepare this process for a command; call it first."""
     _open_closed_streams()
+    reuse_freed_memory()
     with contextlib.suppress(OSError, ValueError):
         most = resource.getrlimit(resource.RLIMIT_NOFILE)
         wanted = LIMITS.wanted if most[1] == resource.RLIM_INFINITY else min(LIMITS.wanted, most[1])
