@@ -94,3 +94,36 @@ def test_an_array_of_other_numbers_is_no_picture(tmp_path):
         dataset = file.create_dataset("it", data=np.zeros((2, 8, 8, 3), np.float32))
         with pytest.raises(DamagedFile, match=r"depth\[1\]"):
             stored_picture(dataset, 1, "depth")
+
+
+@pytest.mark.parametrize(
+    "stored",
+    [
+        {},
+        {"chunks": (1, 48, 64, 3), "compression": "gzip"},
+        {"chunks": (1, 48, 64, 3), "compression": "gzip", "shuffle": True},
+        {"chunks": (1, 48, 64, 3), "compression": "gzip", "fletcher32": True},
+        {"chunks": (1, 48, 64, 3), "compression": "lzf"},
+        {"chunks": (2, 48, 64, 3), "compression": "gzip"},
+        {"chunks": (1, 24, 64, 3), "compression": "gzip"},
+    ],
+)
+def test_an_array_is_read_however_it_is_packed(tmp_path, stored):
+    pictures = np.random.default_rng(0).integers(0, 256, (3, 48, 64, 3), np.uint8)
+    with h5py.File(tmp_path / "pictures.hdf5", "w") as file:
+        dataset = file.create_dataset("images", (4, 48, 64, 3), np.uint8, **stored)
+        dataset[:3] = pictures
+        found = [stored_picture(dataset, index, "it") for index in range(4)]
+    assert np.array_equal(found, [*pictures, np.zeros((48, 64, 3), np.uint8)])  # the last was never written
+
+
+@pytest.mark.parametrize("spoil", [lambda packed: packed[:-9], lambda packed: bytes(len(packed))])
+def test_a_damaged_chunk_is_an_error_of_hdf5(tmp_path, spoil):
+    chunks = (1, *room().shape)
+    with h5py.File(tmp_path / "pictures.hdf5", "w") as file:
+        dataset = file.create_dataset("images", data=np.stack([room()] * 2), chunks=chunks, compression="gzip")
+        _, packed = dataset.id.read_direct_chunk((1, 0, 0, 0))
+        dataset.id.write_direct_chunk((1, 0, 0, 0), spoil(packed))
+        assert np.array_equal(stored_picture(dataset, 0, "it"), room())
+        with pytest.raises(OSError):
+            stored_picture(dataset, 1, "it")

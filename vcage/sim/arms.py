@@ -213,8 +213,8 @@ class ArmControl:
         if self.drives is self._sent:
             return
         new = {part: self.drives[self.layout.part(part)] for part in PARTS}
-        old = {part: self._sent[self.layout.part(part)] for part in PARTS}
-        changed = {part for part in PARTS if not np.array_equal(new[part], old[part])}
+        differs = self.drives != self._sent
+        changed = {part for part in PARTS if differs[self.layout.part(part)].any()}
         self._sent = self.drives
         if changed & {"position", "velocity"}:
             rows = zip(self._joints, new["position"].tolist(), new["velocity"].tolist(), strict=True)
