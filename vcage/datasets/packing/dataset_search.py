@@ -67,7 +67,7 @@ def require_tools(settings: CompressionSettings) -> None:
 
 
 def workers_for(
-    clips: Sequence[Clip], most: int | None = None, clip_copies: int = 3, process_bytes: int = 1_500_000_000
+    clips: Sequence[Clip], most: int | None = None, clip_copies: int = 3, process_bytes: int = 500_000_000
 ) -> int:
     """Return the number of useful processes: at least one, at most one per clip.
 
@@ -76,7 +76,7 @@ def workers_for(
         most: upper limit; None for as many as this machine has cores and memory for.
         clip_copies: copies of a clip in the memory of a process at most: itself, decoded frames, and those of the
             encoder.
-        process_bytes: memory of a process besides its clip, most of it for the metric.
+        process_bytes: memory of a process besides its clip; measured, it takes half of it.
     """
     if most is None:
         largest = max((c.recording.camera(c.camera).raw_bytes for c in clips), default=0)
