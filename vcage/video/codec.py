@@ -19,7 +19,7 @@ from typing import cast
 import av
 import numpy as np
 from av.video.frame import PictureType
-from av.video.reformatter import ColorPrimaries, ColorRange, Colorspace, ColorTrc, Interpolation
+from av.video.reformatter import ColorPrimaries, ColorRange, Colorspace, ColorTrc, Interpolation, VideoReformatter
 from numpy.typing import NDArray
 
 from vcage.base.errors import UnknownName, UsageError
@@ -132,8 +132,9 @@ def encode(
         stream.options = {**codec.options(settings.effort, settings.preset, settings.gop, crf)}
         with kept_priority():
             context.open()
+        converter = VideoReformatter()
         for index, picture in enumerate(frames):
-            container.mux(stream.encode(converted(picture, pixel_format, index, start=index in starts)))
+            container.mux(stream.encode(converted(picture, pixel_format, converter, index, start=index in starts)))
         container.mux(stream.encode(None))
     return target.getvalue()
 
@@ -193,20 +194,24 @@ def is_rgb(pixel_format: str) -> bool:
     return pixel_format.startswith(("gbr", "rgb"))
 
 
-def converted(picture: NDArray[np.uint8], pixel_format: str, index: int = 0, *, start: bool = False) -> av.VideoFrame:
+def converted(
+    picture: NDArray[np.uint8], pixel_format: str, converter: VideoReformatter, index: int = 0, *, start: bool = False
+) -> av.VideoFrame:
     """Return a picture in the encoder's pixel format, for the time ``index`` in frames.
 
     Args:
         picture: (H, W, 3) uint8 RGB.
         pixel_format: FFmpeg's name.
+        converter: of all pictures of a video, as its tables take longer than their use.
         index: the time of the picture, in frames.
         start: true if a group of pictures begins with it, in addition to the encoder's own.
     """
     frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(picture), format="rgb24")
     if pixel_format.startswith("gbr"):
-        frame = frame.reformat(format=pixel_format, interpolation=EXACT, threads=1)
+        frame = converter.reformat(frame, format=pixel_format, interpolation=EXACT, threads=1)
     elif pixel_format != "rgb24":
-        frame = frame.reformat(
+        frame = converter.reformat(
+            frame,
             format=pixel_format,
             dst_colorspace=Colorspace.ITU601,
             dst_color_range=ColorRange.MPEG,
@@ -221,7 +226,8 @@ def converted(picture: NDArray[np.uint8], pixel_format: str, index: int = 0, *, 
 
 def only_converted(pictures: NDArray[np.uint8], pixel_format: str) -> NDArray[np.uint8]:
     """Return (N, H, W, 3) uint8 RGB after a pixel format without any codec: no CRF can be better."""
-    frames = [converted(picture, pixel_format) for picture in pictures]
+    converter = VideoReformatter()
+    frames = [converted(picture, pixel_format, converter) for picture in pictures]
     for frame in frames if not pixel_format.startswith("gbr") else ():
         frame.colorspace, frame.color_range = BT601, ColorRange.MPEG  # as the stream, for the same conversion back
     return np.stack([frame.to_ndarray(format="rgb24") for frame in frames], dtype=np.uint8)
