@@ -5,13 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import pytest
 
 from tests.example_scenes import robot, scene_of, thing
-from vcage.base.geometry import Camera
+from vcage.base.geometry import Camera, Pose
+from vcage.episodes import photographs
 from vcage.episodes.photographs import CODE, WINDOW, Photographer, light_look, scan_cameras
+from vcage.episodes.question import TOP
 from vcage.schema.goals import Goal
-from vcage.sim.cameras import observe
+from vcage.sim.cameras import observe, shoot
 from vcage.sim.looks import look_world
+from vcage.sim.state import WorldState
 from vcage.sim.world import World
 from vcage.tasks.reading import reading_poses
 from vcage.tasks.scene_objects import SceneObject
@@ -85,3 +89,19 @@ def test_only_the_moment_of_a_scan_is_looked_at_closely() -> None:
     pressed = Goal(subject="juice_carton", relation="pressed", part="lid")
     for goals, arm in (([SCANNED], None), ([pressed], "left")):
         assert not {CODE, WINDOW} & set(photographer.shots(state, goals, arm))
+
+
+def test_pictures_of_one_state_are_taken_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    objects = [thing("juice_carton")]
+    photographer = Photographer(*_of(objects), objects)
+    taken = []
+    monkeypatch.setattr(photographs, "shoot", lambda world, camera: taken.append(camera) or shoot(world, camera))
+    states = [photographer.world.state(), photographer.world.state()]
+    first, again = map(photographer.shots, states)
+    number = len(taken)
+    assert number == len(first) and all(np.array_equal(first[name], again[name]) for name in first)
+    photographer.empty_table()
+    moved = WorldState({"juice_carton": Pose([0.1, 0.1, 0.8])}, states[0].joints)
+    assert not np.array_equal(photographer.shots(moved)[TOP], first[TOP])
+    assert np.array_equal(photographer.shots(states[1])[TOP], first[TOP])
+    assert len(taken) == 4 * number

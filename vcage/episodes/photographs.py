@@ -60,15 +60,21 @@ class Photographer:
     ):
         self.world = look_world(scene, models, robot, look)
         self._scene, self._robot, self._objects = scene, robot, objects
+        self._state: WorldState | None = None
+        self._taken: dict[Camera, np.ndarray] = {}
 
     def shots(self, state: WorldState, goals: Sequence[Goal] = (), arm: str | None = None) -> dict[str, np.ndarray]:
         """(H, W, 3) uint8 RGB pictures by camera: the views for some goals, wrist cameras, and for a scan close ones.
+
+        Pictures of the state before are not taken again: one sub-task begins as the one before it ended.
 
         Args:
             state: that is shown.
             goals: of the sub-task.
             arm: whose wrist camera looks on, and the others only where the moment needs them; without one all look.
         """
+        if self._state is None or not state.same_as(self._state):
+            self._state, self._taken = state, {}
         self.world.set_state(state)
         wanted = arm is None or any(goal.kind.shown.moment for goal in goals)
         taken_by = cameras(self._scene, goals) if wanted else {}
@@ -78,7 +84,12 @@ class Photographer:
         for goal in goals if arm is not None else ():
             if goal.kind.shown.close_up:
                 taken_by |= scan_cameras(self.world, self._objects, goal.subject)
-        return {name: shoot(self.world, camera) for name, camera in taken_by.items()}
+        return {name: self._picture(camera) for name, camera in taken_by.items()}
+
+    def _picture(self, camera: Camera) -> np.ndarray:
+        if camera not in self._taken:
+            self._taken[camera] = shoot(self.world, camera)
+        return self._taken[camera]
 
     def empty_table(self) -> np.ndarray:
         """The view from above of the table with nothing on it, the robot as it is."""

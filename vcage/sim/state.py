@@ -25,6 +25,12 @@ class WorldState:
     joints: dict[str, np.ndarray]
     object_joints: dict[str, np.ndarray] = field(default_factory=dict)
 
+    def same_as(self, other: WorldState) -> bool:
+        """True if all numbers are the same."""
+        pairs = ((self.joints, other.joints), (self.object_joints, other.object_joints))
+        same = (a.keys() == b.keys() and all(np.array_equal(a[name], b[name]) for name in a) for a, b in pairs)
+        return self.objects == other.objects and all(same)
+
 
 @dataclass(frozen=True)
 class SettleReport:
