@@ -129,7 +129,7 @@ class StillMetric:
         seen[-1] *= self.parameters["baseband_weight"][:3]
         over_bands = _norm(seen, self.parameters["beta_sch"])
         together = float(_norm(over_bands, self.parameters["beta_tch"])) * self.parameters["image_int"]
-        return self._objectionable(together)
+        return self._objectionable(max(0.0, together))  # roundings of equal pictures may be below
 
     def _objectionable(self, difference: float, straight_below: float = 0.1) -> float:
         """Return JOD of a difference: a power of it, and a straight line near zero."""
