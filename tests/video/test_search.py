@@ -185,6 +185,7 @@ class Losses:
         self.encoded: list[tuple[str, int, int]] = []
         patch.setattr(judge, "encode", self._encode)
         patch.setattr(judge, "decode", self._decode)
+        patch.setattr(judge, "decode_whole", self._decode_whole)
         patch.setattr(search_module, "only_converted", lambda pictures, _name: np.full((len(pictures), 3), NO_LOSS))
 
     def _encode(self, frames, _fps, settings: EncoderSettings, crf: int, _starts=()) -> bytes:
@@ -196,6 +197,9 @@ class Losses:
     def _decode(self, video: bytes, indices: list[int]) -> np.ndarray:
         name, crf, *places = video.decode().split()
         return np.array([(FORMATS.index(name), int(crf), int(places[index])) for index in indices])
+
+    def _decode_whole(self, video: bytes, indices: list[int]) -> tuple[np.ndarray, int]:
+        return self._decode(video, indices), len(video.decode().split()) - 2
 
     def loss(self, test, _reference) -> np.ndarray:
         return np.array(
