@@ -8,18 +8,16 @@ more than a second. The losses are the same but for roundings of the fifth decim
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import cv2
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-Planes = NDArray[Any]
-"""(H, C, W) float32, their channels achromatic, red-green and yellow-violet, of one picture or of two. So OpenCV
-filters all of them at once: columns of (H, C·W), and rows of (H·C, W)."""
+from vcage.video.bands import Band, Planes, across, along, bands
 
 XYZ_TO_LMS = (
     (0.187596268556126, 0.585168649077728, -0.026384263306304),
@@ -30,9 +28,6 @@ XYZ_TO_LMS = (
 
 LMS_TO_DKL = ((1.0, 1.0, 0.0), (1.0, -2.311130179947035, 0.0), (-1.0, -1.0, 50.977571328718781))
 """Opponent colours about the white D65."""
-
-KERNEL = np.array([0.05, 0.25, 0.4, 0.25, 0.05], np.float32)
-"""Of the Gaussian pyramid."""
 
 TINY = 1e-5
 """Added before a power, and its power taken off after it, as in the package."""
@@ -89,24 +84,6 @@ def _pixels_per_degree(model: Mapping[str, Any], metres_per_inch: float = 0.0254
 
 
 @dataclass(frozen=True)
-class Band:
-    """The contrast of two pictures in one band of spatial frequencies.
-
-    Args:
-        test, reference: (H, 3, W) contrasts.
-        background: (H, W) the reference's light around each pixel, or its mean over the picture.
-        cycles_per_degree: frequency of the band.
-        base: true for the last one, all that is coarser than the others.
-    """
-
-    test: Planes
-    reference: Planes
-    background: Planes
-    cycles_per_degree: float
-    base: bool
-
-
-@dataclass(frozen=True)
 class StillMetric:
     """ColorVideoVDP for pairs of pictures on one display.
 
@@ -123,7 +100,7 @@ class StillMetric:
     def loss(self, test: NDArray[np.uint8], reference: NDArray[np.uint8]) -> float:
         """Return the loss of a (H, W, 3) uint8 sRGB picture against a reference, JOD."""
         pair = np.concatenate([self.display.shown(test), self.display.shown(reference)], axis=1)
-        seen = np.array([self._difference(band) for band in _bands(pair, self.display.pixels_per_degree)])
+        seen = np.array([self._difference(band) for band in bands(pair, self.display.pixels_per_degree)])
         chroma = self.parameters["ch_chrom_w"]
         seen *= np.array([1.0, chroma, chroma])
         seen[-1] *= self.parameters["baseband_weight"][:3]
@@ -236,88 +213,4 @@ def _blurred(planes: Planes, sigma: float) -> Planes:
         return planes
     weights = np.exp(-0.5 * (np.arange(-half, half + 1) / sigma) ** 2)
     weights /= weights.sum()
-    return _across(_along(planes, weights, cv2.BORDER_REFLECT_101), weights, cv2.BORDER_REFLECT_101)
-
-
-# --- bands of spatial frequencies ------------------------------------------------------------------------------
-
-
-def _bands(
-    pair: Planes, pixels_per_degree: float, darkest: float = 0.01, most_contrast: float = 1000
-) -> Iterator[Band]:
-    """Yield the bands of two pictures, the finest first.
-
-    Args:
-        pair: (H, 6, W) light of the test, then of the reference.
-        pixels_per_degree: of the display.
-        darkest: least light around a pixel, cd/m².
-        most_contrast: largest contrast.
-    """
-    frequencies = _frequencies(min(pair.shape[0], pair.shape[2]), pixels_per_degree)
-    fine = pair
-    for number, frequency in enumerate(frequencies):
-        base = number == len(frequencies) - 1
-        if base:
-            layer, background = fine, np.maximum(fine[:, ::3], darkest).mean(axis=(0, 2), keepdims=True)
-        else:
-            coarse = _reduced(fine)
-            around = _expanded(coarse, fine.shape[0], fine.shape[2])
-            layer, background, fine = fine - around, np.maximum(around[:, ::3], np.float32(darkest)), coarse
-        gain = np.float32(1 if base or number == 0 else 2)
-        test, reference = (layer[:, 3 * n : 3 * n + 3] / background[:, n : n + 1] for n in range(2))
-        for contrast in (test, reference):
-            np.minimum(contrast, np.float32(most_contrast), out=contrast)
-            contrast *= gain
-        yield Band(test, reference, np.ascontiguousarray(background[:, 1]), 0.1 if base else frequency, base)
-
-
-def _frequencies(side: int, pixels_per_degree: float, lowest: float = 0.2) -> list[float]:
-    """Return the frequencies of the bands, cycles per degree, those of the last without meaning.
-
-    Args:
-        side: of the picture, the shorter, pixels.
-        pixels_per_degree: of the display.
-        lowest: of the bands.
-    """
-    nyquist = pixels_per_degree / 2
-    found = [nyquist] + [nyquist * 0.3228 * 2.0**-number for number in range(14)]
-    most = int(math.log2(side)) - 1
-    first = next((number for number, frequency in enumerate(found) if frequency <= lowest), most)
-    return found[: min(first + 1, most) + 1]
-
-
-def _reduced(planes: Planes) -> Planes:
-    """Return planes of half the size; beyond their edges they are mirrored."""
-    height, _, width = planes.shape
-    rows = np.ascontiguousarray(_along(planes, KERNEL, cv2.BORDER_REFLECT)[::2])
-    small = np.ascontiguousarray(_across(rows, KERNEL, cv2.BORDER_REFLECT)[..., ::2])
-    if height % 2 != width % 2:  # the package goes by the number of rows where it fills up the last column
-        end, near = KERNEL[:2]
-        missing = near * rows[..., -1] + end * (rows[..., -2] - rows[..., -1])
-        small[..., -1] += missing if height % 2 else -missing
-    return small
-
-
-def _expanded(planes: Planes, height: int, width: int) -> Planes:
-    """Return planes of twice the size; beyond their edges they go on as they end."""
-    end, near, middle = 2 * KERNEL[:3]
-    even, odd, edge = (end, middle, end), (0, near, near), cv2.BORDER_REPLICATE
-    rows = np.empty((height, *planes.shape[1:]), np.float32)
-    rows[::2], rows[1::2] = _along(planes, even, edge), _along(planes, odd, edge)[: height // 2]
-    columns = [_across(rows, kernel, edge).reshape(-1, planes.shape[2]) for kernel in (even, odd)]
-    return cv2.merge(columns).reshape(height, planes.shape[1], -1)[..., :width]
-
-
-ONE = np.ones(1, np.float32)
-
-
-def _along(planes: Planes, kernel: ArrayLike, border: int) -> Planes:
-    """Return planes filtered along their columns."""
-    columns = planes.reshape(len(planes), -1)
-    return cv2.sepFilter2D(columns, -1, ONE, np.array(kernel, np.float32), borderType=border).reshape(planes.shape)
-
-
-def _across(planes: Planes, kernel: ArrayLike, border: int) -> Planes:
-    """Return planes filtered along their rows."""
-    rows = planes.reshape(-1, planes.shape[2])
-    return cv2.sepFilter2D(rows, -1, np.array(kernel, np.float32), ONE, borderType=border).reshape(planes.shape)
+    return across(along(planes, weights, cv2.BORDER_REFLECT_101), weights, cv2.BORDER_REFLECT_101)
