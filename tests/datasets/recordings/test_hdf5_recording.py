@@ -53,7 +53,7 @@ def test_acts_layout_holds_arrays_or_padded_jpeg(tmp_path, encoded):
 def test_an_arm_and_a_gripper_at_a_time_make_robotwins_commands(tmp_path):
     motion = open_hdf5(robotwin(tmp_path / "a.hdf5")).motion
     assert (motion.values.shape, motion.grippers) == ((FRAMES, 14), (6, 13))
-    assert motion.values[0, 6] == 1 and motion.values[-1, 13] == 0
+    assert motion.values[0, 6] == 1 - 1 / (FRAMES - 1) and motion.values[-1, 13] == 0
 
 
 def test_an_episode_of_ours_is_recognised_and_described(tmp_path):
@@ -112,9 +112,25 @@ def test_acts_state_is_the_joints_with_names_made_up(tmp_path):
 
 def test_robotwin_commands_stand_for_the_missing_state_with_a_note(tmp_path):
     recording = open_hdf5(robotwin(tmp_path / "a.hdf5"))
-    assert np.array_equal(recording.state, recording.motion.values)
+    with h5py.File(recording.path) as file:
+        assert np.array_equal(recording.state[:, 6], file["joint_action/left_gripper"])
     assert recording.state_names[5:8] == ["left_arm_5", "left_gripper", "right_arm_0"]
     assert len(recording.state_notes) == 1 and "measured" in recording.state_notes[0]
+
+
+def test_the_command_of_a_robotwin_frame_leads_to_the_next_frame(tmp_path):
+    recording = open_hdf5(robotwin(tmp_path / "a.hdf5"))
+    state, action = recording.state, recording.motion.values
+    assert np.array_equal(action[:-1], state[1:]) and np.array_equal(action[-1], state[-1])
+    assert "of the next" in "".join(recording.notes)
+
+
+def test_a_state_of_robotwins_second_layout_leads_to_the_next_where_there_are_no_commands(tmp_path):
+    with h5py.File(robotwin_vision(tmp_path / "a.hdf5"), "r+") as file:
+        del file["action"]
+        file["state/left_arm"][:] = np.arange(FRAMES * 6).reshape(FRAMES, 6)
+    recording = open_hdf5(tmp_path / "a.hdf5")
+    assert np.array_equal(recording.motion.values[:-1], recording.state[1:])
 
 
 def test_robotwins_vector_alone_is_enough(tmp_path):
@@ -128,6 +144,7 @@ def test_robotwins_vector_alone_is_enough(tmp_path):
 def test_robotwins_second_layout_has_a_state_of_its_own(tmp_path):
     recording = open_hdf5(robotwin_vision(tmp_path / "a.hdf5"))
     assert np.array_equal(recording.state, np.ones((FRAMES, 6)))
+    assert not recording.motion.values.any()  # its commands lead to the next frame already
     assert recording.state_names[0] == "left_arm_0"
 
 

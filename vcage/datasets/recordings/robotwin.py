@@ -1,10 +1,11 @@
 """HDF5 in RoboTwin's two layouts.
 
 The first: ``observation/<camera>/rgb`` holds JPEG as fixed-length bytes, made with OpenCV from RGB arrays and so with
-red and blue swapped (https://github.com/robotwin-Platform/RoboTwin/issues/438); ``joint_action`` the commands, which it
-takes for the state too; ``instructions/episode<N>.json`` lies beside the folder ``data`` of the episodes. The second:
+red and blue swapped (https://github.com/robotwin-Platform/RoboTwin/issues/438); ``joint_action`` the targets at the
+frame itself, which its readers take for the state, and those of the next frame for the command;
+``instructions/episode<N>.json`` lies beside the folder ``data`` of the episodes. The second:
 ``vision/<camera>/colors``, swapped as well unless a comment in each JPEG says otherwise, the groups ``state`` and
-``action``, and ``instructions``.
+``action`` (the state of the next frame), and ``instructions``.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ import numpy as np
 
 from vcage.base.errors import DamagedFile
 from vcage.base.reading import parse_json
+from vcage.datasets.episode import actions_of
 from vcage.datasets.hdf5_contents import require_numbers_fit, require_utf8_text
 from vcage.datasets.lerobot.episode import SubtaskSpan
 from vcage.datasets.recordings.columns import Columns, columns
@@ -98,7 +100,7 @@ class RoboTwinEpisode(_Instructed):
         return found
 
     def _commands(self, part: h5py.Group) -> Columns | None:
-        return _joints(part.get("joint_action"))
+        return _of_next_frame(_joints(part.get("joint_action")), "joint_action")
 
     def _measured(self, part: h5py.Group) -> Columns | None:
         if "joint_state" in part:
@@ -148,7 +150,7 @@ class RoboTwinVisionEpisode(_Instructed):
         return None if stored is None else _decoded(stored)
 
     def _commands(self, part: h5py.Group) -> Columns | None:
-        return columns(part.get("action", part.get("state")))
+        return columns(part["action"]) if "action" in part else _of_next_frame(columns(part.get("state")), "state")
 
     def _measured(self, part: h5py.Group) -> Columns | None:
         return columns(part.get("state"))
@@ -173,6 +175,14 @@ def _decoded(stored: Any) -> Any:
         return parse_json(texts[0])
     except ValueError:
         return texts
+
+
+def _of_next_frame(found: Columns | None, key: str) -> Columns | None:
+    """Return the commands, of numbers under ``key`` that hold at the frame itself."""
+    if found is None:
+        return None
+    note = f"its {key} holds at the frame itself; the command of a frame is that of the next, as in RoboTwin's readers"
+    return replace(found, values=actions_of(found.values), notes=(*found.notes, note))
 
 
 def _joints(group: h5py.Group | None) -> Columns | None:
