@@ -10,9 +10,10 @@ from typing import Any
 import pytest
 
 from tests.recordings import collected
+from tests.run_folders import copied
 from vcage.apps.appending import append_to
 from vcage.base.errors import DamagedFile, MissingStage, StaleStage, UsageError
-from vcage.base.files import RunFolder
+from vcage.base.files import RunFolder, read_json
 from vcage.datasets.lerobot.formats import FORMATS
 from vcage.datasets.lerobot.growing import SOURCES
 from vcage.datasets.lerobot.writer import LeRobotWriter
@@ -166,3 +167,22 @@ def test_episodes_that_came_after_the_export_ask_for_another(tmp_path, out):
 def test_only_lerobot_data_sets_grow(tmp_path, out):
     with pytest.raises(UsageError, match="only LeRobot"):
         append_to(out, exported(tmp_path / "run", formats=("robotwin",)))
+
+
+def test_states_without_videos_grow_too_and_need_no_compression(tmp_path, out):
+    for name, seed in (("a", 0), ("b", 100)):
+        run = collected(tmp_path / name, count=1, frames=6, seed=seed)
+        export.execute(run, export.Options(formats=(V3,), no_videos=True, seed=7), StageContext())
+        append_to(out, run)
+        append_to(out, run)
+    assert episodes(out) == 2
+    assert not [name for name in info(out)["features"] if name.startswith("observation.images")]
+
+
+def test_what_is_added_has_the_state_of_objects_that_the_export_has(finished, tmp_path, out):
+    run = copied(finished.run, tmp_path / "run", before="compress")
+    options = export.Options(formats=(V3,), no_videos=True, environment_state=True)
+    export.execute(run, options, finished.context)
+    append_to(out, run)
+    assert episodes(out) == 1
+    assert info(out)["features"] == read_json(run.root / "export" / V3 / "meta/info.json")["features"]

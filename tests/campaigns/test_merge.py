@@ -19,9 +19,10 @@ import pyarrow.parquet as pq
 import pytest
 
 from benchmarks._merge_runs import RunSpec, make_run
-from tests.run_folders import command, digests
+from tests.recordings import collected
+from tests.run_folders import command, copied, digests
 from vcage.base.errors import DiskFull, MissingStage, OutputFolderError, UsageError
-from vcage.base.files import RunFolder
+from vcage.base.files import RunFolder, read_json, write_json
 from vcage.campaigns import merge as merging
 from vcage.campaigns.merge import RECORD, MergeSettings, Order, merge
 from vcage.datasets.lerobot.formats import FORMATS
@@ -431,3 +432,26 @@ def test_the_command_names_the_data_sets_and_what_was_left_out(campaign, out, ca
 
 def test_the_command_refuses_no_folder_at_all(out, capsys):
     assert command(capsys, "merge", "--out", out).code == 2
+
+
+def test_states_alone_are_merged_of_runs_that_were_never_compressed(tmp_path, out):
+    for seed in (1, 2):
+        collected(tmp_path / "runs" / str(seed), count=2, frames=6, seed=100 * seed)
+    record = merge([tmp_path / "runs"], out, Order(videos=False)).record
+    assert (record.datasets[0].episodes, record.left_out) == (4, [])
+    assert not [name for name in info(out)["features"] if name.startswith("observation.images")]
+    assert merge([tmp_path / "runs"], out, Order(videos=False)).added == {V3: 0}
+
+
+def test_the_state_of_objects_is_merged_where_runs_share_their_objects(finished, tmp_path, out):
+    order = Order(videos=False, environment_state=True)
+    copied(finished.run, tmp_path / "runs/a", before="compress")
+    merge([tmp_path / "runs"], out, order)
+    assert info(out)["features"]["observation.environment_state"]["names"]
+    other = copied(finished.run, tmp_path / "runs/b", before="compress")
+    scene = read_json(other.layout)
+    scene["objects"] = scene["objects"][:-1]
+    write_json(other.layout, scene)
+    with pytest.raises(UsageError, match="of 2 kinds") as refused:
+        merge([tmp_path / "runs"], tmp_path / "new", order)
+    assert "numbers" in str(refused.value.details["other"])

@@ -58,11 +58,11 @@ def test_a_folder_in_the_run_is_not_added_to(run, tmp_path, capsys, monkeypatch)
     "options",
     [
         ("--no-videos", "--crf", "20"),
-        ("--no-videos", "--append-to", "all"),
-        ("--environment-state", "--append-to", "all"),
+        ("--still-frames", "drop"),
+        ("--still-frames", "drop", "--formats", "lerobot-v3.0", "robotwin"),
     ],
 )
-def test_what_a_data_set_without_videos_cannot_have_is_refused(run, capsys, options):
+def test_options_that_videos_rule_out_are_refused(run, capsys, options):
     answer = export(capsys, run, *options)
     assert (answer.code, answer.error["code"]) == (2, "usage")
     assert "cannot go with" in answer.error["message"] and not run.export.exists()

@@ -112,3 +112,15 @@ def test_a_folder_that_cannot_be_made_is_named(tmp_path):
     (tmp_path / "file").touch()
     with pytest.raises(OutputFolderError, match=r"b\.hdf5"):
         exported(written(tmp_path / "a.hdf5", 2), tmp_path / "file" / "b.hdf5")
+
+
+def test_some_frames_alone_keep_pictures_joints_and_calibration_together(tmp_path):
+    source, frames = written(tmp_path / "episode.hdf5", FRAMES), np.array([0, 3, FRAMES - 1])
+    with EpisodeReader(source) as reader:
+        whole = export_robotwin(reader, tmp_path / "whole.hdf5")
+        some = export_robotwin(reader, tmp_path / "some.hdf5", frames)
+    with h5py.File(whole) as every, h5py.File(some) as kept:
+        for key in ("joint_action/vector", "joint_state/vector", "observation/head_camera/extrinsic_cv"):
+            assert np.array_equal(kept[key], every[key][frames])
+        rgb = "observation/head_camera/rgb"
+        assert [bytes(one) for one in kept[rgb]] == [bytes(every[rgb][frame]) for frame in frames]

@@ -12,7 +12,7 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from tests.recordings import CAMERAS, FPS, collected, wordings_of
+from tests.recordings import CAMERAS, FPS, collected, episode, wordings_of
 from vcage.base.errors import DamagedFile, DiskFull, MissingStage, UsageError
 from vcage.base.files import RunFolder
 from vcage.base.videos import decode
@@ -261,7 +261,7 @@ def test_robotwin_files_hold_the_episodes_in_the_layout_of_its_readers(run, tmp_
     recordings = open_recordings(copy.root / record.datasets[0].path)
     assert [recording.LAYOUT for recording in recordings] == ["robotwin", "robotwin"]
     with EpisodeReader(copy.root / "episodes/episode_000000.hdf5") as reader:
-        assert np.allclose(recordings[0].motion.values[1:], reader.episode.action[:-1])
+        assert np.allclose(recordings[0].motion.values[:-1], reader.episode.action[:-1])
         error = recordings[0].pictures("head_camera").astype(int) - reader.images("cam_high")[:]
     assert np.abs(error).mean() < 10  # JPEG of noise
 
@@ -269,3 +269,23 @@ def test_robotwin_files_hold_the_episodes_in_the_layout_of_its_readers(run, tmp_
 def test_videos_that_no_data_set_takes_are_not_made(short, monkeypatch):
     monkeypatch.setattr(export, "search_data_set", lambda *_, **__: pytest.fail("encoded"))
     assert [dataset.format for dataset in exported(short, formats=("robotwin",), codec="h264").datasets] == ["robotwin"]
+
+
+def test_still_frames_are_dropped_from_states_and_from_robotwins_files(tmp_path):
+    resting = episode(FRAMES).action
+    resting[4:8] = resting[4]
+    reached = np.concatenate([resting[:1], resting[:-1]])
+    run = collected(tmp_path / "run", count=1, frames=FRAMES, action=resting, qpos=reached)
+    formats = ("lerobot-v3.0", "robotwin")
+    kept = exported(run, formats=formats, no_videos=True, still_frames="drop").datasets
+    frames = [0, 1, 2, 3, 4, 6, 8, 9, 10, 11]  # a sub-task begins at 6
+    assert [one.frames for one in kept] == [len(frames)] * 2
+    states, robotwin = (open_recordings(run.root / one.path)[0] for one in kept)
+    assert np.array_equal(states.state, reached[frames].astype(np.float32))
+    assert np.array_equal(states.motion.values, resting[[0, 1, 2, 3, 5, 7, 8, 9, 10, 11]].astype(np.float32))
+    rows = pq.read_table(run.file(kept[0].path) / "data/chunk-000/file-000.parquet").to_pydict()
+    assert rows["subtask_index"] == [0] * 5 + [1] * 5
+    assert np.allclose(rows["timestamp"], np.arange(len(frames)) / FPS)
+    assert np.array_equal(robotwin.state, reached[frames])
+    assert robotwin.pictures("head_camera").shape[0] == len(frames)
+    assert [one.frames for one in exported(run, formats=formats, no_videos=True, force=True).datasets] == [FRAMES] * 2

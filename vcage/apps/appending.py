@@ -19,9 +19,11 @@ from vcage.datasets.lerobot.growing import GrowingSet
 from vcage.datasets.lerobot.meta import INFO, data_set_info
 from vcage.datasets.lerobot.places import placed
 from vcage.datasets.lerobot.repack import VIDEO_PATHS
+from vcage.runs.context import StageContext
+from vcage.runs.inputs import state_layout
 from vcage.runs.raw_pictures import accepted_files
 from vcage.schema.export import Export
-from vcage.stages.export import Footage
+from vcage.stages.export import Contents, Footage
 
 logger = logging.getLogger(__name__)
 
@@ -31,7 +33,8 @@ def append_to(root: Path, run: RunFolder, progress: Progress = silent) -> dict[s
 
     A missing data set is created. Each is whole at any time, and an episode already in it is left out
     (:mod:`vcage.apps.run_episodes` says which are the same): an interrupted call can be repeated, and a run that has
-    grown adds what is new. The videos are those of the export. No old file of the data set is written again.
+    grown adds what is new. They have what the export has: its videos or none, the state of objects or not, still frames
+    or not. No old file of the data set is written again.
 
     Example:
         >>> append_to(Path("datasets/all"), RunFolder("runs/blocks"))
@@ -57,12 +60,15 @@ def append_to(root: Path, run: RunFolder, progress: Progress = silent) -> dict[s
     sets = {one.format: run.file(one.path) for one in export.datasets if one.format in FORMATS}
     if not sets:
         raise UsageError("only LeRobot data sets can be added to", hint=f"give --formats {' '.join(FORMATS)}")
-    files = [file.name for file in accepted_files(run)]
+    options, files = export.provenance.options, [file.name for file in accepted_files(run)]
+    layout = state_layout(run, StageContext("offline")) if options.get("environment_state") else None
     RunFolder(root).make()
     with held(root):
         for name, exported in sets.items():
             with GrowingSet(name, root / name) as data_set:
-                outcome, additions = Outcome(), additions_of(run, run.root.name, _footage_of(exported, files))
+                footage = None if options.get("no_videos") else _footage_of(exported, files)
+                contents = Contents(footage, layout, options.get("still_frames") == "drop")
+                outcome, additions = Outcome(), additions_of(run, run.root.name, contents)
                 add_episodes([data_set], [Known(data_set)], _shown(additions, progress), outcome, strict=True)
             if not outcome.added:
                 logger.info("%s holds the episodes of %s already", root / name, run)

@@ -20,7 +20,6 @@ from typing import Any
 from vcage.base.errors import DamagedFile, InputFileError, MissingStage, StaleStage
 from vcage.base.files import RunFolder, sha256_file
 from vcage.datasets.lerobot.episode import LeRobotEpisode
-from vcage.datasets.lerobot.features import encodings
 from vcage.datasets.recordings.opening import open_hdf5
 from vcage.datasets.recordings.recording import Recording
 from vcage.runs.accepted import acceptance_files, accepted_episodes
@@ -30,7 +29,7 @@ from vcage.schema.base import StageDocument
 from vcage.schema.compression import Compression
 from vcage.schema.episodes import Episode, Episodes
 from vcage.schema.export import Export
-from vcage.stages.export import Footage, lerobot_episode_of
+from vcage.stages.export import Contents, footage_of
 
 KEY_DIGITS = 16
 """Of a hash that tells episodes apart: two of 10^6 agree by chance in one of 10^7 data sets."""
@@ -55,38 +54,51 @@ class Addition:
     encodings: Mapping[str, Mapping[str, Any]]
 
 
-def additions_of(run: RunFolder, name: str, footage: Footage | None = None) -> list[Addition]:
+def additions_of(run: RunFolder, name: str, contents: Contents | None = None) -> list[Addition]:
     """Return the accepted episodes of a run.
 
     Args:
         run: the run.
         name: its name in the data set.
-        footage: their videos; None for those of its compression.
+        contents: what the data set has of them; None for the videos of its compression.
 
     Raises:
-        MissingStage: it was not compressed yet.
-        StaleStage: a file was edited, or verify or collect ran, since it was compressed.
+        MissingStage: it was not compressed yet, and videos are wanted.
+        StaleStage: a file was edited, or verify or collect ran, since its episodes were compressed or exported.
         DamagedFile, SchemaMismatch: a file of the run cannot be read.
     """
     instruction, accepted = Episodes.read(run.episodes).instruction, accepted_episodes(run)
-    compression = Compression.read(run.compression)
-    require_up_to_date(run, compression, run.compression)
-    for path in (*acceptance_files(run), run.compression):
+    videos = contents is None or contents.footage is not None
+    compression = _compression_of(run, needed=videos)
+    for path in (*acceptance_files(run), *([run.compression] if videos else [])):
         if change := next(changes(path), None):
             field = ".".join(change[0])
-            raise StaleStage(f"{path}: field {field} was edited, and no stage has read it yet", maker="compress")
-    of_compression = Footage(
-        {(stream.episode, stream.camera): run.file(stream.file) for stream in compression.streams},
-        encodings(compression.streams, compression.encoding.preset),
-    )
-    work = _Loading(run, compression, footage or of_compression)
+            maker = "compress" if videos else "export"
+            raise StaleStage(f"{path}: field {field} was edited, and no stage has read it yet", maker=maker)
+    if contents is None:
+        assert compression is not None
+        contents = Contents(footage_of(run, compression))
+    work = _Loading(run, compression, contents)
     files = [EpisodeFile(str(one.file), run.file(str(one.file)), one.frames) for one in accepted]
     first = first_recording(files)
     robot = "" if first is None else first.robot or ""
+    facts = {} if contents.footage is None else contents.footage.facts
     return [
-        Addition(name, file.name, drawn_key(instruction, robot, one), partial(work.load, file), work.footage.facts)
+        Addition(name, file.name, drawn_key(instruction, robot, one), partial(work.load, file), facts)
         for file, one in zip(files, accepted, strict=True)
     ]
+
+
+def _compression_of(run: RunFolder, *, needed: bool) -> Compression | None:
+    """Return the compression of a run; without need of it None where there is none of the present episodes."""
+    try:
+        compression = Compression.read(run.compression)
+        require_up_to_date(run, compression, run.compression)
+    except (MissingStage, StaleStage):
+        if needed:
+            raise
+        return None
+    return compression
 
 
 def require_up_to_date(run: RunFolder, record: StageDocument, path: Path) -> None:
@@ -107,11 +119,16 @@ def first_recording(files: Sequence[EpisodeFile]) -> Recording | None:
 class _Loading:
     """Loads episodes of a run whose files are as its stages wrote them."""
 
-    def __init__(self, run: RunFolder, compression: Compression, footage: Footage):
-        self.footage = footage
-        self._written = [compression.provenance.inputs, compression.packed]  # with pictures, and without
-        self._sizes = {run.file(stream.file): stream.bytes for stream in compression.streams}
-        self._hashes = _hashes_of_videos(run)
+    def __init__(self, run: RunFolder, compression: Compression | None, contents: Contents):
+        self._contents = contents
+        self._videos = {} if contents.footage is None else contents.footage.files
+        self._written: list[Mapping[str, str]] = []
+        self._sizes: dict[Path, int] = {}
+        self._hashes: dict[Path, str] = {}
+        if compression is not None:
+            self._written = [compression.provenance.inputs, compression.packed]  # with pictures, and without
+            self._sizes = {run.file(stream.file): stream.bytes for stream in compression.streams}
+            self._hashes = _hashes_of_videos(run)
 
     def load(self, file: EpisodeFile) -> LeRobotEpisode:
         """Return an episode.
@@ -125,12 +142,12 @@ class _Loading:
             digest = sha256_file(file.path)
         except OSError as error:
             raise InputFileError(f"{file.path} cannot be read: {error.strerror}", hint="make it readable") from error
-        if digest not in [written.get(file.name) for written in self._written]:
+        if self._written and digest not in [written.get(file.name) for written in self._written]:
             raise DamagedFile(f"{file.path} has other bytes than its stage wrote", hint="restore it", maker="collect")
-        for (episode, _), video in self.footage.files.items():
+        for (episode, _), video in self._videos.items():
             if episode == file.name:
                 self._require_intact(video)
-        return lerobot_episode_of(self.footage, file)
+        return self._contents.episode(file)
 
     def _require_intact(self, video: Path) -> None:
         if not video.is_file():

@@ -7,6 +7,7 @@ import json
 import os
 from collections.abc import Iterable, Iterator
 from dataclasses import astuple, dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +15,14 @@ from vcage.apps.run_episodes import first_recording
 from vcage.base.errors import InputFileError
 from vcage.base.files import RunFolder, whole
 from vcage.base.folders import entries, real_path
+from vcage.base.text import listed
+from vcage.datasets.environment_state import StateLayout
+from vcage.datasets.lerobot.episode import ACTION, ENVIRONMENT, STATE
 from vcage.datasets.lerobot.features import CAMERA, number_names, video_facts, video_keys
 from vcage.datasets.lerobot.meta import INFO, data_set_info
 from vcage.datasets.recordings.recording import Recording
+from vcage.runs.context import StageContext
+from vcage.runs.inputs import state_layout
 from vcage.runs.raw_pictures import accepted_files
 from vcage.schema.compression import Compression
 from vcage.schema.episodes import Episodes
@@ -29,23 +35,24 @@ class Kind:
     Args:
         robot: its name.
         fps: frames per second.
-        codec: of the videos.
-        cameras: (name, width, height) of each, sorted.
-        numbers: names of the numbers of a state, and of an action.
+        codec: of the videos; empty without videos.
+        cameras: (name, width, height) of each with videos, sorted.
+        numbers: names of the numbers of a state, of an action, and of the state of objects if that is there.
     """
 
     robot: str
     fps: float
     codec: str
     cameras: tuple[tuple[str, int, int], ...]
-    numbers: tuple[tuple[str, ...], tuple[str, ...]]
+    numbers: tuple[tuple[str, ...], ...]
 
     @classmethod
-    def of(cls, recording: Recording, codec: str) -> Kind:
-        """Return that of an episode."""
-        cameras = sorted((one.name, one.width, one.height) for one in recording.cameras)
-        numbers = tuple(recording.state_names), tuple(recording.action_names)
-        return cls(recording.robot or "unknown", float(recording.fps or 0), codec, tuple(cameras), numbers)
+    def of(cls, recording: Recording, codec: str, layout: StateLayout | None = None) -> Kind:
+        """Return that of an episode, with videos of a codec or without (empty), and a layout of its objects or none."""
+        cameras = sorted((one.name, one.width, one.height) for one in recording.cameras) if codec else []
+        numbers = [recording.state_names, recording.action_names, *([] if layout is None else [layout.names])]
+        every = tuple(tuple(names) for names in numbers)
+        return cls(recording.robot or "unknown", float(recording.fps or 0), codec, tuple(cameras), every)
 
     @classmethod
     def of_data_set(cls, root: Path) -> Kind:
@@ -54,20 +61,28 @@ class Kind:
         features: dict[str, Any] = info["features"]
         cameras = [(key.removeprefix(CAMERA), *features[key]["shape"][1::-1]) for key in video_keys(features)]
         codec = next((str(video_facts(features[key]).get("video.codec")) for key in video_keys(features)), "")
-        names = [features.get(name, {}).get("names") for name in ("observation.state", "action")]
-        state, action = (tuple(number_names(one)) for one in names)
-        return cls(str(info.get("robot_type")), float(info["fps"]), codec, tuple(sorted(cameras)), (state, action))
+        there = [STATE, ACTION, *([ENVIRONMENT] if ENVIRONMENT in features else [])]
+        numbers = tuple(tuple(number_names(features.get(name, {}).get("names"))) for name in there)
+        return cls(str(info.get("robot_type")), float(info["fps"]), codec, tuple(sorted(cameras)), numbers)
 
     @property
     def name(self) -> str:
         """A folder's name for it, the same in every merge."""
         digest = hashlib.sha256(json.dumps(astuple(self)).encode()).hexdigest()[:6]
-        return f"{self.robot}-{self.fps:g}fps-{len(self.cameras)}cameras-{self.codec}-{digest}"
+        videos = [f"{len(self.cameras)}cameras", self.codec] if self.codec else ["states"]
+        return "-".join([self.robot, f"{self.fps:g}fps", *videos, digest])
 
     def differences(self, other: Kind) -> list[str]:
         """Name the facts in which another kind differs, with its own."""
-        facts = ("robot", "fps", "codec", "cameras", "numbers")
-        return [f"{fact} {getattr(other, fact)}" for fact in facts if getattr(self, fact) != getattr(other, fact)]
+        facts = ("robot", "fps", "codec", "cameras")
+        found = [f"{fact} {getattr(other, fact)}" for fact in facts if getattr(self, fact) != getattr(other, fact)]
+        return found if self.numbers == other.numbers else [*found, f"numbers {self._other_numbers(other)}"]
+
+    def _other_numbers(self, other: Kind, most: int = 5) -> str:
+        """Name the numbers of another kind that this one lacks; all of its where it lacks none."""
+        own = set(chain(*self.numbers))
+        every = list(chain(*other.numbers))
+        return listed([name for name in every if name not in own] or every, most=most)
 
 
 @dataclass(frozen=True)
@@ -79,12 +94,14 @@ class FoundRun:
         name: from the folder that was given; data sets call it so, wherever they are moved.
         kind: of its episodes; None where none can be read.
         draw: number that is the same for every run of its instruction, robot and seed, evenly spread.
+        layout: of the state of its objects; None where that is not wanted.
     """
 
     root: Path
     name: str
     kind: Kind | None
     draw: int
+    layout: StateLayout | None
 
 
 def run_folders(folders: Iterable[Path]) -> Iterator[tuple[Path, str]]:
@@ -115,25 +132,33 @@ def _below(folder: Path) -> Iterator[Path]:
         yield from _below(path)
 
 
-def look_at(root: Path, name: str) -> FoundRun | None:
+def look_at(root: Path, name: str, *, videos: bool = True, context: StageContext | None = None) -> FoundRun | None:
     """Return a run folder with the kind of its episodes; None where no episode of it counts.
 
+    Args:
+        root: its folder.
+        name: from the folder that was given.
+        videos: are wanted of it.
+        context: to lay out the state of its objects; None where that is not wanted.
+
     Raises:
-        InputFileError: its records cannot be read, or it was not compressed.
+        InputFileError: its records cannot be read, or it was not compressed and videos are wanted.
     """
     run = RunFolder(root)
     record, files = Episodes.read(run.episodes), accepted_files(run)
     if not files:
         return None
-    codec = Compression.read(run.compression).encoding.codec
+    codec = Compression.read(run.compression).encoding.codec if videos else ""
+    layout = None if context is None else state_layout(run, context)
     recording = first_recording(files)
-    kind = None if recording is None else _kind_of(recording, codec)
+    kind = None if recording is None else _kind_of(recording, codec, layout)
     facts = [record.instruction, "" if kind is None else kind.robot, record.episodes[0].seed]
-    return FoundRun(root, name, kind, int(hashlib.sha256(json.dumps(facts).encode()).hexdigest()[:16], 16))
+    draw = int(hashlib.sha256(json.dumps(facts).encode()).hexdigest()[:16], 16)
+    return FoundRun(root, name, kind, draw, layout)
 
 
-def _kind_of(recording: Recording, codec: str) -> Kind | None:
+def _kind_of(recording: Recording, codec: str, layout: StateLayout | None) -> Kind | None:
     try:
-        return Kind.of(recording, codec)
+        return Kind.of(recording, codec, layout)
     except InputFileError:  # it is named when its episodes are loaded
         return None

@@ -25,7 +25,10 @@ from vcage.datasets.lerobot.formats import FORMATS
 from vcage.datasets.lerobot.growing import SOURCES, GrowingSet
 from vcage.datasets.lerobot.meta import INFO, data_set_info
 from vcage.datasets.lerobot.resuming import TRAIN
+from vcage.runs.context import StageContext
+from vcage.schema.compression import Compression
 from vcage.schema.merge import Merge, MergedSet
+from vcage.stages.export import Contents, footage_of
 
 logger = logging.getLogger(__name__)
 
@@ -61,11 +64,15 @@ class Order:
         formats: of LeRobot's.
         test: share of the runs whose episodes are held out, 0 to 1; all runs of one instruction, robot and seed are.
         group: write a data set for each kind of runs, in a folder of its name; else several kinds are refused.
+        videos: with videos; without, runs need not be compressed.
+        environment_state: with the poses of objects, which runs of one kind then share.
     """
 
     formats: Sequence[str] = DEFAULT_FORMATS
     test: float = 0.0
     group: bool = False
+    videos: bool = True
+    environment_state: bool = False
 
 
 @dataclass(frozen=True)
@@ -108,7 +115,7 @@ def merge(folders: Sequence[Path], out: Path, order: Order = Order(), progress: 
     for name in set(order.formats) - set(FORMATS):
         raise UnknownName("LeRobot format", name, FORMATS)
     out, outcome = real_path(out), Outcome()
-    runs = _found(folders, outcome, progress)
+    runs = _found(folders, order, outcome, progress)
     if any(out.is_relative_to(run.root) for run in runs):
         raise UsageError(f"{out} is in a run folder, which one run makes and replaces", hint="give another folder")
     groups = _grouped(runs, out, order)
@@ -128,8 +135,9 @@ def merge(folders: Sequence[Path], out: Path, order: Order = Order(), progress: 
     return Merged(record, {one.path: outcome.added.get(out / one.path, 0) for one in sets})
 
 
-def _found(folders: Sequence[Path], outcome: Outcome, progress: Progress) -> list[FoundRun]:
+def _found(folders: Sequence[Path], order: Order, outcome: Outcome, progress: Progress) -> list[FoundRun]:
     """Return the runs that have episodes; those that cannot be read are left out."""
+    context = StageContext("offline") if order.environment_state else None
     for folder in folders:
         if not folder.expanduser().is_dir():
             raise MissingStage(f"{folder} is no folder", hint="give run folders, or folders that contain some")
@@ -137,8 +145,8 @@ def _found(folders: Sequence[Path], outcome: Outcome, progress: Progress) -> lis
     for count, (root, name) in enumerate(run_folders(folders), start=1):
         progress(f"looking at {name}", count - 1, count)
         try:
-            found.append(look_at(root, name))
-        except InputFileError as error:
+            found.append(look_at(root, name, videos=order.videos, context=context))
+        except (InputFileError, UnknownName) as error:
             outcome.leave_out(name, None, error)
     if count == 0:
         raise MissingStage(
@@ -221,7 +229,7 @@ def _merge(
         (TEST, [r for r in runs if r.draw in held_out]),
     ):
         sets = [GrowingSet(name, root / name, split) for name in order.formats]
-        _add(sets, known, _additions(own, outcome, progress), outcome)
+        _add(sets, known, _additions(own, order, outcome, progress), outcome)
     return [_described(root / name, name, out) for name in order.formats if (root / name / INFO).is_file()]
 
 
@@ -245,11 +253,13 @@ def _held_out(runs: Sequence[FoundRun], share: float) -> set[int]:
     return set(draws[: min(max(1, round(share * len(draws))), len(draws) - 1)])
 
 
-def _additions(runs: Sequence[FoundRun], outcome: Outcome, progress: Progress) -> Iterator[Addition]:
+def _additions(runs: Sequence[FoundRun], order: Order, outcome: Outcome, progress: Progress) -> Iterator[Addition]:
     for number, run in enumerate(runs):
         progress(run.name, number, len(runs))
+        folder = RunFolder(run.root)
         try:
-            additions = additions_of(RunFolder(run.root), run.name)
+            footage = footage_of(folder, Compression.read(folder.compression)) if order.videos else None
+            additions = additions_of(folder, run.name, Contents(footage, run.layout))
         except InputFileError as error:
             outcome.leave_out(run.name, None, error)
             continue

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated
@@ -34,6 +33,7 @@ class ExportEpisodes(StageCommand[export.Options], Command):
       vcage export --run runs/stationery --codec h264 --force
       vcage export --run runs/blocks --append-to datasets/all
       vcage export --run runs/blocks --formats lerobot-v3.0 --no-videos --environment-state
+      vcage export --run runs/blocks --formats robotwin --still-frames drop
     """
 
     append_to: Annotated[Path | None, FOLDER, UNSAID] = None
@@ -56,8 +56,7 @@ def _require_sense(options: export.Options, run: RunFolder, growing: Path | None
     """Raise UsageError where options are of no use together, before any work is done."""
     encoding = [name for name, value in {"--codec": options.codec, "--crf": options.crf}.items() if value is not None]
     numbers = {"--no-videos": options.no_videos, "--environment-state": options.environment_state}
-    of_states = [name for name, wanted in numbers.items() if wanted]
-    given = [*(["--append-to"] if growing is not None else []), *encoding, *of_states]
+    given = [*(["--append-to"] if growing is not None else []), *encoding, *(name for name in numbers if numbers[name])]
     if given and not set(options.formats) & set(FORMATS):
         raise UsageError(
             f"{' and '.join(given)} concern LeRobot's data sets alone",
@@ -65,19 +64,12 @@ def _require_sense(options: export.Options, run: RunFolder, growing: Path | None
         )
     if options.no_videos and encoding:
         raise UsageError(f"{' and '.join(encoding)} cannot go with --no-videos", hint="leave one of them out")
-    if growing is not None:
-        _require_growing(growing, run, of_states)
-
-
-def _require_growing(growing: Path, run: RunFolder, of_states: Sequence[str]) -> None:
-    """Raise UsageError where a data set that grows from run to run cannot be, or cannot hold what is asked for."""
-    if of_states:
+    if options.still_frames == "drop" and not options.no_videos and set(options.formats) & set(FORMATS):
         raise UsageError(
-            f"{' and '.join(of_states)} cannot go with --append-to, whose episodes have videos and may have other "
-            "objects",
-            hint="export the run alone",
+            "--still-frames drop cannot go with LeRobot's videos, which are copied as compressed, with all frames",
+            hint="add --no-videos, or --formats robotwin alone",
         )
-    if growing.resolve().is_relative_to(run.root):
+    if growing is not None and growing.resolve().is_relative_to(run.root):
         raise UsageError(
             f"{growing} is in the run folder, which one run makes and replaces", hint="give a folder outside of it"
         )

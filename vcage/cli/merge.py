@@ -26,12 +26,14 @@ class MergeRuns(Command):
     The videos are those of `vcage compress`, linked where the disk allows it. Each episode is added once, even where
     its run is given again, copied, simulated or rendered again. So the same command continues after an interruption,
     and adds new episodes. Damaged ones are left out, and named in OUT/merge.json.
-    Runs of several robots, frame rates, codecs or sets of cameras are refused, or with --group get a data set each.
+    Runs of several robots, frame rates, codecs or sets of cameras are refused, or with --group get a data set each; so
+    are runs of other objects with --environment-state.
 
     examples:
       vcage merge runs/a runs/b --out datasets/all
       vcage merge campaign --out datasets/campaign --formats lerobot-v2.1 lerobot-v3.0
       vcage merge campaign --out datasets/by-robot --group --test 0.1
+      vcage merge runs/a runs/b --out datasets/states --no-videos --environment-state
     """
 
     folders: Annotated[tuple[Path, ...], several("DIR ...", one=folder), Positional, arg(metavar="DIR ...")]
@@ -46,12 +48,16 @@ class MergeRuns(Command):
     """share of the runs that are held out: their episodes come last, as the split 'test'"""
     group: Flag = False
     """write a data set for each kind of runs, into OUT/<kind>/<format>"""
+    no_videos: Flag = False
+    """without pictures, to train on states; runs need not be compressed then"""
+    environment_state: Flag = False
+    """with the poses of the objects, as environments observe them; runs of other objects are of another kind"""
 
     def execute(self) -> Result:
         """Merge."""
         from vcage.campaigns.merge import RECORD, Order, merge
 
-        order = Order(self.formats, self.test, self.group)
+        order = Order(self.formats, self.test, self.group, not self.no_videos, self.environment_state)
         with progress("merge") as show:
             done = merge(self.folders, self.out, order, show)
         record = done.record

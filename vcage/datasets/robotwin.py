@@ -18,6 +18,7 @@ which the layout has no place.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import cv2
@@ -27,7 +28,7 @@ from numpy.typing import NDArray
 
 from vcage.base.errors import UsageError
 from vcage.datasets.hdf5_files import new_hdf5
-from vcage.datasets.reader import EpisodeReader, Pictures
+from vcage.datasets.reader import EpisodeReader
 from vcage.datasets.recordings.hdf5_colours import COLOURS
 from vcage.datasets.recordings.robotwin import ARM_PARTS
 from vcage.datasets.stored_pictures import spooled
@@ -42,12 +43,13 @@ OPENGL_AXES = np.diag([1.0, -1.0, -1.0, 1.0])
 """OpenCV's camera axes (y down, z forward) in OpenGL's (y up, z backward)."""
 
 
-def export_robotwin(reader: EpisodeReader, out: Path) -> Path:
+def export_robotwin(reader: EpisodeReader, out: Path, frames: NDArray[np.int64] | None = None) -> Path:
     """Write an episode as a RoboTwin file, whole or not at all.
 
     Args:
         reader: the episode, open.
         out: the ``.hdf5`` file.
+        frames: (K,) increasing indices of those to write; None for all.
 
     Raises:
         UsageError: a number of the state belongs to no arm of RoboTwin's.
@@ -55,18 +57,21 @@ def export_robotwin(reader: EpisodeReader, out: Path) -> Path:
         OutputFolderError, DiskFull: the file cannot be written.
     """
     episode = reader.episode
+    frames = np.arange(episode.frames) if frames is None else frames
     parts = _arm_parts(episode.state_names)
     with new_hdf5(out) as file:
         file.attrs.update({"fps": episode.fps, "instruction": episode.instruction, "robot": str(episode.meta["robot"])})
         file.attrs[COLOURS] = "swapped"
-        _write_joints(file.create_group("joint_action"), episode.targets, parts)
-        _write_joints(file.create_group("joint_state"), episode.qpos, parts)
+        _write_joints(file.create_group("joint_action"), episode.targets[frames], parts)
+        _write_joints(file.create_group("joint_state"), episode.qpos[frames], parts)
         for name, track in episode.cameras.items():
             group = file.create_group(f"observation/{CAMERA_NAMES.get(name, name)}")
-            group["intrinsic_cv"] = np.tile(track.intrinsics, (len(track.extrinsics), 1, 1))
-            group["extrinsic_cv"] = track.extrinsics[:, :3]
-            group["cam2world_gl"] = np.linalg.inv(track.extrinsics) @ OPENGL_AXES
-            _write_pictures(group, reader.images(name), Path(out).parent)
+            group["intrinsic_cv"] = np.tile(track.intrinsics, (len(frames), 1, 1))
+            group["extrinsic_cv"] = track.extrinsics[frames, :3]
+            group["cam2world_gl"] = np.linalg.inv(track.extrinsics[frames]) @ OPENGL_AXES
+            wanted = set(frames.tolist())
+            pictures = (picture for frame, picture in enumerate(reader.images(name)) if frame in wanted)
+            _write_pictures(group, pictures, Path(out).parent)
     return Path(out)
 
 
@@ -94,7 +99,7 @@ def _write_joints(group: h5py.Group, values: NDArray[np.float64], parts: dict[st
     group["vector"] = values[:, [column for own in parts.values() for column in own]]
 
 
-def _write_pictures(group: h5py.Group, pictures: Pictures, folder: Path) -> None:
+def _write_pictures(group: h5py.Group, pictures: Iterable[NDArray[np.uint8]], folder: Path) -> None:
     quality = [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY]
     # OpenCV takes BGR; given RGB it swaps red and blue, as RoboTwin does
     swapped = (cv2.imencode(".jpg", picture, quality)[1].tobytes() for picture in pictures)

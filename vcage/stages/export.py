@@ -10,9 +10,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
+
+import numpy as np
 
 from vcage.base.errors import MissingStage, UsageError
 from vcage.base.files import RunFolder
@@ -29,7 +30,9 @@ from vcage.datasets.packing.settings import AUTO, CRF, CompressionSettings
 from vcage.datasets.packing.writing import lerobot_episode
 from vcage.datasets.reader import EpisodeReader
 from vcage.datasets.recordings.opening import open_hdf5
+from vcage.datasets.recordings.recording import Recording
 from vcage.datasets.robotwin import export_robotwin
+from vcage.datasets.still_frames import moving_frames
 from vcage.runs.accepted import acceptance_files, no_episode_counts, remove_exports
 from vcage.runs.context import StageContext
 from vcage.runs.edits import Editable
@@ -64,8 +67,53 @@ class Footage:
     facts: Mapping[str, Mapping[str, Any]]
 
 
-NO_VIDEOS = Footage({}, {})
-"""For data sets without videos."""
+@dataclass(frozen=True)
+class Contents:
+    """What a LeRobot data set has of a run's episodes.
+
+    Args:
+        footage: videos of all of their cameras; None to leave them out.
+        layout: of the state of objects; None to leave it out.
+        moving: keep only frames in which the robot does not rest; there are no videos then.
+    """
+
+    footage: Footage | None
+    layout: StateLayout | None = None
+    moving: bool = False
+
+    def episode(self, file: EpisodeFile) -> LeRobotEpisode:
+        """Return an episode.
+
+        Raises:
+            MissingStage: a camera of it has no video.
+            DamagedFile: it cannot be read.
+            UsageError: it has other objects.
+        """
+        recording = open_hdf5(file.path)
+        found = lerobot_episode(recording, self._videos(recording, file), OutputSpec())
+        if self.layout is None and not self.moving:
+            return found
+        with EpisodeReader(file.path) as reader:
+            episode = reader.episode
+        if self.layout is not None:
+            states, names = self.layout.of_episode(episode), self.layout.names
+            found = replace(found, environment=states, environment_names=names)
+        return found.at(moving_frames(episode)) if self.moving else found
+
+    def episodes(self, files: Sequence[EpisodeFile], progress: Progress = silent) -> Iterator[LeRobotEpisode]:
+        """Yield episodes, one after the other; raises as :meth:`episode`."""
+        with ThreadPoolExecutor(cores()) as pool:  # nearly all of it is decoding, which threads do side by side
+            for number, episode in enumerate(pool.map(self.episode, files)):
+                progress(files[number].path.stem, number, len(files))
+                yield episode
+
+    def _videos(self, recording: Recording, file: EpisodeFile) -> dict[str, Path]:
+        if self.footage is None:
+            return {}
+        cameras = [camera.name for camera in recording.cameras]
+        if missing := [camera for camera in cameras if (file.name, camera) not in self.footage.files]:
+            raise MissingStage(f"{file.name} has no compressed video of {', '.join(missing)}", maker="compress")
+        return {camera: self.footage.files[file.name, camera] for camera in cameras}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,6 +130,8 @@ class Options(StageOptions):
     """LeRobot's without pictures, to train on states; nothing need be compressed then"""
     environment_state: Flag = False
     """LeRobot's with the poses of the objects, as the run's environment observes them"""
+    still_frames: Literal["keep", "drop"] = "keep"
+    """frames in which no joint's target and no gripper moves; to drop them from LeRobot's takes --no-videos"""
     workers: Annotated[int | None, POSITIVE, UNSAID] = None
     """processes that encode (default: as cores and memory allow)"""
 
@@ -105,6 +155,7 @@ def job(run: RunFolder, options: Options, _context: StageContext) -> Job:
             "crf": options.crf,
             "no_videos": options.no_videos,
             "environment_state": options.environment_state,
+            "still_frames": options.still_frames,
         },
         stand_for=originals(run),
     )
@@ -130,17 +181,18 @@ def execute(
         remove_exports(run.export.parent)
         raise none
     stage = job(run, options, context)
+    drop = options.still_frames == "drop"
 
     def make(folder: Path, provenance: Provenance) -> Export:
-        files = accepted_files(run)
+        files, frames = accepted_files(run), 0
         versions = [name for name in options.formats if name in FORMATS]
         if versions:
-            footage = NO_VIDEOS if options.no_videos else find_footage(run, files, options, progress)
+            footage = None if options.no_videos else find_footage(run, files, options, progress)
             layout = state_layout(run, context) if options.environment_state else None
-            _write_lerobot(lerobot_episodes(files, footage, layout, progress), versions, folder, footage)
+            contents = Contents(footage, layout, drop)
+            frames = _write_lerobot(contents.episodes(files, progress), versions, folder, footage)
         if ROBOTWIN in options.formats:
-            _write_robotwin(files, folder / ROBOTWIN, progress)
-        frames = sum(file.frames for file in files)
+            frames = _write_robotwin(files, folder / ROBOTWIN, drop, progress)
         datasets = [
             ExportedDataset(
                 format=name,
@@ -174,14 +226,19 @@ def find_footage(
     compression = Compression.read(run.compression)
     wanted = _other_encoding(CompressionSettings(**compression.provenance.options), options)
     if wanted is None:
-        files = {(stream.episode, stream.camera): run.file(stream.file) for stream in compression.streams}
-        return Footage(files, encodings(compression.streams, compression.encoding.preset))
+        return footage_of(run, compression)
     require_raw(episodes)
     names = {file.path.stem: file.name for file in episodes}
     videos = search_data_set(clips_of(episodes), wanted, run.root / WORKING, workers=options.workers, progress=progress)
     streams = [video.stream for video in videos.values()]
     files = {(names[name], camera): video.file for (name, camera), video in videos.items()}
     return Footage(files, encodings(streams, wanted.choices().settings().preset))
+
+
+def footage_of(run: RunFolder, compression: Compression) -> Footage:
+    """Return the videos of a run's compression."""
+    files = {(stream.episode, stream.camera): run.file(stream.file) for stream in compression.streams}
+    return Footage(files, encodings(compression.streams, compression.encoding.preset))
 
 
 def _other_encoding(compressed: CompressionSettings, options: Options) -> CompressionSettings | None:
@@ -211,53 +268,28 @@ def _same_quality(compressed: CompressionSettings, codec: str) -> int | None:
     return LOSSLESS
 
 
-def lerobot_episodes(
-    files: Sequence[EpisodeFile], footage: Footage, layout: StateLayout | None = None, progress: Progress = silent
-) -> Iterator[LeRobotEpisode]:
-    """Yield episodes with their videos, one after the other.
-
-    Args:
-        files: the episodes.
-        footage: videos of all of their cameras, or none.
-        layout: of the state of objects; None to leave it out.
-        progress: called for every episode.
-
-    Raises:
-        MissingStage: a camera of an episode has no video.
-        DamagedFile: an episode cannot be read.
-    """
-    with ThreadPoolExecutor(cores()) as pool:  # nearly all of it is decoding, which threads do side by side
-        for number, episode in enumerate(pool.map(partial(lerobot_episode_of, footage, layout=layout), files)):
-            progress(files[number].path.stem, number, len(files))
-            yield episode
-
-
-def lerobot_episode_of(footage: Footage, file: EpisodeFile, layout: StateLayout | None = None) -> LeRobotEpisode:
-    """Return an episode with its videos; raises as :func:`lerobot_episodes`."""
-    recording = open_hdf5(file.path)
-    cameras = [] if footage is NO_VIDEOS else [camera.name for camera in recording.cameras]
-    missing = [camera for camera in cameras if (file.name, camera) not in footage.files]
-    if missing:
-        raise MissingStage(f"{file.name} has no compressed video of {', '.join(missing)}", maker="compress")
-    videos = {camera: footage.files[file.name, camera] for camera in cameras}
-    found = lerobot_episode(recording, videos, OutputSpec())
-    if layout is None:
-        return found
-    with EpisodeReader(file.path) as reader:
-        return replace(found, environment=layout.of_episode(reader.episode), environment_names=layout.names)
-
-
-def _write_lerobot(episodes: Iterable[LeRobotEpisode], versions: Sequence[str], folder: Path, footage: Footage) -> None:
+def _write_lerobot(
+    episodes: Iterable[LeRobotEpisode], versions: Sequence[str], folder: Path, footage: Footage | None
+) -> int:
+    """Write the data sets; return how many frames each has."""
+    facts, frames = {} if footage is None else footage.facts, 0
     with ExitStack() as stack:
-        writers = [stack.enter_context(open_writer(name, folder / name, footage.facts)) for name in versions]
+        writers = [stack.enter_context(open_writer(name, folder / name, facts)) for name in versions]
         for episode in episodes:
+            frames += episode.length
             for writer in writers:
                 writer.add(episode)
+    return frames
 
 
-def _write_robotwin(files: Sequence[EpisodeFile], out: Path, progress: Progress) -> None:
+def _write_robotwin(files: Sequence[EpisodeFile], out: Path, drop: bool, progress: Progress) -> int:
+    """Write the files; return how many frames they have."""
     out.mkdir(parents=True)
+    frames = 0
     for number, file in enumerate(files):
         progress(f"episode{number}.hdf5", number, len(files))
         with EpisodeReader(file.path) as reader:
-            export_robotwin(reader, out / f"episode{number}.hdf5")
+            moving = moving_frames(reader.episode) if drop else np.arange(reader.episode.frames)
+            export_robotwin(reader, out / f"episode{number}.hdf5", moving)
+            frames += len(moving)
+    return frames

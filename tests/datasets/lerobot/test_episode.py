@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from vcage.base.errors import UsageError
 from vcage.datasets.lerobot.episode import LeRobotEpisode, SubtaskSpan
 
 HISTOGRAM = np.ones((3, 256), np.int64)
@@ -62,3 +63,35 @@ def test_the_number_of_frames_comes_from_the_recording(foreign):
 def test_faults_of_an_export_are_reported(foreign, change, complaint):
     with pytest.raises(AssertionError, match=complaint):
         assert not list(replace(foreign, **change).complaints())
+
+
+def test_some_frames_alone_have_commands_that_lead_to_the_next_of_them(foreign):
+    numbers = np.arange(5.0)[:, None]
+    spans = [SubtaskSpan("reach", 0, 2), SubtaskSpan("push", 2, 5)]
+    whole = replace(
+        foreign,
+        videos={},
+        histograms={},
+        state=numbers,
+        state_names=["x"],
+        environment=10 * numbers,
+        environment_names=["cup.x"],
+        action=numbers + 1,
+        action_names=["x"],
+        subtasks=spans,
+        frames=5,
+    )
+    found = whole.at(np.array([0, 2, 4]))
+    assert list(found.complaints()) == []
+    assert (found.length, found.state.ravel().tolist(), found.environment.ravel().tolist()) == (
+        3,
+        [0, 2, 4],
+        [0, 20, 40],
+    )
+    assert found.action.ravel().tolist() == [2, 4, 5]
+    assert [(span.text, span.start, span.end) for span in found.subtasks] == [("reach", 0, 1), ("push", 1, 3)]
+
+
+def test_no_frame_is_left_out_of_videos(foreign):
+    with pytest.raises(UsageError, match="videos that were compressed"):
+        foreign.at(np.array([0, 4]))

@@ -9,13 +9,15 @@ alone, of which episodes have none.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
+
+from vcage.base.errors import UsageError
 
 STATE, ENVIRONMENT, ACTION = "observation.state", "observation.environment_state", "action"
 
@@ -92,6 +94,28 @@ class LeRobotEpisode:
             return self.frames
         return next((len(values) for _, values, _ in self._recorded()), 0)
 
+    def at(self, frames: NDArray[np.int64]) -> LeRobotEpisode:
+        """Return the episode with some of its frames alone: each command is that which led to the next of them.
+
+        Args:
+            frames: (K,) increasing indices; at least one of each sub-task.
+
+        Raises:
+            UsageError: it has videos, which show all frames.
+        """
+        if self.videos:
+            raise UsageError("frames cannot be left out of videos that were compressed", hint="give --no-videos")
+        led = np.append(frames[1:] - 1, self.length - 1)
+        spans = [replace(one, start=_place(frames, one.start), end=_place(frames, one.end)) for one in self.subtasks]
+        return replace(
+            self,
+            state=None if self.state is None else self.state[frames],
+            action=None if self.action is None else self.action[led],
+            environment=None if self.environment is None else self.environment[frames],
+            subtasks=spans,
+            frames=len(frames),
+        )
+
     def complaints(self) -> Iterator[str]:
         """Yield the errors of the episode in itself, in words; none if it can be exported."""
         if not (np.isfinite(self.fps) and self.fps > 0):
@@ -131,6 +155,11 @@ class LeRobotEpisode:
                     f"expected a range after {previous} within {self.length}"
                 )
             previous = span.end
+
+
+def _place(frames: NDArray[np.int64], frame: int) -> int:
+    """Return the place of a frame among some, or of the next one that is among them."""
+    return int(np.searchsorted(frames, frame))
 
 
 def _vector_complaints(name: str, values: NDArray[np.float32], frames: int, names: Sequence[str]) -> Iterator[str]:
