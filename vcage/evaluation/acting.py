@@ -89,6 +89,7 @@ class Acting:
             "goals": dict(attained.goals),
             "touched": sorted(attained.touched),
             "lifted": sorted(attained.lifted),
+            "brushed": sorted(attained.brushed),
             "collisions": sorted(attained.collisions),
             "seconds": (self.world.steps - self._begun) / PHYSICS_HZ,
             "start": dict(self.start.origin),

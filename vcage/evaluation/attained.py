@@ -8,24 +8,27 @@ from dataclasses import dataclass, field
 from vcage.plans.actions import lasting
 from vcage.schema.goals import Goal
 from vcage.schema.subtasks import Subtask
-from vcage.sim.world import World
+from vcage.sim.world import PHYSICS_HZ, World
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.state import Watch
 from vcage.tasks.truth import goals_hold
 
 
 @dataclass(frozen=True)
-class LiftSettings:
-    """When an object counts as lifted.
+class AttainedSettings:
+    """When an object counts as lifted, and a contact as a collision.
 
     Args:
         lifted_m: height above its start: an object that a hand holds there neither leans nor slides.
+        collision_n: force of an arm on something that is not of the task, newtons. Fingers that brush the table beside
+            an object press with some ten; an arm that is driven against something, with hundreds.
     """
 
     lifted_m: float = 0.03
+    collision_n: float = 100.0
 
 
-LIFT = LiftSettings()
+SETTINGS = AttainedSettings()
 
 
 @dataclass(frozen=True)
@@ -75,7 +78,9 @@ class Attained:
         goals: goal as written → True if it holds now, or has happened.
         success: True if all hold, and no hand touches an object whose place counts.
         touched, lifted: ids of handled objects that a hand has touched, or held above the place where they stood.
-        collisions: what arms have hit besides the objects of the task: an object, the table, the other arm.
+        brushed, collisions: what an arm has pressed on besides the objects of the task, with less force or with more:
+            an object's id, ``table``, ``left arm``. A contact counts if it is there when :meth:`look` is called,
+            whatever part of the arm makes it.
     """
 
     world: World
@@ -85,6 +90,7 @@ class Attained:
     success: bool = False
     touched: set[str] = field(default_factory=set)
     lifted: set[str] = field(default_factory=set)
+    brushed: set[str] = field(default_factory=set)
     collisions: set[str] = field(default_factory=set)
 
     def __post_init__(self) -> None:
@@ -95,19 +101,27 @@ class Attained:
 
     def look(self) -> None:
         """Note contacts and heights."""
-        pressed = {(mine.partition("/")[0], other.partition("/")[0]) for mine, other, _ in self._presses()}
-        self.touched |= {other for _, other in pressed if other in self.task.handled}
-        self.collisions |= {other for _, other in pressed if other not in self._meant}
+        forces = self._forces()
+        self.touched |= forces.keys() & set(self.task.handled)
+        for name, force in forces.items():
+            if name not in self._meant:
+                said = f"{name} arm" if name in self.world.arms else name
+                (self.collisions if force >= SETTINGS.collision_n else self.brushed).add(said)
+        self.brushed -= self.collisions
         for name in self.touched - self.lifted:
             above = self.world.object_pose(name).p[2] - self._watch.began[name].pose.p[2]
-            if above > LIFT.lifted_m and any(self.world.holds(arm, name) for arm in self.world.arms):
+            if above > SETTINGS.lifted_m and any(self.world.holds(arm, name) for arm in self.world.arms):
                 self.lifted.add(name)
 
     def judge(self) -> None:
         """Judge the goals as things stand."""
         self.goals = {str(goal): goals_hold([goal], self._watch).success for goal in self.task.goals}
-        held = self.task.released & {other.partition("/")[0] for _, other, _ in self._presses()}
-        self.success = all(self.goals.values()) and not held
+        self.success = all(self.goals.values()) and not self.task.released & self._forces().keys()
 
-    def _presses(self) -> list[tuple[str, str, float]]:
-        return list(self.world.presses(self.world.arms))
+    def _forces(self) -> dict[str, float]:
+        """What the arms press on (id, name of the other arm, …) → the force of the last step on it, newtons."""
+        found: dict[str, float] = {}
+        for _, other, impulse in self.world.presses(self.world.arms):
+            name = other.partition("/")[0]
+            found[name] = found.get(name, 0.0) + impulse * PHYSICS_HZ
+        return found

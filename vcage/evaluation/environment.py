@@ -76,8 +76,9 @@ class RunEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     straight line, :attr:`fps` times a second of simulated time. Grippers are clipped to 0 … 1 and joints to their
     limits. The reward is 1 at the step where the task is done, which ends the episode, and 0 before.
 
-    ``info`` has ``success`` and ``is_success``, ``goals`` (goal → truth), ``touched``, ``lifted`` and ``collisions``
-    (:class:`~vcage.evaluation.attained.Attained`), ``seconds`` of simulated time, and ``start`` (where it came from).
+    ``info`` has ``success`` and ``is_success``, ``goals`` (goal → truth), ``touched``, ``lifted``, ``brushed`` and
+    ``collisions`` (:class:`~vcage.evaluation.attained.Attained`), ``seconds`` of simulated time, and ``start`` (where
+    it came from).
 
     ``reset(seed=n)`` draws the n-th start of the evaluation; the same seed gives the same episode, whatever happened
     before. ``reset(options={"episode": k})`` begins as the k-th recorded episode did.

@@ -142,7 +142,8 @@ class Rollouts:
                 over = success or late
                 if over:
                     break
-        kept = {key: info[key] for key in ("success", "seconds", "goals", "touched", "lifted", "collisions")}
+        names = ("success", "seconds", "goals", "touched", "lifted", "brushed", "collisions")
+        kept = {key: info[key] for key in names}
         return Outcome(seed, Rollout(seed=seed, instruction=sentence, actions=len(done), **kept), np.array(done))
 
     def _asked(self, observation: Observation) -> NDArray[np.float64]:

@@ -21,7 +21,10 @@ class Rollout(Record):
     goals: dict[str, bool] = Field(description="goal → true at the end, or happened")
     touched: list[str] = Field(description="objects of the task that a hand touched")
     lifted: list[str] = Field(description="objects of the task that a hand lifted")
-    collisions: list[str] = Field(description="what arms hit besides the objects of the task")
+    brushed: list[str] = Field(
+        default=[], description="what arms pressed on lightly besides the objects of the task: table, left arm, an id"
+    )
+    collisions: list[str] = Field(description="the same, with 100 N or more at a look; looks are 40 ms apart")
 
     @property
     def furthest(self) -> str:
@@ -72,6 +75,7 @@ class Evaluation(Document):
             "goals": {n: sum(r.goals.get(n, False) for r in self.rollouts) for n in names},
             "furthest": {word: came.count(word) for word in dict.fromkeys(sorted(came))},
             "with_collisions": sum(bool(rollout.collisions) for rollout in self.rollouts),
+            "only_brushing": sum(bool(rollout.brushed and not rollout.collisions) for rollout in self.rollouts),
             "seconds": round(sum(r.seconds for r in self.rollouts) / count, 2) if count else None,
             "left_out": len(self.left_out),
         }
