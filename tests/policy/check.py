@@ -29,7 +29,8 @@ def address(finished: Finished) -> Iterator[str]:
         line = next(line for line in server.stderr if line.startswith("listening at "))
         yield line.split()[-1]
         server.send_signal(signal.SIGINT)
-        server.stderr.close()
+        assert server.stderr.read().splitlines()[-1].startswith("served ")
+        assert server.wait() == 0
 
 
 def ran(*command: str) -> str:

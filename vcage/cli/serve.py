@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import asdict, dataclass
 from typing import Annotated
 
 from vcage.base.options import NATURAL
@@ -18,7 +19,8 @@ class Serve(EnvironmentCommand):
     """Serve the environments of a run over a socket, for programs with other packages (such as lerobot-eval).
 
     Each connection gets an environment of its own, in a process of its own. The address is said on stderr when the
-    server listens; Ctrl-C ends it. docs/evaluation.md has the messages; clients/lerobot_env_vcage is a client.
+    server listens. Ctrl-C ends it, and what was served is said. docs/evaluation.md has the messages;
+    clients/lerobot_env_vcage is a client.
 
     examples:
       vcage serve runs/blocks --port 8100
@@ -31,11 +33,14 @@ class Serve(EnvironmentCommand):
     """the port; 0 takes a free one"""
 
     def execute(self) -> Result:
-        """Serve until interrupted."""
-        from vcage.evaluation.environment_server import environment_server
+        """Serve until Ctrl-C, the way to end it."""
+        from vcage.evaluation.environment_server import Served, environment_server
 
-        with environment_server(self.run, self.environment(), self.host, self.port) as server:
+        served = Served()
+        with environment_server(self.run, self.environment(), self.host, self.port, served) as server:
             host, port = server.socket.getsockname()[:2]
             logger.info("listening at ws://%s:%s", host, port)
-            server.serve_forever()
-        return Result()
+            with suppress(KeyboardInterrupt):
+                server.serve_forever()
+        logger.info("served %s", served)
+        return Result(summary={"served": asdict(served)})

@@ -14,8 +14,10 @@ environment and a process of its own, as a vector environment needs.
 from __future__ import annotations
 
 import logging
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, Literal
@@ -23,6 +25,7 @@ from typing import Any, Literal
 import gymnasium
 from pydantic import BaseModel, NonNegativeInt, ValidationError
 from websockets.exceptions import ConnectionClosed
+from websockets.frames import CloseCode
 from websockets.sync.server import Server, ServerConnection
 from websockets.sync.server import serve as listen
 
@@ -49,6 +52,25 @@ class _Request(BaseModel, extra="forbid"):
     action: Any = None
 
 
+@dataclass
+class Served:
+    """What a server has done so far.
+
+    Attributes:
+        connections: that were accepted.
+        episodes: that were begun.
+        actions: that were carried out.
+    """
+
+    connections: int = 0
+    episodes: int = 0
+    actions: int = 0
+
+    def __str__(self) -> str:
+        counted = {"connection": self.connections, "episode": self.episodes, "action": self.actions}
+        return ", ".join(f"{count} {what}{'s' * (count != 1)}" for what, count in counted.items())
+
+
 SENT = "send {'call': 'reset', 'seed': 0}, {'call': 'step', 'action': …} or {'call': 'render'} as openpi's frames"
 
 Task = tuple[Path, EnvironmentOptions, bytes]
@@ -56,32 +78,48 @@ Task = tuple[Path, EnvironmentOptions, bytes]
 
 
 @contextmanager
-def environment_server(run: Path, options: EnvironmentOptions, host: str, port: int) -> Iterator[Server]:
-    """Serve the environments of a run: call ``serve_forever`` of what is entered.
+def environment_server(
+    run: Path, options: EnvironmentOptions, host: str, port: int, served: Served | None = None
+) -> Iterator[Server]:
+    """Serve the environments of a run: call ``serve_forever`` of what is entered. At the end connections are closed.
 
     Args:
         run: folder of the run.
         options: of the environments.
         host: of the interface to listen on.
         port: 0 takes a free one.
+        served: counts what is done.
 
     Raises:
         MissingStage, UnknownName, NoRenderer: see :class:`~vcage.evaluation.environment.RunEnv`.
         UsageError: the port is taken, or there is no such interface.
     """
-    first = answer((run, options, b""))  # before anyone connects, so that what is wrong with the run is said here
+    served, counting, connected = served or Served(), threading.Lock(), set[ServerConnection]()
+    first, _ = answer((run, options, b""))  # before anyone connects, so that what is wrong with the run is said here
+
+    def count(connections: int = 0, episodes: int = 0, actions: int = 0) -> None:
+        with counting:
+            served.connections += connections
+            served.episodes += episodes
+            served.actions += actions
 
     def talk(connection: ServerConnection) -> None:
         client = "{}:{}".format(*connection.remote_address[:2])
         logger.info("%s is connected", client)
+        count(connections=1)
+        connected.add(connection)
         connection.send(first)
         with Processes(answer, 1) as process:
             try:
                 while True:
                     process.submit((run, options, connection.recv(decode=False)))
-                    connection.send(next(process.results()))
+                    frame, call = next(process.results())
+                    count(episodes=call == "reset", actions=call == "step")
+                    connection.send(frame)
             except ConnectionClosed:
                 logger.info("%s is gone", client)
+            finally:
+                connected.discard(connection)
 
     try:
         listening = listen(talk, host, port, compression=None, max_size=None, ping_interval=None)
@@ -89,7 +127,11 @@ def environment_server(run: Path, options: EnvironmentOptions, host: str, port: 
         reason = getattr(error, "strerror", None) or error
         raise UsageError(f"{host}:{port} cannot be served: {reason}", hint="give another --port or --host") from error
     with listening as server:
-        yield server
+        try:
+            yield server
+        finally:
+            for connection in list(connected):  # earlier versions of websockets wait for clients to go
+                connection.close(CloseCode.GOING_AWAY)
 
 
 def description(env: RunEnv) -> dict[str, Any]:
@@ -111,14 +153,15 @@ def description(env: RunEnv) -> dict[str, Any]:
     }
 
 
-def answer(task: Task) -> bytes:
-    """The frame that answers a request, in the process of one connection."""
+def answer(task: Task) -> tuple[bytes, str]:
+    """The frame that answers a request, in the process of one connection, and the call that was done (empty: none)."""
     run, options, frame = task
     env = _environment(run, options)
     if not frame:
-        return pack(description(env))
+        return pack(description(env)), ""
     try:
-        return pack(_answered(env, _Request.model_validate(unpack(frame))))
+        request = _Request.model_validate(unpack(frame))
+        return pack(_answered(env, request)), request.call
     except ValidationError as error:
         first = error.errors()[0]
         found = UsageError(f"request: {'.'.join(map(str, first['loc']))}: {first['msg']}", hint=SENT)
@@ -126,7 +169,7 @@ def answer(task: Task) -> bytes:
         found = UsageError(str(error), hint=SENT)
     except VcageError as error:
         found = error
-    return pack({"error": {"code": found.code, "message": found.message, "hint": found.way_out}})
+    return pack({"error": {"code": found.code, "message": found.message, "hint": found.way_out}}), ""
 
 
 @lru_cache(maxsize=1)
