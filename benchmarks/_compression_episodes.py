@@ -11,7 +11,7 @@ import logging
 import tempfile
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -20,9 +20,9 @@ from vcage.base.errors import PartlyDone
 from vcage.base.files import RunFolder, cache_dir
 from vcage.datasets.hdf5 import write_episode
 from vcage.episodes.photographs import light_look
+from vcage.evaluation.expert import unwatched
 from vcage.runs.context import StageContext
 from vcage.schema.base import PoseRecord
-from vcage.schema.episodes import Verdict
 from vcage.schema.robot import Robot
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask, Subtasks
@@ -36,9 +36,7 @@ from vcage.tasks.assemble import episode_data
 from vcage.tasks.chain_slots import slots_for_chain
 from vcage.tasks.loop import EpisodeRun, run_episode
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.setting import Seen, Setting
 from vcage.tasks.synthesis import Script, script_of
-from vcage.tasks.task import Asked
 from vcage.tasks.variation import shifted_poses
 from vcage.tasks.workplace import Workplace
 
@@ -152,17 +150,9 @@ class _Making:
         )
 
     def _simulated(self, objects: Sequence[SceneObject], rng: np.random.Generator) -> EpisodeRun:
-        setting = Setting(
-            build=lambda: self._world(objects),
-            objects={o.id: o for o in objects},
-            slots=slots_for_chain([subtask for subtask, _ in self._chain], Workplace.of(self._scene, objects, rng)),
-            photograph=lambda *_: {},
-            judge=_accept,
-            accept="critic",
-            on_failure="resample",
-            retries=2,
-            fps=self._recipe.fps,
-        )
+        slots = slots_for_chain([subtask for subtask, _ in self._chain], Workplace.of(self._scene, objects, rng))
+        setting = unwatched(lambda: self._world(objects), {o.id: o for o in objects}, slots, self._recipe.fps)
+        setting = replace(setting, accept="critic", on_failure="resample", retries=2)
         return run_episode(setting, self._chain, self._recipe.seed)
 
     def _draw(self, done: EpisodeRun, objects: Sequence[SceneObject], rng: np.random.Generator, path: Path) -> int:
@@ -200,8 +190,3 @@ def sharp(robot: Robot) -> Robot:
     width, height = SIZE
     cameras = {k: c.model_copy(update={"width": width, "height": height}) for k, c in robot.cameras.items()}
     return robot.model_copy(update={"cameras": cameras})
-
-
-def _accept(_asked: Asked, _subtask: Subtask, _seen: Seen) -> Verdict:
-    """Every sub-task goes on; whether it succeeded is asked of the simulator at the end."""
-    return Verdict(accepted=True, reason="the simulator decides", confidence=1.0, provider="benchmark")

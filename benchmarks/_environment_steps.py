@@ -28,8 +28,8 @@ def acted(run: RunFolder, pictures: bool, steps: int, resets: int) -> dict[str, 
         resets: episodes begun.
 
     Returns:
-        ``steps_per_cpu_second``; ``reset_cpu_s`` of a drawn start, the mean; ``mb_per_reset`` (least squares), and
-        ``mb`` held in the end.
+        ``steps_per_cpu_second``; ``reset_cpu_s`` of a drawn start, the mean; ``mb_per_reset`` (least squares; of the
+        second half alone: ``mb_per_late_reset``); ``mb_begun`` held after the first few resets, and ``mb`` in the end.
     """
     env = make_env(run.root, pictures=pictures, environment_state=True, max_steps=steps + 1)
     home = env.reset(seed=0)[0]["agent_pos"]
@@ -45,9 +45,16 @@ def acted(run: RunFolder, pictures: bool, steps: int, resets: int) -> dict[str, 
         "steps_per_cpu_second": round((steps - 1) / spent, 1),
         "resets": resets,
         "reset_cpu_s": round(reset_s, 3),
-        "mb_per_reset": round(float(np.polyfit(np.arange(len(held)), held, 1)[0]), 3) if len(held) > 1 else 0.0,
+        "mb_per_reset": _slope(held),
+        "mb_per_late_reset": _slope(held[len(held) // 2 :]),
+        "mb_begun": round(held[0]),
         "mb": round(held[-1]),
     }
+
+
+def _slope(values: list[float]) -> float:
+    """Least squares; 0 of a single value."""
+    return round(float(np.polyfit(np.arange(len(values)), values, 1)[0]), 4) if len(values) > 1 else 0.0
 
 
 def _begun_again(env: RunEnv, resets: int) -> tuple[float, list[float]]:

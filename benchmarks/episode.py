@@ -11,15 +11,16 @@ import tempfile
 import time
 from collections import deque
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from vcage.base.errors import VcageError
 from vcage.base.geometry import Pose, world_aabb
+from vcage.evaluation.expert import unwatched
 from vcage.objects.library import Library
 from vcage.schema.base import PoseRecord, Provenance
-from vcage.schema.episodes import Verdict
 from vcage.schema.robot import Robot
 from vcage.schema.scene import ObjectRecord, Role, Scene
 from vcage.schema.subtasks import PairAnswer, PairQuestion, Subtask
@@ -33,9 +34,7 @@ from vcage.tasks.chain_slots import slots_for_chain
 from vcage.tasks.loop import EpisodeRun, run_episode
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import find_subtasks
-from vcage.tasks.setting import Seen, Setting
 from vcage.tasks.synthesis import Script, load_script, write_script
-from vcage.tasks.task import Asked
 from vcage.tasks.variation import shifted_poses
 from vcage.tasks.workplace import Workplace
 
@@ -116,18 +115,9 @@ class _Episodes:
         rng = np.random.default_rng(index)
         poses = shifted_poses(self._objects, rng)
         objects = [o.moved(poses[o.id]) for o in self._objects]
-        setting = Setting(
-            build=lambda: self._world(objects),
-            objects={o.id: o for o in objects},
-            slots=slots_for_chain([self._step[0]], Workplace.of(self._scene, objects, rng)),
-            photograph=lambda *_: {},
-            judge=_always_accept,
-            accept="critic",
-            on_failure="resample",
-            retries=2,
-            fps=FPS,
-        )
-        return run_episode(setting, [self._step], index)
+        slots = slots_for_chain([self._step[0]], Workplace.of(self._scene, objects, rng))
+        setting = unwatched(lambda: self._world(objects), {o.id: o for o in objects}, slots, FPS)
+        return run_episode(replace(setting, accept="critic", on_failure="resample", retries=2), [self._step], index)
 
     def seconds_rendering(self, logs: Sequence[StateLog]) -> float:
         """Mean time to draw a recording."""
@@ -192,10 +182,6 @@ def _sensible(questions: Sequence[PairQuestion]) -> list[PairAnswer]:
         )
         for q in questions
     ]
-
-
-def _always_accept(_asked: Asked, _subtask: Subtask, _seen: Seen) -> Verdict:
-    return Verdict(accepted=True, reason="everything is accepted here", confidence=1.0, provider="benchmark")
 
 
 # --- ManiSkill's ---------------------------------------------------------------------------------------

@@ -34,6 +34,9 @@ INSTRUCTION = "Put the red block and the blue block on the plate"
 
 STAGES = ("inpaint-plan", "match", "optimize", "search-subtasks")
 
+PICTURES = {"both": (False, True), "without": (False,), "with": (True,)}
+"""Rows of the environment."""
+
 WATCHED = 0.5
 """Seconds from one look at the processes to the next."""
 
@@ -44,12 +47,21 @@ WARM = 3
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options of this benchmark."""
     parser.add_argument("--episodes", type=int, default=20, help="to collect each time (default: 20; quick: 4)")
-    parser.add_argument("--workers", type=int, nargs="+", default=[1, 2], help="numbers of processes (default: 1 2)")
+    parser.add_argument(
+        "--workers",
+        type=int,
+        nargs="*",
+        default=[1, 2],
+        help="numbers of processes; none: nothing is collected (default: 1 2)",
+    )
     parser.add_argument("--steps", type=int, default=300, help="of the environment (default: 300; quick: 60)")
     parser.add_argument("--resets", type=int, default=100, help="of the environment (default: 100; quick: 12)")
+    parser.add_argument("--pictures", choices=PICTURES, default="both", help="of the environment (default: both)")
 
 
-def run(quick: bool, episodes: int, workers: list[int], steps: int, resets: int) -> dict[str, Any]:
+def run(
+    quick: bool, episodes: int, workers: list[int], steps: int, resets: int, pictures: str = "both"
+) -> dict[str, Any]:
     """Collect the same episodes with each number of processes, and act in the environment of the run.
 
     Each row: ``episodes_per_hour`` that were verified, start of the processes included; ``peak_mb``, the most that the
@@ -64,6 +76,7 @@ def run(quick: bool, episodes: int, workers: list[int], steps: int, resets: int)
         workers: numbers of processes.
         steps: of the environment.
         resets: of the environment.
+        pictures: one of :data:`PICTURES`.
     """
     rows, environment = [], []
     with tempfile.TemporaryDirectory() as folder:
@@ -72,12 +85,12 @@ def run(quick: bool, episodes: int, workers: list[int], steps: int, resets: int)
         for count in workers:
             rows.append(_collected(first, Path(folder) / f"with-{count}", count, 4 if quick else episodes))
             logger.info("%s", rows[-1])
-        for pictures in (False, True):
-            environment.append(acted(first, pictures, 60 if quick else steps, 12 if quick else resets))
+        for drawn in PICTURES[pictures]:
+            environment.append(acted(first, drawn, 60 if quick else steps, 12 if quick else resets))
             logger.info("%s", environment[-1])
     return {
         "rows": rows,
-        "speedup": round(rows[-1]["episodes_per_hour"] / rows[0]["episodes_per_hour"], 2),
+        "speedup": round(rows[-1]["episodes_per_hour"] / rows[0]["episodes_per_hour"], 2) if rows else None,
         "environment": environment,
         "steps": subtasks,
         "cores": cores(),

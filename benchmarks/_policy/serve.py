@@ -12,34 +12,61 @@ from pathlib import Path
 from typing import Any
 
 from websockets.exceptions import ConnectionClosed
-from websockets.sync.server import ServerConnection
-from websockets.sync.server import serve as serve_sockets
+from websockets.sync.server import Server, ServerConnection, serve
 
-from benchmarks._policy.policy import Policy
 from vcage.evaluation.wire import pack, unpack
 
+Infer = Callable[[Mapping[str, Any]], Mapping[str, Any]]
 
-def serve(infer: Callable[[Mapping[str, Any]], Mapping[str, Any]], port: int = 0) -> None:
-    """Serve a policy until this process ends; port 0 takes a free one."""
+
+class Drop(Exception):
+    """Raised by a policy: the connection is cut without an answer, as when a server is killed."""
+
+
+def policy_server(
+    infer: Infer, name: str, frames: tuple[Callable[[Any], Any], Callable[[Any], Any]] = (pack, unpack)
+) -> Server:
+    """A server of a policy on a free port of loopback, by the rules of openpi's; call ``serve_forever`` of it.
+
+    Args:
+        infer: the policy.
+        name: of the policy, told to clients.
+        frames: packs and unpacks messages.
+    """
+    packed, unpacked = frames
 
     def talk(connection: ServerConnection) -> None:
-        connection.send(pack({"policy": "vcage benchmark"}))
+        connection.send(packed({"name": name}))
         try:
             while True:
-                connection.send(pack(infer(unpack(connection.recv(decode=False)))))
+                connection.send(packed(infer(unpacked(connection.recv(decode=False)))))
         except ConnectionClosed:
             return
+        except Drop:
+            connection.socket.close()
         except Exception:  # any: openpi's servers tell the client what went wrong, and close
             connection.send(traceback.format_exc())
             connection.close(1011, "Internal server error. Traceback included in previous frame.")
 
-    with serve_sockets(talk, "127.0.0.1", port, compression=None, max_size=None, ping_interval=None) as server:
-        print(f"ws://127.0.0.1:{server.socket.getsockname()[1]}", flush=True)
+    return serve(talk, "127.0.0.1", 0, compression=None, max_size=None, ping_interval=None)
+
+
+def address_of(server: Server) -> str:
+    """The address for clients."""
+    return f"ws://127.0.0.1:{server.socket.getsockname()[1]}"
+
+
+def main(weights: Path) -> None:
+    """Serve a trained policy until this process ends."""
+    import torch
+
+    from benchmarks._policy.policy import Policy
+
+    torch.set_num_threads(1)
+    with policy_server(Policy.read(weights).infer, "vcage benchmark") as server:
+        print(address_of(server), flush=True)
         server.serve_forever()
 
 
 if __name__ == "__main__":
-    import torch
-
-    torch.set_num_threads(1)
-    serve(Policy.read(Path(sys.argv[1])).infer)
+    main(Path(sys.argv[1]))

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.evaluation.policy_server import Drop, policy_server
+from benchmarks._policy.serve import Drop
+from tests.evaluation.policy_server import policy_server
 from vcage.base.errors import EndpointFailed, UsageError
 from vcage.evaluation import remote_policy
 from vcage.evaluation.policy import PolicyFailed, checked_actions
