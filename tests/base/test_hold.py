@@ -17,13 +17,14 @@ from vcage.base.errors import FolderInUse
 from vcage.base.hold import IN_USE, alone, held, holder_of
 
 HOLDER = """
-import sys, time
+import signal, sys, time
 from pathlib import Path
 from vcage.base.commands import CALLED
 from vcage.base.hold import held
 from vcage.base.workers import Processes
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)  # under nohup it is ignored
     CALLED.set("vcage collect --run 'a  run'")
     with held(Path(sys.argv[1])), Processes(time.sleep, 2) as crew:
         crew.submit(100)  # a worker must not keep what its parent held
@@ -53,7 +54,7 @@ def test_the_second_process_learns_the_running_command_and_may_retry(holder, tmp
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM, signal.SIGHUP])
 def test_a_folder_is_free_as_soon_as_its_holder_was_killed(holder, tmp_path: Path, number: int):
     holder.send_signal(number)
-    holder.wait()
+    holder.wait(timeout=60)
     with held(tmp_path):
         pass
     assert not (tmp_path / IN_USE).exists()
