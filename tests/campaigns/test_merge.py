@@ -402,7 +402,7 @@ def test_killed_merges_end_with_the_files_of_an_undisturbed_one(made, tmp_path):
     assert _start(made, tmp_path / "whole").wait() == 0
     expected, rng, killed = digests(tmp_path / "whole"), random.Random(0), 0
     out = tmp_path / "killed"
-    for _ in range(4):
+    for _ in range(3):
         enough = _files(out) + rng.randint(1, 16)
         process = _start(made, out)
         while process.poll() is None and _files(out) < enough:

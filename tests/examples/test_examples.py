@@ -1,10 +1,15 @@
-"""Every program in ``examples/`` runs in its own process, on small inputs, and does what its docstring promises."""
+"""Every program in ``examples/`` runs on small inputs, and does what its docstring promises.
+
+Those that add to the library, or start processes, run in a process of their own.
+"""
 
 from __future__ import annotations
 
 import ast
+import runpy
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -16,10 +21,29 @@ pytestmark = pytest.mark.slow
 EXAMPLES = sorted((REPOSITORY / "examples").glob("*.py"))
 
 
-def output(name: str, folder: Path, *arguments: str | Path) -> str:
-    """Run an example in ``folder``; return what it prints."""
+def program(name: str) -> Path:
     (path,) = (REPOSITORY / "examples").glob(f"{name}_*.py")
-    return printed_by(path, folder, *arguments)
+    return path
+
+
+def output(name: str, folder: Path, *arguments: str | Path) -> str:
+    """Run an example in ``folder``, in a process of its own; return what it prints."""
+    return printed_by(program(name), folder, *arguments)
+
+
+@pytest.fixture
+def output_here(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Callable[..., str]:
+    """Runs an example in this process, which has imported what it needs; returns what it prints."""
+
+    def ran(name: str, *arguments: str | Path) -> str:
+        monkeypatch.chdir(tmp_path)
+        monkeypatch.setattr(sys, "argv", [str(program(name)), *map(str, arguments)])
+        runpy.run_path(str(program(name)), run_name="__main__")
+        return capsys.readouterr().out
+
+    return ran
 
 
 def printed_by(path: Path, folder: Path, *arguments: str | Path) -> str:
@@ -43,8 +67,8 @@ def test_an_example_is_short_and_says_how_to_run_it(path: Path) -> None:
     assert f"\n    python examples/{path.name}" in str(ast.get_docstring(ast.parse(text), clean=False))
 
 
-def test_one_stage_places_the_objects_of_the_instruction(tmp_path: Path) -> None:
-    printed = output("01", tmp_path, "example")
+def test_one_stage_places_the_objects_of_the_instruction(output_here: Callable[..., str], tmp_path: Path) -> None:
+    printed = output_here("01", "example")
     assert "made now" in printed and "goal: block_red on plate_white" in printed
     assert (tmp_path / "example" / "place" / "source.png").is_file()
 
@@ -64,19 +88,19 @@ def test_a_verb_of_ones_own_is_carried_out_and_judged(tmp_path: Path) -> None:
     assert "-lifted-table: accepted, " in output("04", tmp_path, "lift")
 
 
-def test_a_recording_is_compressed(tmp_path: Path) -> None:
-    printed = output("05", tmp_path, "small")
+def test_a_recording_is_compressed(output_here: Callable[..., str], tmp_path: Path) -> None:
+    printed = output_here("05", "small")
     assert "top: " in printed and "of the bytes are saved" in printed
     assert (tmp_path / "small" / "compression.json").is_file()
 
 
-def test_the_critic_tells_before_from_after(run: Path, tmp_path: Path) -> None:
-    *_, forwards, backwards = output("06", tmp_path, run).splitlines()
+def test_the_critic_tells_before_from_after(output_here: Callable[..., str], run: Path) -> None:
+    *_, forwards, backwards = output_here("06", run).splitlines()
     assert ": done, " in forwards and ": not done, " in backwards
 
 
-def test_an_episode_is_replayed_and_drawn_again(run: Path, tmp_path: Path) -> None:
-    replayed, drawn = output("07", tmp_path, run).splitlines()
+def test_an_episode_is_replayed_and_drawn_again(output_here: Callable[..., str], run: Path) -> None:
+    replayed, drawn = output_here("07", run).splitlines()
     assert ": equal, " in replayed
     assert Path(drawn.split(": ")[0]).is_file()
 
