@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import SyncVectorEnv
-from websockets.sync.client import connect
+from websockets.sync.client import ClientConnection, connect
 
 from tests.run_folders import Finished
 from vcage.base.errors import MissingStage, UsageError
@@ -35,6 +35,14 @@ def address(finished: Finished) -> Iterator[str]:
         yield f"ws://127.0.0.1:{server.socket.getsockname()[1]}"
         server.shutdown()
         thread.join()
+
+
+@pytest.fixture(scope="module")
+def connection(address: str) -> Iterator[ClientConnection]:
+    """One for all requests that do nothing, as each connection starts a process."""
+    with connect(address, compression=None, proxy=None) as one:
+        one.recv(decode=False)
+        yield one
 
 
 @pytest.fixture(scope="module")
@@ -94,15 +102,15 @@ def test_a_recorded_episode_can_be_begun_from_afar(address: str, client: ModuleT
         ({"call": "step", "action": "up"}, "no episode has begun"),
     ],
 )
-def test_a_wrong_request_is_named_and_the_connection_stays(address: str, sent: Any, message: str) -> None:
-    with connect(address, compression=None, proxy=None) as connection:
-        unpack(connection.recv(decode=False))
-        for frame in (pack(sent), b"\xc1 is no MessagePack"):
-            connection.send(frame)
-            error = unpack(connection.recv(decode=False))["error"]
-            assert error["code"] and error["hint"]
-            if frame == pack(sent):
-                assert message in error["message"]
+def test_a_wrong_request_is_named_and_the_connection_stays(
+    connection: ClientConnection, sent: Any, message: str
+) -> None:
+    for frame in (pack(sent), b"\xc1 is no MessagePack"):
+        connection.send(frame)
+        error = unpack(connection.recv(decode=False))["error"]
+        assert error["code"] and error["hint"]
+        if frame == pack(sent):
+            assert message in error["message"]
 
 
 def test_a_client_without_a_server_says_what_to_start(client: ModuleType) -> None:

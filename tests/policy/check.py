@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 import os
-import signal
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -28,7 +27,7 @@ def address(finished: Finished) -> Iterator[str]:
         assert server.stderr is not None
         line = next(line for line in server.stderr if line.startswith("listening at "))
         yield line.split()[-1]
-        server.send_signal(signal.SIGINT)
+        server.terminate()
         assert server.stderr.read().splitlines()[-1].startswith("served ")
         assert server.wait() == 0
 
