@@ -48,7 +48,7 @@ WORKERS = (1, 2)
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options of this benchmark."""
-    parser.add_argument("--jobs", type=int, help=f"jobs of a campaign (default: {SIZES[0]}; quick: {QUICK[0]})")
+    parser.add_argument("--jobs", type=int, help=f"of a campaign; 0: none (default: {SIZES[0]}; quick: {QUICK[0]})")
     parser.add_argument(
         "--episodes", type=int, help=f"episodes of a job (default: {SIZES[1]}; quick: {QUICK[1]})", metavar="N"
     )
@@ -96,7 +96,7 @@ def run(
 
     Args:
         quick: :data:`QUICK` in place of :data:`SIZES`, with fewer frames and a fixed CRF.
-        jobs: of a campaign; None, here and below, for that of these sizes.
+        jobs: of a campaign, 0 for memory alone; None, here and below, for that of these sizes.
         episodes: of a job.
         drivers: which of :data:`DRIVERS`.
         workers: numbers of them.
@@ -109,7 +109,7 @@ def run(
     rows: list[dict[str, Any]] = []
     with tempfile.TemporaryDirectory() as work:
         plan = _plan(Path(work), INSTRUCTION, jobs, episodes, options)
-        for count in workers:
+        for count in workers if jobs else ():
             for driver in drivers:
                 if driver not in left_out:
                     rows.append(_row(plan, Path(work) / f"{driver}-{count}", driver, count))

@@ -5,7 +5,7 @@ A part is a SAPIEN entity: convex hulls with friction and mass, and a textured m
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeVar
 
@@ -160,6 +160,11 @@ def add_object(scene: sapien.Scene, name: str, body: Body, render: bool) -> Rigi
     """
     kind = ArticulatedObject if body.model.links else RigidObject
     return kind(scene, name, body, render)
+
+
+def seen_meshes(models: Iterable[PhysicalModel]) -> set[str]:
+    """The files of the visible meshes of objects, moving parts included."""
+    return {part.visual for model in models for part in (model, *model.links)}
 
 
 def _slow(body: sapien.physx.PhysxRigidBodyComponent) -> bool:

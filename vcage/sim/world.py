@@ -14,7 +14,7 @@ from vcage.schema.robot import Robot
 from vcage.schema.scene import Scene, Table
 from vcage.sim.appearance import Appearance
 from vcage.sim.arms import ArmControl, build_arm
-from vcage.sim.bodies import ArticulatedObject, Body, RigidObject, add_object
+from vcage.sim.bodies import ArticulatedObject, Body, RigidObject, add_object, seen_meshes
 from vcage.sim.contacts import ContactNames
 from vcage.sim.render import keep_one_shadow, new_render_system
 from vcage.sim.state import SettleReport, WorldState, pack_arrays, unpack_arrays
@@ -63,7 +63,7 @@ class World:
         appearance: Appearance | None = None,
         render: bool = False,
     ):
-        systems = [new_render_system()] if render else []
+        systems = [new_render_system(seen_meshes(body.model for body in bodies.values()))] if render else []
         import sapien
 
         self.table = table
