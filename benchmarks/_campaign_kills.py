@@ -16,10 +16,28 @@ from pathlib import Path
 
 import numpy as np
 import psutil
+import yaml
 
 from benchmarks._ray_nodes import RayNodes
 from vcage.campaigns.folder import CampaignFolder
 from vcage.campaigns.record import read_tries
+
+PLAN = {
+    "name": "kills",
+    "tasks": [{"id": "block", "goals": ["block on plate"], "objects": "block, plate"}],
+    "episodes_per_job": 1,
+    "limits": {"tries": 1000},
+    "options": {
+        "models": "offline",
+        "fps": 5,
+        "crf": 20,
+        "effort": "fast",
+        "keyframes": 1,
+        "restarts": 1,
+        "guard": False,
+    },
+}
+"""Jobs of one episode with a block and a plate, by every stage of the chain."""
 
 PROGRAM = (sys.executable, "-m", "vcage.cli.main")
 
@@ -198,3 +216,11 @@ class Settled:
     def states(self) -> dict[str, str]:
         """Job → the state in its record."""
         return {record.job_id: record.state for record in self._folder.records()}
+
+
+def write_plan(folder: Path, jobs: int) -> Path:
+    """Write a plan of so many jobs; 8 in a cell, or fewer."""
+    cells = next(count for count in range(-(-jobs // 8), jobs + 1) if jobs % count == 0)
+    path = folder / "PLAN.yml"
+    path.write_text(yaml.safe_dump(PLAN | {"seeds": cells, "episodes": jobs // cells}), encoding="utf-8")
+    return path

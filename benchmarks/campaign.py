@@ -19,6 +19,7 @@ from typing import Any
 import psutil
 import yaml
 
+from benchmarks import _campaign_settled
 from benchmarks._campaign_memory import growth
 from benchmarks._process_times import Timed, timed
 from vcage.base.workers import cores
@@ -65,6 +66,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="N",
     )
 
+    parser.add_argument(
+        "--settled", type=int, default=0, help="jobs of a campaign that is only read; 0: none", metavar="N"
+    )
+
 
 def run(
     quick: bool,
@@ -73,6 +78,7 @@ def run(
     drivers: Sequence[str],
     workers: Sequence[int],
     memory_episodes: int | None,
+    settled: int,
 ) -> dict[str, Any]:
     """Run the same campaign, from its start to its end, by each driver with each number of workers.
 
@@ -101,6 +107,7 @@ def run(
         drivers: which of :data:`DRIVERS`.
         workers: numbers of them.
         memory_episodes: of the worker whose memory is measured; 0 for none.
+        settled: jobs of a campaign that is only read, see :func:`benchmarks._campaign_settled.settled`; 0 for none.
     """
     given = zip((jobs, episodes, memory_episodes), QUICK if quick else SIZES, strict=True)
     jobs, episodes, memory_episodes = (usual if size is None else size for size, usual in given)
@@ -114,6 +121,7 @@ def run(
                 if driver not in left_out:
                     rows.append(_row(plan, Path(work) / f"{driver}-{count}", driver, count))
                     logger.info("%s", rows[-1])
+        read = _campaign_settled.settled(Path(work) / "settled", settled) if settled else None
         memory = _memory(Path(work) / "memory", memory_episodes, episodes) if memory_episodes else None
     overheads = ray_overheads(rows)
     return {
@@ -121,6 +129,7 @@ def run(
         "ray_overhead": {str(count): share for count, (_, share) in overheads.items()},
         "ray_overhead_s": {str(count): seconds for count, (seconds, _) in overheads.items()},
         "memory": memory,
+        "settled": read,
         "instruction": INSTRUCTION,
         "jobs": jobs,
         "episodes_per_job": episodes,

@@ -17,31 +17,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 
-from benchmarks._campaign_kills import PROGRAM, STUBBED, KilledCampaign, Settled
+from benchmarks._campaign_kills import PROGRAM, STUBBED, KilledCampaign, Settled, write_plan
 from benchmarks._campaign_outputs import differing, left_over, outputs
 from benchmarks._ray_nodes import RayNodes
 from vcage.base.errors import VcageError
 
 logger = logging.getLogger(__name__)
-
-PLAN = {
-    "name": "kills",
-    "tasks": [{"id": "block", "goals": ["block on plate"], "objects": "block, plate"}],
-    "episodes_per_job": 1,
-    "limits": {"tries": 1000},
-    "options": {
-        "models": "offline",
-        "fps": 5,
-        "crf": 20,
-        "effort": "fast",
-        "keyframes": 1,
-        "restarts": 1,
-        "guard": False,
-    },
-}
-"""Jobs of one episode with a block and a plate, by every stage of the chain."""
 
 DRIVERS: dict[str, list[list[str]]] = {
     "processes": [["--workers", "2"]],
@@ -168,14 +150,6 @@ def begun(folder: Path) -> Path:
     folder.mkdir(parents=True)
     (folder / "behaviour.json").write_text('{"all": "slow"}', encoding="utf-8")
     return folder
-
-
-def write_plan(folder: Path, jobs: int) -> Path:
-    """Write a plan of so many jobs; 8 in a cell, or fewer."""
-    cells = next(count for count in range(-(-jobs // 8), jobs + 1) if jobs % count == 0)
-    path = folder / "PLAN.yml"
-    path.write_text(yaml.safe_dump(PLAN | {"seeds": cells, "episodes": jobs // cells}), encoding="utf-8")
-    return path
 
 
 @dataclass(frozen=True)

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 import yaml
 
-from benchmarks._campaign_kills import STUBBED, Settled
+from benchmarks._campaign_kills import STUBBED, Settled, write_plan
 from benchmarks._campaign_outputs import outputs
-from benchmarks.campaign_kills import Series, Undisturbed, begun, write_plan
+from benchmarks.campaign_kills import Series, Undisturbed, begun
 from tests.run_folders import REPOSITORY, command, process
 from vcage.schema.compression import Compression
 
