@@ -67,7 +67,7 @@ _kept: set[str] = set()
 def _release_others(meshes: Collection[str], most: int = 16) -> None:
     """Release the meshes and textures that no scene uses, if they are many.
 
-    SAPIEN keeps what it has loaded, on average 4 MB for each of our objects, until it is told otherwise.
+    SAPIEN keeps what it has loaded, some megabytes for each object, until it is told otherwise.
 
     Args:
         meshes: files of objects that are about to be shown.
