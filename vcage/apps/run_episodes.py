@@ -70,11 +70,7 @@ def additions_of(run: RunFolder, name: str, contents: Contents | None = None) ->
     instruction, accepted = Episodes.read(run.episodes).instruction, accepted_episodes(run)
     videos = contents is None or contents.footage is not None
     compression = _compression_of(run, needed=videos)
-    for path in (*acceptance_files(run), *([run.compression] if videos else [])):
-        if change := next(changes(path), None):
-            field = ".".join(change[0])
-            maker = "compress" if videos else "export"
-            raise StaleStage(f"{path}: field {field} was edited, and no stage has read it yet", maker=maker)
+    _require_read([*acceptance_files(run), *([run.compression] if videos else [])], "compress" if videos else "export")
     if contents is None:
         assert compression is not None
         contents = Contents(footage_of(run, compression))
@@ -87,6 +83,14 @@ def additions_of(run: RunFolder, name: str, contents: Contents | None = None) ->
         Addition(name, file.name, drawn_key(instruction, robot, one), partial(work.load, file), facts)
         for file, one in zip(files, accepted, strict=True)
     ]
+
+
+def _require_read(files: Sequence[Path], maker: str) -> None:
+    """Raise StaleStage where a file was edited and no stage has read it since; ``maker`` is the stage that would."""
+    for path in files:
+        if change := next(changes(path), None):
+            field = ".".join(change[0])
+            raise StaleStage(f"{path}: field {field} was edited, and no stage has read it yet", maker=maker)
 
 
 def _compression_of(run: RunFolder, *, needed: bool) -> Compression | None:

@@ -54,22 +54,36 @@ class ExportEpisodes(StageCommand[export.Options], Command):
 
 def _require_sense(options: export.Options, run: RunFolder, growing: Path | None) -> None:
     """Raise UsageError where options are of no use together, before any work is done."""
-    encoding = [name for name, value in {"--codec": options.codec, "--crf": options.crf}.items() if value is not None]
-    numbers = {"--no-videos": options.no_videos, "--environment-state": options.environment_state}
-    given = [*(["--append-to"] if growing is not None else []), *encoding, *(name for name in numbers if numbers[name])]
-    if given and not set(options.formats) & set(FORMATS):
+    if set(options.formats) & set(FORMATS):
+        _require_possible_videos(options)
+    elif given := [*(["--append-to"] if growing is not None else []), *_concerning_lerobot(options)]:
         raise UsageError(
             f"{' and '.join(given)} concern LeRobot's data sets alone",
             hint=f"add one of them: --formats {' '.join(FORMATS)}",
         )
-    if options.no_videos and encoding:
-        raise UsageError(f"{' and '.join(encoding)} cannot go with --no-videos", hint="leave one of them out")
-    if options.still_frames == "drop" and not options.no_videos and set(options.formats) & set(FORMATS):
-        raise UsageError(
-            "--still-frames drop cannot go with LeRobot's videos, which are copied as compressed, with all frames",
-            hint="add --no-videos, or --formats robotwin alone",
-        )
     if growing is not None and growing.resolve().is_relative_to(run.root):
         raise UsageError(
             f"{growing} is in the run folder, which one run makes and replaces", hint="give a folder outside of it"
+        )
+
+
+def _concerning_lerobot(options: export.Options) -> list[str]:
+    """Options given that concern LeRobot's data sets alone."""
+    given = {
+        "--codec": options.codec is not None,
+        "--crf": options.crf is not None,
+        "--no-videos": options.no_videos,
+        "--environment-state": options.environment_state,
+    }
+    return [name for name, said in given.items() if said]
+
+
+def _require_possible_videos(options: export.Options) -> None:
+    encoding = [name for name in _concerning_lerobot(options) if name in ("--codec", "--crf")]
+    if options.no_videos and encoding:
+        raise UsageError(f"{' and '.join(encoding)} cannot go with --no-videos", hint="leave one of them out")
+    if options.still_frames == "drop" and not options.no_videos:
+        raise UsageError(
+            "--still-frames drop cannot go with LeRobot's videos, which are copied as compressed, with all frames",
+            hint="add --no-videos, or --formats robotwin alone",
         )

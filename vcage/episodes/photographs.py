@@ -76,6 +76,10 @@ class Photographer:
         if self._state is None or not state.same_as(self._state):
             self._state, self._taken = state, {}
         self.world.set_state(state)
+        return {name: self._picture(camera) for name, camera in self._cameras(goals, arm).items()}
+
+    def _cameras(self, goals: Sequence[Goal], arm: str | None) -> dict[str, Camera]:
+        """The cameras of :meth:`shots`, as the world stands."""
         wanted = arm is None or any(goal.kind.shown.moment for goal in goals)
         taken_by = cameras(self._scene, goals) if wanted else {}
         of_robot = robot_cameras(self.world)
@@ -84,7 +88,7 @@ class Photographer:
         for goal in goals if arm is not None else ():
             if goal.kind.shown.close_up:
                 taken_by |= scan_cameras(self.world, self._objects, goal.subject)
-        return {name: self._picture(camera) for name, camera in taken_by.items()}
+        return taken_by
 
     def _picture(self, camera: Camera) -> np.ndarray:
         if camera not in self._taken:
