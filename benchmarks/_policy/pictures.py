@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import ExitStack
 from pathlib import Path
 from typing import Literal
 
@@ -34,25 +33,30 @@ def shrunk_pictures(
         episodes: number of episodes.
         kept: folder for LeRobot's videos.
     """
-    files = [str(entry.file) for entry in accepted_episodes(run)[:episodes]]
+    entries = accepted_episodes(run)[:episodes]
     videos = _videos(run) if stored == "compressed" else {}
-    rows: dict[str, list[NDArray[np.uint8]]] = {view.camera: [] for view in views}
-    for file in files:
-        with ExitStack() as stack:
-            reader = stack.enter_context(EpisodeReader(run.file(file)))
+    count = sum(entry.frames for entry in entries)
+    found = {view.camera: np.empty((count, view.height, view.width, 3), np.uint8) for view in views}
+    begin = 0
+    for entry in entries:
+        file, end = str(entry.file), begin + entry.frames
+        with EpisodeReader(run.file(file)) as reader:
             for view in views:
                 shown: Iterator[NDArray[np.uint8]] = iter(reader.images(view.camera))
                 if stored == "compressed":
                     shown = pictures(videos[file, view.camera])
                 elif stored == "lerobot":
                     video = kept / f"{Path(file).stem}_{view.camera}.mp4"
-                    shown = pictures(_written(video, reader, view.camera))
-                rows[view.camera] += map(view.shrunk, shown)
-    return {camera: np.stack(frames) for camera, frames in rows.items()}
+                    shown = pictures(_written(video, reader, run.file(file), view.camera))
+                for frame, picture in zip(range(begin, end), shown, strict=True):
+                    found[view.camera][frame] = view.shrunk(picture)
+        begin = end
+    return found
 
 
-def _written(video: Path, reader: EpisodeReader, camera: str) -> Path:
-    if not video.exists():
+def _written(video: Path, reader: EpisodeReader, episode: Path, camera: str) -> Path:
+    """The video of a camera; it is written anew where the episode is newer."""
+    if not video.exists() or video.stat().st_mtime < episode.stat().st_mtime:
         video.parent.mkdir(parents=True, exist_ok=True)
         with atomic_path(video) as part:
             LeRobot().write(reader.images(camera)[:], reader.episode.fps, part)
