@@ -39,6 +39,7 @@ from benchmarks._policy.policy import Policy
 from benchmarks._policy.training import Noise, Training, trained
 from vcage.base.errors import UsageError, VcageError
 from vcage.base.files import RunFolder, atomic_path, cache_dir
+from vcage.evaluation.evaluate import RECORD
 
 logger = logging.getLogger(__name__)
 
@@ -153,7 +154,7 @@ class _Bench:
 
     def _made_from(self, demonstrations: Demonstrations, seed: int) -> str:
         """A hash of all that weights depend on."""
-        made_from = hashlib.sha256(repr((self.plan, seed)).encode())
+        made_from = hashlib.sha256(repr((self.plan.minutes, self.plan.object_noise_m, seed)).encode())
         for numbers in (demonstrations.states, demonstrations.objects, demonstrations.actions):
             made_from.update(np.ascontiguousarray(numbers).data)
         return made_from.hexdigest()[:12]
@@ -181,7 +182,7 @@ class _Bench:
             command += ["--episodes", str(self.plan.rollouts), "--workers", str(self.task.workers or 1)]
             command += ["--out", str(out), "--force"]
             command += [] if pictures else ["--no-pictures", "--environment-state"]
-            if pictures and name != "raw" and raw.exists():
+            if pictures and name != "raw" and (raw / RECORD).exists():
                 command += ["--against", str(raw)]
             begun = time.perf_counter()
             done = subprocess.run(command, stdout=subprocess.PIPE, text=True)
@@ -199,6 +200,8 @@ def served(weights: Path) -> Iterator[str]:
     command = [sys.executable, "-m", "benchmarks._policy.serve", str(weights)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
         try:
-            yield (server.stdout.readline() if server.stdout else "").strip()
+            if not (address := (server.stdout.readline() if server.stdout else "").strip()):
+                raise VcageError(f"the policy {weights} cannot be served: the server ended with {server.wait()}")
+            yield address
         finally:
             server.terminate()
