@@ -9,7 +9,7 @@ from typing import Literal
 
 from benchmarks._policy.demonstrations import Demonstrations
 from benchmarks._policy.policy import Meaning
-from vcage.base.errors import TooFewVerified
+from vcage.base.errors import TooFewVerified, UsageError
 from vcage.base.files import RunFolder
 from vcage.base.progress import Progress
 from vcage.runs.accepted import accepted_episodes
@@ -82,11 +82,16 @@ def meaning_of(run: RunFolder, demonstrations: Demonstrations, robot: str, turne
     """Meaning of the numbers of a run's demonstrations.
 
     The task is about what its sub-tasks move, open, press or put something on.
+
+    Raises:
+        UsageError: these are none of the objects of the demonstrations.
     """
     read = Subtasks.read(run.subtasks)
     kept = [subtask for subtask in read.kept if subtask.id in read.chains[0].subtasks]
     named = {name for subtask in kept for name in (subtask.object, subtask.receptacle, subtask.grasped)}
-    objects = tuple(sorted(name for name in named if name not in (None, "table")))
+    objects = tuple(sorted(name for name in named if name and f"{name}.x" in demonstrations.object_names))
+    if not objects:
+        raise UsageError(f"no sub-task of {run.root} is about an object", hint="give another --instruction")
     return Meaning(robot, demonstrations.names, demonstrations.object_names, objects, turned)
 
 

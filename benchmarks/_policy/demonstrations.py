@@ -42,6 +42,7 @@ class Demonstrations:
             KeyError: it was exported without ``--environment-state``.
         """
         features = json.loads((data_set / "meta" / "info.json").read_text())["features"]
+        names, object_names = (tuple(features[key]["names"]) for key in (STATE, OBJECTS))
         files = sorted((data_set / "data").glob("chunk-*/file-*.parquet"))
         tables = [pq.read_table(file, columns=[STATE, OBJECTS, ACTION, "episode_index"]) for file in files]
         index = np.concatenate([table["episode_index"].to_numpy() for table in tables])
@@ -56,8 +57,8 @@ class Demonstrations:
             objects=column(OBJECTS),
             actions=column(ACTION),
             ends=np.flatnonzero(np.diff(index[chosen], append=-1)) + 1,
-            names=tuple(features[STATE]["names"]),
-            object_names=tuple(features[OBJECTS]["names"]),
+            names=names,
+            object_names=object_names,
         )
 
     def next_frames(self, length: int) -> NDArray[np.int64]:
