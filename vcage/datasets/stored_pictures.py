@@ -234,8 +234,9 @@ def _inflated(dataset: h5py.Dataset, index: int) -> NDArray[np.uint8] | None:
     None also where that fails: HDF5 knows what is wrong, or what a chunk holds that was never written.
     """
     size = dataset.shape[1:]
-    other_filters = dataset.shuffle or dataset.fletcher32 or dataset.scaleoffset
-    if dataset.compression != "gzip" or other_filters or dataset.chunks != (1, *size) or dataset.dtype != np.uint8:
+    if dataset.compression != "gzip" or dataset.chunks != (1, *size) or dataset.dtype != np.uint8:
+        return None
+    if dataset.id.get_create_plist().get_nfilters() > 1:
         return None
     with suppress(RuntimeError, OSError, ValueError, deflate.DeflateError):
         skipped, packed = dataset.id.read_direct_chunk((index, *(0 for _ in size)))
