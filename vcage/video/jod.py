@@ -33,7 +33,7 @@ FORM = {
     "xchannel_masking": "on",
     "dclamp_type": "soft",
 }
-"""What :mod:`vcage.video.colorvideovdp` computes, of the forms that the parameters of the package can name."""
+"""The form that :mod:`vcage.video.colorvideovdp` computes, of those that the parameters of the package can name."""
 
 SET_UP = vcage_command("setup", "cvvdp")
 
@@ -57,9 +57,9 @@ class JodMetric:
         model = require_display(display)
         parameters = _read("cvvdp_parameters.json")
         for name, known in FORM.items():
-            if parameters[name] != known:
+            if (given := parameters.get(name)) != known:
                 raise MissingDependency(
-                    f"this ColorVideoVDP cannot be computed here: its {name} is {parameters[name]!r}, not {known!r}",
+                    f"this ColorVideoVDP cannot be computed here: its {name} is {given!r}, not {known!r}",
                     command=SET_UP,
                 )
         self.display = display
