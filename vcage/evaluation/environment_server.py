@@ -54,7 +54,7 @@ class _Request(BaseModel, extra="forbid"):
 
 @dataclass
 class Served:
-    """What a server has done so far.
+    """Counts of a server's work so far.
 
     Attributes:
         connections: that were accepted.
@@ -108,9 +108,9 @@ def environment_server(
         logger.info("%s is connected", client)
         count(connections=1)
         connected.add(connection)
-        connection.send(first)
         with Processes(answer, 1) as process:
             try:
+                connection.send(first)
                 while True:
                     process.submit((run, options, connection.recv(decode=False)))
                     frame, call = next(process.results())
