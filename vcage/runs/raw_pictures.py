@@ -208,8 +208,9 @@ def _packed(episode: Path, streams: Sequence[VideoStream], scratch: Path) -> Pat
 def _verify(video: Path, stream: VideoStream) -> None:
     """Raise DamagedFile where a video is another file than was written, which the search decoded whole."""
     if sha256_file(video) != stream.sha256:
+        other = f"is not the file of {stream.bytes} bytes that was written"
         raise DamagedFile(
-            f"{video} is not the file of {stream.bytes} bytes that was written",
+            f"{video} {other if stream.sha256 else 'was written by an earlier version, which noted no hash of it'}",
             hint="compress the run again with --force, as long as its episodes hold their pictures",
             maker="compress",
         )
