@@ -12,7 +12,7 @@ from vcage.datasets.episode import EpisodeData
 
 @dataclass(frozen=True)
 class StillSettings:
-    """When a robot rests.
+    """Limits within which a robot rests.
 
     Args:
         joint_rad: largest move of the target of a joint, radians.
@@ -42,4 +42,4 @@ def moving_frames(episode: EpisodeData, settings: StillSettings = STILL) -> NDAr
     for frame in range(episode.frames):
         if frame in always or (np.abs(ends[frame] - ends[moving[-1]]) > limits).any():
             moving.append(frame)
-    return np.array(moving)
+    return np.array(moving, np.int64)

@@ -119,7 +119,7 @@ class Attained:
         self.success = all(self.goals.values()) and not self.task.released & self._forces().keys()
 
     def _forces(self) -> dict[str, float]:
-        """What the arms press on (id, name of the other arm, …) → the force of the last step on it, newtons."""
+        """Objects, table and arms (by name) that arms press on → the force of the last step on each, newtons."""
         found: dict[str, float] = {}
         for _, other, impulse in self.world.presses(self.world.arms):
             name = other.partition("/")[0]

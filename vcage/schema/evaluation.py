@@ -22,7 +22,7 @@ class Rollout(Record):
     touched: list[str] = Field(description="objects of the task that a hand touched")
     lifted: list[str] = Field(description="objects of the task that a hand lifted")
     brushed: list[str] = Field(
-        default=[], description="what arms pressed on lightly besides the objects of the task: table, left arm, an id"
+        default=[], description="things not of the task that arms pressed on lightly: table, left arm, an id"
     )
     collisions: list[str] = Field(description="the same, with 100 N or more at a look; looks are 40 ms apart")
 

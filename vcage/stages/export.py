@@ -69,7 +69,7 @@ class Footage:
 
 @dataclass(frozen=True)
 class Contents:
-    """What a LeRobot data set has of a run's episodes.
+    """The parts of a run's episodes that a LeRobot data set has.
 
     Args:
         footage: videos of all of their cameras; None to leave them out.

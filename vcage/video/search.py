@@ -208,7 +208,7 @@ class _Settling:
         require_lossless(self.judge, settings)
         unseen = held_out_frames(len(self.judge.frames), self._scored())
         held_out = HeldOutLoss(worst=0.0, mean=0.0, frame=unseen[0], count=len(unseen)) if unseen else None
-        self.judge.losses(self.judge.whole(settings, None), ())
+        self.judge.losses(self.judge.whole(settings, None), ())  # decodes all of it, to find damage
         return self._result(settings, None, np.zeros(1), held_out)
 
     def _result(
