@@ -2,7 +2,7 @@
 
 A small network (``benchmarks/_policy/network.py``) learns from the columns of an exported LeRobot data set. It predicts
 the next poses of the hands from objects as the hands see them. On states, the poses of the objects are given. On
-pictures, eyes (``benchmarks/_policy/eyes.py``) tell where objects are. The policy is served behind openpi's protocol in
+pictures, ``benchmarks/_policy/localiser.py`` finds them. The policy is served behind openpi's protocol in
 a process of its own, and evaluated through the command as any policy of a lab would be. Rows differ in their data:
 
 - ``varied``: states, layouts drawn for every episode; ``fixed``: states, the optimised layout with small shifts;
@@ -33,7 +33,7 @@ import numpy as np
 
 from benchmarks._policy.collected import Layout, Task, exported, meaning_of
 from benchmarks._policy.demonstrations import Demonstrations
-from benchmarks._policy.eyes import EyesTraining, trained_eyes, views_of
+from benchmarks._policy.localiser import LocaliserTraining, trained_localiser, views_of
 from benchmarks._policy.pictures import Format, shrunk_pictures
 from benchmarks._policy.policy import Policy
 from benchmarks._policy.training import Noise, Training, trained
@@ -62,9 +62,9 @@ class Plan:
     Args:
         episodes: of training, of each row.
         seeds: trainings of each row.
-        minutes: of each training of a network, CPU time of one core; eyes take as long.
+        minutes: of each training of a network, CPU time of one core; of a localiser, too.
         rollouts: of each policy.
-        object_noise_m: standard deviation of the objects' places in training, where eyes will tell them.
+        object_noise_m: standard deviation of the objects' places in training, where a localiser will find them.
     """
 
     episodes: int = 300
@@ -170,7 +170,9 @@ class _Bench:
             seen = shrunk_pictures(source, stored, views, self.plan.episodes, self.task.data / "lerobot")
             hands = meaning.hands().poses(demonstrations.states)
             places = meaning.seen_objects().poses(demonstrations.objects).position
-            policy.eyes = trained_eyes(seen, hands, places, views, EyesTraining(self.plan.minutes, seed=seed))
+            policy.localiser = trained_localiser(
+                seen, hands, places, views, LocaliserTraining(self.plan.minutes, seed=seed)
+            )
         return policy
 
     def _evaluated(self, weights: Path, name: str, seed: int, pictures: bool) -> dict[str, Any]:

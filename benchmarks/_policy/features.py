@@ -52,7 +52,7 @@ class Objects:
     Args:
         names: of the M numbers of the objects of a state.
         objects: ids of those that the task is about.
-        turned: tell how they are turned, and how their parts stand; else only where they are, as eyes do.
+        turned: tell how they are turned, and how their parts stand; else only where they are, as a localiser does.
     """
 
     def __init__(self, names: Sequence[str], objects: Collection[str], turned: bool = True):

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks._compression_formats import LeRobot
-from benchmarks._policy.eyes import View
+from benchmarks._policy.localiser import View
 from vcage.base.files import RunFolder, atomic_path
 from vcage.base.videos import pictures
 from vcage.datasets.reader import EpisodeReader

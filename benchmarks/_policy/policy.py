@@ -11,9 +11,9 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from benchmarks._policy.eyes import Eyes, View
 from benchmarks._policy.features import TARGET, ObjectPoses, Objects, only_positions, poses_of, seen_by
 from benchmarks._policy.hands import HandPoses, Hands
+from benchmarks._policy.localiser import Localiser, View
 from benchmarks._policy.network import ChunkPolicy, Size
 
 
@@ -74,17 +74,17 @@ class Meaning:
 
 
 class Policy:
-    """A network, or one that sees by eyes.
+    """A network that answers observations of states, or of pictures with a localiser.
 
     Args:
         meaning: of its numbers.
         scale: of inputs and targets.
         size: of the network.
-        eyes: that see where objects are; without, the observed state tells it.
+        localiser: finds the objects in pictures; without it they are observed.
     """
 
-    def __init__(self, meaning: Meaning, scale: Scale, size: Size, eyes: Eyes | None = None):
-        self.meaning, self.scale, self.size, self.eyes = meaning, scale, size, eyes
+    def __init__(self, meaning: Meaning, scale: Scale, size: Size, localiser: Localiser | None = None):
+        self.meaning, self.scale, self.size, self.localiser = meaning, scale, size, localiser
         self.hands, self.objects = meaning.hands(), meaning.seen_objects()
         self.network = ChunkPolicy(len(scale.input_mean), len(self.hands) * TARGET, size)
 
@@ -103,29 +103,34 @@ class Policy:
         return {"actions": self.hands.states(poses_of(self.scale.told(chunk), hands), state)}
 
     def _objects(self, observation: Mapping[str, Any], hands: HandPoses) -> ObjectPoses:
-        if self.eyes is None:
+        if self.localiser is None:
             numbers = np.asarray(observation["observation/environment_state"], np.float64)
             return self.objects.poses(numbers[None])
-        pictures = {view.camera: np.asarray(observation[f"observation/{view.camera}"]) for view in self.eyes.views}
-        return only_positions(self.eyes.look(pictures, hands))
+        pictures = {view.camera: np.asarray(observation[f"observation/{view.camera}"]) for view in self.localiser.views}
+        return only_positions(self.localiser.positions(pictures, hands))
 
     def write(self, path: Path) -> None:
         """Write all that :meth:`read` needs."""
         kept: dict[str, Any] = {"meaning": asdict(self.meaning), "scale": vars(self.scale), "size": asdict(self.size)}
-        if self.eyes is not None:
-            kept["eyes"] = {"views": list(map(asdict, self.eyes.views)), "weights": self.eyes.state_dict()}
+        if self.localiser is not None:
+            kept["localiser"] = {
+                "views": list(map(asdict, self.localiser.views)),
+                "weights": self.localiser.state_dict(),
+            }
         torch.save({**kept, "weights": self.network.state_dict()}, path)
 
     @classmethod
     def read(cls, path: Path) -> Policy:
         """Read what :meth:`write` wrote."""
         kept = torch.load(path, weights_only=True)
-        meaning, eyes = Meaning(**kept["meaning"]), None
-        if "eyes" in kept:
-            eyes = Eyes([View(**view) for view in kept["eyes"]["views"]], len(meaning.seen_objects().ids))
-            eyes.load_state_dict(kept["eyes"]["weights"])
-            eyes.eval()
-        policy = cls(meaning, Scale(**kept["scale"]), Size(**kept["size"]), eyes)
+        meaning, localiser = Meaning(**kept["meaning"]), None
+        if "localiser" in kept:
+            localiser = Localiser(
+                [View(**view) for view in kept["localiser"]["views"]], len(meaning.seen_objects().ids)
+            )
+            localiser.load_state_dict(kept["localiser"]["weights"])
+            localiser.eval()
+        policy = cls(meaning, Scale(**kept["scale"]), Size(**kept["size"]), localiser)
         policy.network.load_state_dict(kept["weights"])
         policy.network.eval()
         return policy

@@ -10,6 +10,7 @@ import torch
 from benchmarks._policy.demonstrations import Demonstrations
 from benchmarks._policy.features import ObjectPoses, Objects, poses_of, seen_by, targets_of
 from benchmarks._policy.hands import HandPoses, Hands
+from benchmarks._policy.localiser import LocaliserTraining, View, trained_localiser
 from benchmarks._policy.network import Size
 from benchmarks._policy.policy import Meaning, Policy
 from benchmarks._policy.training import Noise, Training, trained
@@ -131,3 +132,18 @@ def test_a_trained_policy_follows_its_demonstrations_and_can_be_stored(tmp_path:
     assert np.abs(told - data.actions[3:7]).max() < np.abs(data.actions[3:7] - data.states[3]).max()
     policy.write(tmp_path / "weights.pt")
     assert np.array_equal(Policy.read(tmp_path / "weights.pt").infer(seen)["actions"], told)
+
+
+def test_a_localiser_finds_a_square_in_pictures() -> None:
+    rng = np.random.default_rng(6)
+    rows, columns = rng.integers(4, 36, (2, 200))
+    pictures = np.zeros((200, 40, 40, 3), np.uint8)
+    for picture, row, column in zip(pictures, rows, columns, strict=True):
+        picture[row - 3 : row + 3, column - 3 : column + 3] = 255
+    places = torch.from_numpy(np.stack([columns, rows, 0 * rows], axis=1) / 100.0).float()[:, None]
+    hands = hands_of(np.tile(state_near_home(rng), (200, 1)))
+    view = View("cam_high", None, 40, 40)
+    training = LocaliserTraining(minutes=0.05, batch=16)
+    localiser = trained_localiser({"cam_high": pictures}, hands, places, [view], training)
+    found = localiser.positions({"cam_high": pictures[7]}, hands[torch.tensor([7])])
+    assert float((found[0] - places[7]).abs().max()) < 0.25 * float(places.std(dim=0).max())

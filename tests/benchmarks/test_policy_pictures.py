@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks._policy.eyes import View
+from benchmarks._policy.localiser import View
 from benchmarks._policy.pictures import shrunk_pictures
 from tests.recordings import CAMERAS, collected
 from vcage.datasets.reader import EpisodeReader

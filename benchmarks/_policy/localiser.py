@@ -1,4 +1,4 @@
-"""Eyes of a policy: from pictures to the positions of the objects of its task.
+"""Localise the objects of a task in pictures.
 
 Each camera finds points in its picture (spatial soft-argmax: S. Levine et al., "End-to-End Training of Deep Visuomotor
 Policies", JMLR 2016, section 4.2), and from them tells where each object is, in the world or, if a hand carries it, in
@@ -29,7 +29,7 @@ METRES = 0.1
 
 @dataclass(frozen=True)
 class View:
-    """A camera, as the eyes see through it.
+    """A camera, as the localiser uses it.
 
     Args:
         camera: its name.
@@ -59,8 +59,8 @@ def views_of(robot: str) -> list[View]:
 
 
 @dataclass(frozen=True)
-class EyesTraining:
-    """Settings of the training of eyes.
+class LocaliserTraining:
+    """Settings of the training of a localiser.
 
     Args:
         minutes: of CPU time, on one core.
@@ -84,7 +84,7 @@ def _layer(before: int, after: int, kernel: int = 3, stride: int = 1, dilation: 
     return nn.Sequential(convolution, nn.BatchNorm2d(after), nn.ReLU())
 
 
-class Eye(nn.Module):
+class CameraNetwork(nn.Module):
     """Picture → position of each object, and the logarithm of its weight.
 
     Args:
@@ -121,8 +121,8 @@ class Eye(nn.Module):
         return told[..., :3] * METRES, told[..., 3]
 
 
-class Eyes(nn.Module):
-    """The eyes of a robot.
+class Localiser(nn.Module):
+    """Localises objects by all cameras of a robot.
 
     Args:
         views: the cameras.
@@ -133,8 +133,8 @@ class Eyes(nn.Module):
         super().__init__()
         self.views = list(views)
         self.middle = nn.Parameter(torch.zeros(objects, 3), requires_grad=False)
-        self.fixed = nn.ModuleDict({view.camera: Eye(16, objects, 0) for view in views if view.hand is None})
-        self.carried = Eye(12, objects, 6) if any(view.hand is not None for view in views) else None
+        self.fixed = nn.ModuleDict({view.camera: CameraNetwork(16, objects, 0) for view in views if view.hand is None})
+        self.carried = CameraNetwork(12, objects, 6) if any(view.hand is not None for view in views) else None
 
     def forward(
         self, pictures: Mapping[str, torch.Tensor], hands: HandPoses
@@ -156,7 +156,7 @@ class Eyes(nn.Module):
         away, weight = self.carried(pictures, known)
         return torch.einsum("nij,noj->noi", rotation, away) + position[:, None], weight
 
-    def look(self, pictures: Mapping[str, NDArray[np.uint8]], hands: HandPoses) -> torch.Tensor:
+    def positions(self, pictures: Mapping[str, NDArray[np.uint8]], hands: HandPoses) -> torch.Tensor:
         """(1, O, 3) positions, for one picture (H, W, 3) uint8 of each camera."""
         seen = {view.camera: as_input(view.shrunk(pictures[view.camera])[None]) for view in self.views}
         with torch.inference_mode():
@@ -168,14 +168,14 @@ def as_input(pictures: NDArray[np.uint8]) -> torch.Tensor:
     return torch.from_numpy(pictures).permute(0, 3, 1, 2).float() / 127.5 - 1
 
 
-def trained_eyes(
+def trained_localiser(
     pictures: Mapping[str, NDArray[np.uint8]],
     hands: HandPoses,
     positions: torch.Tensor,
     views: Sequence[View],
-    training: EyesTraining,
-) -> Eyes:
-    """Train eyes.
+    training: LocaliserTraining,
+) -> Localiser:
+    """Train a localiser.
 
     Args:
         pictures: (F, h, w, 3) of each view's camera, shrunk.
@@ -185,29 +185,29 @@ def trained_eyes(
         training: settings.
     """
     torch.manual_seed(training.seed)
-    eyes = Eyes(views, positions.shape[1])
-    eyes.middle.data.copy_(positions.mean(dim=0))
-    optimiser = torch.optim.AdamW(eyes.parameters(), lr=training.rate, weight_decay=1e-3)
+    localiser = Localiser(views, positions.shape[1])
+    localiser.middle.data.copy_(positions.mean(dim=0))
+    optimiser = torch.optim.AdamW(localiser.parameters(), lr=training.rate, weight_decay=1e-3)
     begun, length, step, mean = time.process_time(), training.minutes * 60, 0, 0.0
     while (spent := time.process_time() - begun) < length:
         for group in optimiser.param_groups:
             group["lr"] = training.rate * min(1.0, (step + 1) / 50) * 0.5 * (1 + np.cos(np.pi * spent / length))
         frames = torch.randint(len(positions), (training.batch,))
         seen = {name: _otherwise_lit(as_input(rows[frames.numpy()]), training) for name, rows in pictures.items()}
-        found, each, weights = eyes(seen, hands[frames])
+        found, each, weights = localiser(seen, hands[frames])
         wanted = positions[frames]
         error = (found - wanted).abs().mean()
         own = (weights[..., None] * (each - wanted[:, None]).abs()).sum(dim=1).mean()
         optimiser.zero_grad()
         ((error + training.each * own) / METRES).backward()
-        nn.utils.clip_grad_norm_(eyes.parameters(), 1.0)
+        nn.utils.clip_grad_norm_(localiser.parameters(), 1.0)
         optimiser.step()
         step, mean = step + 1, 0.98 * mean + 0.02 * float(error.detach())
         if step % 200 == 0:
-            logger.info("eyes: step %d, error %.1f mm, %.0f of %.0f s", step, 1000 * mean, spent, length)
-    return eyes.eval()
+            logger.info("localiser: step %d, error %.1f mm, %.0f of %.0f s", step, 1000 * mean, spent, length)
+    return localiser.eval()
 
 
-def _otherwise_lit(pictures: torch.Tensor, training: EyesTraining) -> torch.Tensor:
+def _otherwise_lit(pictures: torch.Tensor, training: LocaliserTraining) -> torch.Tensor:
     gain, offset = torch.randn(2, len(pictures), 1, 1, 1) * training.brightness
     return pictures * (1 + gain) + offset
