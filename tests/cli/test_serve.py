@@ -6,6 +6,7 @@ import json
 import signal
 import subprocess
 import sys
+from functools import partial
 
 from websockets.sync.client import connect
 
@@ -15,7 +16,10 @@ from vcage.evaluation.wire import pack, unpack
 
 def test_ctrl_c_ends_it_with_a_line_on_what_was_served(finished: Finished) -> None:
     command = [sys.executable, "-m", "vcage.cli.main", "serve", str(finished.run.root), "--port", "0", "--no-pictures"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as server:
+    # A background job of a shell ignores SIGINT, and so would its children.
+    heeds = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
+    pipe = subprocess.PIPE
+    with subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, preexec_fn=heeds) as server:
         assert server.stderr is not None and server.stdout is not None
         address = next(line for line in server.stderr if line.startswith("listening at ")).split()[-1]
         with connect(address, compression=None, proxy=None) as connection:

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import json
+import subprocess
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
-from types import ModuleType
 
 import cv2
 import numpy as np
 import pytest
-import torch
 
 from tests.recordings import clip
 from vcage.base.errors import MissingDependency, UnknownName, UsageError
@@ -86,50 +83,29 @@ def test_a_missing_cvvdp_error_names_the_package(monkeypatch):
     assert missing.value.command.endswith("vcage setup cvvdp")
 
 
-@pytest.mark.parametrize(
-    "display", ["standard_fhd", "standard_4k", "standard_phone", "htc_vive_pro", "lg_oled_2017_sdr"]
-)
-@pytest.mark.parametrize("size", [(240, 320), (98, 134), (97, 134), (99, 77), (16, 20)])
-def test_losses_match_the_package(display, size):
-    height, width = size
-    frames = np.stack([cv2.resize(picture, (width, height)) for picture in clip(2)])
-    worse = np.stack([frames[0] // 16 * 16, noisy(frames[1], 4)])
-    assert JodMetric(display).loss(worse, frames) == pytest.approx(package_losses(display, worse, frames), abs=2e-5)
+DISPLAYS = ("standard_fhd", "standard_4k", "standard_phone", "htc_vive_pro", "lg_oled_2017_sdr")
+
+SIZES = ((240, 320), (98, 134), (97, 134), (99, 77), (16, 20))
 
 
-def package_losses(display: str, test: np.ndarray, reference: np.ndarray) -> np.ndarray:
-    """Return the losses that the package itself computes."""
-    with torchvision_names():
-        from pycvvdp import cvvdp
-    jod, _ = cvvdp(display_name=display, device=torch.device("cpu"), quiet=True).predict(test, reference, "BHWC")
-    return 10 - jod.numpy()
+def pair_of(size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
+    """Worse pictures, and pictures."""
+    frames = np.stack([cv2.resize(picture, size[::-1]) for picture in clip(2)])
+    return np.stack([frames[0] // 16 * 16, noisy(frames[1], 4)]), frames
 
 
-@contextmanager
-def torchvision_names() -> Iterator[None]:
-    """Let ``import pycvvdp`` find inside what it takes from torchvision, where that is missing."""
-    names = {"torchvision.transforms": {"GaussianBlur": Blur}, "torchvision.ops": {"MLP": None}}
-    made = {}
-    for name, members in names.items():
-        made[name] = ModuleType(name)
-        vars(made[name]).update(members)
-    with pytest.MonkeyPatch.context() as patch:
-        for name, module in {"torchvision": ModuleType("torchvision"), **made}.items():
-            patch.setitem(sys.modules, name, module)
-        yield
+@pytest.fixture(scope="module")
+def package(tmp_path_factory: pytest.TempPathFactory) -> dict[str, dict[str, list[float]]]:
+    """Display → size → losses that the package itself computes, in a process of its own: it patches what it imports."""
+    folder = tmp_path_factory.mktemp("pairs")
+    for size in SIZES:
+        np.savez(folder / f"{size}.npz", *pair_of(size))
+    command = [sys.executable, "-W", "ignore", "-m", "tests.video.package_losses", str(folder), *DISPLAYS]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    return json.loads(done.stdout.splitlines()[-1])
 
 
-class Blur:
-    """``torchvision.transforms.GaussianBlur`` for one sigma."""
-
-    def __init__(self, kernel_size: int, sigma: float):
-        places = torch.linspace(-(kernel_size - 1) / 2, (kernel_size - 1) / 2, kernel_size)
-        weights = torch.exp(-0.5 * (places / sigma) ** 2)
-        self.weights = weights / weights.sum()
-
-    def forward(self, image: torch.Tensor) -> torch.Tensor:
-        """Blur (N, 1, H, W)."""
-        half = len(self.weights) // 2
-        padded = torch.nn.functional.pad(image, (half,) * 4, mode="reflect")
-        rows = torch.nn.functional.conv2d(padded, self.weights.view(1, 1, 1, -1))
-        return torch.nn.functional.conv2d(rows, self.weights.view(1, 1, -1, 1))
+@pytest.mark.parametrize("display", DISPLAYS)
+@pytest.mark.parametrize("size", SIZES)
+def test_losses_match_the_package(display, size, package):
+    assert JodMetric(display).loss(*pair_of(size)) == pytest.approx(package[display][str(size)], abs=2e-5)

@@ -236,7 +236,8 @@ def test_instructions_beside_the_data_are_the_tasks(tmp_path):
     done = packed(robotwin_tree(tmp_path / "clean"), fps=16.67)
     episodes = open_recordings(tmp_path / "out")
     assert [episode.task for episode in episodes] == ["Beat block 0", "Beat block 1"]
-    assert np.allclose(episodes[1].motion.values[:, :6], ramp(6, 1))
+    targets = ramp(6, 1)
+    assert np.allclose(episodes[1].motion.values[:, :6], [*targets[1:], targets[-1]])  # of the next frame
     assert "instructions/unseen" in done.record.left_out
     written = [path for path in (tmp_path / "out").rglob("*") if path.suffix in (".json", ".parquet")]
     assert not any(b"Strike" in path.read_bytes() for path in written)
