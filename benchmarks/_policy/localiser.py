@@ -7,8 +7,6 @@ the frame of the hand, and how far that is to be trusted. Labels are the poses o
 
 from __future__ import annotations
 
-import logging
-import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -18,10 +16,9 @@ import torch
 from numpy.typing import NDArray
 from torch import nn
 
+from benchmarks._policy.fitting import fit
 from benchmarks._policy.hands import HandPoses
 from vcage.sim.robots import load_robot
-
-logger = logging.getLogger(__name__)
 
 METRES = 0.1
 """Unit of the networks' answers: objects are a few of these away from the middle."""
@@ -66,6 +63,7 @@ class LocaliserTraining:
         minutes: of CPU time, on one core.
         batch: moments of a step.
         rate: highest learning rate; it falls to none along a cosine.
+        decay: of the weights.
         brightness: standard deviation of a change of gain and of offset, of a picture between -1 and 1.
         each: share of the loss of each camera's own answer.
         seed: of weights and order.
@@ -74,6 +72,7 @@ class LocaliserTraining:
     minutes: float = 10.0
     batch: int = 48
     rate: float = 2e-3
+    decay: float = 1e-3
     brightness: float = 0.1
     each: float = 0.2
     seed: int = 0
@@ -187,25 +186,17 @@ def trained_localiser(
     torch.manual_seed(training.seed)
     localiser = Localiser(views, positions.shape[1])
     localiser.middle.data.copy_(positions.mean(dim=0))
-    optimiser = torch.optim.AdamW(localiser.parameters(), lr=training.rate, weight_decay=1e-3)
-    begun, length, step, mean = time.process_time(), training.minutes * 60, 0, 0.0
-    while (spent := time.process_time() - begun) < length:
-        for group in optimiser.param_groups:
-            group["lr"] = training.rate * min(1.0, (step + 1) / 50) * 0.5 * (1 + np.cos(np.pi * spent / length))
+
+    def loss() -> torch.Tensor:
         frames = torch.randint(len(positions), (training.batch,))
         seen = {name: _otherwise_lit(as_input(rows[frames.numpy()]), training) for name, rows in pictures.items()}
         found, each, weights = localiser(seen, hands[frames])
-        wanted = positions[frames]
-        error = (found - wanted).abs().mean()
-        own = (weights[..., None] * (each - wanted[:, None]).abs()).sum(dim=1).mean()
-        optimiser.zero_grad()
-        ((error + training.each * own) / METRES).backward()
-        nn.utils.clip_grad_norm_(localiser.parameters(), 1.0)
-        optimiser.step()
-        step, mean = step + 1, 0.98 * mean + 0.02 * float(error.detach())
-        if step % 200 == 0:
-            logger.info("localiser: step %d, error %.1f mm, %.0f of %.0f s", step, 1000 * mean, spent, length)
-    return localiser.eval()
+        error = (found - positions[frames]).abs().mean()
+        own = (weights[..., None] * (each - positions[frames][:, None]).abs()).sum(dim=1).mean()
+        return (error + training.each * own) / METRES
+
+    fit(localiser, loss, name="localiser", minutes=training.minutes, rate=training.rate, decay=training.decay)
+    return localiser
 
 
 def _otherwise_lit(pictures: torch.Tensor, training: LocaliserTraining) -> torch.Tensor:

@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-import logging
-import time
 from dataclasses import dataclass, field, replace
 
-import numpy as np
 import torch
 
 from benchmarks._policy.demonstrations import Demonstrations
 from benchmarks._policy.features import ObjectPoses, seen_by, targets_of
+from benchmarks._policy.fitting import fit
 from benchmarks._policy.hands import HandPoses
 from benchmarks._policy.network import Size, loss_of
 from benchmarks._policy.policy import Meaning, Policy, Scale
-
-logger = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -110,25 +106,10 @@ def trained(demonstrations: Demonstrations, meaning: Meaning, training: Training
     batches = Batches(demonstrations, meaning, training)
     scale = Scale.of(*batches[torch.arange(len(batches))])
     policy = Policy(meaning, scale, training.size)
-    _fit(policy, batches, training)
-    return policy
 
-
-def _fit(policy: Policy, batches: Batches, training: Training) -> None:
-    network, length = policy.network, training.minutes * 60
-    optimiser = torch.optim.AdamW(network.parameters(), lr=training.rate, weight_decay=training.decay)
-    begun, step, mean = time.process_time(), 0, 0.0
-    network.train()
-    while (spent := time.process_time() - begun) < length:
-        for group in optimiser.param_groups:
-            group["lr"] = training.rate * min(1.0, (step + 1) / 100) * 0.5 * (1 + np.cos(np.pi * spent / length))
+    def loss() -> torch.Tensor:
         inputs, targets = batches[torch.randint(len(batches), (training.batch,))]
-        loss = loss_of(network(policy.scale.inputs(inputs)), policy.scale.targets(targets).flatten(-2))
-        optimiser.zero_grad()
-        loss.backward()
-        torch.nn.utils.clip_grad_norm_(network.parameters(), 1.0)
-        optimiser.step()
-        step, mean = step + 1, 0.98 * mean + 0.02 * float(loss.detach())
-        if step % 500 == 0:
-            logger.info("step %d, loss %.4f, %.0f of %.0f s", step, mean, spent, length)
-    network.eval()
+        return loss_of(policy.network(scale.inputs(inputs)), scale.targets(targets).flatten(-2))
+
+    fit(policy.network, loss, name="policy", minutes=training.minutes, rate=training.rate, decay=training.decay)
+    return policy

@@ -1,0 +1,43 @@
+"""Gradient descent for so many minutes."""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Callable
+
+import numpy as np
+import torch
+from torch import nn
+
+logger = logging.getLogger(__name__)
+
+
+def fit(
+    network: nn.Module, loss: Callable[[], torch.Tensor], *, name: str, minutes: float, rate: float, decay: float
+) -> None:
+    """Train a network by AdamW; its learning rate falls to none along a cosine.
+
+    Args:
+        network: in training mode meanwhile, and in evaluation mode afterwards.
+        loss: of the next batch.
+        name: for the log.
+        minutes: of CPU time of this process.
+        rate: highest learning rate, reached after a hundred steps.
+        decay: of the weights.
+    """
+    optimiser = torch.optim.AdamW(network.parameters(), lr=rate, weight_decay=decay)
+    begun, length, step, mean = time.process_time(), minutes * 60, 0, 0.0
+    network.train()
+    while (spent := time.process_time() - begun) < length:
+        for group in optimiser.param_groups:
+            group["lr"] = rate * min(1.0, (step + 1) / 100) * 0.5 * (1 + np.cos(np.pi * spent / length))
+        found = loss()
+        optimiser.zero_grad()
+        found.backward()
+        nn.utils.clip_grad_norm_(network.parameters(), 1.0)
+        optimiser.step()
+        step, mean = step + 1, 0.98 * mean + 0.02 * float(found.detach())
+        if step % 200 == 0:
+            logger.info("%s: step %d, loss %.4f, %.0f of %.0f s", name, step, mean, spent, length)
+    network.eval()
