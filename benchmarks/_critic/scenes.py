@@ -17,7 +17,7 @@ SCENES = {
     "cashier_desk": select_place.Options(template="cashier_desk"),
     "kitchen": select_place.Options(template="kitchen"),
     "office_desk": select_place.Options(template="office_desk"),
-    "scale": select_place.Options(instruction="Weigh the tomato and the chocolate bar, then put both in the basket"),
+    "scale": select_place.Options(instruction="Weigh the tomato and the chocolate bar, then put them in the basket"),
 }
 """Scenes of the outcomes: a template as it is, or the scene of an instruction."""
 

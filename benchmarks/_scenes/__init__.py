@@ -1,0 +1,1 @@
+"""Layouts and tasks of the benchmark of the five scenes."""
