@@ -10,6 +10,10 @@ collection.
 half of the kinds of objects that its unit tests do not show (drawn on 2026-11-26, ``_critic/scenes.py``). Precision and
 recall stand with the lower end of their Wilson interval (95 %).
 
+``paper_tasks`` is Table IV of the paper: of each of its tasks, the share of true episodes among all that came to their
+end (``open_loop``), and among those in which the critic accepted each step (``closed_loop``); ``kept`` is the share of
+the true ones that it accepted. ``--count`` chooses outcomes, tasks or both.
+
 ``--keep`` leaves the outcomes in a folder, for other critics; ``--pictures`` reads such a folder. Its folders and files
 have neutral names, numbers drawn from the seed. ``outcomes.json`` lists only the questions, and ``truth.json`` alone
 the truth, so a judge that does not open that is blind.
@@ -29,6 +33,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks._critic import paper_tasks
 from benchmarks._critic.making import outcomes
 from benchmarks._critic.outcome import Outcome, OutcomeRecord, read_outcomes, write_list
 from benchmarks._critic.quotas import Quotas, filled
@@ -50,6 +55,10 @@ ASKED = 3
 """Sub-tasks that are carried out in a scene of a sentence, which is drawn once."""
 
 PARTS = ("tuning", "untouched", "all")
+COUNTED = ("outcomes", "tasks")
+EPISODES = 20
+"""Episodes of each task of the paper."""
+
 CONFIDENCES = (0.5, 0.7, 0.9, 1.0)
 """Edges between which stated confidences are counted together."""
 
@@ -59,6 +68,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--models", default="offline", help="whose critic: offline, or a provider")
     parser.add_argument("--robot", default="dual_panda", help="which one")
     parser.add_argument("--part", choices=PARTS, default="all", help="which outcomes are made")
+    parser.add_argument(
+        "--count", nargs="+", choices=COUNTED, default=COUNTED, help="outcomes, the paper's tasks, or both"
+    )
+    parser.add_argument("--episodes", type=int, default=EPISODES, help="of each task of the paper (with --quick: 1)")
     parser.add_argument("--first", type=int, default=0, help="seed of the first draw of each scene")
     parser.add_argument(
         "--keep",
@@ -75,6 +88,8 @@ def run(
     models: str = "offline",
     robot: str = "dual_panda",
     part: str = "all",
+    count: Sequence[str] = COUNTED,
+    episodes: int = EPISODES,
     first: int = 0,
     keep: Path | None = None,
     pictures: Path | None = None,
@@ -87,21 +102,32 @@ def run(
         models: whose critic.
         robot: by name.
         part: which outcomes are made.
+        count: some of :data:`COUNTED`.
+        episodes: of each task of the paper.
         first: seed of the first draw of each scene.
         keep: folder for the outcomes.
         pictures: folder of outcomes to judge, none are made then.
         workers: processes.
     """
-    with tempfile.TemporaryDirectory() as temporary:
-        folder = pictures or keep or Path(temporary)
-        if pictures is None:
-            draws = drawn(first, robot, part, quick)
-            if quick:
-                make(draws, folder, workers)
-            else:
-                filled(draws, lambda more, before: make(more, folder, workers, before), Quotas())
-        tasks = [_Task(folder, models, n, workers) for n in range(workers)]
-        judged = [one for some in map_in_processes(_judged, tasks, workers) for one in some]
+    found: dict[str, Any] = {"rows": []}
+    if "outcomes" in count:
+        draws = None if pictures else drawn(first, robot, part, quick)
+        with tempfile.TemporaryDirectory() as temporary:
+            found = _of_outcomes(pictures or keep or Path(temporary), draws, quick, models, workers)
+    if "tasks" in count:
+        tasks = paper_tasks.draws(1 if quick else episodes, robot, models)
+        found["paper_tasks"] = paper_tasks.rows(list(map_in_processes(paper_tasks.ended, tasks, workers)))
+    return found
+
+
+def _of_outcomes(folder: Path, draws: Sequence[Draw] | None, quick: bool, models: str, workers: int) -> dict[str, Any]:
+    """Figures of the outcomes in a folder, made there first where there are draws."""
+    if draws is not None and quick:
+        make(draws, folder, workers)
+    elif draws is not None:
+        filled(draws, lambda more, before: make(more, folder, workers, before), Quotas())
+    tasks = [_Task(folder, models, n, workers) for n in range(workers)]
+    judged = [one for some in map_in_processes(_judged, tasks, workers) for one in some]
     judged.sort(key=lambda one: one.record.id)
     for one in judged:
         if one.wrong:

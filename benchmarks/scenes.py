@@ -1,6 +1,7 @@
 """The five scenes: their sub-tasks, and a task of several steps, from three kinds of layouts (Table III of the paper).
 
-A scene's objects are drawn once. For every seed a task of a few of its goals is drawn, and three layouts are made:
+A scene's objects are drawn once. For every seed a task is drawn of goals that can be achieved in a layout which is not
+compared, one by one, and three layouts are made:
 
 - ``naive``, the paper's baseline: boxes without collision anywhere in the workspace, at any heading, blind to the arms'
   reach, to the camera's view, to fronts, and to the task. The objects stay as they come to rest.
@@ -35,7 +36,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks._scenes.layouts import LAYOUTS, laid_out
-from benchmarks._scenes.tasks import Played, drawn_task, found_subtasks, played, subtask_name
+from benchmarks._scenes.tasks import Played, drawn_task, found_subtasks, played, possible_goals, subtask_name
 from vcage.base.errors import InfeasibleScene, NoFeasibleTask, VcageError
 from vcage.base.files import RunFolder
 from vcage.base.workers import cores, map_in_processes
@@ -175,8 +176,8 @@ def _outcomes(task: _Task) -> tuple[_Task, dict[str, Outcome]]:
         drawing = select_place.Options(template=task.scene, robot=task.robot, models="offline", seed=0)
         select_place.execute(first, drawing, context)
         drawn = Scene.read(first.scene)
-    found = found_subtasks(drawn, context)
-    asked = drawn_task(found, context.objects(drawn), np.random.default_rng([task.seed, 3]))
+    found, possible = found_subtasks(drawn, context), possible_goals(drawn, context)
+    asked = drawn_task(possible, context.objects(drawn), np.random.default_rng([task.seed, 3]))
     names = list(dict.fromkeys(map(subtask_name, found)))
     if task.subtasks is not None:  # the same ones with every seed
         names = [names[int(n)] for n in sorted(np.random.default_rng(0).permutation(len(names))[: task.subtasks])]

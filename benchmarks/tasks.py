@@ -133,33 +133,61 @@ def _count(chain: Sequence[Subtask], done: EpisodeRun, tally: Tally) -> None:
         tally.failures[f"at the end: {done.goals_hold.reason if done.goals_hold else done.reason}"[:160]] += 1
 
 
-def simulated(
-    sentence: str, seed: int, context: StageContext, robot: str | None = None, layout: str = "fixed"
-) -> tuple[list[Subtask], EpisodeRun]:
-    """The chain of an instruction in a scene of its own, and one episode of it, without a critic.
+@dataclass(frozen=True)
+class Made:
+    """A scene that the stages made of an instruction.
+
+    Args:
+        start: the scene at the start of the chain.
+        chain: its sub-tasks, in order.
+        relations: of the plan, for layouts that are drawn anew.
+    """
+
+    start: Scene
+    chain: list[Subtask]
+    relations: list[Relation]
+
+
+def made(sentence: str, seed: int, context: StageContext, robot: str | None = None) -> Made:
+    """The scene and the chain of an instruction, by the offline stages.
 
     Args:
         sentence: the instruction.
         seed: of all choices.
         context: the library.
         robot: by name; the scene's when not given.
-        layout: as of ``collect``: drawn anew, or as optimised with small shifts.
 
     Raises:
         VcageError: a stage refuses.
     """
     with tempfile.TemporaryDirectory() as folder:
-        made = RunFolder(Path(folder) / "run")
+        run = RunFolder(Path(folder) / "run")
         begun = select_place.Options(instruction=sentence, models="offline", seed=seed, robot=robot)
-        lay_out(made, begun, context)
-        search_subtasks.execute(made, ModelOptions(models="offline"), context)
-        scene, found = Scene.read(made.layout), Subtasks.read(made.subtasks)
+        lay_out(run, begun, context)
+        search_subtasks.execute(run, ModelOptions(models="offline"), context)
+        scene, found = Scene.read(run.layout), Subtasks.read(run.subtasks)
         kept = {subtask.id: subtask for subtask in found.kept}
         chain = [kept[name] for name in found.chains[0].subtasks]
-        scripts = [(subtask, script_of(subtask)) for subtask in chain]
         start = ready_for(chain[0], scene, context.objects(scene))
-        relations = read_plan(made, Scene.read(made.scene), context).relations if layout == "varied" else None
-        return chain, play(start, scripts, lasting(in_steps(scene.goals)), seed, context, relations)
+        return Made(start, chain, read_plan(run, Scene.read(run.scene), context).relations)
+
+
+def simulated(
+    sentence: str, seed: int, context: StageContext, robot: str | None = None, layout: str = "fixed"
+) -> tuple[list[Subtask], EpisodeRun]:
+    """The chain of an instruction in a scene of its own, and one episode of it, without a critic.
+
+    Args:
+        sentence, seed, context, robot: as of :func:`made`.
+        layout: as of ``collect``: drawn anew, or as optimised with small shifts.
+
+    Raises:
+        VcageError: a stage refuses.
+    """
+    scene = made(sentence, seed, context, robot)
+    scripts = [(subtask, script_of(subtask)) for subtask in scene.chain]
+    relations = scene.relations if layout == "varied" else None
+    return scene.chain, play(scene.start, scripts, lasting(in_steps(scene.start.goals)), seed, context, relations)
 
 
 def play(

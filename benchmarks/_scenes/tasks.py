@@ -58,11 +58,18 @@ def subtask_name(found: Proposal | Subtask | Refusal) -> str:
     return f"{found.template} {goal} {found.functional_point}"
 
 
-def drawn_task(found: Sequence[Proposal], objects: Sequence[SceneObject], rng: np.random.Generator) -> dict[str, Any]:
+def possible_goals(scene: Scene, context: StageContext) -> list[Goal]:
+    """Goals of a scene that a sub-task is feasible for where its objects stand."""
+    objects, rng = context.objects(scene), np.random.default_rng(0)
+    kept = find_subtasks(Workplace.of(scene, objects, rng), context.models.reasoner.judge_pairs).kept
+    return [goal for subtask in kept for goal in subtask.goals]
+
+
+def drawn_task(possible: Sequence[Goal], objects: Sequence[SceneObject], rng: np.random.Generator) -> dict[str, Any]:
     """Draw a task: instruction and goals that put different things into or onto others.
 
     Args:
-        found: sub-tasks of the scene.
+        possible: goals to draw from.
         objects: of the scene.
         rng: of the choice.
 
@@ -70,8 +77,8 @@ def drawn_task(found: Sequence[Proposal], objects: Sequence[SceneObject], rng: n
         Fields of the scene.
     """
     goals: list[Goal] = []
-    for number in rng.permutation(len(found)):
-        goal = found[int(number)].goal
+    for number in rng.permutation(len(possible)):
+        goal = possible[int(number)]
         if len(goals) < STEPS and _goes_with(goal, goals):
             goals.append(goal)
     phrases = {o.id: o.record.phrase for o in objects}

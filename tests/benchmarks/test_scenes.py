@@ -53,7 +53,7 @@ def test_a_drawn_task_puts_different_things_and_few_into_one_place() -> None:
         thing("packaging_box", (0.3, 0.1)),
         thing("plate", (-0.3, 0.1)),
     ]
-    found = proposed(objects, sensible)[0]
+    found = [proposal.goal for proposal in proposed(objects, sensible)[0]]
     for seed in range(5):
         task = drawn_task(found, objects, np.random.default_rng(seed))
         goals = [asked.goal for asked in task["goals"]]
