@@ -31,6 +31,13 @@ def test_a_named_object_is_found_with_its_number(said: str, found: list[tuple[st
     assert [(noun.words, noun.number) for noun in nouns(said, KINDS)] == found
 
 
+@pytest.mark.parametrize("said", ["Switch off the plate", "Put the mug down, then switch on the plate"])
+def test_to_switch_on_or_off_names_no_switch(said: str) -> None:
+    kinds = [*KINDS, entry("switch", "switch", "electronics")]
+    assert "switch" not in [noun.words for noun in nouns(said, kinds)]
+    assert [noun.words for noun in nouns("Press the switch", kinds)] == ["switch"]
+
+
 def test_colours_belong_to_the_noun_after_them() -> None:
     (blocks, plate) = nouns("Put the red and blue blocks on the white plate", KINDS)
     assert sorted(blocks.colours) == ["blue", "red"] and plate.colours == ("white",)

@@ -43,6 +43,11 @@ def roles(chosen: Chosen) -> dict[str, str]:
     return {o.id: o.role for o in chosen.objects}
 
 
+def test_a_row_is_asked_for_by_a_sentence_of_its_own(choose):
+    text, _ = choose("block/red row_left_of block/blue", "block/blue row_left_of block/green")
+    assert "row to the left of the blue block" in text
+
+
 # --- the objects of the scene --------------------------------------------------------------------------
 
 

@@ -36,7 +36,7 @@ _ARM = compiled(
     phrase("<left|right> [robot|robotic] (arm|arms|hand|hands|gripper|grippers)", not_before="side*"),
     phrase("(with|use|using) (the|your|its) <left|right> [one]", before="(to|and|then|,|.|;)", or_end=True),
 )
-ROW = compiled(phrase("from [the] (left|right) to [the] (left|right)"))
+ROW = compiled(phrase("from [the] (left|right) to [the] (left|right)"), phrase("in [a|the] (row|line)"))
 """A row of things, in which no single side is meant."""
 DRAWER = "drawer|shelf|compartment|layer|one"
 """Words for a drawer."""

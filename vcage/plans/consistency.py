@@ -11,6 +11,9 @@ from vcage.plans.check import contradictions
 from vcage.schema.goals import AskedGoal, Description, Goal, RelationWord, in_steps
 from vcage.schema.plan import TABLE, Relation
 
+_SAME_SIDE = {"row_left_of": "left_of"}
+"""Words of goals → the relation that they include."""
+
 
 def inconsistencies(goals: Sequence[AskedGoal], descriptions: Iterable[Description]) -> list[str]:
     """Goals of one step, or goals at the end, or starting conditions that contradict each other, one sentence each."""
@@ -19,6 +22,7 @@ def inconsistencies(goals: Sequence[AskedGoal], descriptions: Iterable[Descripti
     placed = [d for d in descriptions if (d.relation, d.reference) != ("center", TABLE)]
     found = [f"the goals of one step contradict each other: {text}" for step in steps for text in _clashes(step)]
     found = found or [f"the goals contradict each other: {text}" for text in _clashes(lasting(steps))]
+    found = found or [f"the goals contradict each other: {text}" for text in _ended(steps)]
     return found + [f"the start conditions contradict each other: {text}" for text in _clashes(placed)]
 
 
@@ -30,6 +34,16 @@ def unordered_contradictions(goals: Collection[Goal]) -> list[str]:
     return [*contradictions(relations), *(f"{name} is to be in two places" for name in twice if name in laid)]
 
 
+def _ended(steps: Sequence[Collection[Goal]]) -> list[str]:
+    """Contradictions of goals that last only until the robot does anything else: a thing that is held up."""
+    last = lasting(steps)
+    held = [goal for goal in last if goal.kind.fleeting]
+    found = [f"{goal} must come last" for goal in held if goal not in steps[-1]]
+    found += [f"{held[0]} ends where {goal} begins: only one thing is held at the end" for goal in held[1:]]
+    own = ((one, goal) for one in held for goal in last if one.subject == goal.subject and goal.part is None)
+    return found + [f"{one} and {goal}" for one, goal in own if one != goal]
+
+
 def _clashes(stated: Iterable[Goal] | Iterable[Description]) -> list[str]:
     ordered = [one for _, one in sorted({str(one): one for one in stated}.items())]
     both = [f"{a} and {b}" for a, b in itertools.combinations(ordered, 2) if overrides(a, b)]
@@ -38,8 +52,6 @@ def _clashes(stated: Iterable[Goal] | Iterable[Description]) -> list[str]:
 
 def _relations(stated: Iterable[Goal | Description]) -> list[Relation]:
     """Goals or descriptions as relations of a plan, where possible."""
-    return [
-        Relation.model_validate(one.model_dump(include={"subject", "relation", "reference"}))
-        for one in stated
-        if one.relation in get_args(RelationWord)
-    ]
+    found = (one.model_dump(include={"subject", "relation", "reference"}) for one in stated)
+    named = ({**one, "relation": _SAME_SIDE.get(one["relation"], one["relation"])} for one in found)
+    return [Relation.model_validate(one) for one in named if one["relation"] in get_args(RelationWord)]

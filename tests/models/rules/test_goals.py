@@ -165,6 +165,23 @@ def test_what_no_hand_carries_is_not_lifted(verb: str) -> None:
         in_scene(f"{verb} the tap", "tap/chrome")
 
 
+@pytest.mark.parametrize(
+    "sentence",
+    ["Keep the red block", "Hold the red block down", "Lift the red block down", "Put the red block away"],
+)
+def test_a_verb_of_the_air_with_another_meaning_is_refused(sentence: str) -> None:
+    with pytest.raises(UnreadInstruction):
+        in_scene(sentence, "block/red")
+
+
+def test_between_after_put_is_a_place_and_no_goal() -> None:
+    things = ("bowl/white", "plate/white", "mug/red", "tray/wood")
+    with pytest.raises(UnreadInstruction, match="between"):
+        in_scene("Put the bowl between the plate and the mug on the tray", *things)
+    told = in_scene("Put the bowl that is between the plate and the mug on the tray", *things)
+    assert told == ["1: bowl_white on tray_wood"]
+
+
 def test_several_kinds_are_sorted_to_several_places() -> None:
     things = ("apple/red", "apple/green", "block/red", "packaging_box/brown", "plate/white")
     assert in_scene("Sort the apples into the box and the blocks onto the plate", *things) == [
@@ -287,6 +304,19 @@ def test_both_of_two_things_are_one_of_each() -> None:
         "apple inside basket",
     ]
     assert len(goals("Put both mugs in the basket")) == 2
+    assert len(goals("Put both the red and the blue block in the basket")) == 2
+    assert len(goals("Put both the two blocks in the basket")) == 2
+
+
+@pytest.mark.parametrize("things", ["the blocks", "three blocks", "the red block, the green block and the blue block"])
+def test_a_row_is_in_the_order_that_is_said(things: str) -> None:
+    found = goals(f"Arrange {things} in the order of green, red and blue from left to right")
+    assert found == ["1: block_green row_left_of block_red", "1: block_red row_left_of block_blue"]
+
+
+def test_an_order_of_other_things_than_those_named_is_refused() -> None:
+    with pytest.raises(UnreadInstruction, match="its order"):
+        goals("Arrange the two blocks in the order of green, red and blue from left to right")
 
 
 def test_where_a_thing_stands_says_which_one_and_is_no_step() -> None:

@@ -11,7 +11,7 @@ from vcage.base.errors import NoAssetFits
 from vcage.models.rules.meanings import Meanings, Things
 from vcage.models.rules.nouns import Conflict, Doubt, Noun
 from vcage.models.rules.sentence import ONE_ARM, OTHER_ARM, Command, not_read, parse
-from vcage.plans.consistency import unordered_contradictions
+from vcage.plans.consistency import inconsistencies, unordered_contradictions
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import AskedGoal, Goal, Reading, goal_of, part_that
 
@@ -188,8 +188,11 @@ class Goals:
         for name, command in self._picked.items():
             if name not in subjects:
                 raise Doubt(command.words, "picking up is no goal by itself; say where it goes, or to hold it up")
+        descriptions = list(found.descriptions.values())
+        if clashes := inconsistencies(goals, descriptions):
+            raise Conflict("", "; ".join(clashes))
         untouched = [name for name in dict.fromkeys(found.excepted) if name not in subjects]
-        return Reading(goals=goals, untouched=untouched, descriptions=list(found.descriptions.values()))
+        return Reading(goals=goals, untouched=untouched, descriptions=descriptions)
 
     def _in_steps(self, group: Sequence[Command], first: int) -> list[AskedGoal]:
         """The goals of commands that no word puts in order: as said, if one of them needs another."""

@@ -84,8 +84,8 @@ class Noun:
 
     @property
     def both_of_two(self) -> bool:
-        """True for the first of "both the apple and the lemon"."""
-        return bool(self.words) and not self.plural and self.text.lower().startswith("both ")
+        """True for the first of "both the apple and the lemon", or of "both the red and the blue block"."""
+        return not self.plural and self.text.lower().startswith("both ")
 
     @property
     def number(self) -> int | None:
@@ -196,7 +196,7 @@ def _words(found: Sequence[Token], *types: str) -> list[str]:
 def _quantity(words: list[str]) -> tuple[str, int | None]:
     """The quantifier and the number that words before a noun say."""
     numbers = [int(word) if word.isdigit() else NUMBERS[word] for word in words if word.isdigit() or word in NUMBERS]
-    count, *_ = [*[0] * (len(numbers) > 1), *[1] * ("another" in words), *numbers, *[1] * ("any" in words), None]
+    count, *_ = [*[0] * (len({*numbers}) > 1), *[1] * ("another" in words), *numbers, *[1] * ("any" in words), None]
     quantifiers = [_QUANTIFIERS[word] for word in words if word in _QUANTIFIERS]
     if quantifiers or not words:
         return "".join(quantifiers[-1:]), count

@@ -12,7 +12,7 @@ from vcage.models.occasion import Occasion, one_of_each
 from vcage.models.quantifiers import quantified
 from vcage.models.rules.goals import ACTS, TOOLS, Goals, agreed, in_words
 from vcage.models.rules.meanings import BESIDE
-from vcage.models.rules.nouns import Noun
+from vcage.models.rules.nouns import Doubt, Noun
 from vcage.models.rules.sentence import LIMITS, Command
 from vcage.models.search import best_search, no_asset
 from vcage.models.selection_check import entries_of, name_objects
@@ -75,8 +75,14 @@ class _Selector:
         self._nouns = [noun for c in self.commands for noun in (*c.things, c.place) if noun is not None]
 
     def select(self) -> Selection:
-        """Select the objects that the commands need, contents first."""
+        """Select the objects that the commands need, contents first.
+
+        Raises:
+            Doubt: a row is of other things than those that are named.
+        """
         for command in self.commands:
+            if not command.things:
+                raise Doubt(command.words, "its order is not one of the things that are named")
             loose = any(n.several or len(self._kinds(n)) > 1 for n in command.things)
             for choose in (self._place, self._things) if loose else (self._things, self._place):
                 choose(command)

@@ -15,7 +15,7 @@ from lark.visitors import CollapseAmbiguities
 
 from vcage.base.errors import UnreadInstruction
 from vcage.base.files import resource
-from vcage.base.words import COLOURS, is_plural, tokens
+from vcage.base.words import COLOURS, FUNCTION_WORDS, is_plural, tokens
 from vcage.models.rules.nouns import Noun, noun_of
 
 REFUSED = {
@@ -34,7 +34,7 @@ _POLITE = re.compile(
     r"|[,;]? (i do(n't| not) (mind|care)|it does(n't| not) matter) which( one)?\b"
     r"|[,;]? (whichever you like|any will do)\b"
     r"|\bcent(er|re) of the top( side)?(?= \w)"
-    r"|\b(that|which)('s| is)(?= (on|in|inside|at|next to|beside|between|behind|near|to the) )"
+    r"|\b(that|which)('s| is)(?= (on|in|inside|at|next to|beside|behind|near|to the) )"
     r"|\bfirst\b(?=,? *(and )?then)|\b(would|could|will|can) you(?= *$)"
     r"|((?<=[.,;] )|^)(((could|can|would|will) you( mind)?|i('d| would) like you to|i (want|need) you to"
     r"|i was wondering if you could|i('d| would) be grateful if you('d| would| could)|let's|first( of all)?,?)\b)"
@@ -73,10 +73,9 @@ class Command:
     """One thing that a sentence asks for.
 
     Args:
-        verb: a rule of the grammar: put, pick, open, close, turn, turn_off, press, weigh, scan, show, hand,
-            lift, shake, hold, away,
-            face, stack, tower, row.
-        things: its objects.
+        verb: a rule of the grammar: put, pick, open, close, turn, turn_off, press, weigh, scan, show, hand, lift,
+            shake, hold, away, face, stack, tower, row.
+        things: its objects; none where a row is of other things than those that are named.
         how: in, on, left_of, right_of, in_front_of, behind, beside, near, centred or to; for ``hand`` who gets it.
         place: where things go, or the tool.
         source: where they are taken from.
@@ -136,7 +135,8 @@ def not_read(instruction: str, words: str, why: str) -> UnreadInstruction:
 
 def _joined(found: re.Match[str]) -> str:
     """A two-coloured look as one word: "the yellow and white mug"; "the red and blue blocks" are of two looks."""
-    return found[0] if is_plural(found["name"]) else found[0].replace(" ", "-")
+    no_name = found["name"] in FUNCTION_WORDS - {"can"}  # "in the order of red, green and blue from left to right"
+    return found[0] if no_name or is_plural(found["name"]) else found[0].replace(" ", "-")
 
 
 def _normal(typed: str) -> str:
@@ -192,6 +192,13 @@ def _readings(tree: Tree[Any]) -> int:
     return sum(counts) if tree.data == "_ambig" else math.prod(counts)
 
 
+def _is_order_of(row: tuple[Noun, ...], named: tuple[Noun, ...]) -> bool:
+    """True where a row has each of the named things once: of their colours, or as many as "the blocks" are."""
+    if len(named) == 1 and named[0].several and named[0].colour is None:
+        return named[0].count in (None, len(row))
+    return {noun.colour for noun in row} == {noun.colour for noun in named}
+
+
 _HOW = {
     "INTO": "in", "INSIDE": "in", "ONTO": "on", "left": "left_of", "right": "right_of", "front": "in_front_of",
     "behind": "behind", "near": "near", "close": "near",
@@ -241,9 +248,8 @@ class _Commands(Transformer[Token, Any]):
         things, *order, where = parts
         named = things["things"]
         row = tuple(noun.like(named[0]) for noun in order[0]["things"]) if order else named
-        same = {noun.colour for noun in named} == {noun.colour for noun in row}
-        row = row[::-1] if "right to left" in where else row
-        return self.__default__("row", [{"things": row if same else ()}], meta)
+        row = row if _is_order_of(row, named) else ()
+        return self.__default__("row", [{"things": row[::-1] if "right to left" in where else row}], meta)
 
     def things(self, _: Any, parts: list[Any]) -> dict[str, Any]:
         but = [noun for part in parts if isinstance(part, list) for noun in part]
