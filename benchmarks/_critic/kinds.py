@@ -19,9 +19,12 @@ from vcage.tasks.reading import reads
 RELATED = ("row_left_of", "left_of", "right_of", "in_front_of", "behind", "beside", "near")
 MOVED = (
     *HOLDING, *RELATED, "centred", "presented", "back", "handed", "weighed", "lifted", "shaken", "held_up",
-    "moved_away", "facing_robot",
+    "held_by_both", "moved_away", "facing_robot", "in_place_of",
 )  # fmt: skip
 """Goals of what is carried or pushed."""
+
+HELD = ("held_up", "held_by_both")
+"""Goals of what is in the air at the end."""
 
 FLOOR = -3.0
 """Far below the table: what has fallen off it is out of every picture."""
@@ -163,7 +166,7 @@ def wrong_words(played: Played) -> Shots | None:
 def reversed_order(played: Played) -> Shots | None:
     """The end came first: what should have been brought was taken away."""
     shots = played.shots
-    if played.goal.relation in ("scanned", "pressed", "weighed", "handed", "back", "lifted", "shaken", "held_up"):
+    if played.goal.relation in ("scanned", "pressed", "weighed", "handed", "back", "lifted", "shaken", *HELD):
         return None
     if played.instead(ended=False).truth.success:
         return None  # it was true before too
@@ -195,21 +198,23 @@ def disturbed(played: Played) -> Shots | None:
 
 
 def one_arm(played: Played) -> Shots | None:
-    """One arm put it there by itself; no other took it over."""
+    """One arm did it by itself; no other took it over, or helped."""
     shots = played.shots
-    if played.goal.relation != "handed" or shots.moment is None:
+    if played.goal.relation not in ("handed", "held_by_both") or shots.moment is None:
         return None
-    home = {arm: joints for arm, joints in shots.before.joints.items() if arm != shots.arm}
+    arm = shots.arm or str(played.rng.choice(sorted(shots.before.joints)))
+    home = {name: joints for name, joints in shots.before.joints.items() if name != arm}
     moment = replace(shots.moment, joints={**shots.moment.joints, **home})
-    return played.untrue("no other arm took it", moment=moment)
+    after = moment if played.goal.relation == "held_by_both" else shots.after
+    return played.untrue("no other arm took it", moment=moment, after=after)
 
 
 def not_lifted(played: Played) -> Shots | None:
     """It stayed on the table under the hand, and was pushed along it."""
     moment = played.with_objects(played.shots.before.objects)
-    if played.goal.relation not in ("lifted", "shaken", "held_up") or moment is None:
+    if played.goal.relation not in ("lifted", "shaken", *HELD) or moment is None:
         return None
-    after = moment if played.goal.relation == "held_up" else played.shots.after
+    after = moment if played.goal.relation in HELD else played.shots.after
     return played.untrue("it was not lifted", moment=moment, after=after)
 
 
@@ -265,6 +270,10 @@ def other_side(played: Played) -> Shots | None:
     if played.goal.relation == "moved_away":
         inwards = 2 * played.ends[0].p - new.p
         return played.instead({thing.id: Pose([inwards[0], new.p[1], new.p[2] + 0.005], new.q)})
+    if played.goal.relation == "in_place_of":
+        return played.instead({thing.id: Pose(new.p + [*played.step((0.06, 0.12)), 0.005], new.q)})
+    if played.goal.relation == "centred":
+        return played.instead({thing.id: Pose(new.p + [*played.step((0.14, 0.22)), 0.005], new.q)})
     if played.goal.relation not in RELATED:
         return None
     reference = played.now(played.shots.after)[str(played.goal.reference)].pose.p

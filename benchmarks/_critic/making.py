@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks._critic.kinds import FAILURES, RELATED
+from benchmarks._critic.kinds import FAILURES, HELD, RELATED
 from benchmarks._critic.outcome import SUCCESS, Outcome, OutcomeRecord, neutral_id, picture_paths
 from benchmarks._critic.played import Case, Shots
 from benchmarks._critic.scenes import UNTOUCHED_SCENES, Draw, part_of, settings
@@ -101,10 +101,12 @@ def _asked(objects: Sequence[SceneObject], arms: Sequence[str], rng: np.random.G
     for _ in range(ASKED if len(carried) > 1 else 0):
         thing, handed, back, lifted, shaken = (carried[int(i)] for i in rng.integers(len(carried), size=5))
         found |= _beside(thing, others, rng)
+        if back.id != shaken.id:
+            found.add(Goal(subject=back.id, relation="in_place_of", reference=shaken.id))
         if len(arms) > 1:
             found.add(Goal(subject=handed.id, relation="handed", reference=arms[int(rng.integers(len(arms)))]))
         found |= {Goal(subject=back.id, relation="back"), Goal(subject=lifted.id, relation="lifted")}
-        found |= {Goal(subject=shaken.id, relation=word) for word in ("shaken", "held_up", "moved_away")}
+        found |= {Goal(subject=shaken.id, relation=word) for word in ("shaken", *HELD, "moved_away", "centred")}
     for thing in pushed[:ASKED]:
         found |= _beside(thing, others, rng)
     fronted = [o for o in carried if o.asset.annotation.words.category in FRONTS]
@@ -159,9 +161,10 @@ class _Maker:
         slots = slots_for_chain([subtask], Workplace.of(scene, objects, rng))
         script = write_script(subtask, self._scene, folder / "subtasks" / f"{subtask.id}.py")
         away, start = {}, None
-        if subtask.goals[0].relation == "back":
+        leaves = {"back": subtask.object, "in_place_of": subtask.goals[0].reference}.get(subtask.goals[0].relation)
+        if leaves is not None:
             start = World.of_scene(self._scene, models, robot).state()
-            thing = next(o for o in objects if o.id == subtask.object)
+            thing = next(o for o in objects if o.id == leaves)
             rest = [o for o in objects if o.id != thing.id]
             anywhere = Goal(subject=thing.id, relation="on", reference=TABLE)
             spot = next(iter(ground.poses(thing, anywhere, rest, rng, [thing.aabb[:, :2]])), None)
@@ -246,6 +249,6 @@ class _Maker:
         seen = {"before": take(shots.before, goals), "after": take(shots.after, goals)}
         if shots.moment is not None:
             seen["moment"] = take(shots.moment, goals, shots.arm)
-        if any(goal.relation == "back" for goal in goals):
+        if any(goal.kind.shown.start for goal in goals):
             seen["start"] = take(shots.start, goals)
         return seen

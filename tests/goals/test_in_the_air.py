@@ -24,11 +24,12 @@ class Held:
     lean_deg: float = 0.0
     height: float = UP
     holders: set[str] = field(default_factory=lambda: {"left"})
+    around: dict[str, set[str]] = field(default_factory=dict)
     arms: tuple[str, ...] = ("left", "right")
     table_height: float = 0.74
 
     def touching(self, name: str) -> set[str]:
-        return self.holders
+        return self.around.get(name, self.holders)
 
     def thing(self, name: str) -> Any:
         half = np.radians(self.lean_deg) / 2
@@ -63,6 +64,34 @@ def happens(word: str, *states: Held) -> bool:
 def test_one_arm_alone_lifts_what_is_in_the_air(state: Held, lifted: bool):
     assert happens("lifted", state) is lifted
     assert (KINDS["held_up"].complaint(goal("held_up"), cast(State, state)) is None) is lifted
+
+
+@pytest.mark.parametrize(
+    ("around", "held"),
+    [
+        ({"lemon": {"bottle"}}, True),
+        ({"lemon": {"bottle", "table"}}, False),
+        ({"lemon": {"bottle", "right"}}, False),
+    ],
+    ids=["in it", "on the table", "in the other hand"],
+)
+def test_what_lies_in_a_thing_is_held_up_with_it(around: dict[str, set[str]], held: bool):
+    state = Held(holders={"left", *around}, around=around)
+    assert (KINDS["held_up"].complaint(goal("held_up"), cast(State, state)) is None) is held
+
+
+@pytest.mark.parametrize(
+    ("state", "held"),
+    [
+        (Held(holders={"left", "right"}), True),
+        (Held(holders={"left"}), False),
+        (Held(holders={"left", "right"}, height=0.01), False),
+        (Held(holders={"left", "right"}, lean_deg=20), False),
+        (Held(holders={"left", "right", "table"}), False),
+    ],
+)
+def test_two_arms_together_hold_what_is_level_in_the_air(state: Held, held: bool):
+    assert (KINDS["held_by_both"].complaint(goal("held_by_both"), cast(State, state)) is None) is held
 
 
 def test_what_leans_to_and_fro_in_the_air_is_shaken():

@@ -46,3 +46,11 @@ def test_neighbours_in_a_row_are_near_and_in_line(x: float, y: float, stands: bo
 def test_a_front_faces_the_robot(yaw: float, faces: bool):
     now = {"box": Pose.from_yaw([0, 0, 0], np.radians(yaw))}
     assert (complaint(Goal(subject="box", relation="facing_robot"), now, now) is None) is faces
+
+
+@pytest.mark.parametrize(("x", "there"), [(0.3, True), (0.32, True), (0.35, False), (-0.1, False)])
+def test_a_thing_is_in_place_of_another_where_that_stood(x: float, there: bool):
+    goal = Goal(subject="apple", relation="in_place_of", reference="lemon")
+    start = {"apple": Pose([-0.1, 0, 0]), "lemon": Pose([0.3, 0, 0])}
+    now = {"apple": Pose([x, 0, 0]), "lemon": Pose([0.0, 0.2, 0])}
+    assert (complaint(goal, start, now) is None) is there

@@ -91,8 +91,9 @@ DEFINED = {
     "in_front_of": "Left of, ", "behind": "Left of, ", "beside": "Beside", "near": "Near", "open": "Open, turned",
     "turned": "Open, turned", "closed": "Closed", "pressed": "Pressed", "weighed": "Weighed", "scanned": "Scanned",
     "presented": "Presented", "handed": "Handed", "back": "Back", "centred": "Centred",
-    "facing_robot": "Facing the robot", "held_up": "Held up", "lifted": "Lifted", "moved_away": "Moved away",
-    "row_left_of": "Left of in a row", "shaken": "Shaken", "turned_back": "Turned back",
+    "facing_robot": "Facing the robot", "held_by_both": "Held by both", "held_up": "Held up", "lifted": "Lifted",
+    "moved_away": "Moved away",
+    "row_left_of": "Left of in a row", "in_place_of": "In place of", "shaken": "Shaken", "turned_back": "Turned back",
 }  # fmt: skip
 """How the definition of a word begins."""
 

@@ -55,3 +55,33 @@ def test_objects_on_contents_move_along_and_objects_on_the_container_do_not() ->
     move = Action("move", frozenset(), frozenset([on_tray]), moves="cup", along=True)
     assert move.after(frozenset([IN_CUP, CUP, cap])) == {IN_CUP, cap, on_tray}
     assert move.obstacle(frozenset([IN_CUP, CUP, lid])) == "lid must be taken off cup first"
+
+
+HELD, MUG_HELD = (Goal(subject=name, relation="held_up") for name in ("cup", "mug"))
+
+
+def test_the_other_hand_acts_while_one_holds_something_up() -> None:
+    put = Action("put", frozenset(), frozenset([IN_CUP]), moves="pen", object="pen", spare=1)
+    assert put.obstacle(frozenset([PEN, HELD])) == ""
+    assert put.after(frozenset([PEN, HELD])) == {IN_CUP, HELD}
+
+
+def test_no_hand_is_left_where_each_holds_something_up() -> None:
+    put = Action("put", frozenset(), frozenset([IN_CUP]), moves="pen", object="pen", spare=1)
+    assert put.obstacle(frozenset([PEN, HELD, MUG_HELD])) == "it takes the hand that holds cup or mug"
+    assert PUT.obstacle(frozenset([PEN, HELD])) == "it takes the hand that holds cup"
+
+
+def test_what_is_held_up_is_not_taken_again() -> None:
+    move = Action("move", frozenset(), frozenset([CUP]), moves="cup", object="cup", spare=1)
+    assert move.obstacle(frozenset([HELD])) == "cup is in a hand"
+
+
+def test_a_place_is_taken_only_when_it_is_left() -> None:
+    swap = Goal(subject="pen", relation="in_place_of", reference="cup")
+    put = Action("put", frozenset(), frozenset([swap]), moves="pen", vacant="cup")
+    stands = Goal(subject="cup", relation="back")
+    assert put.obstacle(frozenset([stands])) == "cup must leave its place first"
+    assert put.obstacle(frozenset([PEN])) == ""
+    move = Action("move", frozenset(), frozenset([CUP]), moves="cup")
+    assert move.after(frozenset([swap, stands])) == {swap, CUP}

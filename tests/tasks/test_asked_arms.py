@@ -179,3 +179,24 @@ def test_things_that_have_nothing_to_do_with_each_other_are_apart():
     other = thing("block", id="block_2")
     goals = [goal(other.id, "on", BLOCK.id), goal(BAR.id, "weighed")]
     assert sorted(map(sorted, for_one_arm([*OBJECTS, other], goals))) == [["block", "block_2"], [BAR.id, SCALE.id]]
+
+
+@pytest.mark.parametrize(
+    ("goals", "arms", "why"),
+    [
+        ([goal_of(["pot", "held_by_both"])], ["left"], "pot held_by_both takes 2 arms, and the robot has 1"),
+        (
+            [goal_of([name, "held_up"]) for name in ("can", "block", "mug")],
+            ["left", "right"],
+            "block held_up and can held_up and mug held_up take 3 arms, and the robot has 2",
+        ),
+    ],
+)
+def test_a_robot_with_too_few_arms_is_named_at_once(goals: list[Goal], arms: list[str], why: str):
+    with pytest.raises(NoFeasibleTask, match=why):
+        require_arms([asked(goal, None) for goal in goals], arms)
+
+
+def test_one_arm_is_not_asked_for_what_takes_both():
+    with pytest.raises(NoFeasibleTask, match="it takes 2 arms, not the left arm alone"):
+        require_arms([asked(goal_of(["pot", "held_by_both"]), "left")], ["left", "right"])

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from tests.example_scenes import GROUND, TABLE_TOP, thing
 from vcage.base.geometry import Pose, boxes_overlap
+from vcage.goals.in_place_of import off_place
 from vcage.goals.presented import TOWARDS_CUSTOMER, faces, on_customers_half
 from vcage.goals.thresholds import THRESHOLDS
 from vcage.plans.relations import holds
@@ -100,3 +101,18 @@ def test_what_is_centred_is_put_down_within_the_limit_of_the_centre() -> None:
     for kind in ("block", "plate"):
         poses = list(GROUND.poses(thing(kind), goal("centred"), [], np.random.default_rng(0)))
         assert poses and all(np.linalg.norm(pose.p[:2]) < THRESHOLDS.centred_m for pose in poses)
+
+
+def test_a_thing_takes_the_place_that_another_has_left() -> None:
+    block, gone = thing("block", (-0.3, -0.1)), PLATE.moved(Pose([0.3, 0.1, TABLE_TOP]))
+    ground = replace(GROUND, starts={PLATE.id: PLATE.aabb})
+    for others in ([PLATE], [gone]):
+        poses = list(ground.poses(block, goal("in_place_of", PLATE.id), others, np.random.default_rng(0)))
+        assert poses and all(off_place(block.moved(pose).aabb, PLATE.aabb) < 1e-6 for pose in poses)
+
+
+def test_a_place_that_a_third_thing_has_taken_is_not_free() -> None:
+    block, mug = thing("block", (-0.3, -0.1)), thing("mug", (0.0, 0.05))
+    gone = PLATE.moved(Pose([0.3, 0.1, TABLE_TOP]))
+    ground = replace(GROUND, starts={PLATE.id: PLATE.aabb})
+    assert not list(ground.poses(block, goal("in_place_of", PLATE.id), [gone, mug], np.random.default_rng(0)))

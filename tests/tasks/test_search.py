@@ -14,6 +14,7 @@ from vcage.schema.subtasks import Check, PairAnswer, PairQuestion, Refusal
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import FoundSubtasks, compose, find_subtasks
 from vcage.tasks.templates import TEMPLATES
+from vcage.tasks.workplace import Workplace
 
 
 def found_in(objects: Sequence[SceneObject], judge=sensible, seed: int = 0) -> FoundSubtasks:
@@ -74,7 +75,7 @@ def test_every_template_keeps_its_reasons():
         Goal(subject="block", relation="beside", reference="electronic_scale"),
         Goal(subject="cabinet_one_drawer", relation="beside", reference="block"),
         Goal(subject="block", relation="handed", reference="right"),
-        *(Goal(subject="block", relation=word) for word in ("lifted", "shaken", "held_up")),
+        *(Goal(subject="block", relation=word) for word in ("lifted", "shaken", "held_up", "held_by_both")),
     ]
     result = find_subtasks(workplace(objects), sensible, asked)
     assert result.kept == []
@@ -228,3 +229,34 @@ def test_a_filled_container_is_moved_with_its_contents_where_it_can_be_held_leve
     scene = scene_of(objects, "Fill it, then move it").model_copy(update={"goals": goals})
     (chain,) = compose(scene, objects, [fill, subtask(holder, "tray"), aside], [])
     assert len(chain.subtasks) == steps
+
+
+def test_two_things_change_places_by_a_third_place():
+    apple, block = thing("apple", (-0.2, -0.05)), thing("block", (0.2, -0.05))
+    goals = [
+        Goal(subject=name, relation="in_place_of", reference=other)
+        for name, other in (("apple", "block"), ("block", "apple"))
+    ]
+    asked = [AskedGoal(goal=goal, step=1, words="swap") for goal in goals]
+    scene = scene_of([apple, block], "Swap them").model_copy(update={"goals": asked})
+    place = Workplace.of(scene, [apple, block], np.random.default_rng(0))
+    found = find_subtasks(place, sensible, goals)
+    (chain,) = compose(scene, [apple, block], found.kept, found.refused)
+    first, *others = chain.subtasks
+    assert first.endswith("onto-table") and {*others} == {
+        "apple-in_place_of-block",
+        "block-in_place_of-apple",
+    }
+
+
+def test_a_thing_is_put_on_another_with_its_front_to_the_robot_in_one_step():
+    soap, tray = thing("soap_bar", (-0.2, -0.05), 1.0), thing("tray", (0.1, 0.0))
+    goals = [
+        Goal(subject="soap_bar", relation="on", reference="tray"),
+        Goal(subject="soap_bar", relation="facing_robot"),
+    ]
+    asked = [AskedGoal(goal=goal, step=1, words="put it there") for goal in goals]
+    scene = scene_of([soap, tray], "Put it there").model_copy(update={"goals": asked})
+    found = find_subtasks(Workplace.of(scene, [soap, tray], np.random.default_rng(0)), sensible, goals)
+    (chain,) = compose(scene, [soap, tray], found.kept, found.refused)
+    assert chain.subtasks == ["soap_bar-onto-tray-facing_robot"]

@@ -13,10 +13,11 @@ from tests.example_scenes import subtask, thing, workplace
 from vcage.base.attempts import LIMITS
 from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose, boxes_overlap, world_aabb
+from vcage.schema.goals import Goal
 from vcage.schema.subtasks import Subtask
 from vcage.tasks.chain_slots import slots_for_chain
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.slots import CONTENT_GAP_M, Slot, allocate, other_slots
+from vcage.tasks.slots import CONTENT_GAP_M, Slot, allocate, heading_for, other_slots, slot_in
 
 CONTENTS = ["marker", "marker", "marker", "whiteboard_eraser", "block", "rubber_eraser"]
 rng = np.random.default_rng
@@ -140,3 +141,16 @@ def test_the_other_slots_are_always_the_same():
     slots = by_object(chain, slots_for_chain(chain, workplace(objects, rng(0))))
     first, second = (other_slots(slots, "marker", {o.id: o for o in objects}) for _ in range(2))
     assert first == second
+
+
+@settings(deadline=None, max_examples=10)
+@given(seeds, st.floats(-np.pi, np.pi))
+def test_what_is_to_face_the_robot_has_that_heading_wherever_the_receptacle_is_turned(seed: int, yaw: float):
+    tray, box = thing("tray", yaw=yaw), thing("soap_bar", yaw=1.0)
+    facing = [Goal(subject=box.id, relation="facing_robot")]
+    heading = heading_for(facing, tray, 0)
+    assert heading is not None
+    (pose,) = allocate(tray, 0, [box], rng(seed), headings={box.id: heading}).values()
+    (there,) = slot_in(tray, 0, pose, facing).poses({tray.id: tray})
+    assert np.isclose(np.cos(there.yaw), 1.0)
+    assert heading_for([Goal(subject=box.id, relation="on", reference=tray.id)], tray, 0) is None

@@ -16,7 +16,9 @@ from vcage.goals.centred import CENTRED
 from vcage.goals.closed import CLOSED
 from vcage.goals.facing_robot import FACING_ROBOT
 from vcage.goals.handed import HANDED
+from vcage.goals.held_by_both import HELD_BY_BOTH
 from vcage.goals.held_up import HELD_UP
+from vcage.goals.in_place_of import IN_PLACE_OF
 from vcage.goals.inside import INSIDE
 from vcage.goals.kind import TABLE, GoalKind, Stated
 from vcage.goals.lifted import LIFTED
@@ -38,8 +40,8 @@ from vcage.goals.weighed import WEIGHED
 KINDS: dict[str, GoalKind] = {
     kind.word: kind
     for kind in (
-        INSIDE, ON, *SIDES, ROW_LEFT_OF, BESIDE, NEAR, CENTRED, OPEN, CLOSED, PRESSED, TURNED, TURNED_BACK, HELD_UP,
-        SCANNED, WEIGHED, PRESENTED, BACK, MOVED_AWAY, FACING_ROBOT, HANDED, LIFTED, SHAKEN,
+        INSIDE, ON, *SIDES, ROW_LEFT_OF, IN_PLACE_OF, BESIDE, NEAR, CENTRED, OPEN, CLOSED, PRESSED, TURNED, TURNED_BACK,
+        HELD_UP, HELD_BY_BOTH, SCANNED, WEIGHED, PRESENTED, BACK, MOVED_AWAY, FACING_ROBOT, HANDED, LIFTED, SHAKEN,
     )
 }  # fmt: skip
 """By word, in the order in which prompts explain them."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from vcage.goals.hands import in_one_hand
 from vcage.goals.kind import GoalKind, Shown, State, Stated, cm
-from vcage.goals.lifted import in_one_hand
 from vcage.goals.thresholds import THRESHOLDS, Thresholds
 
 

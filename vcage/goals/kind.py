@@ -136,6 +136,7 @@ class GoalKind:
         plain: a goal as a statement; {thing} with its part, {where} the relation to the reference, {reference}.
         says: words, one of which a sentence that asks for it must contain.
         claims: words allowed only in a sentence that asks for it.
+        may_say: words that other kinds claim, and that a sentence that asks for it may contain too.
         listed: fields of such a goal, for the prompt of the reader: the same for all kinds of one form.
         gloss: addition of that prompt behind the word.
         refers_to: the kind of its reference; None without one.
@@ -144,9 +145,10 @@ class GoalKind:
             its part and leaves the subject in its place.
         rests: its part is at rest then.
         event: it is about an action, regardless of the state afterwards.
-        fleeting: it ends as soon as the robot does anything else.
+        fleeting: an arm must keep doing it, so that only another one can do anything else.
         opposite: word of the goal that is true where this one is false.
         happens: True while its event goes on; ``notes`` stores earlier observations.
+        arms: that it takes at the same time.
         tool: property of an object without which it cannot be done (:class:`vcage.schema.asset.CatalogueEntry`).
         shown: pictures that the critic needs.
     """
@@ -161,6 +163,7 @@ class GoalKind:
     prepositions: tuple[str, ...] = ()
     plain: str = "{thing} is {where}"
     claims: str = ""
+    may_say: str = ""
     gloss: str = ""
     refers_to: Literal["object", "arm"] | None = None
     part_of: Literal["subject", "reference"] | None = None
@@ -169,6 +172,7 @@ class GoalKind:
     event: bool = False
     fleeting: bool = False
     opposite: str | None = None
+    arms: int = 1
     happens: Callable[[Stated, State, set[str]], bool] | None = None
     tool: Literal["reads_codes", "weighs"] | None = None
     shown: Shown = field(default_factory=Shown)

@@ -1,14 +1,8 @@
 """Lifted: one arm held an object in the air for a moment, whatever came of it afterwards."""
 
+from vcage.goals.hands import in_one_hand
 from vcage.goals.kind import GoalKind, Shown, State, Stated, cm, too_short
 from vcage.goals.thresholds import THRESHOLDS, Thresholds
-
-
-def in_one_hand(goal: Stated, state: State) -> bool:
-    """True where one arm alone holds the subject of a goal well above the table."""
-    holders = state.touching(goal.subject)
-    high = state.thing(goal.subject).lowest - state.table_height >= THRESHOLDS.lifted_m
-    return high and len(holders) == 1 and holders <= {*state.arms}
 
 
 def _meaning(limits: Thresholds) -> str:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from vcage.goals.hands import in_one_hand
 from vcage.goals.kind import GoalKind, Shown, State, Stated, cm, degrees
-from vcage.goals.lifted import in_one_hand
 from vcage.goals.thresholds import THRESHOLDS, Thresholds
 
 

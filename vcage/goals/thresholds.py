@@ -18,6 +18,7 @@ class Thresholds:
         upright_rad: a receptacle that leans more is tipped.
         borne_share: share of an object's weight that the table may bear although it is in or on another one.
         back_m: an object nearer than this to its old place is back there.
+        swapped_m: an object nearer than this to where another one stood is in its place.
         away_m: an object was moved away that stands by this farther from the table's middle.
         disturbed_m, tipped_rad: an object that was moved farther, or turned over by more than this, was disturbed.
         opened_share: share of the range beyond which a joint counts as opened, pressed or turned.
@@ -47,6 +48,7 @@ class Thresholds:
     upright_rad: float = math.radians(10)
     borne_share: float = 0.2
     back_m: float = 0.02
+    swapped_m: float = 0.03
     away_m: float = 0.1
     disturbed_m: float = 0.05
     tipped_rad: float = math.radians(30)

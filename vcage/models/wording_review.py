@@ -216,12 +216,13 @@ class Review:
     def _armed(self) -> set[str]:
         """The arms that the task speaks of."""
         handed = {asked.goal.reference for asked in self._task.goals if asked.goal.kind.refers_to == "arm"}
-        return {arm for arm in {asked.arm for asked in self._task.goals} | handed if arm is not None}
+        both = {"both" for asked in self._task.goals if asked.goal.kind.arms > 1}
+        return both | {arm for arm in {asked.arm for asked in self._task.goals} | handed if arm is not None}
 
     def _allowed(self) -> set[str]:
         """Words of goals, sides and levels that ask for something or describe it."""
         goals = [asked.goal for asked in self._task.goals]
-        found = {word for goal in goals for word in says(goal)} | self._armed()
+        found = {word for goal in goals for word in says(goal).union(goal.kind.may_say.split())} | self._armed()
         for goal in goals:
             found |= {*part_words(goal.part).split()} if goal.part else set()
         for told in self._task.descriptions:

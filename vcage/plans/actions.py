@@ -13,6 +13,9 @@ from vcage.goals import KINDS
 from vcage.schema.goals import Description, Goal
 
 State = frozenset[Goal]
+AT_START = "back"
+"""Word of an object that stands where it stood at the start."""
+
 HOLDING = ("inside", "on")
 """Words that say what an object lies in or stands on, of goals and of relations."""
 
@@ -28,6 +31,9 @@ class Action:
         moves: the carried object: nothing may lie on it, and it leaves its old place.
         empty: an object that nothing may lie in or on before: the scale, when something else is weighed.
         along: True if contents of the carried object may stay in it and move along; else it must be empty.
+        object: that it is about, where it is to be in no hand before.
+        vacant: object that must have left its place of the start before.
+        spare: arms that may hold something up meanwhile.
     """
 
     name: str
@@ -36,12 +42,22 @@ class Action:
     moves: str | None = None
     empty: str | None = None
     along: bool = False
+    object: str | None = None
+    vacant: str | None = None
+    spare: int = 0
 
     def obstacle(self, state: State) -> str:
         """Why it cannot be done in a state; "" when it can."""
         missing = sorted(map(str, self.requires - state))
         if missing:
             return f"{' and '.join(missing)} must be true first"
+        if held := sorted(g.subject for g in state if g.kind.fleeting):
+            if len(held) > self.spare:
+                return f"it takes the hand that holds {' or '.join(held)}"
+            if self.object in held:
+                return f"{self.object} is in a hand"
+        if any(g.relation == AT_START and g.subject == self.vacant for g in state):
+            return f"{self.vacant} must leave its place first"
         bare = [name for name in (self.moves, self.empty) if name is not None]
         carried = self._carried(state)
         laden = [g for g in state if g.relation in HOLDING and g.reference in bare and g.subject not in carried]
@@ -50,7 +66,7 @@ class Action:
 
     def after(self, state: State) -> State:
         """The state that it leads to."""
-        kept = (g for g in state if not g.kind.fleeting and not any(overrides(new, g) for new in self.adds))
+        kept = (g for g in state if not any(overrides(new, g) for new in self.adds))
         if self.moves is not None:
             moved = {self.moves, *self._carried(state)}
             kept = (g for g in kept if g.kind.event or not moved & {*_placed(g)} or _within(g, moved))
@@ -77,8 +93,10 @@ def _within(goal: Goal, moved: set[str]) -> bool:
 
 
 def _placed(goal: Goal) -> tuple[str | None, ...]:
-    """The objects whose places make a goal true."""
-    return () if _opposite(goal) is not None else (goal.subject, goal.reference)
+    """The objects whose places make a goal true; of a place of the start, who stood there does not matter any more."""
+    if _opposite(goal) is not None:
+        return ()
+    return (goal.subject,) if goal.relation == "in_place_of" else (goal.subject, goal.reference)
 
 
 def overrides(new: Goal | Description, old: Goal | Description) -> bool:

@@ -22,7 +22,7 @@ def inconsistencies(goals: Sequence[AskedGoal], descriptions: Iterable[Descripti
     placed = [d for d in descriptions if (d.relation, d.reference) != ("center", TABLE)]
     found = [f"the goals of one step contradict each other: {text}" for step in steps for text in _clashes(step)]
     found = found or [f"the goals contradict each other: {text}" for text in _clashes(lasting(steps))]
-    found = found or [f"the goals contradict each other: {text}" for text in _ended(steps)]
+    found = found or [f"the goals contradict each other: {text}" for text in _held_elsewhere(steps)]
     return found + [f"the start conditions contradict each other: {text}" for text in _clashes(placed)]
 
 
@@ -34,14 +34,12 @@ def unordered_contradictions(goals: Collection[Goal]) -> list[str]:
     return [*contradictions(relations), *(f"{name} is to be in two places" for name in twice if name in laid)]
 
 
-def _ended(steps: Sequence[Collection[Goal]]) -> list[str]:
-    """Contradictions of goals that last only until the robot does anything else: a thing that is held up."""
+def _held_elsewhere(steps: Sequence[Collection[Goal]]) -> list[str]:
+    """Goals by which a thing is held up at the end and is somewhere else, too."""
     last = lasting(steps)
     held = [goal for goal in last if goal.kind.fleeting]
-    found = [f"{goal} must come last" for goal in held if goal not in steps[-1]]
-    found += [f"{held[0]} ends where {goal} begins: only one thing is held at the end" for goal in held[1:]]
     own = ((one, goal) for one in held for goal in last if one.subject == goal.subject and goal.part is None)
-    return found + [f"{one} and {goal}" for one, goal in own if one != goal]
+    return [f"{one} and {goal}" for one, goal in own if one != goal]
 
 
 def _clashes(stated: Iterable[Goal] | Iterable[Description]) -> list[str]:

@@ -108,11 +108,12 @@ def _useful(task: Task, actions: Sequence[Action]) -> list[Action]:
 
 
 def _in_the_way(task: Task, actions: Sequence[Action]) -> set[str]:
-    """Objects that may lie in or on something that some actions need bare."""
+    """Objects that may lie in or on something that some actions need bare, or stand at a place that they need."""
     movable = {g.subject for g in task.initial if g.relation in HOLDING}
     bare = {name for a in actions for name in (a.moves, a.empty) if name is not None}
     lying = task.initial.union(*(a.adds for a in actions))
-    return {g.subject for g in lying if g.relation in HOLDING and g.reference in bare} & movable
+    laden = {g.subject for g in lying if g.relation in HOLDING and g.reference in bare}
+    return (laden | {a.vacant for a in actions if a.vacant is not None}) & movable
 
 
 def _sets_aside(action: Action) -> bool:

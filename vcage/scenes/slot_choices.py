@@ -15,7 +15,7 @@ from vcage.schema.subtasks import SlotAnswer, SlotQuestion, Subtask
 from vcage.tasks.choosing import checked, filled, slot_questions, with_open_parts
 from vcage.tasks.rehearsal import proven
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.search import action_of, initial_state
+from vcage.tasks.search import actions_of, initial_state
 from vcage.tasks.stowing import ready_for
 
 logger = logging.getLogger(__name__)
@@ -69,8 +69,7 @@ def _questions(
     chain: Sequence[Subtask], kept: Mapping[str, Subtask], scene: Scene, objects: Sequence[SceneObject]
 ) -> list[SlotQuestion]:
     """Choices in a chain. A sub-task that is a task of its own keeps its place: others use the other places."""
-    by_id = {o.id: o for o in objects}
-    actions = {subtask.id: action_of(subtask, by_id[subtask.object]) for subtask in chain}
+    actions = actions_of(chain, objects, scene)
     if scene.goals:
         return slot_questions(chain, kept.values(), objects, initial_state(objects), actions)
     ready = ready_objects(chain[0], scene, objects)

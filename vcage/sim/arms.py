@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import functools
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -89,6 +90,17 @@ def _finger_links(arm: Arm, urdf: Path) -> list[str]:
     return [child.attrib["link"] for child in children if child is not None]
 
 
+def move_together(moves: Sequence[tuple[ArmControl, Trajectory]]) -> None:
+    """Let arms of one world follow a trajectory each, at the same time, and wait until all have arrived."""
+    (first, _), *_ = moves
+    for _ in zip_longest(*(arm.follow(trajectory) for arm, trajectory in moves)):
+        first.step()
+    for _ in range(WAITS.arrival_steps):
+        if all(arm.is_at(trajectory.end) for arm, trajectory in moves):
+            break
+        first.step()
+
+
 class ArmControl:
     """One arm of a world: its commands and its measured state.
 
@@ -133,6 +145,10 @@ class ArmControl:
         As in a robot's own controller, a feed-forward torque for the arm's inertia keeps the arm on its targets while
         it accelerates.
         """
+        move_together([(self, trajectory)])
+
+    def follow(self, trajectory: Trajectory) -> Iterator[None]:
+        """Command the targets of a trajectory in turn, one for each physics step that the caller makes, and the end."""
         openings = dict(trajectory.openings)
         torques = self._torques(trajectory)
         rows = zip(trajectory.q, trajectory.velocity, torques, strict=True)
@@ -141,13 +157,17 @@ class ArmControl:
                 self.command_gripper(openings[i])
             self.command_joints(q, velocity)
             self._command("torque", torque)
-            self._step()
+            yield
         self._command("torque", np.zeros(self.articulation.dof))
         self.command_joints(trajectory.end)
-        for _ in range(WAITS.arrival_steps):
-            if np.abs(self.joints - trajectory.end).max() < WAITS.arrived_rad:
-                break
-            self._step()
+
+    def is_at(self, q: np.ndarray) -> bool:
+        """True if every joint is near (n,) ``q``, rad."""
+        return bool(np.abs(self.joints - q).max() < WAITS.arrived_rad)
+
+    def step(self) -> None:
+        """Advance the world by one physics step."""
+        self._step()
 
     def grip(self, opening: float) -> None:
         """Drive the fingers to ``opening`` (0 closed, 1 open) until they stand still, there or against an object."""
@@ -247,6 +267,11 @@ class ArmControl:
     def finger_width(self) -> float:
         """Measured distance between the fingers, metres."""
         return self.opening * self.arm.gripper.max_width
+
+    @property
+    def keeps(self) -> bool:
+        """True if the fingers are driven together around something."""
+        return float(self.drives[self.layout.part("opening")][0]) <= 0.0 and not self.empty
 
     @property
     def empty(self) -> bool:

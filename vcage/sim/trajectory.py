@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
 from scipy.ndimage import minimum_filter1d
@@ -74,7 +76,49 @@ class Trajectory:
         )
 
 
-def time_optimal(path: np.ndarray, hz: float, arm: Arm, speed: float | np.ndarray = 1.0) -> Trajectory:
+class JointLimits(Protocol):
+    """Limits of joints: of an arm (:class:`vcage.schema.robot.Arm`), or of several together."""
+
+    @property
+    def speeds(self) -> Sequence[float]:
+        """(n,) rad/s."""
+
+    @property
+    def accelerations(self) -> Sequence[float]:
+        """(n,) rad/s²."""
+
+    @property
+    def jerks(self) -> Sequence[float]:
+        """(n,) rad/s³."""
+
+
+@dataclass(frozen=True)
+class ArmsTogether:
+    """The limits of several arms whose joints move as one.
+
+    Args:
+        arms: in the order of their joints.
+    """
+
+    arms: tuple[Arm, ...]
+
+    @property
+    def speeds(self) -> list[float]:
+        """(n,) rad/s."""
+        return [limit for arm in self.arms for limit in arm.speeds]
+
+    @property
+    def accelerations(self) -> list[float]:
+        """(n,) rad/s²."""
+        return [limit for arm in self.arms for limit in arm.accelerations]
+
+    @property
+    def jerks(self) -> list[float]:
+        """(n,) rad/s³."""
+        return [limit for arm in self.arms for limit in arm.jerks]
+
+
+def time_optimal(path: np.ndarray, hz: float, arm: JointLimits, speed: float | np.ndarray = 1.0) -> Trajectory:
     """Pass through the points of ``path`` from rest to rest in the shortest time that the joints' limits allow.
 
     TOPP-RA (Pham and Pham, 2018) finds the fastest profile along a cubic spline within the limits of speed and
@@ -85,7 +129,7 @@ def time_optimal(path: np.ndarray, hz: float, arm: Arm, speed: float | np.ndarra
     Args:
         path: (k, n) joints, rad, k ≥ 1; repeated points are dropped.
         hz: samples per second.
-        arm: whose joints they are; its limits hold for each joint.
+        arm: whose joints they are, or arms that move together; its limits hold for each joint.
         speed: share of the speed limit, in (0, 1], at all points or (k,) at each; accelerations keep its square and
             jerks its cube, so that half the speed takes twice as long.
 

@@ -30,7 +30,7 @@ from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask, Subtasks
 from vcage.tasks.asked_arms import asked_arms
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.search import action_of, compose, find_subtasks, initial_state
+from vcage.tasks.search import actions_of, compose, find_subtasks, initial_state
 from vcage.tasks.stowing import ready_for
 from vcage.tasks.synthesis import note_python, write_script
 from vcage.tasks.templates import read_subtasks
@@ -156,14 +156,14 @@ def _complaints(
 
 def _unproven(steps: Sequence[Subtask], scene: Scene, objects: Sequence[SceneObject]) -> list[str]:
     """Return complaints about a chain that does not achieve the goals of the scene, or else of its steps."""
-    by_id = {o.id: o for o in objects}
     if scene.goals:
         task = Task(initial_state(objects), in_steps(scene.goals))
     else:
         ready = ready_objects(steps[0], scene, objects)
         task = Task(initial_state(ready), tuple(frozenset(step.goals) for step in steps))
     untouched = [f"{step.object} is to be left alone" for step in steps if step.object in scene.untouched]
-    return complaints(task, [action_of(step, by_id[step.object]) for step in steps]) + untouched
+    actions = actions_of(steps, objects, scene)
+    return complaints(task, [actions[step.id] for step in steps]) + untouched
 
 
 EDITABLE = Editable(

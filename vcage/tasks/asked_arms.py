@@ -46,14 +46,34 @@ def require_arms(asked: Iterable[AskedGoal], arms: Collection[str]) -> None:
     Raises:
         NoFeasibleTask: names the goal, the arm, and the existing arms.
     """
+    asked = list(asked)
+    _require_enough_arms({one.goal for one in asked}, arms)
     for goal, arm in asked_arms(asked).items():
         why = None
         if arm not in arms:
             why = f"the robot has no arm {arm!r}, it has {', '.join(arms)}"
         elif goal.kind.refers_to == "arm" and arm == goal.reference:
             why = f"the {arm} arm cannot give what it is to be given"
+        elif goal.kind.arms > 1:
+            why = f"it takes {goal.kind.arms} arms, not the {arm} arm alone"
         if why is not None:
             raise NoFeasibleTask(f"{goal}: {why}", hint=ANY_ARM, details={"missing": [str(goal)], "reasons": [why]})
+
+
+def _require_enough_arms(goals: Collection[Goal], arms: Collection[str]) -> None:
+    """Check that the robot has an arm for each thing that it is to hold at the end.
+
+    Raises:
+        NoFeasibleTask: it has not; names the goals.
+    """
+    held = sorted((goal for goal in goals if goal.kind.fleeting), key=str)
+    takes = sum(goal.kind.arms for goal in held)
+    if takes > len(arms):
+        named = " and ".join(map(str, held))
+        why = f"{named} {'take' if len(held) > 1 else 'takes'} {takes} arms, and the robot has {len(arms)}"
+        raise NoFeasibleTask(
+            why, hint="hold up fewer things", details={"missing": [str(goal) for goal in held], "reasons": [why]}
+        )
 
 
 def arm_for(goals: Iterable[Goal], arms: Mapping[Goal, str], hand_to: str | None) -> tuple[str | None, str | None]:

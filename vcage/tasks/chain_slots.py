@@ -17,7 +17,7 @@ from vcage.tasks.feasibility import Transfer, examine
 from vcage.tasks.grasps import GraspPose, grasp_poses
 from vcage.tasks.primitives.place_way import SET_DOWN, place_way
 from vcage.tasks.scene_objects import Obstacles, SceneObject
-from vcage.tasks.slots import Slot, allocate, lying_in, opened_for
+from vcage.tasks.slots import Slot, allocate, heading_for, lying_in, opened_for, slot_in
 from vcage.tasks.templates.push import examine_pushes
 from vcage.tasks.workplace import Workplace
 
@@ -51,7 +51,7 @@ def slots_for_chain(chain: Sequence[Subtask], workplace: Workplace) -> dict[str,
             workplace,
         )
         poses = filling.poses()
-        slots |= {s.id: Slot(receptacle, point, poses[s.object]) for s in filling.subtasks}
+        slots |= {s.id: slot_in(objects[receptacle], point, poses[s.object], s.goals) for s in filling.subtasks}
     try:
         propose = _OnTable(chain, objects, slots, workplace).slots
         return slots | first_accepted(repeat(propose, LIMITS.table_slot_sets), InfeasibleScene).value
@@ -143,8 +143,10 @@ class _Filling:
             InfeasibleScene: they do not fit together.
         """
         brought = [self.objects[s.object] for s in self.subtasks]
+        asked = {s.object: heading_for(s.goals, self.receptacle, self.point) for s in self.subtasks}
+        headings = {name: heading for name, heading in asked.items() if heading is not None}
         drawn = (
-            allocate(self.receptacle, self.point, brought, self.workplace.rng, self.present)
+            allocate(self.receptacle, self.point, brought, self.workplace.rng, self.present, headings)
             for _ in range(LIMITS.compared_slots)
         )
         return least_costly(drawn, self._drop, enough=SET_DOWN * len(self.subtasks) + 1e-9)
@@ -158,7 +160,8 @@ class _Filling:
         total = 0.0
         for subtask in self.subtasks:
             target, drops, around = self.objects[subtask.object], [], Obstacles(obstacles)
-            goals = Slot(self.receptacle.id, self.point, poses[target.id]).poses({self.receptacle.id: self.receptacle})
+            slot = slot_in(self.receptacle, self.point, poses[target.id], subtask.goals)
+            goals = slot.poses({self.receptacle.id: self.receptacle})
             for grasp in {grasp.contact: grasp for grasp in subtask.grasps}.values():
                 width = target.asset.grasp_width(target.asset.annotation.contact_point(grasp.contact))
                 held = next(_holds(grasp, target, self.workplace)).in_object

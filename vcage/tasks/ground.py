@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from vcage.base.attempts import LIMITS
 from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose, world_aabb
+from vcage.goals.in_place_of import off_place
 from vcage.goals.row_left_of import in_row
 from vcage.goals.thresholds import THRESHOLDS
 from vcage.layout.items import TableItem, table_item
@@ -70,12 +71,14 @@ class Ground:
         lower, upper: (2,) its corners, metres.
         height: z of the table top, metres.
         arms: one of them must reach the object; without any it may stand anywhere.
+        starts: boxes (2, 3) of the objects at the start, by id.
     """
 
     lower: np.ndarray
     upper: np.ndarray
     height: float
     arms: tuple[ArmKinematics, ...] = ()
+    starts: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     @classmethod
     def of(cls, scene: Scene) -> Ground:
@@ -96,13 +99,16 @@ class Ground:
         Args:
             thing: where it stood at the start.
             goal: whose subject it is: ``on`` the table, ``centred`` on it, ``presented``, ``back``, ``moved_away``,
-                ``handed`` to the arm of one side, or beside, left of… a thing.
+                ``handed`` to the arm of one side, ``in_place_of`` a thing, or beside, left of… one.
             others: the other things, where they will be.
             rng: of all choices.
             taken: rectangles (2, 2) of the table to keep free besides.
         """
         if goal.relation == "back":
             yield thing.pose
+            return
+        if goal.relation == "in_place_of":
+            yield from self._poses_in_place(thing, str(goal.reference), self.after_leaving(goal, others))
             return
         rectangles = [*(_footprint(o) for o in others), *taken]
         near = next((o for o in others if o.id == goal.reference), None)
@@ -113,6 +119,25 @@ class Ground:
                     box = world_aabb(thing.asset.bounds, pose)
                     if (near is None or _stands(goal, box, near.aabb)) and self._reached(thing, pose):
                         yield pose
+
+    def after_leaving(self, goal: Goal, others: Sequence[SceneObject]) -> list[SceneObject]:
+        """Other objects, without the one in whose place a goal puts a thing, where that has not left it yet."""
+        place = self.starts.get(str(goal.reference))
+        if goal.relation != "in_place_of" or place is None:
+            return list(others)
+        return [o for o in others if o.id != goal.reference or off_place(o.aabb, place) > THRESHOLDS.swapped_m]
+
+    def _poses_in_place(self, thing: SceneObject, stood: str, others: Sequence[SceneObject]) -> Iterator[Pose]:
+        """Poses of an object in the middle of the place where another stood at the start."""
+        taken = [_footprint(o) for o in others]
+        for yaw in dict.fromkeys(yaw for yaws in _quarters(thing) for yaw in yaws):
+            box = world_aabb(thing.asset.bounds, Pose.from_yaw([0.0, 0.0, 0.0], yaw))
+            middle = self.starts[stood].mean(axis=0) - box.mean(axis=0)
+            pose = Pose.from_yaw([*middle[:2], self.height - box[0, 2]], yaw)
+            room = world_aabb(thing.asset.bounds, pose)[:, :2] + np.array([[-SETTINGS.gap_m], [SETTINGS.gap_m]])
+            met = any(np.all(room[0] < other[1]) and np.all(other[0] < room[1]) for other in taken)
+            if not met and self._reached(thing, pose):
+                yield pose
 
     def _poses_in(
         self, zone: Zone, item: TableItem, taken: Sequence[np.ndarray], rng: np.random.Generator
@@ -195,8 +220,13 @@ def _yaws(thing: SceneObject, goal: Goal) -> list[tuple[float, ...]]:
     """Headings to try in turn: the later ones where no arm reaches the thing with those before."""
     if goal.relation in FACING:
         return [tuple(FACING[goal.relation] + np.radians(off)) for off in ([0, -10, 10], [-20, 20])]
+    return _quarters(thing)
+
+
+def _quarters(thing: SceneObject) -> list[tuple[float, ...]]:
+    """Headings by quarters from a thing's own, and along the table's edges, where a box needs least room."""
     quarters = np.radians([0, 90, 180, 270])
-    return [tuple(thing.pose.yaw + quarters), tuple(quarters)]  # along the table's edges a box needs least room
+    return [tuple(thing.pose.yaw + quarters), tuple(quarters)]
 
 
 def _side(box: np.ndarray, direction: np.ndarray, depth: float) -> np.ndarray:

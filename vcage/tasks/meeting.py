@@ -138,7 +138,7 @@ def holds_beside(asset: Asset, given: Hold, contacts: Sequence[ContactPoint], gr
         grown = [SolidBox(box.bounds + np.array([[-SETTINGS.apart_m], [SETTINGS.apart_m]]), box.pose) for box in second]
         if not second[0].overlaps(body) and not any(a.overlaps(b) for a in grown for b in first):
             found += [hold, Hold(hold.in_object * Pose.from_yaw([0, 0, 0], np.pi), hold.width)]
-    balance = _balance(asset)
+    balance = balance_of(asset)
     return sorted(found, key=lambda hold: round(float(np.linalg.norm(hold.in_object.p[:2] - balance[:2])), 3))
 
 
@@ -148,7 +148,7 @@ def _holds(thing: SceneObject, given: Hold, gripper: Gripper) -> list[Hold]:
     return holds_beside(thing.asset, given, thing.asset.annotation.carrying_points, gripper)
 
 
-def _balance(asset: Asset) -> np.ndarray:
+def balance_of(asset: Asset) -> np.ndarray:
     """(3,) about the object's centre of mass in its frame: nearer to it the object turns less between the fingers."""
     corners = [piece.vertices for piece in asset.pieces_of(None)]
     return np.average([c.mean(axis=0) for c in corners], axis=0, weights=[ConvexHull(c).volume for c in corners])
@@ -156,6 +156,14 @@ def _balance(asset: Asset) -> np.ndarray:
 
 def _along(asset: Asset, contacts: Sequence[ContactPoint], gripper: Gripper) -> Iterator[Hold]:
     """Hands at contact points and beside them, along the object, none of them flipped about its approach."""
+    for there in places_along(asset, contacts, gripper):
+        frame, width = frame_from_axes(there.position, there.approach, there.closing), asset.grasp_width(there)
+        for lean in SETTINGS.leans_rad:
+            yield Hold(frame * Pose(q=[np.cos(lean / 2), 0, np.sin(lean / 2), 0]), width)
+
+
+def places_along(asset: Asset, contacts: Sequence[ContactPoint], gripper: Gripper) -> Iterator[ContactPoint]:
+    """Contact points, and places beside them along the object where the fingers close on material too."""
     lower, upper = asset.bounds_of(None)
     seen: set[tuple[float, ...]] = set()
     frames = [(c, frame_from_axes(c.position, c.approach, c.closing)) for c in contacts]
@@ -166,11 +174,8 @@ def _along(asset: Asset, contacts: Sequence[ContactPoint], gripper: Gripper) -> 
         if key in seen or np.any(ends < lower) or np.any(ends > upper):
             continue
         seen.add(key)
-        width = asset.grasp_width(there)
-        if SETTINGS.least_width_m <= width <= gripper.max_width - GRASPING.grip_room_m:
-            for lean in SETTINGS.leans_rad:
-                turn = Pose(q=[np.cos(lean / 2), 0, np.sin(lean / 2), 0])
-                yield Hold(Pose(ends[1], frame.q) * turn, width)
+        if SETTINGS.least_width_m <= asset.grasp_width(there) <= gripper.max_width - GRASPING.grip_room_m:
+            yield there
 
 
 def meeting_height(thing: SceneObject, others: Sequence[SceneObject], table_height: float) -> float:

@@ -4,28 +4,36 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from itertools import repeat
+from itertools import product, repeat
 
 import numpy as np
 
 from vcage.base.attempts import LIMITS, GaveUp, first_accepted
 from vcage.base.errors import NoFeasibleTask
+from vcage.base.geometry import Pose
+from vcage.schema.asset import ContactPoint
 from vcage.schema.plan import TABLE
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask
 from vcage.sim.bodies import Body
+from vcage.sim.motion import MotionFailed
+from vcage.sim.paths import Load
 from vcage.sim.robots import load_robot
 from vcage.sim.world import World
 from vcage.tasks.asked_arms import asked_arms, bound_to
 from vcage.tasks.chain_slots import slots_for_chain
 from vcage.tasks.choosing import as_chosen
+from vcage.tasks.grasps import command_of
+from vcage.tasks.primitives.lift_together import plan_together
+from vcage.tasks.primitives.place import Surroundings
+from vcage.tasks.primitives.shake import plan_shake
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.search import compose, find_subtasks, judging
-from vcage.tasks.slots import Slot
+from vcage.tasks.search import KEPT, compose, find_subtasks, judging
+from vcage.tasks.slots import HEADINGS, Slot
 from vcage.tasks.synthesis import script_of
 from vcage.tasks.task import Task
 from vcage.tasks.templates import TEMPLATES
-from vcage.tasks.workcell import TaskFailed
+from vcage.tasks.workcell import TaskFailed, failing_at, first_reasons
 from vcage.tasks.workplace import Workplace
 
 ANOTHER = "another --seed gives another layout"
@@ -44,7 +52,8 @@ def examined(subtask: Subtask, workplace: Workplace) -> Subtask | None:
     """
     workplace = workplace.with_arms(subtask.arm, subtask.hand_to)
     into = subtask.template == "hand_over" and subtask.functional_point is not None
-    kind, asked = ("place" if into else subtask.template), [] if subtask.template == "place" else subtask.goals
+    plain = subtask.template == "place" and not any(goal.relation in HEADINGS for goal in subtask.goals)
+    kind, asked = ("place" if into else subtask.template), [] if plain else subtask.goals
     for proposal in TEMPLATES[kind].proposals(workplace.objects, asked)[0]:
         if proposal.thing.id == subtask.object and proposal.goal in subtask.goals:
             found, _ = proposal.examine(workplace)
@@ -70,12 +79,48 @@ class Rehearsal(Task):
     def wait(self, seconds: float) -> None:
         """Nothing."""
 
+    def hold(self) -> None:
+        """Lift the picked object, with its contents; the arm stays there."""
+        plan, cell = self._picked, self._cell
+        up, _ = self._lifted()
+        for name in (plan.target.id, *cell.contents(plan.target.id)):
+            pose = self.world.object_pose(name)
+            self.world.set_object_pose(name, Pose(pose.p + plan.way.lifted.p - plan.way.grasp.p, pose.q))
+        control = self.world.arms[plan.arm]
+        control.reset(up - control.arm.home)
+        control.command_gripper(0.0)
+
+    def hold_with_both(self, object_id: str) -> None:
+        """Plan it; no arm is left to do anything else."""
+        plan_together(self._cell, self._cell.object(object_id))
+
     def shake(self) -> None:
-        """Nothing."""
+        """Plan it; the object is where it was."""
+        plan = self._picked
+        up, load = self._lifted()
+        middle = plan.target.aabb.mean(axis=0) + plan.way.lifted.p - plan.way.grasp.p
+        with failing_at("plan"):
+            plan_shake(self._cell.planner(plan.arm), up, plan.way.lifted, middle, load)
+
+    def _lifted(self) -> tuple[np.ndarray, Load]:
+        """(n,) joints of the arm that has lifted what it picked, and the load of its hand."""
+        plan, cell = self._picked, self._cell
+        opening = command_of(plan.target.asset.grasp_width(self._contact), cell.world.arms[plan.arm].arm.gripper)
+        load = Load(opening, cell.held(plan.target.id, plan.way.grasp))
+        with failing_at("grasp"):
+            lift = cell.planner(plan.arm).line(plan.path.end, plan.way.lifted, replace(load, ignore=[TABLE]))
+        return lift.end, load
+
+    @property
+    def _contact(self) -> ContactPoint:
+        """The contact point of the picked object."""
+        return self._picked.target.asset.annotation.contact_point(self._picked.contact)
 
     def place(self, receptacle_id: str = TABLE, point: int | None = None) -> None:
         """Bring the picked object, with its contents, to its slot, at the heading that is nearest for its arm."""
         if self.slot is not None:
+            if self._keeping:
+                self._carry_past_the_others(self.slot)
             plan, arm = self._picked, self._cell.planner(self._picked.arm).kinematics
             held = plan.target.pose.inverse() * plan.way.grasp
             poses = self.slot.poses(self._cell.objects())
@@ -83,6 +128,27 @@ class Rehearsal(Task):
             way = nearest * plan.target.pose.inverse()
             for name in (plan.target.id, *self._cell.contents(plan.target.id)):
                 self.world.set_object_pose(name, way * self.world.object_pose(name))
+
+    def _carry_past_the_others(self, slot: Slot) -> None:
+        """Plan the way to a slot: an arm that holds something up is more in the way than one at home.
+
+        Raises:
+            TaskFailed: there is none.
+        """
+        cell, (up, load) = self._cell, self._lifted()
+        thing, planner = self._picked.target, cell.planner(self._picked.arm)
+        around = Surroundings.of(cell, thing.id, slot.receptacle, slot.point)
+        held, width = thing.pose.inverse() * self._picked.way.grasp, thing.asset.grasp_width(self._contact)
+        reasons: list[str] = []
+        with failing_at("plan"):
+            for way in around.ways(planner.kinematics, held, width, slot.poses(cell.objects()), up):
+                try:
+                    carry = planner.move(up, way.above, load, then=[way.release, way.after])
+                    planner.line(carry.end, way.release, load)
+                    return
+                except MotionFailed as error:
+                    reasons.append(error.message)
+        raise TaskFailed("plan", f"{thing.id} cannot be brought to {slot.receptacle}: {first_reasons(reasons)}")
 
     def push(self, object_id: str, arms: Sequence[str] = ()) -> None:
         """Plan it; the object is where it is pushed to."""
@@ -122,8 +188,22 @@ def rehearsed(
         NoFeasibleTask: one of them is not feasible at the places left by earlier ones, or cannot be planned there;
             ``details["refused"]`` names it, without the measurements.
     """
-    stage = _Stage(chain, slots, Workplace.of(scene, objects, rng), scene)
-    return [stage.play(subtask) for subtask in chain]
+    workplace, reason = Workplace.of(scene, objects, rng), None
+    for keepers in product(*(_keepers(subtask, later=chain[number + 1 :]) for number, subtask in enumerate(chain))):
+        stage = _Stage(chain, slots, workplace, scene)
+        try:
+            return [stage.play(subtask, keeper) for subtask, keeper in zip(chain, keepers, strict=True)]
+        except NoFeasibleTask as error:
+            reason = reason or error
+    assert reason is not None
+    raise reason
+
+
+def _keepers(subtask: Subtask, later: Sequence[Subtask]) -> list[str | None]:
+    """The arms that may hold something up while the others do what comes later; None for any arm."""
+    if subtask.template != "hold_up" or not later:
+        return [None]
+    return [*dict.fromkeys(grasp.arm for grasp in subtask.grasps)]
 
 
 class _Stage:
@@ -140,8 +220,12 @@ class _Stage:
         self._goes_to = {subtask.object: slots[subtask.id] for subtask in chain if subtask.id in slots}
         self._moved: set[str] = set()
 
-    def play(self, subtask: Subtask) -> Subtask:
+    def play(self, subtask: Subtask, keeper: str | None) -> Subtask:
         """Rehearse a sub-task: examine it again where others changed its objects, then plan it.
+
+        Args:
+            subtask: the next one.
+            keeper: the arm that must hold its object from then on; None for any free one.
 
         Raises:
             NoFeasibleTask: as :func:`rehearsed`.
@@ -149,6 +233,7 @@ class _Stage:
         touched = self._is_touched(subtask)
         if touched:
             subtask = self._examined(subtask)
+        subtask = self._with_free_arms(subtask, keeper)
         if subtask.id in self._slots:
             slot = self._goes_to[subtask.object] = self._slots[subtask.id]
             self._holders[subtask.object] = _holder_of(slot, self._objects)
@@ -160,7 +245,18 @@ class _Stage:
             kind = _NotWithTheseSlots if touched or subtask.id in self._slots else NoFeasibleTask
             why = f"{subtask.id} cannot be planned"
             raise kind(f"{why}: {error.message}", hint=ANOTHER, details={"refused": why}) from error
+        if subtask.template in KEPT:
+            self._moved.add(subtask.object)
         grasps = sorted(subtask.grasps, key=lambda grasp: (grasp.contact, grasp.arm) != (task.contact, task.arm))
+        return subtask.model_copy(update={"grasps": grasps})
+
+    def _with_free_arms(self, subtask: Subtask, keeper: str | None) -> Subtask:
+        """The sub-task with the grasps of arms that hold nothing up."""
+        free = [name for name, control in self._world.arms.items() if not control.keeps and keeper in (None, name)]
+        grasps = [grasp for grasp in subtask.grasps if grasp.arm in free]
+        if not grasps:
+            why = f"{subtask.id} is not feasible with the arm that is free then"
+            raise _NotWithTheseSlots(why, hint=ANOTHER, details={"refused": why})
         return subtask.model_copy(update={"grasps": grasps})
 
     def _is_touched(self, subtask: Subtask) -> bool:
@@ -170,7 +266,8 @@ class _Stage:
 
     def _examined(self, subtask: Subtask) -> Subtask:
         now = [_as_it_is(o, self._world, *self._holders[o.id]) for o in self._workplace.objects]
-        found = examined(subtask, self._workplace.with_objects(now))
+        kept = [name for name, control in self._world.arms.items() if control.keeps]
+        found = examined(subtask, self._workplace.with_objects(now).without_arms(kept))
         if found is None:
             why = f"{subtask.id} is not feasible after what comes before it"
             raise _NotWithTheseSlots(why, hint=ANOTHER, details={"refused": why})

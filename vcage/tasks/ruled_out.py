@@ -122,7 +122,7 @@ def require_level(goals: Sequence[AskedGoal], objects: Sequence[SceneObject]) ->
         moved = {goal.subject: goal for goal in sorted(step, key=str) if goal.kind.acts_on is None}
         filled = sorted((holder, other) for other, holder in lies.items() if holder in moved and other not in moved)
         for name, content in filled:
-            if not stays_level(by_id[name]):
+            if not stays_level(by_id[name]) and moved[name].kind.arms == 1:
                 raise _tips(by_id[name], by_id[content], moved[name], words[moved[name]])
         lies = {name: holder for name, holder in lies.items() if name not in moved}
         lies |= {g.subject: str(g.reference) for g in step if g.relation == "inside" and g.part is None}

@@ -8,18 +8,19 @@ from __future__ import annotations
 
 import itertools
 from collections import Counter
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from vcage.base.errors import InputFileError, NoFeasibleTask
-from vcage.plans.actions import Action
+from vcage.plans.actions import AT_START, Action
 from vcage.plans.planner import Task, complaints, find_chain
 from vcage.schema.goals import AskedGoal, Goal, in_steps, part_that
 from vcage.schema.plan import TABLE
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Chain, PairAnswer, PairQuestion, Refusal, Subtask, TemplateName
 from vcage.sim.joints import joint_positions
+from vcage.sim.robots import load_robot
 from vcage.tasks.asked_arms import ANY_ARM
 from vcage.tasks.primitives.grip import stays_level
 from vcage.tasks.scene_objects import SceneObject
@@ -139,12 +140,11 @@ def _fulfilling(
             maker="select_place",
         )
     task = Task(initial_state(objects), in_steps(scene.goals))
-    by_id = {o.id: o for o in objects}
-    actions = [action_of(s, by_id[s.object]) for s in kept if s.object not in scene.untouched]
-    chain = _shortest(task, actions)
+    able = [s for s in kept if s.object not in scene.untouched]
+    by_name = actions_of(able, objects, scene)
+    chain = _shortest(task, list(by_name.values()))
     if not chain:
         raise _unfulfilled(scene, kept, refused)
-    by_name = {action.name: action for action in actions}
     unproven = complaints(task, [by_name[name] for name in chain])
     if unproven:
         raise RuntimeError(f"the planner's own chain does not achieve the request: {'; '.join(unproven)}")
@@ -159,27 +159,55 @@ def _shortest(task: Task, actions: Sequence[Action]) -> list[str] | None:
     return filled if shorter else emptied
 
 
-FILLED: tuple[TemplateName, ...] = ("place", "set_down")
+KEPT: tuple[TemplateName, ...] = ("hold_up", "hold_with_both")
+"""Sub-tasks after which the object is in a hand."""
+
+FILLED: tuple[TemplateName, ...] = ("place", "set_down", *KEPT)
 """Sub-tasks that may carry an object with its contents."""
 
 
-def action_of(subtask: Subtask, thing: SceneObject | None = None) -> Action:
+def actions_of(subtasks: Iterable[Subtask], objects: Sequence[SceneObject], scene: Scene) -> dict[str, Action]:
+    """Sub-tasks as the planner sees them, by id.
+
+    Args:
+        subtasks: of the scene.
+        objects: of the scene.
+        scene: with its robot.
+    """
+    by_id, arms = {o.id: o for o in objects}, len(load_robot(scene.robot).arms)
+    return {subtask.id: action_of(subtask, by_id[subtask.object], arms) for subtask in subtasks}
+
+
+def action_of(subtask: Subtask, thing: SceneObject | None = None, arms: int = 1) -> Action:
     """A sub-task as the planner sees it.
 
     Args:
         subtask: which.
         thing: the object of the sub-task; where it is not given, nothing may lie in it.
+        arms: number of the robot's; those that it does not take may hold something up.
     """
-    moves = subtask.object if subtask.receptacle is not None else None
+    moves = subtask.object if subtask.receptacle is not None or subtask.template in KEPT else None
     alone = subtask.receptacle if subtask.template == "weigh" else None
-    along = subtask.template in FILLED and thing is not None and stays_level(thing)
-    return Action(subtask.id, frozenset(subtask.requires), frozenset(subtask.goals), moves, alone, along)
+    takes = max(1 + (subtask.hand_to is not None), *(goal.kind.arms for goal in subtask.goals))
+    along = subtask.template in FILLED and thing is not None and (takes > 1 or stays_level(thing))
+    return Action(
+        subtask.id,
+        frozenset(subtask.requires),
+        frozenset(subtask.goals),
+        moves,
+        alone,
+        along,
+        subtask.object,
+        vacant=next((goal.reference for goal in subtask.goals if goal.relation == "in_place_of"), None),
+        spare=arms - takes,
+    )
 
 
 def initial_state(objects: Sequence[SceneObject]) -> frozenset[Goal]:
     """The places of all objects at the start, and the positions of the parts."""
     by_id = {o.id: o for o in objects}
-    return frozenset(goal for o in objects for goal in (_place_of(o, by_id), *_positions_of(o)))
+    there = frozenset(Goal(subject=o.id, relation=AT_START) for o in objects)
+    return there.union(goal for o in objects for goal in (_place_of(o, by_id), *_positions_of(o)))
 
 
 def _place_of(o: SceneObject, objects: Mapping[str, SceneObject]) -> Goal:

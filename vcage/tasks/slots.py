@@ -7,8 +7,9 @@ the workspace: objects that fit together get places side by side, and the others
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 
@@ -18,12 +19,17 @@ from vcage.base.geometry import Pose, world_aabb
 from vcage.layout.items import TableItem
 from vcage.layout.placement.place import place
 from vcage.schema.asset import FunctionalPoint
+from vcage.schema.goals import Goal
 from vcage.tasks.access import closed_part
+from vcage.tasks.ground import FACING
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.state import place_complaint
 
 CONTENT_GAP_M = 0.006
 """Gap between contents, and between contents and wall."""
+
+HEADINGS = ("facing_robot",)
+"""Goals of a heading that a thing may have in or on another."""
 
 FLUSH_GAP_M = 1e-4
 """Gap of an object that stands flush on another of its own size."""
@@ -63,6 +69,7 @@ def allocate(
     contents: Sequence[SceneObject],
     rng: np.random.Generator,
     present: Sequence[SceneObject] = (),
+    headings: Mapping[str, float] = MappingProxyType({}),
 ) -> dict[str, Pose]:
     """A place for each of ``contents`` in the receptacle: object frame in :meth:`SceneObject.frame`, by id.
 
@@ -72,6 +79,7 @@ def allocate(
         contents: objects going there.
         rng: of all choices.
         present: objects already there.
+        headings: required ones of some contents in the receptacle's frame, by id, radians.
 
     Raises:
         InfeasibleScene: they do not fit together; names them and the area that is missing.
@@ -81,9 +89,31 @@ def allocate(
     inside = np.stack([centre - half, centre + half])
     to_receptacle = receptacle.frame(functional_point).inverse()
     taken = [world_aabb(o.asset.bounds, to_receptacle * o.pose)[:, :2] for o in present]
-    items = [TableItem(id=o.id, size=tuple(o.asset.size), yaws=(0.0, np.pi / 2)) for o in contents]
+    items = [_item(o, headings.get(o.id)) for o in contents]
     places = place(items, inside, rng, margin=CONTENT_GAP_M, obstacles=taken)
-    return {key: Pose.from_yaw([at.x, at.y, opening.floor], at.yaw) for key, at in places.items()}
+    return {
+        key: Pose.from_yaw([at.x, at.y, opening.floor], at.yaw + headings.get(key, 0.0)) for key, at in places.items()
+    }
+
+
+def _item(thing: SceneObject, heading: float | None) -> TableItem:
+    """An object to be placed by quarters, or, with a required heading, its box seen from the receptacle."""
+    if heading is None:
+        return TableItem(id=thing.id, size=tuple(thing.asset.size), yaws=(0.0, np.pi / 2))
+    box = world_aabb(thing.asset.bounds, Pose.from_yaw([0.0, 0.0, 0.0], heading))
+    return TableItem(id=thing.id, size=tuple((box[1] - box[0]).tolist()), yaws=(0.0,))
+
+
+def heading_for(goals: Iterable[Goal], receptacle: SceneObject, functional_point: int) -> float | None:
+    """The heading in a receptacle's frame at which a front faces the robot; None where no goal asks for it."""
+    asked = any(goal.relation in HEADINGS for goal in goals)
+    return FACING["facing_robot"] - receptacle.frame(functional_point).yaw if asked else None
+
+
+def slot_in(receptacle: SceneObject, functional_point: int, pose: Pose, goals: Iterable[Goal]) -> Slot:
+    """The slot at a pose in a receptacle; a thing may be turned round there unless a goal asks for its heading."""
+    turns = (0.0,) if any(goal.relation in HEADINGS for goal in goals) else Slot.turns
+    return Slot(receptacle.id, functional_point, pose, turns)
 
 
 def room_for(receptacle: SceneObject, functional_point: int, contents: Sequence[SceneObject]) -> np.ndarray:
@@ -126,8 +156,9 @@ def other_slots(slots: Mapping[str, Slot], object_id: str, objects: Mapping[str,
     rng = np.random.default_rng(list(object_id.encode()))
     found: list[Slot] = []
     with contextlib.suppress(InfeasibleScene):  # another draw finds no room either
+        headings = {} if len(own.turns) > 1 else {object_id: own.pose.yaw}
         for _ in range(LIMITS.spare_slots):
-            poses = allocate(receptacle, own.point, [objects[object_id]], rng, present)
+            poses = allocate(receptacle, own.point, [objects[object_id]], rng, present, headings)
             found.append(replace(own, pose=poses[object_id]))
     return found
 

@@ -18,6 +18,7 @@ from vcage.sim.state import WorldState
 from vcage.sim.world import PHYSICS_HZ, World
 from vcage.tasks.choices import Choices, Retry
 from vcage.tasks.primitives.grip import Grip, feel, minding
+from vcage.tasks.primitives.lift_together import carry_out_together, plan_together
 from vcage.tasks.primitives.pick import carry_out_pick
 from vcage.tasks.primitives.place import SETTINGS, Surroundings, carry_out_place, plan_place
 from vcage.tasks.primitives.push import carry_out_push
@@ -28,6 +29,9 @@ from vcage.tasks.workcell import TaskFailed, failing_at
 
 SHOWN_FOR = 0.5
 """Time for which a scanner is held before a code, seconds."""
+
+HELD_FOR = 0.5
+"""Time for which what is to be held up is watched, seconds."""
 
 
 @dataclass(frozen=True)
@@ -58,6 +62,7 @@ class Task(Choices):
         super().__init__(world, objects, slots, retry)
         self.moment: WorldState | None = None
         self._grip: Grip | None = None
+        self._keeping = {name for name, control in world.arms.items() if control.keeps}
 
     def pick(self, object_id: str, grasps: Sequence[tuple[int, str]], hand_to: str | None = None) -> None:
         """Grasp an object with the first of ``grasps`` (contact point, arm) from which it can be brought to its slot.
@@ -129,6 +134,31 @@ class Task(Choices):
             self._lift(self._grip)
         self.moment = self.world.state()
         self.world.step(round(seconds * PHYSICS_HZ))
+
+    def hold(self) -> None:
+        """Lift the picked object and hold it, whatever the other arms do next.
+
+        Raises:
+            TaskFailed: nothing is held any more, or it cannot be lifted, or slips out of the fingers.
+        """
+        if self._grip is None:
+            raise TaskFailed("grasp", "nothing was picked up before it is held")
+        self.wait(HELD_FOR)
+        feel(self._cell, self._grip)
+        self.moment = self.world.state()
+
+    def hold_with_both(self, object_id: str) -> None:
+        """Take an object with two hands, lift it with both arms at once, and hold it.
+
+        Args:
+            object_id: the object to hold.
+
+        Raises:
+            TaskFailed: no way can be planned, or a hand does not get hold of it or loses it.
+            UnknownName: there is no such object.
+        """
+        plan = plan_together(self._cell, self._cell.object(object_id), skip=len(self._retry.failed))
+        self.moment = carry_out_together(self._cell, plan)
 
     def shake(self) -> None:
         """Lift the picked object, and tilt it to and fro in the air.
@@ -216,8 +246,13 @@ class Task(Choices):
         operation.confirm()
 
     def home(self) -> None:
-        """Bring every arm home, open the grippers, and wait until everything is at rest."""
+        """Bring every arm home, open the grippers, and wait until everything is at rest.
+
+        An arm that held something when the task began goes on holding it.
+        """
         for name, control in self.world.arms.items():
+            if name in self._keeping:
+                continue
             begun, home = self._cell.begun(name), np.array(control.arm.home)
             if np.abs(begun.points() - home).max() > 1e-3:
                 with failing_at("place"):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 
 import numpy as np
 
@@ -11,11 +11,13 @@ from vcage.base.errors import UnknownName, VcageError
 from vcage.base.geometry import Pose
 from vcage.schema.episodes import AttemptStage
 from vcage.schema.plan import TABLE
+from vcage.sim.arms import move_together
 from vcage.sim.bodies import Body
 from vcage.sim.collision import CollisionScene, Held
 from vcage.sim.joints import part_names
 from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.paths import OPEN_HAND, JointPath, Leg
+from vcage.sim.trajectory import Trajectory
 from vcage.sim.world import World
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.state import resting_point
@@ -159,6 +161,30 @@ class Workcell:
                 self.world.arms[arm].move(self.planner(arm).fastest(path))
         except Touched as touched:
             raise TaskFailed(*self._touch(arm, load, touched)) from touched
+
+    def carry_out_together(self, object_id: str, trajectories: Mapping[str, Trajectory]) -> None:
+        """Move arms at the same time that hold one object together, from where it stands.
+
+        Args:
+            object_id: the object.
+            trajectories: of each arm that holds it.
+
+        Raises:
+            TaskFailed: an arm, or the object, presses on something else.
+        """
+        arms, contents = self.world.arms, self._taken.get(object_id, frozenset())
+        held = Allowance("hand", frozenset({object_id, *contents}))
+        load = Allowance("load", frozenset({*trajectories, *self.beside(object_id)}))
+        with ExitStack() as watched:
+            for name in trajectories:
+                mine = name == min(trajectories)
+                watched.enter_context(
+                    only_touching(self.world, name, object_id if mine else None, [held, load], contents if mine else ())
+                )
+            try:
+                move_together([(arms[name], trajectory) for name, trajectory in trajectories.items()])
+            except Touched as touched:
+                raise TaskFailed(*self._touch(min(trajectories), object_id, touched)) from touched
 
     def _touch(self, arm: str, load: str | None, touched: Touched) -> tuple[AttemptStage, str]:
         """At which stage an attempt ends with a touch, and why."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -46,7 +46,8 @@ class Workplace:
             rng: of all choices.
         """
         kinematics = {name: kinematics_of(arm) for name, arm in load_robot(scene.robot).arms.items()}
-        return cls(objects, kinematics, Ground.of(scene), rng)
+        ground = replace(Ground.of(scene), starts={o.id: o.aabb for o in objects})
+        return cls(objects, kinematics, ground, rng)
 
     @cached_property
     def by_id(self) -> dict[str, SceneObject]:
@@ -64,6 +65,10 @@ class Workplace:
     def with_objects(self, objects: Sequence[SceneObject]) -> Workplace:
         """Return the same workplace with other objects, or with objects at other places."""
         return replace(self, objects=objects)
+
+    def without_arms(self, arms: Collection[str]) -> Workplace:
+        """Return the same workplace without some arms."""
+        return replace(self, kinematics={name: arm for name, arm in self.kinematics.items() if name not in arms})
 
     def with_arms(self, arm: str | None, hand_to: str | None = None) -> Workplace:
         """Return the same workplace with the arms that may take part in a sub-task.

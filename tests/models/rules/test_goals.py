@@ -148,7 +148,26 @@ def test_several_objects_stacked_on_a_place_stand_on_each_other() -> None:
         ("Give the red block a shake", ["1: block_red shaken"]),
         ("Pick up the red block and hold it", ["1: block_red held_up"]),
         ("Hold up the red block with the left arm", ["1: block_red held_up"]),
+        ("Hold up the red block and the cup, one in each hand", ["1: block_red held_up", "1: cup_white held_up"]),
+        (
+            "Simultaneously pick up the red block and the cup, one with each arm",
+            ["1: block_red held_up", "1: cup_white held_up"],
+        ),
+        (
+            "Use one arm to hold up the cup and the other arm to put the red block on the plate",
+            ["1: cup_white held_up", "2: block_red on plate_white"],
+        ),
+        (
+            "Swap the red block and the cup",
+            ["1: block_red in_place_of cup_white", "1: cup_white in_place_of block_red"],
+        ),
+        ("Lift the cup with both hands", ["1: cup_white held_by_both"]),
+        ("Use both arms to grab the cup", ["1: cup_white held_by_both"]),
         ("Turn the red block to face the robot", ["1: block_red facing_robot"]),
+        (
+            "Put the red block on the plate and make sure it faces the robot",
+            ["1: block_red on plate_white", "1: block_red facing_robot"],
+        ),
         ("Pick up the red block and move it slightly away", ["1: block_red moved_away"]),
         ("Turn off the tap", ["1: tap_chrome/lever turned_back"]),
         ("Turn the tap on, then turn it off", ["1: tap_chrome/lever turned", "2: tap_chrome/lever turned_back"]),
@@ -156,10 +175,29 @@ def test_several_objects_stacked_on_a_place_stand_on_each_other() -> None:
     ],
 )
 def test_verbs_of_the_air_and_of_the_sides_are_read(sentence: str, goals: list[str]) -> None:
-    assert in_scene(sentence, "block/red", "plate/white", "tap/chrome") == goals
+    assert in_scene(sentence, "block/red", "plate/white", "tap/chrome", "cup/white") == goals
 
 
-@pytest.mark.parametrize("verb", ["Lift", "Shake", "Hold up"])
+@pytest.mark.parametrize(
+    ("sentence", "why"),
+    [
+        ("Put the red block on the plate with both arms", "two arms at once cannot be promised"),
+        ("Lift the plate with both arms, then put it on the table", "two arms at once cannot be promised"),
+        ("Lift the plate and the red block with both arms", "two arms at once cannot be promised"),
+        ("Hold up the red block, the blue block and the cup, one in each hand", "name two things"),
+    ],
+)
+def test_both_arms_only_hold_things_up(sentence: str, why: str) -> None:
+    with pytest.raises(UnreadInstruction, match=why):
+        in_scene(sentence, "block/red", "block/blue", "plate/white", "cup/white")
+
+
+def test_two_things_change_places_and_not_three() -> None:
+    with pytest.raises(UnreadInstruction, match="two things change places"):
+        in_scene("Swap the red block, the blue block and the plate", "block/red", "block/blue", "plate/white")
+
+
+@pytest.mark.parametrize("verb", ["Lift", "Shake", "Hold up", "Use both arms to lift"])
 def test_what_no_hand_carries_is_not_lifted(verb: str) -> None:
     with pytest.raises(UnreadInstruction, match="cannot be lifted"):
         in_scene(f"{verb} the tap", "tap/chrome")

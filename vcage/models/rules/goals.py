@@ -11,6 +11,7 @@ from vcage.base.errors import NoAssetFits
 from vcage.models.rules.meanings import Meanings, Things
 from vcage.models.rules.nouns import Conflict, Doubt, Noun
 from vcage.models.rules.sentence import ONE_ARM, OTHER_ARM, Command, not_read, parse
+from vcage.plans.actions import HOLDING
 from vcage.plans.consistency import inconsistencies, unordered_contradictions
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import AskedGoal, Goal, Reading, goal_of, part_that
@@ -20,11 +21,11 @@ ACTS = {"open": "open", "close": "open", "turn": "turn", "turn_off": "turn", "pr
 _DONE = {"open": "open", "close": "closed", "turn": "turned", "turn_off": "turned_back", "press": "pressed"}
 _EVENTS = {
     "scan": "scanned", "weigh": "weighed", "show": "presented", "lift": "lifted", "shake": "shaken", "hold": "held_up",
-    "away": "moved_away", "face": "facing_robot",
+    "in_hands": "held_up", "together": "held_by_both", "away": "moved_away", "face": "facing_robot",
 }  # fmt: skip
 _OTHER = {"left": "right", "right": "left", ONE_ARM: "right"}
 """The other arm; of an arm that is left open, the right one."""
-_IN_A_HAND = ("lift", "shake", "hold", "away", "face")
+_IN_A_HAND = ("lift", "shake", "hold", "in_hands", "together", "away", "face")
 """Commands about a thing that a hand carries."""
 _BRINGING = ("put", "hand", "tower", "show")
 """Commands that take a thing somewhere, which is lifted for it."""
@@ -263,6 +264,25 @@ class Goals:
             spot = self._meanings.spot_of(below, "to", command.things[0])
             self._add(command, above, spot.relation, spot.name)
 
+    def _in_hands(self, command: Command) -> None:
+        if len(self._named(command)) != 2:
+            raise Doubt(command.words, "each of two arms holds one thing: name two things")
+        self._event(command)
+
+    def _together(self, command: Command) -> None:
+        if len(self._named(command)) != 1:
+            raise Doubt(command.words, "both arms hold one thing together; of two things say: one in each hand")
+        self._event(command)
+
+    def _swap(self, command: Command) -> None:
+        names = self._named(command)
+        if len(names) != 2:
+            raise Doubt(command.words, "two things change places: name two")
+        for name, other in (names, names[::-1]):
+            if not self.things[name].can_be_carried:
+                raise Doubt(command.words, f"{name} cannot be lifted")
+            self._add(command, name, "in_place_of", other)
+
     def _row(self, command: Command) -> None:
         for left, right in itertools.pairwise(self._named(command, least=2)):
             self._add(command, left, "row_left_of", right)
@@ -297,12 +317,18 @@ class Goals:
 def _with_arms(commands: Sequence[Command]) -> list[Command]:
     """Commands with an arm only where it must be that one: "the other arm" is named by what came before.
 
+    While one arm holds something up, the other is the only one that can do what comes then.
+
     Raises:
         Conflict: it is not.
     """
     last: str | None = None
+    holds, later = False, 0.0
     found = []
     for command in commands:
+        if command.arm == OTHER_ARM and last == ONE_ARM and holds:
+            command, later = replace(command, arm=ONE_ARM), 0.5
+        command, holds = replace(command, group=command.group + later), holds or command.verb == "hold"
         if OTHER_ARM in (command.arm, command.how):
             before = last if command.arm == OTHER_ARM else command.arm or last
             if before is None or (before == ONE_ARM and command.how != OTHER_ARM):
@@ -320,6 +346,8 @@ def _needs(before: Sequence[AskedGoal], after: Sequence[AskedGoal]) -> bool:
 
 def _in_order(before: Goal, goal: Goal) -> bool:
     """Check if a goal must come after another: it is of the same thing, or the other opens the way for it."""
+    if goal.relation == "facing_robot" and before.relation in HOLDING and before.subject == goal.subject:
+        return False  # it is put there so that it faces the robot
     part, place = (before, goal) if before.relation in ("open", "closed") else (goal, before)
     if part.relation not in ("open", "closed") or place.relation in ("open", "closed"):
         return before.subject == goal.subject and (before.part == goal.part or part.relation not in ("open", "closed"))

@@ -28,6 +28,13 @@ REFUSED = {
 }  # fmt: skip
 """Words that no goal of the vocabulary can keep, and why."""
 
+_IN_EACH_HAND = re.compile(r"(?!.*\bthen\b)[^.;]*\b(in|with) each (arm|hand)[ .]*")
+_WITH_BOTH = re.compile(
+    r"(?!.*\b(then|and)\b)(?=.*\b(lift|raise|hold|keep|pick|take|grab|grasp)\b)"
+    r"[^,.;]*\b(with|in|using|use) both (arms|hands)\b[^,.;]*[ .]*"
+)
+"""Sentences that two arms can keep: both hold something at the end, one thing each or one together."""
+
 _POLITE = re.compile(
     r"\b(please|pls|kindly|carefully|gently|again|thanks|thank you|cheers|ta|for me|as well|now|just|hey|(?<!the )robot"
     r"|directly|slightly|straight|somewhere)\b"
@@ -74,7 +81,7 @@ class Command:
 
     Args:
         verb: a rule of the grammar: put, pick, open, close, turn, turn_off, press, weigh, scan, show, hand, lift,
-            shake, hold, away, face, stack, tower, row.
+            shake, hold, in_hands, together, away, face, stack, tower, row, swap.
         things: its objects; none where a row is of other things than those that are named.
         how: in, on, left_of, right_of, in_front_of, behind, beside, near, centred or to; for ``hand`` who gets it.
         place: where things go, or the tool.
@@ -91,7 +98,7 @@ class Command:
     place: Noun | None = None
     source: Noun | None = None
     arm: str | None = None
-    group: int = 0
+    group: float = 0
     at: int = 0
     words: str = ""
 
@@ -145,8 +152,12 @@ def _normal(typed: str) -> str:
     if not 0 < count <= LIMITS.words:
         raise not_read(typed, typed[:60], f"it has {count} words; 1 to {LIMITS.words} are read")
     text = re.sub(r"(?<=\w)[_/](?=\w)|[\"“”]", " ", typed.replace("’", "'")).lower()
+    if _IN_EACH_HAND.fullmatch(text):
+        text = re.sub(r"^(simultaneously|at the same time,?)\b", lambda found: " " * len(found[0]), text)
     for words, why in REFUSED.items():
-        if found := re.search(rf"\b({words})\b", text):
+        found = re.search(rf"\b({words})\b", text)
+        kept = found and {"each": _IN_EACH_HAND, "both": _WITH_BOTH}.get(found[0].split()[0])
+        if found and not (kept and kept.fullmatch(text)):
             raise not_read(typed, found[0], why)
     text = re.sub(r" - ", " ; ", _ASKS_TO_DO.sub(r"\1 ", text).replace("!", ".").replace(":", ";"))
     for blank in (_POLITE, _ENDS):
@@ -240,9 +251,19 @@ class _Commands(Transformer[Token, Any]):
         (command,) = self.__default__("put", [part for part in parts if isinstance(part, dict)], meta)
         return [replace(command, things=tuple(noun.without(but) for noun in command.things))]
 
+    def in_hands(self, meta: Any, parts: list[Any]) -> list[Command]:
+        things = parts[0]["things"]
+        if len(things) == 1 and things[0].count in (None, 1):  # "one bottle with each arm"
+            things = (replace(things[0], quantifier="", count=2),)
+        return self.__default__("in_hands", [{"things": things}], meta)
+
     def hand(self, meta: Any, parts: list[Any]) -> list[Command]:
         things, *giver, gets = parts
         return self.__default__("hand", [things, *giver, {"how": gets["arm"] or "any"}], meta)
+
+    def swap(self, meta: Any, parts: list[Any]) -> list[Command]:
+        named, *other = parts
+        return self.__default__("swap", [{"things": (*named["things"], *other)}], meta)
 
     def row(self, meta: Any, parts: list[Any]) -> list[Command]:
         things, *order, where = parts

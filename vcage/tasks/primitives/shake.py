@@ -9,11 +9,11 @@ from itertools import product
 import numpy as np
 
 from vcage.base.geometry import Pose
-from vcage.sim.motion import MotionFailed
-from vcage.sim.paths import JointPath
+from vcage.sim.motion import MotionFailed, MotionPlanner
+from vcage.sim.paths import JointPath, Load
 from vcage.sim.state import WorldState
 from vcage.tasks.primitives.grip import Grip, feel, minding
-from vcage.tasks.workcell import TaskFailed, Workcell
+from vcage.tasks.workcell import Workcell, failing_at
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,11 @@ def carry_out_shake(cell: Workcell, grip: Grip) -> WorldState:
     Raises:
         TaskFailed: no way can be planned, or the object slips out of the fingers.
     """
-    first, others = _planned(cell, grip)
+    control, middle = cell.world.arms[grip.arm], cell.object(grip.object_id).aabb.mean(axis=0)
+    with failing_at("plan"):
+        first, others = plan_shake(
+            cell.planner(grip.arm), cell.begun(grip.arm).end, control.tool_pose, middle, grip.load
+        )
     with minding(cell, grip):
         cell.carry_out(grip.arm, first)
         leaning = cell.world.state()
@@ -53,24 +57,34 @@ def carry_out_shake(cell: Workcell, grip: Grip) -> WorldState:
     return leaning
 
 
-def _planned(cell: Workcell, grip: Grip) -> tuple[JointPath, JointPath]:
-    """The way to the first lean, and the others: about the axis towards the customer, else about the other one."""
-    planner, start, reason = cell.planner(grip.arm), cell.begun(grip.arm).end, ""
-    load = replace(grip.load, speed=SETTINGS.speed)
-    for lean, still in _leans(cell, grip):
+def plan_shake(
+    planner: MotionPlanner, start: np.ndarray, gripper: Pose, middle: np.ndarray, load: Load
+) -> tuple[JointPath, JointPath]:
+    """The way to the first lean, and the others: about the axis towards the customer, else about the other one.
+
+    Args:
+        planner: of the arm.
+        start: (n,) its joints when the object is lifted, rad.
+        gripper: pose of the gripper frame then.
+        middle: (3,) the middle of the object then, in the world.
+        load: the object in the hand.
+
+    Raises:
+        MotionFailed: no way is free.
+    """
+    reason, load = "", replace(load, speed=SETTINGS.speed)
+    for lean, still in _leans(gripper, middle):
         try:
             first = planner.follow(start, [still, lean[0]], load)
             ways = [lean[number % 2] for number in range(1, SETTINGS.times)]
             return first, planner.follow(first.end, [*ways, still], load)
         except MotionFailed as error:
             reason = reason or error.message
-    raise TaskFailed("plan", f"{grip.object_id} cannot be shaken: {reason}")
+    raise MotionFailed(f"it cannot be tilted to and fro there: {reason}")
 
 
-def _leans(cell: Workcell, grip: Grip) -> Iterator[tuple[tuple[Pose, Pose], Pose]]:
+def _leans(gripper: Pose, middle: np.ndarray) -> Iterator[tuple[tuple[Pose, Pose], Pose]]:
     """Poses of the gripper at the two ends of a shake, and between them."""
-    gripper = cell.world.arms[grip.arm].tool_pose
-    middle = cell.object(grip.object_id).aabb.mean(axis=0)
     for axis, lean, rise in product(SETTINGS.axes, SETTINGS.leans_rad, SETTINGS.rises_m):
         up, (c, s) = Pose([0.0, 0.0, rise]), (np.cos(lean / 2), np.sin(lean / 2) * np.array(axis))
         there, back = (up * Pose(middle) * Pose(q=[c, *side]) * Pose(-middle) * gripper for side in (s, -s))

@@ -16,6 +16,7 @@ from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.templates.close import CLOSE
 from vcage.tasks.templates.hand_over import HandOver
 from vcage.tasks.templates.hold_up import HoldUp
+from vcage.tasks.templates.hold_with_both import HoldWithBoth
 from vcage.tasks.templates.lift import LIFT
 from vcage.tasks.templates.open import OPEN
 from vcage.tasks.templates.place import PLACE
@@ -60,7 +61,7 @@ TEMPLATES: dict[TemplateName, SubtaskTemplate] = {
     template.name: template
     for template in (
         PLACE, STACK, WEIGH, SET_DOWN, PUSH, PRESENT, Scan(), OPEN, CLOSE, PRESS, TURN, TURN_OFF, HandOver(), LIFT,
-        SHAKE, HoldUp(),
+        SHAKE, HoldUp(), HoldWithBoth(),
     )
 }  # fmt: skip
 """By name, in the order in which the search goes through them."""

@@ -38,7 +38,7 @@ class HoldUp:
         """The lines of the script's ``play``; GRASPS is a constant of the script."""
         return [
             f"task.pick({subtask.object!r}, grasps=[(contact, arm) for contact, arm, _ in GRASPS])",
-            "task.wait(0.5)",
+            "task.hold()",
         ]
 
 

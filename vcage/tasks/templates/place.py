@@ -22,7 +22,18 @@ from vcage.tasks.access import access, open_to_a_hand
 from vcage.tasks.feasibility import Transfer, examine, fits
 from vcage.tasks.findings import Feasibility, best_first
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.slots import CONTENT_GAP_M, Slot, allocate, kept_in_by, lying_in, opened_for, room_for, stands_flush
+from vcage.tasks.slots import (
+    CONTENT_GAP_M,
+    HEADINGS,
+    allocate,
+    heading_for,
+    kept_in_by,
+    lying_in,
+    opened_for,
+    room_for,
+    slot_in,
+    stands_flush,
+)
 from vcage.tasks.stowing import reached
 from vcage.tasks.templates.hand_over import examine_detour
 from vcage.tasks.templates.proposal import Proposal
@@ -58,6 +69,8 @@ class Placing:
                 for point in points
                 if self.takes(target, receptacle, point)
             ]
+            facing = [goal for goal in asked if goal.relation in HEADINGS and goal.subject == target.id]
+            mine += [replace(pair, facing=goal) for pair in mine for goal in facing if pair.goal in asked]
             if target.asset.annotation.carrying_points:
                 pairs += mine
             else:
@@ -111,13 +124,15 @@ class _AtSlot(NamedTuple):
 class Pair(Proposal):
     """An ordered pair, the object that is put first, with one functional point.
 
-    Where no arm reaches both ends it changes hands on its way, if that is among the goals in ``asked``.
+    Where no arm reaches both ends it changes hands on its way, if that is among the goals in ``asked``. With ``facing``
+    it is put there with the heading of that goal.
     """
 
     template: Placing
     receptacle: SceneObject
     point: FunctionalPoint
     asked: Collection[Goal]
+    facing: Goal | None = None
 
     @cached_property
     def _opened(self) -> SceneObject:
@@ -127,7 +142,8 @@ class Pair(Proposal):
     @property
     def goals(self) -> list[Goal]:
         """Goals it would achieve, its own first."""
-        return list(dict.fromkeys([self.goal, lying(self.thing, self.receptacle, self.point)]))
+        heading = [] if self.facing is None else [self.facing]
+        return list(dict.fromkeys([self.goal, lying(self.thing, self.receptacle, self.point), *heading]))
 
     @property
     def templates(self) -> tuple[TemplateName, ...]:
@@ -218,9 +234,12 @@ class Pair(Proposal):
         """
         present = lying_in(self.receptacle, self.point, others)
         tried = _AtSlot({}, [], [])
+        heading = heading_for(self.goals, self._opened, self.point.id)
+        headings = {} if heading is None else {self.thing.id: heading}
         for number in range(slots):
-            slot = allocate(self._opened, self.point.id, [self.thing], workplace.rng, present)[self.thing.id]
-            poses = Slot(self.receptacle.id, self.point.id, slot).poses({self.receptacle.id: self._opened})
+            drawn = allocate(self._opened, self.point.id, [self.thing], workplace.rng, present, headings)
+            slot = slot_in(self._opened, self.point.id, drawn[self.thing.id], self.goals)
+            poses = slot.poses({self.receptacle.id: self._opened})
             transfers = {
                 c.id: Transfer.into(thing, c, self._opened, self.point, poses, others)
                 for c in thing.asset.annotation.carrying_points
@@ -253,6 +272,7 @@ class Pair(Proposal):
         word = word if hand_to is None else f"handed-{word}"
         several = len(self.receptacle.asset.annotation.functional_points) > 1
         suffix = f"-{self.point.link or self.point.id}" if several else ""
+        suffix += "" if self.facing is None else f"-{self.facing.relation}"
         return self.subtask(
             f"{self.thing.id}-{word}-{self.receptacle.id}{suffix}",
             objects,

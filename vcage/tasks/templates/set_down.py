@@ -19,7 +19,7 @@ from vcage.tasks.workplace import Workplace
 
 _RELATIONS = (
     "left_of", "right_of", "in_front_of", "behind", "beside", "near", "row_left_of", "back", "centred", "moved_away",
-    "facing_robot",
+    "facing_robot", "in_place_of",
 )  # fmt: skip
 
 
@@ -83,7 +83,7 @@ class Move(Proposal):
     def examine(self, workplace: Workplace) -> tuple[Subtask | None, list[Refusal]]:
         """The sub-task if an arm can bring the object to one of a few places, else the refusals."""
         there = reached(self.thing, workplace.others(self.thing.id))
-        thing, others = there.thing, there.others
+        thing, others = there.thing, workplace.ground.after_leaving(self.goal, there.others)
         poses = list(islice(workplace.ground.poses(thing, self.goal, others, workplace.rng), LIMITS.table_places))
         if not poses:
             return None, [self.refusal(f"there is no room on the table {self._wanted}")]

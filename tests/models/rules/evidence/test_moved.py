@@ -125,6 +125,16 @@ def test_a_returned_object_stands_at_its_start(away: float, back: bool) -> None:
     assert told.accepted is back, told.reason
 
 
+@pytest.mark.parametrize(("away", "there"), [(0.0, True), (0.09, False)])
+def test_an_object_in_place_of_another_stands_where_that_stood(away: float, there: bool) -> None:
+    goal = Goal(subject=APPLE.id, relation="in_place_of", reference=PLATE.id)
+    elsewhere = {PLATE.id: Pose([-0.1, -0.1, TABLE_TOP])}
+    states = {"start": {}, "before": elsewhere}
+    after = {**elsewhere, APPLE.id: Pose(PLATE.pose.p + [away, 0, 0], APPLE.pose.q)}
+    told = judged([goal], {**states, "after": after}, APPLE.id, PLATE.id)
+    assert told.accepted is there, told.reason
+
+
 @pytest.mark.parametrize(("slid", "weighed"), [(0.0, True), (0.04, False)])
 def test_a_weighed_object_lies_still_on_the_scale(slid: float, weighed: bool) -> None:
     goals = [Goal(subject=APPLE.id, relation="weighed"), Goal(subject=APPLE.id, relation="on", reference=SCALE.id)]

@@ -9,6 +9,7 @@ from vcage.models.rules.evidence.handed import judge_handed
 from vcage.models.rules.evidence.judgement import Judgement
 from vcage.models.rules.evidence.moved import (
     judge_centred,
+    judge_in_place_of,
     judge_moved,
     judge_moved_away,
     judge_presented,
@@ -17,7 +18,7 @@ from vcage.models.rules.evidence.moved import (
 )
 from vcage.models.rules.evidence.parts import judge_part, judge_pressed
 from vcage.models.rules.evidence.placed import judge_placed, judge_weighed
-from vcage.models.rules.evidence.raised import in_the_air, judge_held_up
+from vcage.models.rules.evidence.raised import in_the_air, judge_held_by_both, judge_held_up
 from vcage.models.rules.evidence.scanned import judge_scanned
 
 EVIDENCE: dict[str, Judgement] = {
@@ -27,6 +28,7 @@ EVIDENCE: dict[str, Judgement] = {
     "moved": judge_moved,
     "related": judge_related,
     "centred": judge_centred,
+    "in_place_of": judge_in_place_of,
     "moved_away": judge_moved_away,
     "presented": judge_presented,
     "facing_robot": judge_presented,
@@ -35,6 +37,7 @@ EVIDENCE: dict[str, Judgement] = {
     "weighed": judge_weighed,
     "lifted": in_the_air(leans=False),
     "held_up": judge_held_up,
+    "held_by_both": judge_held_by_both,
     "shaken": in_the_air(leans=True),
     "handed": judge_handed,
 }

@@ -13,6 +13,20 @@ from vcage.models.rules.pixels import Change, changed_between, share_of
 from vcage.models.rules.standing import Standing
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal
+from vcage.vision.protocols import View
+
+EDGE_SHARE = 0.35
+"""Depth of the strip on the robot's side of the picture, as a share of its height."""
+
+REACHES_SHARE = 0.09
+"""Share of one half of that strip that an arm changes: each reaches in from its own side."""
+
+
+def arms_out(before: View, now: View) -> tuple[float, float]:
+    """Share of the strip on the robot's side that changed, in its left and right half, seen from above."""
+    things = Change.between(before, now).things  # an arm's shadow falls on the other one's side
+    left, right = np.array_split(things[-round(len(things) * EDGE_SHARE) :], 2, axis=1)
+    return float(left.mean()), float(right.mean())
 
 
 @dataclass(frozen=True)
@@ -33,41 +47,32 @@ class Between:
     new: Standing
 
     @classmethod
-    def gather(cls, view: CriticView, name: str, edge_share: float = 0.35) -> Between | None:
+    def gather(cls, view: CriticView, name: str) -> Between | None:
         """Measure an object that is in neither place while arms reach out; None where it is not found.
 
         Args:
             view, name: of the question, and of the object.
-            edge_share: depth of the strip on the robot's side of the picture, as a share of its height.
         """
         moved = Moved.of(view, name)
         if moved.old is None or moved.new is None:
             return None
         before, moment, after = view.before["top"], view.moment["top"], view.after["top"]
-        things = Change.between(before, moment).things  # an arm's shadow falls on the other one's side
-        edge = things[-round(len(things) * edge_share) :]
-        left, right = np.array_split(edge, 2, axis=1)
         return cls(
             left=share_of(changed_between(before, moment), moved.old.covered),
             to_come=share_of(changed_between(after, moment), moved.new.covered),
-            arms=(float(left.mean()), float(right.mean())),
+            arms=arms_out(before, moment),
             old=moved.old,
             new=moved.new,
         )
 
-    def verdict(self, thing: str, changed_share: float = 0.09) -> Verdict:
-        """Judge if it was in the air, with both arms out, at the moment.
-
-        Args:
-            thing: words for the object.
-            changed_share: share of one half of the strip that an arm changes: each reaches in from its own side.
-        """
+    def verdict(self, thing: str) -> Verdict:
+        """Judge if it was in the air, with both arms out, at the moment."""
         if self.left < LEFT_SHARE:
             return refused(f"the {thing} lies where it was at the moment of the hand-over", 1 - self.left, "lost")
         if self.to_come < LEFT_SHARE:
             return refused(f"the {thing} was put down before the moment of the hand-over", 1 - self.to_come)
         changed = " and ".join(f"{100 * share:.0f} %" for share in self.arms)
-        if min(self.arms) < changed_share:
+        if min(self.arms) < REACHES_SHARE:
             return refused(f"not both arms reach out at the hand-over: {changed} of their sides changed", 0.8)
         return decided(
             True, f"the {thing} is in the air while both arms reach out: {changed} of their sides changed", 0.7

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vcage.goals.centred import off_centre
+from vcage.goals.in_place_of import off_place
 from vcage.goals.moved_away import outwards
 from vcage.goals.row_left_of import in_row
 from vcage.goals.thresholds import THRESHOLDS
@@ -137,7 +138,8 @@ def judge_presented(view: CriticView, goal: Goal) -> Judged:
     with its front to the robot."""
     moved, thing = Moved.of(view, goal.subject), view.phrase(goal.subject)
     verdict, explained = judge_moved(view, goal)
-    if not verdict.accepted or moved.new is None:
+    held = any(one.subject == goal.subject and one.reference in view.question.planned for one in view.question.goals)
+    if moved.new is None or not (verdict.accepted or held):  # another goal tells whether it is in or on a thing
         return Judged(verdict, explained)
     who = "customer" if goal.relation == "presented" else "robot"
     stands, towards = moved.new.pose, np.array(view.question.towards_customer) * (1 if who == "customer" else -1)
@@ -161,6 +163,21 @@ def judge_moved_away(view: CriticView, goal: Goal) -> Judged:
     far = outwards(started.pose.p, moved.new.pose.p)
     seen = f"the {thing} is seen {100 * far:.0f} cm farther out than it stood"
     return Judged(decided(far >= THRESHOLDS.away_m - SETTINGS.seen_m, seen, 0.8, "astray"), explained)
+
+
+def judge_in_place_of(view: CriticView, goal: Goal) -> Judged:
+    """Judge whether an object was put down where another one stood at the start."""
+    moved, thing = Moved.of(view, goal.subject), view.phrase(goal.subject)
+    verdict, explained = judge_moved(view, goal)
+    if not verdict.accepted or moved.new is None:
+        return Judged(verdict, explained)
+    other = view.sought(str(goal.reference))
+    stood = other.found(view.start) if "top" in view.start else None
+    if stood is None:
+        return Judged(refused(f"the {other.look.phrase} is not found at the start", 0.6), explained)
+    away = off_place(moved.new.aabb, stood.aabb)
+    seen = f"the {thing} is seen {100 * away:.1f} cm from where the {other.look.phrase} stood"
+    return Judged(decided(away <= THRESHOLDS.swapped_m + SETTINGS.seen_m, seen, 0.8, "astray"), explained)
 
 
 def _alike(view: CriticView, thing: Sought, new: Standing | None, came: np.ndarray) -> float:

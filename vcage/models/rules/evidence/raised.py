@@ -16,6 +16,7 @@ from vcage.base.geometry import Pose
 from vcage.goals.thresholds import THRESHOLDS
 from vcage.models.rules.critic_view import AROUND_PX, CriticView
 from vcage.models.rules.drawings import as_bright, drawn_whole
+from vcage.models.rules.evidence.handed import REACHES_SHARE, arms_out
 from vcage.models.rules.evidence.judgement import LEFT_SHARE, Judged, Judgement, decided, refused, unseen
 from vcage.models.rules.evidence.moved import Moved
 from vcage.models.rules.pixels import changed, grown
@@ -51,7 +52,7 @@ class RaisedSettings:
     telling_share: float = 0.3
     near_m: float = 0.04
     cap_lab: float = 30.0
-    joined_px: float = 3.0
+    joined_px: float = 10.0
     leaning_share: float = 0.1
 
 
@@ -188,6 +189,25 @@ def judge_held_up(view: CriticView, goal: Goal) -> Judged:
     """Judge if an object is in the air in the end; the arm that still holds it explains what it hides. On a table of
     its colour it changes that as a shadow does."""
     verdict, explained = in_the_air(leans=False)(view, goal)
+    return Judged(verdict, explained | _arm_seen(view))
+
+
+def _arm_seen(view: CriticView) -> np.ndarray:
+    """(H, W) bool, what changed in one piece with an edge of the picture, at which no object stands, and around it."""
     _, labels = cv2.connectedComponents(grown(view.change.all, SETTINGS.joined_px).astype(np.uint8))
-    arm = np.isin(labels, np.setdiff1d(labels[-1], 0))  # it reaches in from the robot's side
-    return Judged(verdict, explained | grown(arm, AROUND_PX))
+    edge = np.concatenate([labels[-1], labels[0], labels[:, 0], labels[:, -1]])  # an arm may leave the picture, too
+    arm = np.isin(labels, np.setdiff1d(edge, 0))
+    return grown(arm, AROUND_PX)
+
+
+def judge_held_by_both(view: CriticView, goal: Goal) -> Judged:
+    """Judge if an object is level in the air in the end, with both arms out to it."""
+    judged = judge_held_up(view, goal)
+    if not judged.verdict.accepted:
+        return judged
+    arms = arms_out(view.before["top"], view.after["top"])
+    changed = " and ".join(f"{100 * share:.0f} %" for share in arms)
+    if min(arms) < REACHES_SHARE:
+        return judged._replace(verdict=refused(f"not both arms reach out: {changed} of their sides changed", 0.8))
+    reason = f"{judged.verdict.reason}, and both arms reach out: {changed} of their sides changed"
+    return judged._replace(verdict=judged.verdict.model_copy(update={"reason": reason}))
