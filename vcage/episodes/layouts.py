@@ -18,6 +18,8 @@ import numpy as np
 from vcage.base.attempts import LIMITS, GaveUp, Refused, first_accepted, least_costly
 from vcage.base.errors import InfeasibleScene, NoFeasibleTask
 from vcage.base.geometry import Pose, world_aabb
+from vcage.goals.centred import off_centre
+from vcage.goals.thresholds import THRESHOLDS
 from vcage.layout.items import ANY_YAW, FRONT_YAWS, TableItem, hand_clearance, table_item
 from vcage.layout.optimize import LayoutOptions
 from vcage.layout.placement.place import place
@@ -189,6 +191,8 @@ class Layouts:
             word = next((word for word in get_args(RelationWord) if word == goal.relation), None)
             if word is not None and goal.reference in boxes:
                 found |= {goal} if holds(word, boxes[goal.subject], boxes[str(goal.reference)]) else set()
+            elif goal.relation == "centred" and off_centre(boxes[goal.subject]) <= THRESHOLDS.centred_m:
+                found.add(goal)
         return found
 
     def _solved(self, rng: np.random.Generator) -> dict[str, Pose]:

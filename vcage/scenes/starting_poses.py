@@ -13,7 +13,10 @@ import numpy as np
 
 from vcage.base.attempts import LIMITS, GaveUp, Refused, first_accepted
 from vcage.base.errors import InfeasibleScene
-from vcage.base.geometry import Pose
+from vcage.base.geometry import Pose, world_aabb
+from vcage.base.text import listed
+from vcage.goals.centred import off_centre
+from vcage.goals.thresholds import THRESHOLDS
 from vcage.layout.capacities import capacity_of, opening_for
 from vcage.layout.items import TableItem, table_item
 from vcage.layout.placement.place import place
@@ -36,6 +39,9 @@ from vcage.tasks.stowing import point_in, stow
 
 MARGIN_M = 0.015
 """Smallest gap between two objects: wide enough for the picture to show the table between them."""
+
+_CENTRAL = "at the centre of the table"
+"""Why poses are refused at which a thing that is to be brought there stands there already."""
 
 BORDER_PX = 2.0
 """Width that stays free between an object and the edge of the top view."""
@@ -66,6 +72,7 @@ class StartingPoses:
         self._items = _place_items([o for o in objects if o.starts_in_part is None], template, context)
         self._described = [d for d in descriptions if d.part is None]
         moved = {asked.goal.subject for asked in goals}
+        self._to_centre = [asked.goal.subject for asked in goals if asked.goal.relation == "centred"]
         self._taken = [
             d.subject for d in self._described if d.relation in HOLDING and d.reference != TABLE and d.subject in moved
         ]
@@ -80,6 +87,8 @@ class StartingPoses:
 
         def place_for_hands() -> dict[str, Pose]:
             poses = self._placed(rng)
+            if central := [name for name in self._to_centre if name in poses and self._is_central(name, poses[name])]:
+                raise Refused(_CENTRAL, central)
             if stuck := self._stuck(poses):
                 raise Refused("no hand has room", stuck)
             return poses | self._stowed(poses, rng)
@@ -89,6 +98,8 @@ class StartingPoses:
         except GaveUp as error:
             last = error.refusals[-1]
             assert isinstance(last, Refused)
+            if str(last) == _CENTRAL:
+                raise InfeasibleScene(f"{listed(last.about)} cannot start elsewhere than {_CENTRAL}") from None
             raise self._out_of_reach(last.about) from None
 
     def _out_of_reach(self, stuck: Collection[str]) -> InfeasibleScene:
@@ -99,6 +110,11 @@ class StartingPoses:
             hint="ask for something smaller, or for another starting place",
             details={"objects": stuck},
         )
+
+    def _is_central(self, name: str, pose: Pose) -> bool:
+        """True if an object would stand where it is to be brought to: at the centre of the table."""
+        (thing,) = (o for o in self._objects if o.id == name)
+        return off_centre(world_aabb(asset_of(thing, self._context).bounds, pose)) <= THRESHOLDS.centred_m
 
     def _placed(self, rng: np.random.Generator) -> dict[str, Pose]:
         """Poses of all items, such that their descriptions are true."""
