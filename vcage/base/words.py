@@ -20,7 +20,9 @@ def word_set(*lines: str) -> frozenset[str]:
     return frozenset(word for line in lines for word in line.split())
 
 
-NO_PLURAL = word_set("scissors pliers tongs tweezers headphones glasses cutlery stationery bus gas chess electronics")
+NO_PLURAL = word_set(
+    "scissors pliers tongs tweezers headphones glasses cutlery stationery bus gas chess electronics fries"
+)
 """Words that end like a plural and are singular."""
 
 NUMBERS = {

@@ -138,7 +138,8 @@ def _name_level(words: Sequence[str], name: Sequence[str], names: Names) -> int:
         return 0
     if sorted(stated) == sorted(own) or "".join(stated) == "".join(own):
         return EXACT if name in (names.words, names.plural, names.own) else SYNONYM
-    return HEAD if stated[-1] == own[-1] and set(stated) <= set(own) else 0
+    ends_alike = stated[-1] == own[-1] and "for" not in own  # a box for shoes is no shoe
+    return HEAD if ends_alike and set(stated) <= set(own) else 0
 
 
 def is_of_kind(word: str, entry: CatalogueEntry, names: Names) -> bool:

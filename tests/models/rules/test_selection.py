@@ -33,6 +33,15 @@ def test_a_colour_foreign_to_a_kind_is_refused_with_the_known_ones() -> None:
     assert "apple comes in red, green only" in refused.value.hint
 
 
+def test_a_box_for_shoes_is_no_shoe() -> None:
+    with pytest.raises(NoAssetFits):
+        chosen("Put the shoe in the basket", "content")
+
+
+def test_fries_are_one_portion() -> None:
+    assert chosen("Put the fries on the tray", "content") == ["french_fries"]
+
+
 def look_of(sentence: str, asset: str) -> str:
     return next(o.variant for o in selected(sentence).objects if o.asset == asset)
 
