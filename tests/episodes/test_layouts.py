@@ -12,13 +12,15 @@ import pytest
 from tests.run_folders import OPTIONS, Finished, copied
 from vcage.base.attempts import LIMITS
 from vcage.base.errors import InfeasibleScene
-from vcage.base.geometry import boxes_overlap, world_aabb
+from vcage.base.geometry import Pose, boxes_overlap, world_aabb
 from vcage.episodes import layouts
 from vcage.episodes.layouts import Layout, Layouts, NoLayout
+from vcage.goals.thresholds import THRESHOLDS
 from vcage.plans.kept import relations_kept
 from vcage.plans.relations import ground_box
 from vcage.runs.inputs import read_plan
 from vcage.schema.episodes import Episodes
+from vcage.schema.goals import goal_of
 from vcage.schema.plan import Relation
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask, Subtasks
@@ -114,6 +116,16 @@ def test_a_layout_with_a_goal_already_true_is_refused(finished, scene, chain, re
     with pytest.raises(NoLayout) as caught:
         source.draw(np.random.default_rng(0))
     assert f"{goal} already" in caught.value.details["refused"]
+
+
+def test_a_layout_with_a_thing_at_the_centre_that_is_to_go_there_is_refused(finished, scene, chain, relations):
+    goal = goal_of([chain[0].object, "centred"])
+    block = next(o for o in finished.context.objects(scene) if o.id == goal.subject)
+    source = Layouts(scene, relations, [chain[0].model_copy(update={"goals": [goal]})], finished.context)
+    now = {o.id: o.pose for o in finished.context.objects(scene)}
+    off, at_centre = (now | {block.id: Pose([x, 0.0, block.pose.p[2]])} for x in (2 * THRESHOLDS.centred_m, 0.0))
+    assert source._fulfilled(off) == set()
+    assert source._fulfilled(at_centre) == {goal}
 
 
 def test_a_goal_that_the_runs_own_layout_fulfils_too_is_no_reason_to_refuse(finished, scene, chain, relations):

@@ -18,14 +18,12 @@ import numpy as np
 from vcage.base.attempts import LIMITS, GaveUp, Refused, first_accepted, least_costly
 from vcage.base.errors import InfeasibleScene, NoFeasibleTask
 from vcage.base.geometry import Pose, world_aabb
-from vcage.goals.centred import off_centre
-from vcage.goals.thresholds import THRESHOLDS
 from vcage.layout.items import ANY_YAW, FRONT_YAWS, TableItem, hand_clearance, table_item
 from vcage.layout.optimize import LayoutOptions
 from vcage.layout.placement.place import place
 from vcage.plans.descriptions import described_relations
 from vcage.plans.kept import relations_kept, relations_kept_in
-from vcage.plans.relations import ground_box, holds
+from vcage.plans.relations import ground_box
 from vcage.runs.context import StageContext
 from vcage.scenes.layout_items import Targets, layout_items, nearest_layout
 from vcage.schema.goals import Goal
@@ -37,6 +35,8 @@ from vcage.tasks.described import complaints
 from vcage.tasks.rehearsal import examined, proven
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import Slot
+from vcage.tasks.state import StillState
+from vcage.tasks.truth import goals_hold
 from vcage.tasks.workplace import Workplace
 
 logger = logging.getLogger(__name__)
@@ -105,8 +105,8 @@ class Layouts:
         self._margin = float(scene.provenance.options.get("margin", LayoutOptions.margin))
         self._robot = load_robot(scene.robot)
         now = {name: o.pose for name, o in self._objects.items()}
-        # A chain may bring a thing back to where it is at the start.
-        self._fulfilled_before = self._fulfilled({o.id: np.array(o.aabb) for o in scene.objects})
+        # A chain may bring a thing back to where descriptions say that it is at the start.
+        self._fulfilled_before = {g for g in self._fulfilled(now) if g.relation in get_args(RelationWord)}
         self._standing = [
             replace(item, yaws=self._headings(self._objects[item.id]))
             for item in layout_items(scene, Targets(now, self._inside), context)
@@ -173,7 +173,7 @@ class Layouts:
             raise Refused(false[0])
         if broken := self._broken(boxes):
             raise Refused(f"not {broken[0]}")
-        if fulfilled := self._fulfilled(boxes) - self._fulfilled_before:
+        if fulfilled := self._fulfilled(poses) - self._fulfilled_before:
             raise Refused(f"{min(map(str, fulfilled))} already")
 
     def _boxes(self, poses: Mapping[str, Pose]) -> dict[str, np.ndarray]:
@@ -184,16 +184,12 @@ class Layouts:
         """The relations that do not hold between these boxes, in words."""
         return relations_kept(self._relations, boxes, self._on).sentences
 
-    def _fulfilled(self, boxes: Mapping[str, np.ndarray]) -> set[Goal]:
-        """Goals of the chain about where things stand that are true where objects have these boxes (2, 3)."""
-        found = set()
-        for goal in (goal for subtask in self._chain for goal in subtask.goals if goal.part is None):
-            word = next((word for word in get_args(RelationWord) if word == goal.relation), None)
-            if word is not None and goal.reference in boxes:
-                found |= {goal} if holds(word, boxes[goal.subject], boxes[str(goal.reference)]) else set()
-            elif goal.relation == "centred" and off_centre(boxes[goal.subject]) <= THRESHOLDS.centred_m:
-                found.add(goal)
-        return found
+    def _fulfilled(self, poses: Mapping[str, Pose]) -> set[Goal]:
+        """Goals of the chain about how things stand that are true where objects have these poses."""
+        state = StillState({name: o.moved(poses[name]) for name, o in self._objects.items()})
+        goals = {goal for subtask in self._chain for goal in subtask.goals if goal.kind.may_hold_already}
+        placed = (goal for goal in goals if goal.reference != TABLE and goal.part is None)
+        return {goal for goal in placed if goals_hold([goal], state).success}
 
     def _solved(self, rng: np.random.Generator) -> dict[str, Pose]:
         """The layout that keeps the plan and is nearest to a random one."""

@@ -178,6 +178,11 @@ class GoalKind:
     shown: Shown = field(default_factory=Shown)
 
     @property
+    def may_hold_already(self) -> bool:
+        """True for a goal about how an object stands, which may be so before anything is done."""
+        return self.acts_on is None and self.happens is None and not self.fleeting and not self.shown.start
+
+    @property
     def form(self) -> str:
         """The form in which a person states such a goal; {} is the word."""
         part = "/PART" if self.acts_on else ""
