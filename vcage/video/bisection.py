@@ -12,12 +12,12 @@ class BisectionSettings:
     """Guesses of the next trial. They change the number of trials, never the result.
 
     Args:
-        growth_per_crf: growth of ln(loss) per CRF step, measured on rendered clips.
+        growth_per_crf: growth of ln(loss) per CRF step: the median of 15 pairs of CRFs on five rendered clips, of HEVC.
         least_growth, most_growth: limits on the growth between two trials: close ones of little loss give any.
         guesses: trials by the expected growth; then the range is halved.
     """
 
-    growth_per_crf: float = 0.18
+    growth_per_crf: float = 0.22
     least_growth: float = 0.08
     most_growth: float = 0.4
     guesses: int = 5
