@@ -12,7 +12,7 @@ from itertools import product
 import numpy as np
 
 from vcage.base.geometry import Camera, Pose, look_at
-from vcage.episodes.question import TOP, cameras
+from vcage.episodes.question import cameras
 from vcage.schema.asset import Face, PhysicalModel
 from vcage.schema.goals import Goal
 from vcage.schema.randomisation import Look
@@ -99,7 +99,8 @@ class Photographer:
         """The view from above of the table with nothing on it, the robot as it is."""
         state = self.world.state()
         away = {key: Pose([0.0, 0.0, -9.0 - number]) for number, key in enumerate(state.objects)}
-        picture = self.shots(WorldState(away, state.joints, state.object_joints))[TOP]
+        self.world.set_state(WorldState(away, state.joints, state.object_joints))
+        picture = shoot(self.world, self._scene.top_camera.camera())
         self.world.set_state(state)
         return picture
 
