@@ -99,3 +99,15 @@ print(-faults() + faults())
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert (int(done.stdout) < 3 * 2048) == reuse  # pages of one turn
+
+
+def test_the_values_used_last_are_kept_up_to_a_number_of_bytes():
+    recent, made = memory.Recent[str, str](most_bytes=8), []
+
+    def value_of(key: str) -> str:
+        return recent.get(key, lambda: made.append(key) or key, len)
+
+    assert [value_of(key) for key in ("aaaa", "bbbb", "aaaa", "cccc", "aaaa", "bbbb")] == [
+        *("aaaa", "bbbb", "aaaa", "cccc", "aaaa", "bbbb")
+    ]
+    assert made == ["aaaa", "bbbb", "cccc", "bbbb"]

@@ -7,9 +7,10 @@ import ctypes
 import functools
 import re
 import resource
-from collections.abc import Callable
+from collections import OrderedDict
+from collections.abc import Callable, Hashable
 from pathlib import Path
-from typing import ParamSpec, TypeVar
+from typing import Generic, ParamSpec, TypeVar
 from weakref import WeakSet
 
 P = ParamSpec("P")
@@ -95,6 +96,39 @@ def reuse_freed_memory(kept_bytes: int = 128 << 20, array_bytes: int = 32 << 20)
     if hasattr(library, "mallopt"):
         library.mallopt(_M_TRIM_THRESHOLD, kept_bytes)
         library.mallopt(_M_MMAP_THRESHOLD, array_bytes)
+
+
+K = TypeVar("K", bound=Hashable)
+V = TypeVar("V")
+
+
+class Recent(Generic[K, V]):
+    """The values used last, up to a number of bytes.
+
+    Args:
+        most_bytes: of all values together.
+    """
+
+    def __init__(self, most_bytes: int):
+        self._most_bytes, self._bytes = most_bytes, 0
+        self._values: OrderedDict[K, tuple[V, int]] = OrderedDict()
+
+    def get(self, key: K, make: Callable[[], V], size: Callable[[V], int]) -> V:
+        """Return the value of a key, made where it is not there.
+
+        Args:
+            key: of the value.
+            make: makes it.
+            size: its bytes.
+        """
+        if key not in self._values:
+            value = make()
+            self._values[key] = value, size(value)
+            self._bytes += self._values[key][1]
+            while self._bytes > self._most_bytes and len(self._values) > 1:
+                self._bytes -= self._values.popitem(last=False)[1][1]
+        self._values.move_to_end(key)
+        return self._values[key][0]
 
 
 _remembering: WeakSet[functools._lru_cache_wrapper] = WeakSet()

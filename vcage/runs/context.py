@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Hashable, Mapping
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
 from vcage.base.geometry import Camera, Pose
+from vcage.base.memory import Recent
 from vcage.layout.capacities import capacity_of
 from vcage.layout.items import TableItem
 from vcage.layout.placement.reach import reach_for, robot_reach
@@ -37,6 +38,10 @@ METRES_PER_PIXEL = 0.0015
 """Scale of the reference pictures of assets, about that of the top camera."""
 
 
+DRAWINGS_BYTES = 48_000_000
+"""Of the drawings of single objects that are kept: in a scene of five objects, those of two or three sub-tasks."""
+
+
 class StageContext:
     """Shared by the stages of one process.
 
@@ -53,6 +58,7 @@ class StageContext:
         self._networks = detector, embedder
         self._references: dict[tuple[str, str, tuple[float, ...]], np.ndarray] = {}
         self._drawers: dict[tuple[str, str], ModelDrawer] = {}
+        self._drawings: Recent[Hashable, Drawing] = Recent(DRAWINGS_BYTES)
         self._reach: dict[tuple[str, Workspace, Table, bool, str | None, Tilted], np.ndarray] = {}
 
     @cached_property
@@ -148,12 +154,16 @@ class StageContext:
     def drawing(
         self, record: ObjectRecord, pose: Pose, camera: Camera, window: Window, shares: Mapping[str, float]
     ) -> Drawing:
-        """Draw one object as a camera sees it, with some parts at a share of their range and the others at rest."""
-        model, key = self.asset(record).model, (record.asset, record.variant)
-        if key not in self._drawers:
-            self._drawers[key] = ModelDrawer({record.asset: model})
+        """Draw one object as a camera sees it, with some parts at a share of their range and the others at rest.
+
+        Recent drawings are kept: a critic looks for most objects in the same places after each sub-task.
+        """
+        model, name = self.asset(record).model, (record.asset, record.variant)
+        if name not in self._drawers:
+            self._drawers[name] = ModelDrawer({record.asset: model})
         joints = tuple(shares.get(link.name, 0.0) * link.joint.far_end for link in model.links)
-        return self._drawers[key].draw(record.asset, pose, camera, window, joints)
+        draw = partial(self._drawers[name].draw, record.asset, pose, camera, window, joints)
+        return self._drawings.get((*name, pose, camera, window, joints), draw, lambda drawing: drawing.nbytes)
 
     def look(self, record: ObjectRecord, opened: Collection[str] = ()) -> Reference:
         """Return the reference look of an object for the critic, with some parts open, pressed or turned."""

@@ -63,6 +63,11 @@ class Drawing:
     covered: np.ndarray
     depth: np.ndarray
 
+    @property
+    def nbytes(self) -> int:
+        """Memory that it takes."""
+        return self.picture.nbytes + self.covered.nbytes + self.depth.nbytes
+
 
 class Drawer(Protocol):
     """Draws the objects of a scene."""
@@ -119,7 +124,10 @@ class ModelDrawer:
         component.take_picture()
         drawn = component.get_picture("Color")[: window.side, : window.side]
         depth = np.minimum(depth_picture(component)[: window.side, : window.side], FAR)
-        return Drawing(np.ascontiguousarray(drawn[..., :3]), covered=drawn[..., 3] > 0, depth=depth)
+        drawing = Drawing(np.ascontiguousarray(drawn[..., :3]), covered=drawn[..., 3] > 0, depth=depth)
+        for layer in (drawing.picture, drawing.covered, drawing.depth):
+            layer.setflags(write=False)  # it may be shown again
+        return drawing
 
     @functools.cached_property
     def _world(self) -> World:
