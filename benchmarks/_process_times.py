@@ -14,8 +14,6 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 _PR_SET_CHILD_SUBREAPER = 36
 """From <linux/prctl.h>: orphans below this process become its children, so that it can wait for them."""
 
@@ -27,14 +25,12 @@ class Mark:
     Args:
         line: what it says.
         wall_s: seconds since the command's start.
-        cpu_s: CPU seconds of its process and all descendants so far, without those of ``server_s``.
-        server_s: CPU seconds of the fork server of Python itself, most of them for imports.
+        cpu_s: CPU seconds of its process and all descendants so far.
     """
 
     line: str
     wall_s: float
     cpu_s: float
-    server_s: float
 
 
 @dataclass(frozen=True)
@@ -71,7 +67,7 @@ def timed(command: Sequence[str]) -> Timed:
     ):
         for line in process.stderr or ():
             sys.stderr.write(line)
-            marks.append(Mark(line.rstrip(), time.perf_counter() - start, *_cpu_of_tree(process.pid)))
+            marks.append(Mark(line.rstrip(), time.perf_counter() - start, _cpu_of_tree(process.pid)))
         process.wait()
         wall = time.perf_counter() - start
         stdout.seek(0)
@@ -82,22 +78,16 @@ def timed(command: Sequence[str]) -> Timed:
     return Timed(process.returncode, printed, wall, _cpu_of_children() - before, marks)
 
 
-def _cpu_of_tree(process: int) -> tuple[float, float]:
-    """Return the CPU seconds of a process and all below it without a fork server's own, and those."""
-    total = server = 0
-    waiting = [(process, 0)]
+def _cpu_of_tree(process: int) -> float:
+    """Return the CPU seconds of a process and all below it."""
+    ticks, waiting = 0, [process]
     while waiting:
-        number, depth = waiting.pop()
-        folder = Path(f"/proc/{number}")
+        folder = Path(f"/proc/{waiting.pop()}")
         with suppress(FileNotFoundError, ProcessLookupError):  # it ends meanwhile, and its parent has its seconds
             below = [int(child) for path in folder.glob("task/*/children") for child in path.read_text().split()]
-            own, ended = np.reshape((folder / "stat").read_text().rpartition(")")[2].split()[11:15], (2, 2)).astype(int)
-            # its children have its command line too
-            server += own.sum() if depth == 1 and b"forkserver" in (folder / "cmdline").read_bytes() else 0
-            total += own.sum() + ended.sum()
-            waiting += [(child, depth + 1) for child in below]
-    ticks = os.sysconf("SC_CLK_TCK")
-    return float(total - server) / ticks, float(server) / ticks
+            ticks += sum(map(int, (folder / "stat").read_text().rpartition(")")[2].split()[11:15]))
+            waiting += below
+    return ticks / os.sysconf("SC_CLK_TCK")
 
 
 def _children() -> set[int]:

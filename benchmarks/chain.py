@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import compileall
 import json
 import logging
 import re
@@ -13,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+import vcage
 from benchmarks._process_times import Timed, timed
 from vcage.base.errors import VcageError
 from vcage.base.files import RunFolder
@@ -83,8 +85,8 @@ def run(quick: bool) -> dict[str, object]:
     - ``vcage_seconds``, ``vcage_cpu_seconds``: ``vcage run`` in a process of its own, from its start to its end
       (objects chosen, placed, drawn, matched and optimised, sub-tasks searched, episodes collected, verified,
       compressed, exported, and the report), divided by the pick-and-places in the episodes that were accepted. CPU
-      seconds are those of all its processes. The models of the objects are built before. ``…_long`` are those of a
-      run of more episodes, which share its fixed cost.
+      seconds are those of all its processes. The models of the objects are built before, and our modules are compiled,
+      as an installation leaves them. ``…_long`` are those of a run of more episodes, which share its fixed cost.
     - ``floor_seconds``, ``floor_cpu_seconds``: the accepted frames drawn once, in worlds built from the recorded starts
       and looks, and encoded once at the CRF that the run chose, to the same bytes, in a process of its own
       (:mod:`benchmarks._floor`). Without what a process does once, Python's start, imports and its first picture, and
@@ -98,14 +100,15 @@ def run(quick: bool) -> dict[str, object]:
       runner offers on demand.
     - ``ratio``, ``cpu_ratio``: ours divided by theirs. ``floor_ratio``, ``floor_ratio_long``: our CPU seconds divided
       by those of the floor.
-    - ``stages``, ``stages_cpu``: our wall and CPU seconds by stage, of the same unit; before the first (``start``), and
-      of the fork server itself, which imports for all workers (``imports``). The last one has the report and the end.
+    - ``stages``, ``stages_cpu``: our wall and CPU seconds by stage, of the same unit, and before the first (``start``,
+      most of it imports). The last one has the report and the end.
     - ``frames``: per pick-and-place, ours and theirs.
 
     Args:
         quick: one episode instead of three, and no long run.
     """
     Library.load().entries()
+    compileall.compile_dir(Path(vcage.__file__).parent, quiet=1)  # also where PYTHONDONTWRITEBYTECODE is set
     half = 3 if quick else 7
     before = [_maniskill(half, shaders) for shaders in SHADERS]
     with tempfile.TemporaryDirectory() as folder:
@@ -154,12 +157,11 @@ def _vcage(folder: Path, episodes: int) -> Chain:
 
 
 def _stages(done: Timed) -> dict[str, np.ndarray]:
-    """Return (2,) wall and CPU seconds of each stage of a run, of its start, and of imports for all workers."""
+    """Return (2,) wall and CPU seconds of each stage of a run, and of its start."""
     begun = [(match[1], mark) for mark in done.marks if (match := STAGE.fullmatch(mark.line))]
-    imports = max(mark.server_s for _, mark in begun)
-    moments = [(0.0, 0.0), *((mark.wall_s, mark.cpu_s) for _, mark in begun), (done.wall_s, done.cpu_s - imports)]
+    moments = [(0.0, 0.0), *((mark.wall_s, mark.cpu_s) for _, mark in begun), (done.wall_s, done.cpu_s)]
     names = ["start", *(name for name, _ in begun)]
-    return dict(zip(names, np.diff(moments, axis=0), strict=True)) | {"imports": np.array([0.0, imports])}
+    return dict(zip(names, np.diff(moments, axis=0), strict=True))
 
 
 def _floor(folder: Path) -> dict[str, np.ndarray]:

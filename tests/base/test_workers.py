@@ -205,6 +205,32 @@ def test_preloaded_modules_exist_in_workers_only():
     assert (done.stdout, done.stderr) == ("True False\n", "")
 
 
+FORKED_FROM_A_COMMAND = '''
+import os, signal
+from vcage.base import own_process
+from vcage.base.workers import Processes, preload_module
+own_process.runs_a_command = True
+kept = open(os.__file__)
+os.environ["VCAGE_TEST"] = "of the command"
+signal.signal(signal.SIGTERM, lambda *_: None)
+preload_module("colorsys")
+SAID = """[(sys := __import__('sys')) and 'colorsys' in sys.modules, (os := __import__('os')).environ.get('VCAGE_TEST'),
+    'PYTHONSAFEPATH' in os.environ, os.__file__ in [os.readlink(f'/proc/self/fd/{fd}') for fd in range(3, 9)
+    if os.path.exists(f'/proc/self/fd/{fd}')], __import__('signal').getsignal(15).name,
+    open('/proc/%d/stat' % os.getppid()).read().split()[3]]"""
+with Processes(eval, 1) as processes:
+    processes.submit(SAID)
+    *facts, parent = next(processes.results())
+    print(*facts, int(parent) == os.getpid(), 'colorsys' in __import__('sys').modules)
+'''
+
+
+@pytest.mark.skipif(cores() == 1, reason="nothing is loaded ahead on one core")
+def test_processes_of_a_command_have_its_imports_but_neither_its_files_nor_its_signals():
+    done = subprocess.run([sys.executable, "-c", FORKED_FROM_A_COMMAND], capture_output=True, text=True)
+    assert (done.stdout, done.stderr) == ("True of the command False False SIG_DFL True True\n", "")
+
+
 @pytest.mark.skipif(cores() == 1, reason="nothing is loaded ahead on one core")
 def test_modules_in_the_current_folder_do_not_shadow_preloaded_ones(tmp_path):
     (tmp_path / "colorsys.py").write_text("raise RuntimeError('another one')")

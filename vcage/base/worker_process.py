@@ -10,9 +10,13 @@ import shutil
 import signal
 import sys
 import threading
-from collections.abc import Callable, Mapping
+import traceback
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext, suppress
+from dataclasses import dataclass
 from functools import cache
-from multiprocessing import forkserver, resource_tracker, spawn
+from importlib import import_module
+from multiprocessing import forkserver, resource_tracker, spawn, util
 from multiprocessing.connection import Connection
 from multiprocessing.context import ForkServerContext, SpawnContext
 from multiprocessing.process import BaseProcess
@@ -20,6 +24,7 @@ from multiprocessing.util import get_temp_dir
 from pathlib import Path
 from typing import Any
 
+from vcage.base import own_process
 from vcage.base.errors import UsageError
 from vcage.base.leftovers import mark_scratch, sweep_scratch
 from vcage.base.memory import reuse_freed_memory
@@ -121,12 +126,42 @@ preloaded: list[str] = []
 """Modules that the process imports from which others are forked."""
 
 
+@dataclass
+class _Server:
+    """The process from which others are forked.
+
+    Args:
+        forked: it is a fork of this one, so that nothing is imported twice, not a new program.
+    """
+
+    forked: bool = False
+
+
+_server = _Server()
+
+
+def preload(modules: Sequence[str]) -> None:
+    """Begin the process from which others are forked, with some modules; see :func:`vcage.base.workers.preload_module`.
+
+    Args:
+        modules: their names.
+    """
+    preloaded.extend(modules)
+    if own_process.runs_a_command and threading.active_count() == 1:
+        for name in modules:
+            with suppress(ImportError):  # its users report it
+                import_module(name)
+        _server.forked = True
+    process_context()
+
+
 @cache
 def process_context() -> SpawnContext | ForkServerContext:
     """Return the start method of processes: forked from one that never works.
 
-    A child of this process would lack the threads of its renderer. Where there can be no socket, as when the path in
-    ``TMPDIR`` is too long, each process is spawned.
+    A child of this process would lack the threads of its renderer; the one that never works may be a fork of this
+    process from before (:func:`preload`). Where there can be no socket, as when the path in ``TMPDIR`` is
+    too long, each process is spawned.
     """
     sweep_scratch()
     multiprocessing.set_forkserver_preload(preloaded)  # Python's default is the script that runs
@@ -138,7 +173,8 @@ def process_context() -> SpawnContext | ForkServerContext:
     os.environ[SAFE_PATH] = safe or "1"  # else it would import modules from the current folder
     try:
         mark_scratch(Path(get_temp_dir()))  # in which its socket lies
-        forkserver.ensure_running()
+        with _server_forked() if _server.forked else nullcontext():
+            forkserver.ensure_running()
     except OSError:
         return multiprocessing.get_context("spawn")
     finally:
@@ -146,6 +182,64 @@ def process_context() -> SpawnContext | ForkServerContext:
             del os.environ[SAFE_PATH]
         signal.pthread_sigmask(signal.SIG_SETMASK, through)
     return multiprocessing.get_context("forkserver")
+
+
+@contextmanager
+def _server_forked() -> Iterator[None]:
+    """Let Python's fork server be a fork of this process inside, where it would be a new program."""
+    usual = util.spawnv_passfds
+    util.spawnv_passfds = _fork_of_this
+    try:
+        yield
+    finally:
+        util.spawnv_passfds = usual
+
+
+def _fork_of_this(path: bytes, args: Sequence[Any], passfds: Sequence[int]) -> int:
+    """Fork the server, in place of :func:`multiprocessing.util.spawnv_passfds`; return its process id.
+
+    Args:
+        path, args: of the new program, which is not begun.
+        passfds: descriptors of its socket, and of the pipe that tells it when all processes have ended.
+    """
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(OSError, ValueError):  # closed
+            stream.flush()
+    number = os.fork()
+    if number == 0:
+        _serve_and_exit(*passfds)
+    return number
+
+
+def _serve_and_exit(listener: int, alive: int) -> None:
+    """Be the server in a fork. Its stack is never left, so that nothing of the other process is closed or cleaned up
+    in it."""
+    code = 1
+    try:
+        _become_server(listener, alive)
+    except SystemExit:  # all processes have ended
+        code = 0
+    except BaseException:
+        traceback.print_exc()
+    finally:
+        os._exit(code)
+
+
+def _become_server(listener: int, alive: int) -> None:
+    """Serve as Python's fork server in a fork of another process, until all processes have ended."""
+    tracker = resource_tracker.getfd()
+    assert tracker is not None  # it was begun before
+    kept = sorted({0, 1, 2, listener, alive, tracker})
+    for before, after in zip(kept, [*kept[1:], os.sysconf("SC_OPEN_MAX")], strict=True):
+        os.closerange(before + 1, after)  # locks among them, which would outlast the other process
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    os.environ.pop(SAFE_PATH, None)
+    modules = [*preloaded]
+    preloaded.clear()
+    process_context.cache_clear()
+    forkserver._forkserver.__init__()  # a process forked from here may begin a server of its own
+    forkserver.main(listener, alive, modules)
 
 
 def remove_server_files() -> None:

@@ -22,7 +22,7 @@ from typing import Any, Generic, Self, TypeVar
 from threadpoolctl import ThreadpoolController
 
 from vcage.base.errors import PartlyDone
-from vcage.base.worker_process import FAILED, SAID, preloaded, process_context, serve, start
+from vcage.base.worker_process import FAILED, SAID, preload, process_context, serve, start
 
 log = logging.getLogger(__name__)
 
@@ -36,17 +36,16 @@ def cores() -> int:
 
 
 def preload_module(*modules: str) -> None:
-    """Begin to import modules for later processes, in a separate process and in parallel to this one.
+    """Let later processes begin with modules, which are imported once for all.
 
-    To be called before any process is started: all are then forked from the one with the import. With one core nothing
-    happens.
+    In the process of a command they are imported here; elsewhere in a separate process, in parallel to this one. To be
+    called before any process is started and before anything is drawn. With one core nothing happens.
 
     Args:
         modules: their names. An ImportError is left to its users; after another error no process can start.
     """
     if cores() > 1:
-        preloaded.extend(modules)
-        process_context()
+        preload(modules)
 
 
 def map_in_processes(work: Callable[[T], R], tasks: Sequence[T], workers: int) -> Iterator[R]:

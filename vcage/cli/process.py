@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
 
+from vcage.base import own_process
 from vcage.base.errors import ConfigurationError, UsageError, VcageError
 from vcage.base.memory import reuse_freed_memory
 
@@ -43,6 +44,7 @@ LIMITS = FileLimits()
 def prepare() -> None:
     """Prepare this process for a command; call it first."""
     _open_closed_streams()
+    own_process.runs_a_command = True
     reuse_freed_memory()
     with contextlib.suppress(OSError, ValueError):
         most = resource.getrlimit(resource.RLIMIT_NOFILE)

@@ -11,6 +11,7 @@ from contextlib import suppress
 with suppress(Exception):  # its users report the error
     import vcage.sim  # without which SAPIEN may not load
     import sapien
+    import mplib
 
     import vcage.episodes.runner
 

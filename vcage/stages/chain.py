@@ -112,7 +112,7 @@ def run_chain(
     done = {}
     with at_work(run):
         if options.workers != 1 and not run.compression.exists():  # else no process may be begun
-            preload_module("vcage.episodes.preload")
+            preload_module(__name__, "vcage.episodes.preload")
         for name, stage in STAGES.items():
             with show(name) as progress:
                 own = export.Options(seed=options.seed, force=options.force) if name == "export" else options
