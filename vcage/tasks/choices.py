@@ -25,7 +25,7 @@ from vcage.sim.world import World
 from vcage.tasks.meeting import Hold
 from vcage.tasks.primitives.hand_over import HandOver
 from vcage.tasks.primitives.operate import OperatePlan, Operation
-from vcage.tasks.primitives.pick import LeadsOn, PickPlan, PickWay, plan_pick
+from vcage.tasks.primitives.pick import KnownPaths, LeadsOn, PickPlan, PickWay, plan_pick
 from vcage.tasks.primitives.place import Surroundings
 from vcage.tasks.primitives.push import PushPlan, plan_push
 from vcage.tasks.reading import reading_poses
@@ -162,10 +162,10 @@ class Choices:
         """The first grasp that leads to the object's slot, else to another; any grasp for an object without a slot."""
         failures: list[TaskFailed] = []
         places = self._slots_of(target.id) if target.id in self._slots else [None]
-        choices = self._retry.choices(grasps, places)
+        choices, known = self._retry.choices(grasps, places), KnownPaths()
         for slot, some in choices:
             try:
-                plan = plan_pick(self._cell, target, some, self._leading_on(target, slot, hand_to))
+                plan = plan_pick(self._cell, target, some, self._leading_on(target, slot, hand_to), known)
             except TaskFailed as error:
                 failures.append(error)
             else:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -130,8 +131,42 @@ def reached_lift(
     return heights[0], None
 
 
+class KnownPaths:
+    """Paths to the grasps of an object in a cell that does not change, none of which is planned twice."""
+
+    def __init__(self) -> None:
+        self._found: dict[Hashable, JointPath | MotionFailed] = {}
+
+    def require_possible(self, grasp: Hashable) -> None:
+        """Raise MotionFailed for a grasp to which no path was found."""
+        found = self._found.get(grasp)
+        if isinstance(found, MotionFailed):
+            raise found
+
+    def path(self, grasp: Hashable, plan: Callable[[], JointPath]) -> JointPath:
+        """The path to a grasp, planned the first time.
+
+        Raises:
+            MotionFailed: there is none.
+        """
+        self.require_possible(grasp)
+        if grasp not in self._found:
+            try:
+                self._found[grasp] = plan()
+            except MotionFailed as error:
+                self._found[grasp] = error
+        self.require_possible(grasp)
+        found = self._found[grasp]
+        assert isinstance(found, JointPath)
+        return found
+
+
 def plan_pick(
-    cell: Workcell, target: SceneObject, grasps: Sequence[tuple[int, str]], leads_on: LeadsOn = lambda *_: None
+    cell: Workcell,
+    target: SceneObject,
+    grasps: Sequence[tuple[int, str]],
+    leads_on: LeadsOn = lambda *_: None,
+    known: KnownPaths | None = None,
 ) -> PickPlan:
     """The first of ``grasps`` (contact point, arm) with a free path, and a possible continuation of the task.
 
@@ -140,6 +175,7 @@ def plan_pick(
         target: the object to pick, at its place.
         grasps: in the order to try.
         leads_on: whether a grasp does; all do when not given.
+        known: of the same object in the same cell.
 
     Raises:
         TaskFailed: none has.
@@ -147,7 +183,7 @@ def plan_pick(
     """
     reasons: list[str] = []
     for contact, arm in grasps:
-        for plan in _plans(cell, target, contact, arm, leads_on):
+        for plan in _plans(cell, target, contact, arm, leads_on, known or KnownPaths()):
             if isinstance(plan, PickPlan):
                 return plan
             reasons.append(plan)
@@ -156,7 +192,7 @@ def plan_pick(
 
 
 def _plans(
-    cell: Workcell, target: SceneObject, contact_id: int, arm: str, leads_on: LeadsOn
+    cell: Workcell, target: SceneObject, contact_id: int, arm: str, leads_on: LeadsOn, known: KnownPaths
 ) -> Iterator[PickPlan | str]:
     """For each pose of the hand at a contact point, the straightest first: a plan, or why there is none."""
     contact = target.asset.annotation.contact_point(contact_id)
@@ -174,8 +210,6 @@ def _plans(
     heights = tuple(height + hangs_lower for height in heights)
     planner = cell.planner(arm)
     opening = command_of(approach_opening(target.asset.grasp_width(contact), gripper), gripper)
-    closing = Load(opening, ignore=cell.parts(target.id), speed=CAREFUL_SPEED_SHARE)
-    grasped = command_of(target.asset.grasp_width(contact), gripper)
     begun = cell.begun(arm)
     grasps = list(grasp_poses(target.pose, contact, gripper, target.box.bottom))
     for height, flips in product(heights, zip(grasps[::2], grasps[1::2], strict=True)):
@@ -185,14 +219,32 @@ def _plans(
             try:
                 if path is None:
                     raise MotionFailed("no joint angles grasp and lift it")
+                grasp = (arm, contact_id, height, way.grasp.p.tobytes(), way.grasp.q.tobytes())
+                known.require_possible(grasp)
                 leads_on(planner, way, path[-1], contact)
-                reach = planner.move(begun.end, way.before, Load(opening), then=[way.grasp, way.lifted])
-                down = planner.line(reach.end, way.grasp, closing)
-                planner.line(down.end, way.lifted, _lifting(cell.held(target.id, way.grasp), grasped))
+                reached = known.path(grasp, partial(_path_to_grasp, cell, planner, begun.end, target, contact, way))
             except MotionFailed as error:
                 yield f"{arm} arm at {contact.name!r}: {error.message}"
             else:
-                yield PickPlan(target, contact_id, arm, opening, way, begun.then(reach).then(down))
+                yield PickPlan(target, contact_id, arm, opening, way, begun.then(reached))
+
+
+def _path_to_grasp(
+    cell: Workcell, planner: MotionPlanner, begun: np.ndarray, target: SceneObject, contact: ContactPoint, way: PickWay
+) -> JointPath:
+    """From joints ``begun`` (n,), rad, to a grasp from which the arm can lift the object.
+
+    Raises:
+        MotionFailed: there is no such path.
+    """
+    arm, width = planner.kinematics.arm, target.asset.grasp_width(contact)
+    opening = command_of(approach_opening(width, arm.gripper), arm.gripper)
+    closing = Load(opening, ignore=cell.parts(target.id), speed=CAREFUL_SPEED_SHARE)
+    reach = planner.move(begun, way.before, Load(opening), then=[way.grasp, way.lifted])
+    down = planner.line(reach.end, way.grasp, closing)
+    lifting = _lifting(cell.held(target.id, way.grasp), command_of(width, arm.gripper))
+    planner.line(down.end, way.lifted, lifting)
+    return reach.then(down)
 
 
 def _lifting(held: Held, opening: float) -> Load:
