@@ -30,6 +30,9 @@ if TYPE_CHECKING:
 TOLERANCE = 0.002
 """Allowed overlap, metres: objects rest on each other, and fingers lie against the held object."""
 
+ARM_CLEARANCE_M = 0.005
+"""Least distance from the other arms, metres: on ``aloha_agilex`` a hand in motion is 4 mm behind its target."""
+
 
 @dataclass(frozen=True)
 class Held:
@@ -133,10 +136,13 @@ class CollisionScene:
         for name, body in bodies.items():
             pose, shapes = to_sapien(body.pose), model_shapes(body.model, body.joints)
             items += [(part_name(name, part), shape, pose * local) for part, shape, local in shapes]
+        standing = len(items)
         for other, record in robot.arms.items():
             if other != arm:
                 items += _links_of(other, kinematics_of(record), (joints or {}).get(other))
         self._obstacles = _Solids((name, shape, self._to_base * pose) for name, shape, pose in items)
+        self._of_arms = np.arange(len(items)) >= standing
+        self._obstacles.radii[self._of_arms] += ARM_CLEARANCE_M
 
     @classmethod
     def of_world(cls, world: World, arm: str, changed: Mapping[str, Body] | None = None) -> CollisionScene:
@@ -165,6 +171,8 @@ class CollisionScene:
         fingers_may_touch: Collection[str] = (),
     ) -> Contact | None:
         """The first overlap of more than :data:`TOLERANCE` with the arm at ``q``, or None.
+
+        Of other arms, links nearer than :data:`ARM_CLEARANCE_M` count.
 
         Args:
             q: (n,) arm joints, rad.
@@ -201,7 +209,8 @@ class CollisionScene:
             name = self._obstacles.names[j]
             if name in fingers_may_touch and moving.names[i] in fingers:
                 continue
-            if name not in skip and overlap(moving.object(i), self._obstacles.object(j)):
+            meets = near_to if self._of_arms[j] else overlap
+            if name not in skip and meets(moving.object(i), self._obstacles.object(j)):
                 return Contact(moving.names[i], name)
         return None
 
@@ -238,6 +247,20 @@ def overlap(a: fcl.CollisionObject, b: fcl.CollisionObject) -> bool:
 
     result = fcl.collide(a, b, _first_contact_only())
     return result.is_collision() and abs(result.get_contact(0).penetration_depth) > TOLERANCE
+
+
+def near_to(a: fcl.CollisionObject, b: fcl.CollisionObject) -> bool:
+    """True if two solids are nearer to each other than :data:`ARM_CLEARANCE_M`."""
+    from mplib.pymp.collision_detection import fcl
+
+    return fcl.distance(a, b, _distance_only()).min_distance < ARM_CLEARANCE_M
+
+
+@functools.cache
+def _distance_only() -> fcl.DistanceRequest:
+    from mplib.pymp.collision_detection import fcl
+
+    return fcl.DistanceRequest()
 
 
 @functools.cache
