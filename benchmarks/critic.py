@@ -45,6 +45,7 @@ from vcage.base.workers import cores, map_in_processes
 from vcage.episodes.question import Asking, verdict
 from vcage.runs.context import StageContext
 from vcage.schema.episodes import Verdict
+from vcage.schema.robot import DEFAULT_ROBOT
 
 logger = logging.getLogger(__name__)
 
@@ -66,7 +67,7 @@ CONFIDENCES = (0.5, 0.7, 0.9, 1.0)
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     parser.add_argument("--models", default="offline", help="whose critic: offline, or a provider")
-    parser.add_argument("--robot", default="dual_panda", help="which one")
+    parser.add_argument("--robot", default=DEFAULT_ROBOT, help="which one (default: %(default)s)")
     parser.add_argument("--part", choices=PARTS, default="all", help="which outcomes are made")
     parser.add_argument(
         "--count", nargs="+", choices=COUNTED, default=COUNTED, help="outcomes, the paper's tasks, or both"
@@ -86,7 +87,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(
     quick: bool,
     models: str = "offline",
-    robot: str = "dual_panda",
+    robot: str = DEFAULT_ROBOT,
     part: str = "all",
     count: Sequence[str] = COUNTED,
     episodes: int = EPISODES,

@@ -43,6 +43,9 @@ logger = logging.getLogger(__name__)
 FPS = 10
 """Frames of a recording per second of simulated time."""
 
+ROBOT = "dual_panda"
+"""With the arm that ManiSkill's runner has."""
+
 MANISKILL = (
     "import vcage.sim, runpy; runpy.run_module('mani_skill.examples.motionplanning.panda.run', run_name='__main__')"
 )
@@ -102,7 +105,7 @@ class _Episodes:
     """Episodes of one sub-task, with all that they share made beforehand."""
 
     def __init__(self) -> None:
-        self._robot: Robot = load_robot("dual_panda")
+        self._robot: Robot = load_robot(ROBOT)
         self._objects = [
             _object("block_red", "block", "red", "content", (-0.2, -0.05)),
             _object("plate_white", "plate", "white", "receptacle", (0.05, 0.05)),
@@ -159,7 +162,7 @@ def _object(key: str, asset: str, variant: str, role: Role, xy: tuple[float, flo
 
 
 def _scene(records: Sequence[ObjectRecord]) -> Scene:
-    template = load_template("table")
+    template = load_template("table", ROBOT)
     return Scene(
         provenance=Provenance(producer="benchmark", seed=0),
         instruction="Put the block on the plate",

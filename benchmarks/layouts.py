@@ -27,6 +27,7 @@ from vcage.layout.items import centres_within
 from vcage.runs.context import StageContext
 from vcage.runs.inputs import read_plan
 from vcage.runs.stage import ModelOptions
+from vcage.schema.robot import DEFAULT_ROBOT
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
 from vcage.stages import search_subtasks, select_place
@@ -42,11 +43,11 @@ DRAWS, QUICK_DRAWS = 100, 10
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
-    parser.add_argument("--robot", default="dual_panda", help="which one")
+    parser.add_argument("--robot", default=DEFAULT_ROBOT, help="which one (default: %(default)s)")
     parser.add_argument("--tasks", nargs="+", choices=TASKS, default=list(TASKS), help="which ones")
 
 
-def run(quick: bool, robot: str = "dual_panda", tasks: Sequence[str] = tuple(TASKS)) -> dict[str, Any]:
+def run(quick: bool, robot: str = DEFAULT_ROBOT, tasks: Sequence[str] = tuple(TASKS)) -> dict[str, Any]:
     """A row for each task; reasons of refusals go to the log.
 
     Args:

@@ -41,6 +41,7 @@ from vcage.base.errors import InfeasibleScene, NoFeasibleTask, VcageError
 from vcage.base.files import RunFolder
 from vcage.base.workers import cores, map_in_processes
 from vcage.runs.context import StageContext
+from vcage.schema.robot import DEFAULT_ROBOT
 from vcage.schema.scene import Scene
 from vcage.stages import select_place
 from vcage.tasks.rehearsal import require_chain
@@ -59,7 +60,7 @@ SHOWN = 8
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     parser.add_argument("--scenes", nargs="+", choices=SCENES, default=SCENES, help="which ones")
-    parser.add_argument("--robot", default="dual_panda", help="which one")
+    parser.add_argument("--robot", default=DEFAULT_ROBOT, help="which one (default: %(default)s)")
     parser.add_argument("--seeds", type=int, default=SEEDS, help="how many, from 0 on (with --quick: 1)")
     parser.add_argument("--subtasks", type=int, help="sub-tasks of each scene, drawn at random (default: all)")
     parser.add_argument("--workers", type=int, default=cores(), help="processes")
@@ -68,7 +69,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(
     quick: bool,
     scenes: Sequence[str] = SCENES,
-    robot: str = "dual_panda",
+    robot: str = DEFAULT_ROBOT,
     seeds: int = SEEDS,
     subtasks: int | None = None,
     workers: int = 1,

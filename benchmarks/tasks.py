@@ -31,6 +31,7 @@ from vcage.runs.stage import ModelOptions
 from vcage.schema.goals import Goal, in_steps
 from vcage.schema.plan import Relation
 from vcage.schema.randomisation import WorldRanges
+from vcage.schema.robot import DEFAULT_ROBOT
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask, Subtasks
 from vcage.stages import search_subtasks, select_place
@@ -74,13 +75,13 @@ class Tally:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
-    parser.add_argument("--robot", default="dual_panda", help="which one")
+    parser.add_argument("--robot", default=DEFAULT_ROBOT, help="which one (default: %(default)s)")
     parser.add_argument("--tasks", nargs="+", choices=TASKS, default=list(TASKS), help="which tasks")
     parser.add_argument("--layout", choices=("varied", "fixed"), default="varied", help="where objects start")
 
 
 def run(
-    quick: bool, robot: str = "dual_panda", tasks: Sequence[str] = tuple(TASKS), layout: str = "varied"
+    quick: bool, robot: str = DEFAULT_ROBOT, tasks: Sequence[str] = tuple(TASKS), layout: str = "varied"
 ) -> dict[str, Any]:
     """A row for each task; reasons of failure go to the log.
 

@@ -45,7 +45,7 @@ def library() -> Library:
 
 @functools.cache
 def template() -> SceneTemplate:
-    return load_template("table")
+    return load_template("table", "dual_panda")
 
 
 @functools.cache

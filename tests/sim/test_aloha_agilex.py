@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from vcage.base.geometry import Pose
 from vcage.schema.robot import Robot
+from vcage.sim import collision
 from vcage.sim.cameras import robot_cameras
 from vcage.sim.collision import CollisionScene
 from vcage.sim.kinematics import ArmKinematics, kinematics_of
@@ -145,7 +146,19 @@ def test_every_camera_looks_at_the_table_when_the_arms_are_at_home(aloha):
         eye, forward = camera.pose.p, camera.pose.rotation()[:, 0]
         assert forward[2] < 0, name
         met = eye + forward * (table.height - eye[2]) / forward[2]
-        if name == "front":  # nearly level: it looks over the table
-            assert y0 < met[1]
-        else:
-            assert x0 < met[0] < x1 and y0 < met[1] < y1, name
+        assert x0 < met[0] < x1 and y0 < met[1] < y1, name
+
+
+def test_the_front_camera_sees_the_whole_table_and_both_hands(world):
+    camera = robot_cameras(world)["front"]
+    (x0, y0), (x1, y1) = world.table.rectangle
+    corners = [[x, y, world.table.height] for x in (x0, x1) for y in (y0, y1)]
+    assert camera.sees(np.array([*corners, *(arm.tool_pose.p for arm in world.arms.values())])).all()
+
+
+def test_an_arm_keeps_its_distance_from_the_other(world, monkeypatch):
+    home = np.array(world.arms["left"].arm.home)
+    assert CollisionScene.of_world(world, "left").first_contact(home) is None
+    monkeypatch.setattr(collision, "ARM_CLEARANCE_M", 0.5)  # the hands at home are 0.44 m apart
+    contact = CollisionScene.of_world(world, "left").first_contact(home)
+    assert contact is not None and contact.other.startswith("right/")

@@ -5,7 +5,8 @@ from pydantic import ValidationError
 
 from vcage.base.errors import DamagedFile, MissingDependency, UnknownName
 from vcage.objects.surface_pictures import SURFACES
-from vcage.schema.robot import Arm
+from vcage.schema.robot import DEFAULT_ROBOT, Arm
+from vcage.schema.scene import SceneTemplate
 from vcage.sim.robots import available, load_robot, load_template, package_file
 
 
@@ -19,8 +20,18 @@ def test_an_unknown_robot_error_lists_the_known_ones():
         load_robot("panda")
 
 
-def test_every_scene_names_a_robot_that_exists():
-    assert all(load_template(name).robot in available("robots") for name in available("scenes"))
+def test_every_scene_of_ours_has_the_default_robot():
+    assert {load_template(name).robot for name in available("scenes")} == {DEFAULT_ROBOT}
+
+
+def test_a_scene_that_names_a_robot_keeps_it_unless_another_is_asked_for(template):
+    named = SceneTemplate.model_validate(template.model_dump() | {"robot": "dual_panda"})
+    assert named.robot == "dual_panda"
+    assert load_template("table", "dual_panda").robot == "dual_panda"
+
+
+def test_the_default_robot_has_no_part_of_a_package_of_others():
+    assert all(arm.urdf.startswith("assets:") and arm.srdf is None for arm in load_robot(DEFAULT_ROBOT).arms.values())
 
 
 def test_a_missing_package_is_named_with_the_command_that_installs_it():

@@ -29,10 +29,12 @@ class ListRobots(Command):
         Raises:
             InputFileError: a robot's file is damaged.
         """
+        from vcage.schema.robot import DEFAULT_ROBOT
         from vcage.sim.robots import available, load_robot
 
         robots = [load_robot(name) for name in available("robots")]
-        lines = [f"{robot.name}: {', '.join(robot.arms)}. {robot.description}" for robot in robots]
+        named = [robot.name + " (default)" * (robot.name == DEFAULT_ROBOT) for robot in robots]
+        lines = [f"{name}: {', '.join(r.arms)}. {r.description}" for name, r in zip(named, robots, strict=True)]
         return Result(summary={"robots": [robot.name for robot in robots]}, text="\n".join(lines))
 
 

@@ -13,6 +13,9 @@ Positive = Annotated[Finite, Field(gt=0)]
 JointLimit = Positive | list[Positive]
 """Of every joint, or of each."""
 
+DEFAULT_ROBOT = "aloha_agilex"
+"""The robot where neither the request nor the scene template names one."""
+
 
 class Gripper(Record):
     """A parallel gripper; its frame has z along the approach, y along the closing, the origin between the tips."""

@@ -23,6 +23,7 @@ from vcage.schema.base import (
     the,
 )
 from vcage.schema.goals import AskedGoal, Description
+from vcage.schema.robot import DEFAULT_ROBOT
 
 Role = Literal["content", "receptacle", "tool", "context"]
 """Part of an object in the instruction: moves it, puts things into it, uses it for something else (a scanner, a
@@ -106,7 +107,7 @@ class SceneTemplate(Document):
 
     name: Identifier
     description: str
-    robot: Identifier = Field(description="a file of assets/robots")
+    robot: Identifier = Field(default=DEFAULT_ROBOT, description="a file of assets/robots")
     table: Table = Table()
     workspace: Workspace
     top_camera: CameraRecord
