@@ -154,6 +154,15 @@ def test_a_pixel_format_whose_conversion_alone_loses_too_much_is_not_tried(metri
     assert {t.pixel_format for t in search(stripes, metric, keyframes=[0, 2], choices=both).trials} == {"yuv444p10le"}
 
 
+def test_a_pixel_format_whose_conversion_alone_loses_too_much_is_not_encoded(metric, monkeypatch):
+    encoded = []
+    monkeypatch.setattr(judge, "encode", lambda *a, **k: encoded.append(a[2].pixel_format) or encode(*a, **k))
+    stripes = np.zeros((3, 48, 64, 3), np.uint8)
+    stripes[:, :, ::2, 0] = stripes[:, :, 1::2, 2] = 255
+    search(stripes, metric, keyframes=[0, 2], choices=Choices(effort="fast"))
+    assert set(encoded) == {"yuv444p10le"}
+
+
 def test_pictures_of_odd_size_go_into_full_colour(metric):
     result = search(clip(3)[:, :47, :63], metric, keyframes=[0, 2], choices=Choices(effort="fast"))
     assert decode(result.video).shape == (3, 47, 63, 3)

@@ -97,11 +97,12 @@ def _cheapest(
         size = len(judge.encoded(settings, crf, part))
         if size < fewest and passes(settings):
             chosen, fewest = settings, size
-    for settings in map(choices.settings, reversed(formats)):
+    hopeful = (name for name in reversed(formats) if _hopeful(judge, name))  # which costs less than to encode
+    for settings in map(choices.settings, hopeful):
         # Where the format with the least colour saves too little, the others save less.
         if len(judge.encoded(settings, crf, part)) >= (1 - format_saving) * fewest:
             break
-        if _hopeful(judge, settings.pixel_format) and passes(settings):
+        if passes(settings):
             return settings
     return chosen
 
