@@ -48,6 +48,15 @@ def test_the_gripper_pulls_a_drawer_straight_along_its_slide(handles):
     assert all(np.allclose(abs(pose.q @ way.grasp.q), 1.0) for pose in way.motion)
 
 
+def test_a_drawer_is_also_pulled_straight_by_a_hand_that_stands_aside(handles):
+    found = ways(handles["drawer"], TRAVEL)
+    along = PLACE.rotation() @ [0, -1, 0]
+    turned = {round(float(np.degrees(np.arcsin(way.grasp.rotation()[:, 1] @ along)))) for way in found}
+    assert turned == {0, 20, -20}
+    for way in found:
+        np.testing.assert_allclose(way.motion[-1].p - way.grasp.p, TRAVEL * along, atol=1e-9)
+
+
 def test_poses_along_the_motion_are_close_together(handles):
     for name, target in (("drawer", TRAVEL), ("lid", LID_RANGE)):
         way = ways(handles[name], target)[0]

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from vcage.base.geometry import Pose
 from vcage.schema.asset import ContactPoint, MovingLink, PhysicalModel
@@ -23,6 +24,10 @@ STEP, STEP_TURN = 0.01, np.radians(4.0)
 
 FINE_TILTS = tuple(np.radians(degrees) for degrees in (0.0, 10.0, -10.0, 20.0, -20.0, 30.0, -30.0, 40.0, -40.0))
 """Turns about the closing axis for a slide, straight first: the room between an arm and a drawer is narrow."""
+
+ASIDE = tuple(np.radians(degrees) for degrees in (0.0, 20.0, -20.0))
+"""Turns of a hand around the bar of a slide, straight first: with six joints, the wrist of an arm that stands beside a
+drawer does not turn far enough for the whole of a straight pull."""
 
 TURNS_ALONG = (1.0, 0.7, 0.4, 0.0)
 """Share of a joint's turn that the gripper makes with it; for the rest the handle turns between the fingers."""
@@ -93,8 +98,8 @@ class OperatingWay:
 def operating_ways(handle: Handle, target: float, gripper: Gripper, support: float) -> Iterator[OperatingWay]:
     """The ways to bring a joint from where it is to ``target``, the straightest first.
 
-    Every way to hold the handle is tried with the gripper turning along, then with the handle turning between the
-    fingers more and more.
+    Every way to hold the handle of a hinge is tried with the gripper turning along, then with the handle turning
+    between the fingers more and more; of a slide, straight and then from aside (:data:`ASIDE`).
 
     Args:
         target: position of the joint, metres or radians.
@@ -103,8 +108,22 @@ def operating_ways(handle: Handle, target: float, gripper: Gripper, support: flo
     turns = handle.link.joint.kind == "turn"
     for share in TURNS_ALONG if turns else (1.0,):
         frames = [held_frame(handle, position, share) for position in _positions(handle, target)]
-        for held in grasp_poses(frames[0], handle.contact, gripper, support, TILTS if turns else FINE_TILTS):
-            yield _way(frames, held.in_object, handle, gripper)
+        for contact in _holds(handle):
+            for held in grasp_poses(frames[0], contact, gripper, support, TILTS if turns else FINE_TILTS):
+                yield _way(frames, held.in_object, handle, gripper)
+
+
+def _holds(handle: Handle) -> list[ContactPoint]:
+    """The contact point, and for a handle on a slide the same with the hand turned around the bar."""
+    contact, joint = handle.contact, handle.link.joint
+    if contact.use == "press" or joint.kind == "turn":
+        return [contact]
+    bar = np.cross(contact.closing, joint.axis)
+    turns = [Rotation.from_rotvec(angle * bar / np.linalg.norm(bar)) for angle in ASIDE]
+    return [
+        contact.model_copy(update={name: tuple(turn.apply(getattr(contact, name))) for name in ("approach", "closing")})
+        for turn in turns
+    ]
 
 
 def held_frame(handle: Handle, position: float, share: float = 1.0) -> Pose:
