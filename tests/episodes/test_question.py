@@ -23,6 +23,14 @@ def test_a_stack_is_looked_at_from_the_side_too(reference: str, names: set[str])
     assert set(cameras(scene, [Goal(subject="red-block", relation="on", reference=reference)])) == names
 
 
+def test_a_bowl_that_hides_the_one_it_is_in_is_looked_at_from_the_side_too() -> None:
+    lower = Thing("low", (90, 90, 90), (0.15, 0.15, 0.06), (0.0, 0.0))
+    upper, wide = lower.moved(id="up", at=(0.2, 0.0)), lower.moved(id="wide", size=(0.3, 0.3, 0.06), at=(-0.2, 0.1))
+    scene = scene_of([lower, upper, wide])
+    for holder, names in (("low", {TOP, CUSTOMER}), ("wide", {TOP})):
+        assert set(cameras(scene, [Goal(subject="up", relation="inside", reference=holder)])) == names
+
+
 def test_a_part_that_stays_open_is_drawn_open() -> None:
     goal = Goal(subject="cabinet", relation="closed", part="drawer_top")
     stays = Statement(subject="cabinet", word="open", part="drawer_bottom")

@@ -23,6 +23,7 @@ from vcage.sim.joints import link_poses
 from vcage.tasks.reading import reading_poses
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.setting import Seen
+from vcage.tasks.slots import nested_bottom
 from vcage.vision.protocols import Reference, View
 
 TOP, CUSTOMER = "top", "customer"
@@ -36,6 +37,7 @@ class CameraSettings:
     Args:
         covered_share: share of a support's area, from above, that an object on it may cover before the customer's
             side is looked at too: from above, a stack looks like its upper block.
+        nested_share: the same of an object in a container: what covers more may nest in it, and hide it.
         low_m: a top that is lower is as high as the table.
         in_the_air_m: how much higher the camera looks where something changes hands.
         away_m, above_m: how far beyond the table's far edge and above its top the camera is.
@@ -43,6 +45,7 @@ class CameraSettings:
     """
 
     covered_share: float = 0.3
+    nested_share: float = 0.5
     low_m: float = 0.01
     in_the_air_m: float = 0.2
     away_m: float = 0.75
@@ -69,10 +72,11 @@ def cameras(scene: Scene, goals: Collection[Goal]) -> dict[str, Camera]:
 def _hides_its_support(scene: Scene, goal: Goal) -> bool:
     """True when an object covers much of its support, seen from above, and the side of the support can be seen."""
     boxes = {o.id: np.ptp(np.array(o.aabb), axis=0) for o in scene.objects}
-    if goal.relation != "on" or goal.reference not in boxes:
+    if goal.relation not in HOLDING or goal.part is not None or goal.reference not in boxes:
         return False
     thing, support = boxes[goal.subject], boxes[goal.reference]
-    covers = np.prod(thing[:2]) > SETTINGS.covered_share * np.prod(support[:2])
+    share = SETTINGS.covered_share if goal.relation == "on" else SETTINGS.nested_share
+    covers = np.prod(thing[:2]) > share * np.prod(support[:2])
     return bool(support[2] > THIN_SUPPORT_M and covers)
 
 
@@ -209,16 +213,19 @@ def _rooms(
 def _room(goal: Goal, objects: Mapping[str, SceneObject], opened: Mapping[str, Sequence[str]]) -> np.ndarray:
     """(n, 8, 3) corners of the target of an object in or on another, in the frame of that: from each floor up to its
     rim, or as high as the object stands on it."""
-    thing, place = objects[goal.subject], objects[str(goal.reference)].asset
+    thing, holder = objects[goal.subject], objects[str(goal.reference)]
+    place = holder.asset
     far = {link.name: link.joint.far_end for link in place.model.links}
     joints = [far[link.name] * (link.name in opened.get(str(goal.reference), ())) for link in place.model.links]
     frames, found = link_poses(place.model, joints), []
     for point in place.annotation.functional_points:
-        if point.link == goal.part and (point.holds == "in") == (goal.relation == "inside"):
-            opening = place.opening(point)
-            middle, half = np.array(opening.centre), np.array(opening.size) / 2
-            top = opening.floor + max(opening.depth, float(thing.asset.size[2]))
-            lower, upper = [*(middle - half), opening.floor], [*(middle + half), top]
+        if point.is_of(goal.part) and (point.holds == "in") == (goal.relation == "inside"):
+            opening, nested = place.opening(point), nested_bottom(thing, holder, point)
+            floor = opening.floor if nested is None else nested
+            middle = np.array(opening.centre)
+            half = np.array(opening.size if nested is None else thing.asset.footprint) / 2
+            top = max(opening.rim, floor + float(thing.asset.size[2]))
+            lower, upper = [*(middle - half), floor], [*(middle + half), top]
             found.append(frames[point.link].apply(box_corners(lower, upper)))
     return np.reshape(found, (-1, 8, 3))
 

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from vcage.objects import openings
+from vcage.objects import nesting, openings
 from vcage.objects.convex import Convex, load_convex
 from vcage.objects.openings import Opening
 from vcage.schema.asset import (
@@ -127,6 +127,27 @@ class Asset:
         if key not in self._openings:
             self._openings[key] = self._measured_opening(point, standing)
         return self._openings[key]
+
+    def nested_height(self, content: Asset, point: FunctionalPoint) -> float | None:
+        """Height at which the bottom of another container comes to rest in this one, in the frame of the point's part,
+        metres; None where it does not nest there.
+
+        Args:
+            content: the inner one.
+            point: of this one.
+        """
+        hollow = any(own.holds == "in" and not own.sideways for own in content.annotation.functional_points)
+        if point.holds != "in" or point.sideways or not hollow or not content.round:
+            return None
+        key = (content.name, content.variant.id, point.id)
+        if key not in self._nested:
+            self._nested[key] = nesting.nested_height(content.pieces, self.pieces_of(point.link), self.opening(point))
+        return self._nested[key]
+
+    @cached_property
+    def _nested(self) -> dict[tuple[str, str, int], float | None]:
+        """The computed heights of what nests in it."""
+        return {}
 
     @cached_property
     def _widths(self) -> dict[tuple[str | None, tuple[float, ...], tuple[float, ...]], float]:

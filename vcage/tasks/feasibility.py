@@ -25,6 +25,7 @@ from vcage.tasks.grasps import GRASPING, GraspPose, approach_opening, grasp_pose
 from vcage.tasks.primitives.pick import lift_heights, reached_lift, transfer_heights
 from vcage.tasks.primitives.place_way import MAX_DROP, place_way, reached_place
 from vcage.tasks.scene_objects import REMEMBERED, Obstacles, SceneObject, SolidBox, first_met
+from vcage.tasks.slots import nested_bottom
 from vcage.tasks.state import resting_point
 from vcage.tasks.workplace import Workplace
 
@@ -165,7 +166,7 @@ class Transfer:
 
 
 def fits(target: SceneObject, receptacle: SceneObject, point: FunctionalPoint) -> Check:
-    """Check that the object's footprint goes into the opening, straight or turned by a quarter.
+    """Check that the object's footprint goes into the opening, straight or turned by a quarter, or that it nests.
 
     Args:
         target: the object to put there.
@@ -183,6 +184,10 @@ def fits(target: SceneObject, receptacle: SceneObject, point: FunctionalPoint) -
     spare = max(float(np.min(opening - size)), float(np.min(opening - size[::-1])))
     needs = f"{size[0] * 100:.1f} × {size[1] * 100:.1f} cm"
     room = f"{opening[0] * 100:.1f} × {opening[1] * 100:.1f} cm"
+    if spare < 0 and (bottom := nested_bottom(target, receptacle, point)) is not None:
+        deep = receptacle.asset.opening(point).rim - bottom
+        message = f"{target.record.phrase} ({needs}) nests {deep * 100:.1f} cm deep in {receptacle.record.phrase}"
+        return Check(name="fits", passed=True, value=deep, limit=0.0, message=message)
     verb = "fits" if spare >= 0 else "does not fit"
     return Check(
         name="fits",

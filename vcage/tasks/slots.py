@@ -18,6 +18,7 @@ from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose, world_aabb
 from vcage.layout.items import TableItem
 from vcage.layout.placement.place import place
+from vcage.objects.openings import Opening
 from vcage.schema.asset import FunctionalPoint
 from vcage.schema.goals import Goal
 from vcage.tasks.access import closed_part
@@ -84,7 +85,11 @@ def allocate(
     Raises:
         InfeasibleScene: they do not fit together; names them and the area that is missing.
     """
-    opening = receptacle.asset.opening(receptacle.asset.annotation.functional_point(functional_point))
+    point = receptacle.asset.annotation.functional_point(functional_point)
+    opening = receptacle.asset.opening(point)
+    for content in contents:
+        if (bottom := nested_bottom(content, receptacle, point)) is not None:
+            return {content.id: _nested(content, bottom, receptacle, opening, [*contents, *present])}
     centre, half = np.array(opening.centre), room_for(receptacle, functional_point, contents) / 2
     inside = np.stack([centre - half, centre + half])
     to_receptacle = receptacle.frame(functional_point).inverse()
@@ -114,6 +119,35 @@ def slot_in(receptacle: SceneObject, functional_point: int, pose: Pose, goals: I
     """The slot at a pose in a receptacle; a thing may be turned round there unless a goal asks for its heading."""
     turns = (0.0,) if any(goal.relation in HEADINGS for goal in goals) else Slot.turns
     return Slot(receptacle.id, functional_point, pose, turns)
+
+
+def _nested(
+    content: SceneObject, bottom: float, receptacle: SceneObject, opening: Opening, there: Sequence[SceneObject]
+) -> Pose:
+    """The place of an object that nests.
+
+    Raises:
+        InfeasibleScene: something else is there too.
+    """
+    if len(there) > 1:
+        others = ", ".join(o.record.phrase for o in there if o is not content)
+        raise InfeasibleScene(
+            f"{content.record.phrase} nests in {receptacle.record.phrase} only where nothing else lies, not {others}",
+            hint="put one of them elsewhere",
+            details={"objects": [o.id for o in there], "container": receptacle.id},
+        )
+    return Pose.from_yaw([*opening.centre, bottom], 0.0)
+
+
+def nested_bottom(content: SceneObject, receptacle: SceneObject, point: FunctionalPoint) -> float | None:
+    """Height of the bottom of a container that nests in another, in the frame of the point's part, metres.
+
+    None where it does not, and where it fits like any box.
+    """
+    room = room_for(receptacle, point.id, [content])
+    if np.all(np.sort(room) >= np.sort(content.asset.footprint)):
+        return None
+    return receptacle.asset.nested_height(content.asset, point)
 
 
 def room_for(receptacle: SceneObject, functional_point: int, contents: Sequence[SceneObject]) -> np.ndarray:

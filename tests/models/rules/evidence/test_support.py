@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.models.tabletop import BLOCKS, ERASER, HEIGHT, Thing, critic_question, draw
-from vcage.base.geometry import Camera, Pose, look_at
+from vcage.base.geometry import Camera, Pose, box_corners, look_at
 from vcage.models.protocols import CriticQuestion
 from vcage.models.rules.critic import OfflineCritic
 from vcage.schema.episodes import Verdict
@@ -33,6 +33,21 @@ def question(
         return asked
     seen = [View(draw(things, SIDE)[0], SIDE) for things in (before, after)]
     return replace(asked, before={**asked.before, "customer": seen[0]}, after={**asked.after, "customer": seen[1]})
+
+
+GREEN = Thing("green-bowl", (70, 130, 90), (0.14, 0.14, 0.06), (0.1, 0.05), round=True, hollow=True)
+NESTED_M = 0.03
+"""Height at which the white bowl comes to rest in the green one."""
+
+
+def judge_nested(after: list[Thing]) -> Verdict:
+    """Ask for the white bowl in the green one, of which it hides all from above."""
+    goal = Goal(subject=BOWL.id, relation="inside", reference=GREEN.id)
+    asked = critic_question([GREEN, BOWL], after, goal)
+    seen = [View(draw(things, SIDE)[0], SIDE) for things in ([GREEN, BOWL], after)]
+    room = box_corners([-0.07, -0.07, NESTED_M], [0.07, 0.07, NESTED_M + BOWL.size[2]])[None]
+    views = ({**asked.before, "customer": seen[0]}, {**asked.after, "customer": seen[1]})
+    return OfflineCritic().judge(replace(asked, before=views[0], after=views[1], rooms={goal: room}))
 
 
 def judge(before: list[Thing], after: list[Thing], thing: Thing, place: Thing, *, side: bool = True) -> Verdict:
@@ -91,3 +106,13 @@ def test_a_white_bowl_beside_a_tall_white_top_that_it_pushed_is_not_on_it(push: 
     pushed = TALL.moved(at=(TALL.at[0] + push, TALL.at[1]), yaw=0.3)
     beside = BOWL.moved(at=(TALL.at[0] + push - 0.14 - 0.1, TALL.at[1]))
     assert not judge([TALL, BOWL], [pushed, beside], BOWL, TALL, side=side).accepted
+
+
+def test_a_bowl_that_hides_the_one_it_nests_in_is_in_it() -> None:
+    verdict = judge_nested([GREEN, BOWL.moved(at=GREEN.at, base=NESTED_M)])
+    assert verdict.accepted, verdict.reason
+
+
+def test_a_bowl_in_place_of_the_one_it_should_nest_in_is_not_in_it() -> None:
+    pushed = GREEN.moved(at=(GREEN.at[0] - 0.02, GREEN.at[1] + 0.2))
+    assert not judge_nested([BOWL.moved(at=GREEN.at), pushed]).accepted

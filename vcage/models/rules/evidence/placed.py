@@ -77,7 +77,8 @@ class Placed:
         old = thing.found({"top": view.before["top"]}, view.change.all & ~room)
         if old is None:
             return None
-        return _Putting(view, thing, place, rooms, others).measured(stands, room, old)
+        within = place.draw if goal.relation == "inside" else None
+        return _Putting(view, thing, place, rooms, others, within).measured(stands, room, old)
 
     def verdict(self, goal: Goal, thing: str, place: str) -> Verdict:
         """Judge whether the object came to be in or on the other."""
@@ -136,6 +137,7 @@ class _Putting:
         thing, place: the object and the receptacle, parts open as they are.
         rooms: (n, 8, 3) corners of the object's possible places, in the receptacle's frame.
         others: the other planned objects there.
+        within: drawing of a receptacle with walls.
     """
 
     view: CriticView
@@ -143,6 +145,7 @@ class _Putting:
     place: Sought
     rooms: np.ndarray
     others: Sequence[tuple[Draw, Pose]]
+    within: Draw | None = None
 
     def measured(self, stands: Standing, room: np.ndarray, old: Standing) -> Placed:
         """Measure, also where the receptacle was moved a little.
@@ -171,7 +174,7 @@ class _Putting:
 
     def _lying(self, at: Standing, before: Mapping[str, View], room: np.ndarray) -> Lying | None:
         here = grown(room, SETTINGS.edge_px)
-        return find_lying(self.thing, self.rooms, at.pose, before, self.view.after, here, self.others)
+        return find_lying(self.thing, self.rooms, at.pose, before, self.view.after, here, self.others, self.within)
 
     def _compared(self, places: Places, before: View, after: View) -> Placed:
         """Measure what came to be seen in or on a receptacle, and around it, from above."""

@@ -100,6 +100,7 @@ def find_lying(
     after: Mapping[str, View],
     room: np.ndarray,
     others: Sequence[tuple[Draw, Pose]] = (),
+    within: Draw | None = None,
 ) -> Lying | None:
     """The likeliest place of an object in or on its support; None without room there.
 
@@ -110,6 +111,7 @@ def find_lying(
         before, after: views of one moment each, by camera.
         room: (H, W) bool, the rooms in the view from above.
         others: the other planned objects there, which may hide the object from the side.
+        within: the support's drawing where the object is in it: its wall hides the object from the side.
     """
     was, now = (smoothed(views["top"].picture) for views in (before, after))
     faint = changed(was, now, least=SETTINGS.faint_lab)
@@ -128,7 +130,8 @@ def find_lying(
     }
     shown = thing.speaks(lies, after["top"], before["top"].picture)[0]
     outline = float(faint[lies.covered].mean()) if lies.covered.any() else 0.0
-    return Lying(lies, shown, outline, _aloft(thing, lies, before, after, others), hides)
+    walls = {} if within is None else {name: drawn_whole(within, pose, after[name].camera).covered for name in after}
+    return Lying(lies, shown, outline, _aloft(thing, lies, before, after, others, walls), hides)
 
 
 def _aloft(
@@ -137,11 +140,13 @@ def _aloft(
     before: Mapping[str, View],
     after: Mapping[str, View],
     others: Sequence[tuple[Draw, Pose]],
+    walls: Mapping[str, np.ndarray],
 ) -> float | None:
-    """Share of the pixels that distinguish an object at a height and look as drawn in side views; None if too few."""
+    """Share of the pixels that distinguish an object at a height and look as drawn in side views, except those over the
+    walls around it by view; None if too few."""
     shares = []
     for name in sorted(before.keys() & after.keys() - {"top"}):
-        hidden = _in_front(lies.pose, others, after[name])
+        hidden = _in_front(lies.pose, others, after[name]) | walls.get(name, False)
         shares.append(thing.speaks(lies, after[name], before[name].picture, hidden))
     pixels = sum(count for _, count in shares)
     return sum(share * count for share, count in shares) / pixels if pixels >= SETTINGS.fewest_px else None
