@@ -93,10 +93,11 @@ ANYTHING = word_set("object thing item stuff everything belonging article clutte
 PART_WORDS = {
     "drawer": "drawer", "layer": "drawer", "door": "door", "lid": "lid", "cover": "lid", "screen": "screen",
     "button": "button", "dial": "dial", "lever": "lever", "knob": "knob",
+    "compartment": "compartment",
 }  # fmt: skip
-"""Words for moving parts → the first word of the part's name."""
+"""Words for moving parts and compartments → the first word of the part's name."""
 
-PARTS = frozenset((*PART_WORDS, "compartment", "shelf", "handle", "display"))
+PARTS = frozenset((*PART_WORDS, "shelf", "handle", "display"))
 """Words for parts of things."""
 
 COUNTED = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth")

@@ -6,7 +6,7 @@ from vcage.goals.kind import GoalKind, State, Stated, cm, degrees, percent
 from vcage.goals.thresholds import Thresholds
 
 LISTED = (
-    '`subject` is in or on `reference`; `part` when that is a moving part such as a drawer, else "none". '
+    '`subject` is in or on `reference`; `part` when that is a part such as a drawer or a compartment, else "none". '
     "`reference` may be the `table`."
 )
 

@@ -90,12 +90,12 @@ def crowding_complaints(held: Mapping[tuple[str, str | None], Sequence[str]], as
     """Complaints about objects that do not fit into one place together; places with several parts are passed over.
 
     Args:
-        held: object id and moving part (None for the body) of a place → ids of its simultaneous contents.
+        held: object id and part (None for the body) of a place → ids of its simultaneous contents.
         assets: by object id.
     """
     found = []
     for (holder, part), inside in held.items():
-        points = [p for p in assets[holder].annotation.functional_points if p.link == part]
+        points = [p for p in assets[holder].annotation.functional_points if p.is_of(part)]
         if len(points) != 1:
             continue
         name = holder if part is None else f"{part} of {holder}"

@@ -107,7 +107,7 @@ class _Clauses:
         return frozenset(found & there if side else found)
 
     def complaints(self) -> list[str]:
-        parts = {part for entry in self._things.values() for part in entry.moving_parts}
+        parts = {part for entry in self._things.values() for part in entry.parts}
         places = {at: next(iter(names)) for at, names in self._of("reference").items() if len(names) == 1}
         handed = any(asked.goal.relation == "handed" for asked in self._goals)
         found = self._mispaired({} if handed else arms(self._text), lambda asked: asked.arm or "no")
@@ -172,7 +172,7 @@ class _Clauses:
 
     def _first(self, name: str, part: str | None) -> int | None:
         """Place where an object is named first, or else the part of it."""
-        named, parts = [at for at, names in self._meant.items() if name in names], self._things[name].moving_parts
+        named, parts = [at for at, names in self._meant.items() if name in names], self._things[name].parts
         if not named and part is not None and part in parts:
             kind, _, which = part.partition("_")
             said = {at: PART_WORDS.get(lemma(word)) for at, word in enumerate(self._words)}

@@ -130,7 +130,7 @@ class GoalsAnswer(Answer):
 def answer_type(read: Instructed) -> type[GoalsAnswer]:
     """The type of an answer that names objects, parts and arms of the scene only."""
     names = list(read.things)
-    parts = one_or_none(sorted({part for entry in read.things.values() for part in entry.moving_parts}))
+    parts = one_or_none(sorted({part for entry in read.things.values() for part in entry.parts}))
     goal = narrowed(
         ReadGoal,
         relation=one_of(words()),
@@ -213,9 +213,9 @@ def _wrong_words(words: str, instruction: str) -> list[str]:
 
 
 def _wrong_part(owner: str, part: str, read: Instructed) -> list[str]:
-    parts = read.things[owner].moving_parts if owner in read.things else []
+    parts = read.things[owner].parts if owner in read.things else []
     known = f"; it has {listed(parts)}" if parts else ""
-    return [] if part in parts else [f"{owner} has no moving part {part!r}{known}"]
+    return [] if part in parts else [f"{owner} has no part {part!r}{known}"]
 
 
 def reading_of(answer: GoalsAnswer) -> Reading:

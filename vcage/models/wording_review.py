@@ -131,7 +131,7 @@ class Review:
             after = number and told.subject in self._mentions[number - 1].ids and told.reference not in self._references
             if {*words} & (FROM | LIES[told.relation] if after else FROM):
                 yield mention.ids, words
-        owners = [name for name, kind in self._task.things.items() if told.part in kind.moving_parts]
+        owners = [name for name, kind in self._task.things.items() if told.part in kind.parts]
         for number, word in enumerate(self._said):
             if word in FROM and len(owners) == 1:
                 yield owners, [*takewhile(self._within.__contains__, self._said[number + 1 :])]

@@ -254,7 +254,7 @@ def near_names(name: str, known: Collection[str]) -> str:
 
 def all_names(objects: Sequence[SceneObject]) -> str:
     """Objects and parts that goals may be about, for an error."""
-    parts = [f"{o.id}/{link.name}" for o in objects for link in o.asset.model.links]
+    parts = [f"{o.id}/{part}" for o in objects for part in o.asset.entry().parts]
     return f"what there is: {', '.join([*(o.id for o in objects), *parts])}"
 
 
@@ -265,5 +265,5 @@ def unknown_name(goal: Goal, objects: Mapping[str, SceneObject], arms: Collectio
     if goal.reference is not None and goal.reference not in {*objects, TABLE, *arms}:
         return goal.reference
     owner = objects.get(goal.reference or "", objects[goal.subject])
-    parts = {link.name for thing in (owner, objects[goal.subject]) for link in thing.asset.model.links}
+    parts = {part for thing in (owner, objects[goal.subject]) for part in thing.asset.entry().parts}
     return goal.part if goal.part is not None and goal.part not in parts else None

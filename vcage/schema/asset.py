@@ -17,6 +17,9 @@ Source = Literal["parametric", "sweethome3d", "robosuite", "ycb", "robotwin"]
 FETCHED = ("sweethome3d", "robosuite", "ycb")
 IMPORTED = ("robotwin",)
 
+COMPARTMENT = "compartment_"
+"""Begins the name of a compartment, as names of moving parts begin with their kind."""
+
 
 class ContactPoint(Record):
     """Point to grasp an object by, in the object frame (origin: centre of the bottom; x right, y back, z up)."""
@@ -50,7 +53,23 @@ class FunctionalPoint(Record):
     position: Point3 = Field(description="middle of the floor or surface that receives, metres")
     axis: UnitVec3 = Field(default=(0.0, 0.0, 1.0), description="out of the surface, against the way of placing")
     link: Identifier | None = Field(default=None, description="moving part that has it, joints at 0; None: the body")
+    compartment: Identifier | None = Field(default=None, description="name of a fixed compartment; goals may name it")
     weighs: bool = Field(default=False, description="whether what lies there is weighed")
+
+    @model_validator(mode="after")
+    def _check_compartment(self) -> FunctionalPoint:
+        if self.compartment is not None and (self.link is not None or not self.compartment.startswith(COMPARTMENT)):
+            raise ValueError(f"compartment {self.compartment!r}: expected '{COMPARTMENT}…' and no 'link'")
+        return self
+
+    @property
+    def part(self) -> str | None:
+        """The part that it belongs to: a moving one, or a compartment; None for the body."""
+        return self.link or self.compartment
+
+    def is_of(self, part: str | None) -> bool:
+        """Check if a goal that names a part, or none, may mean it; who names none may mean any compartment."""
+        return part in (self.link, self.part)
 
     @property
     def sideways(self) -> bool:
@@ -190,6 +209,11 @@ class CatalogueEntry(Record):
     def can_be_carried(self) -> bool:
         """True if it has a contact point to carry it by."""
         return any(point.carries for point in self.contact_points)
+
+    @property
+    def parts(self) -> list[str]:
+        """Names of its moving parts and compartments."""
+        return [*self.moving_parts, *(point.compartment for point in self.functional_points if point.compartment)]
 
     @property
     def reads_codes(self) -> bool:

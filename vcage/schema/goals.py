@@ -47,7 +47,7 @@ class Goal(Record):
     subject: Identifier = Field(description="id of an object")
     relation: GoalWord
     reference: Identifier | None = Field(default=None, description="object id, or 'table'; for 'handed' the arm")
-    part: Identifier | None = Field(default=None, description="moving part of the subject, or of the reference")
+    part: Identifier | None = Field(default=None, description="part of the subject, or of the reference")
 
     @model_validator(mode="after")
     def _check_fields_of_word(self) -> Goal:

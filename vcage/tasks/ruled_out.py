@@ -82,7 +82,7 @@ def _no_place(goal: Goal, by_id: Mapping[str, SceneObject]) -> list[str]:
     room = []
     for point in holder.asset.annotation.functional_points:
         width, depth = holder.asset.opening(point).size
-        part = f" its {part_words(point.link)}" if point.link else " it"
+        part = f" its {part_words(point.part)}" if point.part else " it"
         room.append(f"{point.holds}{part} ({width * 100:.1f} × {depth * 100:.1f} cm)")
     phrase = holder.record.phrase
     word = f"in the {part_words(goal.part)} of" if goal.part else "in" if goal.relation == "inside" else "on"

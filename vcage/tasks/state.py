@@ -64,7 +64,7 @@ class StillState:
         thing, receptacle, inside = self.thing(goal.subject), self._reference(goal), goal.relation == "inside"
         points = [
             point for point in receptacle.asset.annotation.functional_points
-            if point.link == goal.part and (point.holds == "in") == inside
+            if point.is_of(goal.part) and (point.holds == "in") == inside
         ]  # fmt: skip
         found = [place_complaint(thing, receptacle, point) for point in points]
         if None not in found:

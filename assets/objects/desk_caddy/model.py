@@ -6,7 +6,7 @@ from vcage.objects.modelling import materials, solids
 from vcage.objects.modelling.mappings import tiled
 from vcage.objects.modelling.parts import BuiltObject, paint, variant_rng
 
-WIDTH, DEPTH, HEIGHT, WALL, FLOOR = 0.256, 0.194, 0.07, 0.005, 0.006
+WIDTH, DEPTH, HEIGHT, WALL, FLOOR = 0.272, 0.194, 0.07, 0.005, 0.006
 """Of the whole, of its walls and its floor, metres."""
 
 ROW = 0.0995

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+import pytest
+
 from tests.example_scenes import thing, workplace
+from vcage.base.errors import InfeasibleScene
 from vcage.schema.goals import Goal
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.slots import stands_flush
+from vcage.tasks.slots import allocate, stands_flush
 from vcage.tasks.templates import TEMPLATES
 
 SCALE = thing("electronic_scale", (0.1, 0.05))
@@ -57,3 +61,35 @@ def test_a_weighed_object_lies_on_the_scale_and_waits_there() -> None:
     ]
     assert any(call.startswith("task.wait(") for call in TEMPLATES["weigh"].calls(subtask))
     assert len({subtask.text, *subtask.texts}) >= 10
+
+
+def test_a_bowl_goes_into_a_bowl_of_its_kind_where_it_nests() -> None:
+    lower, upper = thing("small_bowl", id="lower"), thing("small_bowl", (0.3, 0.0), id="upper")
+    pair = next(p for p in TEMPLATES["place"].proposals([lower, upper], ())[0] if p.thing is upper)
+    assert pair.impossible() is None
+    point = lower.asset.annotation.functional_point(0)
+    place = allocate(lower, 0, [upper], np.random.default_rng(0))["upper"]
+    assert place.p[2] == lower.asset.nested_height(upper.asset, point) > point.position[2]
+
+
+def test_a_bowl_nests_in_no_bowl_that_holds_something() -> None:
+    lower, upper = thing("small_bowl", id="lower"), thing("small_bowl", (0.3, 0.0), id="upper")
+    lemon = thing("lemon", container="lower")
+    with pytest.raises(InfeasibleScene, match="only where nothing else lies, not yellow lemon"):
+        allocate(lower, 0, [upper], np.random.default_rng(0), [lemon])
+
+
+def test_what_is_put_in_a_compartment_is_in_it_and_in_the_whole() -> None:
+    book, caddy = thing("standing_book", (-0.3, 0.0)), thing("desk_caddy")
+    found = {p.goal.part: p for p in TEMPLATES["place"].proposals([book, caddy], ())[0]}
+    assert {*found} == {f"compartment_{side}" for side in ("front", "back", "left", "right")}
+    left = found["compartment_left"]
+    assert left.impossible() is None
+    assert left.goals == [left.goal, Goal(subject=book.id, relation="inside", reference=caddy.id)]
+
+
+def test_a_goal_that_names_no_compartment_means_any() -> None:
+    book, caddy = thing("standing_book", (-0.3, 0.0)), thing("desk_caddy")
+    anywhere = Goal(subject=book.id, relation="inside", reference=caddy.id)
+    found, _ = TEMPLATES["place"].proposals([book, caddy], [anywhere])
+    assert [pair.goal for pair in found] == [anywhere] * 4

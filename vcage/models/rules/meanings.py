@@ -180,8 +180,8 @@ class Meanings:
             return [Spot("", how)]
         of_part = noun.of_part(self.things.values())
         if of_part and how in ("in", "to"):
-            links = {name: {point.link for point in entry.functional_points} for name, entry in self.things.items()}
-            return [Spot(name, "inside", part) for name, part in self.parts(noun, lambda n, p: p in links[n])]
+            places = {name: {point.part for point in entry.functional_points} for name, entry in self.things.items()}
+            return [Spot(name, "inside", part) for name, part in self.parts(noun, lambda n, p: p in places[n])]
         owners = self._owners(noun) if of_part else self.objects(noun, besides)
         if len(owners) != 1:
             raise Doubt(noun.text, f"nobody can tell which of {listed(owners)} is meant")
@@ -214,5 +214,5 @@ class Meanings:
 
     def _parts(self, noun: Noun) -> list[tuple[str, str]]:
         if noun.of_part(self.things.values()):
-            return [(n, p) for n in self._called(noun) for p in self.things[n].moving_parts if noun.names_part(p)]
+            return [(n, p) for n in self._called(noun) for p in self.things[n].parts if noun.names_part(p)]
         return [(name, part) for name in self.objects(noun) for part in self.things[name].moving_parts]

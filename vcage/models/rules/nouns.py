@@ -151,7 +151,7 @@ class Noun:
 
     def owns(self, entry: CatalogueEntry) -> tuple[int, list[Variant]]:
         """Return how well its words for an owner name a kind that has the part, and the looks that they fit."""
-        if sum(map(self.names_part, entry.moving_parts)) < (self.count or 2 if self.several else 1):
+        if sum(map(self.names_part, entry.parts)) < (self.count or 2 if self.several else 1):
             return 0, []
         owner = [word for word in self.words[:-1] if word != "of"]
         anyone = owner in ([], [self.part])  # "the layer of the drawer"
@@ -176,10 +176,15 @@ def noun_of(found: Sequence[Token], text: str, at: int) -> Noun:
         noun = _named(noun, words, [], {**SIDES, **WHICH_PART}, sides)
         return replace(noun, words=noun.words or ("thing",) * ("EVERYTHING" in types))
     name = [*map(lemma, _words(found, "OF")), words[-1]]
-    noun = _named(noun, words[:-1], name, WHICH_PART if words[-1] in PART_WORDS else SIDES, sides)
+    noun = _named(noun, words[:-1], name, _telling_apart(words[-1]), sides)
     thirds = [SIDES[word] for word in _words(found, "AT_TABLE") if word in SIDES]
     on_table = tuple((third, Noun(words=("table",), text=text, at=at)) for third in thirds)
     return replace(noun, relations=on_table)
+
+
+def _telling_apart(head: str) -> Mapping[str, str]:
+    """Words that tell apart what a noun names: moving parts by their height, all else by its side."""
+    return WHICH_PART if PART_WORDS.get(head, "compartment") != "compartment" else SIDES
 
 
 def _named(noun: Noun, before: list[str], name: list[str], sides: Mapping[str, str], at: list[str]) -> Noun:

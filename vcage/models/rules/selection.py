@@ -206,7 +206,7 @@ def _part_of(noun: Noun, place: CatalogueEntry | None) -> CatalogueEntry | None:
     """A place with the room of the meant part only, where a part is meant."""
     if place is None or noun.part is None:
         return place
-    points = [point for point in place.functional_points if (point.link or "").startswith(noun.part)]
+    points = [point for point in place.functional_points if (point.part or "").startswith(noun.part)]
     rooms = [room for room in place.rooms if room.point in {point.id for point in points}]
     return place.model_copy(update={"functional_points": points, "rooms": rooms}) if points else place
 

@@ -29,6 +29,7 @@ from vcage.tasks.slots import (
     heading_for,
     kept_in_by,
     lying_in,
+    nested_bottom,
     opened_for,
     room_for,
     slot_in,
@@ -65,7 +66,7 @@ class Placing:
                 reason = f"{receptacle.record.phrase} has no functional point"
                 refused.append(Refusal(template=self.name, object=target.id, receptacle=receptacle.id, reason=reason))
             mine = [
-                Pair(self.name, target, self._goal(target, receptacle, point), self, receptacle, point, asked)
+                Pair(self.name, target, self._goal(target, receptacle, point, asked), self, receptacle, point, asked)
                 for point in points
                 if self.takes(target, receptacle, point)
             ]
@@ -77,10 +78,14 @@ class Placing:
                 refused += [pair.not_carried() for pair in mine]
         return pairs, refused
 
-    def _goal(self, target: SceneObject, receptacle: SceneObject, point: FunctionalPoint) -> Goal:
+    def _goal(
+        self, target: SceneObject, receptacle: SceneObject, point: FunctionalPoint, asked: Collection[Goal]
+    ) -> Goal:
+        """What it is for; of a compartment that nobody asked for by name, the whole."""
         if self.word is not None:
             return Goal(subject=target.id, relation=self.word)
-        return lying(target, receptacle, point)
+        named, whole = lying(target, receptacle, point), _resting(target, receptacle, point, point.link)
+        return whole if whole in asked and named not in asked else named
 
     def calls(self, subtask: Subtask) -> list[str]:
         """The lines of the script's ``play``; GRASPS is a constant of the script."""
@@ -95,8 +100,12 @@ class Placing:
 
 def lying(target: SceneObject, receptacle: SceneObject, point: FunctionalPoint) -> Goal:
     """The goal that an object is in or on another, at one of its functional points."""
+    return _resting(target, receptacle, point, point.part)
+
+
+def _resting(target: SceneObject, receptacle: SceneObject, point: FunctionalPoint, part: str | None) -> Goal:
     word = "inside" if point.holds == "in" else "on"
-    return Goal(subject=target.id, relation=word, reference=receptacle.id, part=point.link)
+    return Goal(subject=target.id, relation=word, reference=receptacle.id, part=part)
 
 
 def _elsewhere(refusal: Refusal) -> bool:
@@ -142,8 +151,10 @@ class Pair(Proposal):
     @property
     def goals(self) -> list[Goal]:
         """Goals it would achieve, its own first."""
+        named = lying(self.thing, self.receptacle, self.point)
+        whole = _resting(self.thing, self.receptacle, self.point, self.point.link)
         heading = [] if self.facing is None else [self.facing]
-        return list(dict.fromkeys([self.goal, lying(self.thing, self.receptacle, self.point), *heading]))
+        return list(dict.fromkeys([self.goal, named, whole, *heading]))
 
     @property
     def templates(self) -> tuple[TemplateName, ...]:
@@ -169,6 +180,8 @@ class Pair(Proposal):
             check = fits(self.thing, self.receptacle, self.point)
         if not check.passed:
             return self.refusal(check.message, checks=[check])
+        if nested_bottom(self.thing, self.receptacle, self.point) is not None:
+            return None
         room = room_for(self.receptacle, self.point.id, [self.thing])
         if np.any(np.sort(room) < np.sort(self.thing.asset.footprint)):
             need = f"less than the {CONTENT_GAP_M * 1000:.0f} mm on each side that the robot needs"
@@ -253,7 +266,7 @@ class Pair(Proposal):
 
     def _place_words(self) -> str:
         phrase = self.receptacle.record.phrase
-        return phrase if self.point.link is None else f"{part_words(self.point.link)} of the {phrase}"
+        return phrase if self.point.part is None else f"{part_words(self.point.part)} of the {phrase}"
 
     def _requires(self) -> list[Goal]:
         """Goals that must be true before: the drawer or lid of the place is open, with no open drawer over it."""
@@ -271,7 +284,7 @@ class Pair(Proposal):
         word = self.template.word or ("into" if self.point.holds == "in" else "onto")
         word = word if hand_to is None else f"handed-{word}"
         several = len(self.receptacle.asset.annotation.functional_points) > 1
-        suffix = f"-{self.point.link or self.point.id}" if several else ""
+        suffix = f"-{self.point.part or self.point.id}" if several else ""
         suffix += "" if self.facing is None else f"-{self.facing.relation}"
         return self.subtask(
             f"{self.thing.id}-{word}-{self.receptacle.id}{suffix}",
