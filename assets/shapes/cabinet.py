@@ -47,18 +47,21 @@ class Look:
     labels: bool = False
 
 
-def with_drawers(name: str, variant: str, count: int, mass: float) -> BuiltObject:
+def with_drawers(
+    name: str, variant: str, bays: tuple[float, ...], mass: float, foot_height: float = Carcass.foot
+) -> BuiltObject:
     """A cabinet with drawers one above the other.
 
     Args:
         name: of the object, for the seed of its textures.
         variant: a look of :func:`cabinet_look`.
-        count: of drawers, 1 to 3.
+        bays: clear height behind each drawer's front, the lowest first, metres; 1 to 3.
         mass: of the carcass, kilograms.
+        foot_height: of plinth or legs, metres.
     """
     rng = variant_rng(name, variant)
     look = cabinet_look(rng, variant)
-    carcass = Carcass(WIDTH, DEPTH, bays=(BAY,) * count)
+    carcass = Carcass(WIDTH, DEPTH, bays, foot_height)
     shell = carcass.build(look.body, look.top, look.body, look.foot)
     inside = Finish(materials.wood(rng, materials.PINE), roughness=0.7)
     if look.labels:
@@ -66,10 +69,10 @@ def with_drawers(name: str, variant: str, count: int, mass: float) -> BuiltObjec
     metal = Finish(materials.brushed(rng, STEEL), 0.05, 0.4, 0.4)
     drawer_look = DrawerLook(look.front, inside, metal, look.grip, look.style, look.framed)
     moving = []
-    for bay, drawer_name in enumerate(DRAWER_NAMES[count]):
+    for bay, drawer_name in enumerate(DRAWER_NAMES[len(bays)]):
         drawer = joinery.drawer(carcass, bay, drawer_look)
         if look.labels:
-            at = (-0.066, carcass.face, carcass.floor(bay) + BAY / 2)
+            at = (-0.066, carcass.face, carcass.floor(bay) + bays[bay] / 2)
             drawer.parts += _label(("R - Z", "I - Q", "A - H")[bay], at)
         moving.append(MovingPart(drawer_name, drawer.parts, drawer.hulls, 0.45, joinery.slide(carcass, bay)))
     return BuiltObject(shell.parts, shell.hulls, mass=mass, friction=FRICTION, moving=moving)

@@ -220,6 +220,9 @@ DRAWER_FLOOR = 0.007
 PANEL, WALL, WALL_HEIGHT, DRAWER_DEPTH = 0.008, 0.006, 0.042, 0.122
 """Thickness of a drawer's front and walls, height of its walls above its floor, and its depth inside, metres."""
 
+TALL_WALL_SHARE = 0.55
+"""Share of a tall bay that a drawer's walls are high at least, so that bottles do not tip over them."""
+
 
 def drawer(carcass: Carcass, bay: int, look: DrawerLook) -> Assembly:
     """A drawer that fills a bay; it hangs in slides that stay in the carcass when it is pulled out.
@@ -236,7 +239,7 @@ def drawer(carcass: Carcass, bay: int, look: DrawerLook) -> Assembly:
     start, low = face + PANEL, bottom + 0.003
     sheet = DRAWER_FLOOR - 0.003
     out.board((outer, DRAWER_DEPTH + WALL, sheet), (0, start + (DRAWER_DEPTH + WALL) / 2, low), look.inside)
-    rise = WALL_HEIGHT
+    rise = max(WALL_HEIGHT, TALL_WALL_SHARE * high)
     for sign in (-1, 1):
         x = sign * (outer - WALL) / 2
         out.board((WALL, DRAWER_DEPTH, rise), (x, start + DRAWER_DEPTH / 2, low + sheet), look.inside, along=1)

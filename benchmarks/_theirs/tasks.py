@@ -107,7 +107,7 @@ class Task:
 def split(path: str) -> tuple[str, str | None]:
     """A name of the goals, and the part at its end: every part has its kind of part as its first word."""
     name, _, last = path.rpartition("/")
-    is_part = last.split("_")[0] in ("drawer", "door", "knob", "button", "lever", "screen", "compartment", "under")
+    is_part = last.split("_")[0] in ("drawer", "door", "knob", "button", "lever", "screen", "compartment")
     return (name, last) if is_part else (path, None)
 
 

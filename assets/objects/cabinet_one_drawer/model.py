@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from assets.shapes.cabinet import with_drawers
+from assets.shapes.cabinet import BAY, with_drawers
 from vcage.objects.modelling.parts import BuiltObject
 
 
 def build(variant: str) -> BuiltObject:
-    return with_drawers("cabinet_one_drawer", variant, 1, mass=3.2)
+    return with_drawers("cabinet_one_drawer", variant, (BAY,) * 1, mass=3.2)

@@ -14,4 +14,4 @@ def build(variant: str) -> BuiltObject:
     rng = variant_rng("plastic_box", variant)
     shell, hulls = open_box((0.244, 0.174), 0.003, 0.004, 0.07, 0.008)
     skin = materials.plastic(rng, COLOURS[variant], 128)
-    return BuiltObject([paint(shell, skin, tiled(0.1), roughness=0.45)], hulls, mass=0.3, friction=0.7)
+    return BuiltObject([paint(shell, skin, tiled(0.1), roughness=0.45)], hulls, mass=0.15, friction=0.8)

@@ -19,7 +19,7 @@ VARIANTS = {
 }
 """Variant → colour of the body, metallic share."""
 
-WIDTH, TOP, STRIP = 0.28, 0.05, 0.014
+WIDTH, TOP, STRIP = 0.34, 0.05, 0.014
 """Width; heights of the burner and of the strip with the knob, metres."""
 
 KNOB_AT = (0.0, -0.105)
@@ -50,7 +50,7 @@ def build(variant: str) -> BuiltObject:
 
 def _burner() -> np.ndarray:
     """Dark glass with the rings of one burner."""
-    picture = prints.canvas(804, 594, (22, 22, 24))
+    picture = prints.canvas(984, 594, (22, 22, 24))
     for radius, colour in ((0.42, (120, 116, 112)), (0.405, (36, 34, 34)), (0.3, (104, 60, 46)), (0.285, (36, 34, 34))):
         picture = prints.disc(picture, (0.5, 0.5), radius, colour)
     for radius, colour in ((0.18, (104, 60, 46)), (0.165, (36, 34, 34)), (0.02, (120, 116, 112))):
