@@ -79,7 +79,7 @@ def _abilities(entry: CatalogueEntry) -> str:
 def _place(point: FunctionalPoint, room: Point3 | None) -> str:
     """'in drawer_top 21.2x12.2x6.3': an open top has no height."""
     size = "" if room is None else "x".join(f"{100 * edge:.1f}" for edge in room if edge)
-    return " ".join(word for word in (point.holds, point.link or "", size) if word)
+    return " ".join(word for word in (point.holds, point.part or "", size) if word)
 
 
 def count_kinds(annotations: Iterable[Annotation]) -> dict[str, Any]:
