@@ -42,7 +42,7 @@ def _to_front(solid: solids.Solid) -> solids.Solid:
 
 def _torus(radius: float, along: float, wire: float) -> solids.Solid:
     """A ring of wire around the axis, ``along`` it."""
-    return _to_front(solids.revolved(solids.circle(wire, 5, (radius, along)), 30))
+    return _to_front(solids.revolved(solids.circle(wire, 5, (radius, along)), 24))
 
 
 def _cage() -> list[solids.Solid]:

@@ -34,8 +34,17 @@ def test_a_colour_foreign_to_a_kind_is_refused_with_the_known_ones() -> None:
 
 
 def test_a_box_for_shoes_is_no_shoe() -> None:
-    with pytest.raises(NoAssetFits):
-        chosen("Put the shoe in the basket", "content")
+    assert chosen("Put the shoe in the basket", "content") == ["shoe"]
+
+
+def test_the_stapler_that_is_pressed_is_not_the_one_that_is_carried() -> None:
+    assert chosen("Press the stapler", "receptacle") == ["stapler_electric"]
+    assert chosen("Put the stapler in the basket", "content") == ["stapler"]
+
+
+def test_bottles_go_into_a_cabinet_with_tall_drawers() -> None:
+    sentence = "Put the wine bottle in the bottom drawer of the cabinet"
+    assert chosen(sentence, "receptacle") == ["tall_drawer_cabinet"]
 
 
 def test_fries_are_one_portion() -> None:

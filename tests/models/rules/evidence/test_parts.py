@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from tests.example_scenes import scene_of, thing
 from vcage.base.geometry import Pose
 from vcage.episodes.question import TOP, Asking, verdict
+from vcage.models.rules.evidence.parts import _enclosed
 from vcage.runs.context import StageContext
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal
@@ -102,3 +104,9 @@ def test_a_grey_drawer_is_distinguished_from_the_table_in_the_shadow_of_its_cabi
     assert done.accepted, done.reason
     stopped = start if word == "open" else 0.5
     assert not judged(context, cabinet, word, start, stopped, table=table).accepted
+
+
+def test_what_the_edges_of_a_button_enclose_is_the_button() -> None:
+    edges = np.zeros((40, 40), bool)
+    edges[[10, 29], 10:30] = True
+    assert np.array_equal(np.argwhere(_enclosed(edges)), np.argwhere(np.pad(np.ones((20, 20), bool), 10)))

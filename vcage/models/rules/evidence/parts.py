@@ -174,8 +174,14 @@ def _touched(sight: _Sight, view: CriticView) -> float:
     """Changed share of a part's visible area in the picture of the moment; 0 without one."""
     if "top" not in view.moment:
         return 0.0
-    part = sight.telling if sight.telling.any() else sight.covered
+    part = _enclosed(sight.telling) if sight.telling.any() else sight.covered
     return float(changed(*(to_lab(one["top"].picture) for one in (view.after, view.moment)))[part].mean())
+
+
+def _enclosed(edges: np.ndarray) -> np.ndarray:
+    """(H, W) bool: the least convex area around pixels, as only the edges of a large button tell how far it is."""
+    corners = cv2.convexHull(np.argwhere(edges)[:, ::-1].astype(np.int32))
+    return cv2.fillConvexPoly(np.zeros(edges.shape, np.uint8), corners, 1).astype(bool)
 
 
 @dataclass(frozen=True)
