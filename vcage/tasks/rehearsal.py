@@ -36,6 +36,9 @@ from vcage.tasks.templates import TEMPLATES
 from vcage.tasks.workcell import TaskFailed, failing_at, first_reasons
 from vcage.tasks.workplace import Workplace
 
+WAYS_PAST = 4
+"""Ways to a slot that are planned past an arm that holds something up: looking for one in vain takes long."""
+
 ANOTHER = "another --seed gives another layout"
 
 
@@ -141,7 +144,7 @@ class Rehearsal(Task):
         held, width = thing.pose.inverse() * self._picked.way.grasp, thing.asset.grasp_width(self._contact)
         reasons: list[str] = []
         with failing_at("plan"):
-            for way in around.ways(planner.kinematics, held, width, slot.poses(cell.objects()), up):
+            for way in around.ways(planner.kinematics, held, width, slot.poses(cell.objects()), up)[:WAYS_PAST]:
                 try:
                     carry = planner.move(up, way.above, load, then=[way.release, way.after])
                     planner.line(carry.end, way.release, load)

@@ -185,11 +185,30 @@ def test_verbs_of_the_air_and_of_the_sides_are_read(sentence: str, goals: list[s
         ("Lift the plate with both arms, then put it on the table", "two arms at once cannot be promised"),
         ("Lift the plate and the red block with both arms", "two arms at once cannot be promised"),
         ("Hold up the red block, the blue block and the cup, one in each hand", "name two things"),
+        ("Hold the cup, then put it on the plate", "stays in it to the end"),
+        ("Use one arm to hold the cup and the other arm to put the cup on the plate", "stays in it to the end"),
     ],
 )
 def test_both_arms_only_hold_things_up(sentence: str, why: str) -> None:
     with pytest.raises(UnreadInstruction, match=why):
         in_scene(sentence, "block/red", "block/blue", "plate/white", "cup/white")
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        "Pour the balls into the plate",
+        "Wipe the plate with the red block",
+        "Hang the cup on the tap",
+        "Hit the red block with the cup",
+        "Pick up the cup head-up",
+        "Stand the cup upright",
+        "Shake the cup horizontally",
+    ],
+)
+def test_verbs_that_no_goal_states_are_refused_by_name(sentence: str) -> None:
+    with pytest.raises(UnreadInstruction, match="no goal says that a thing is poured, wiped, hung up or hit"):
+        in_scene(sentence, "block/red", "plate/white", "cup/white")
 
 
 def test_two_things_change_places_and_not_three() -> None:

@@ -239,9 +239,18 @@ class Goals:
 
     def _lift(self, command: Command) -> None:
         """Lifting what a later command brings somewhere is picking it up."""
+        (self._pick if self._is_brought_later(command) else self._event)(command)
+
+    def _hold(self, command: Command) -> None:
+        if self._is_brought_later(command):
+            raise Conflict(command.words, "what a hand holds up stays in it to the end; leave out that it is held")
+        self._event(command)
+
+    def _is_brought_later(self, command: Command) -> bool:
+        """True where a later command brings a thing of this one somewhere."""
         later = self.commands[self.commands.index(command) + 1 :]
-        brought = {noun for c in later if c.verb in _BRINGING for noun in c.things}
-        (self._pick if brought & {*command.things} else self._event)(command)
+        brought = {(noun.words, noun.colour) for c in later if c.verb in _BRINGING for noun in c.things}
+        return bool(brought & {(noun.words, noun.colour) for noun in command.things})
 
     def _put(self, command: Command, most: int | None = None) -> None:
         """The counted objects in, on or beside their target; of several drawers each gets one in turn."""

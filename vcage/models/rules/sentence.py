@@ -21,6 +21,8 @@ from vcage.models.rules.nouns import Noun, noun_of
 REFUSED = {
     r"simultaneously|at the same time|(both|two|separate|each|another) (arms?|hands?)":
         "two arms at once cannot be promised; say which arm does what, left or right, or leave the arms out",
+    r"pour|wipe|hang|hit|beat|strike|(stand |set |turn )?(it |them )?upright|head-up|horizontally":
+        "no goal says that a thing is poured, wiped, hung up or hit, or which way up it is",
     r"sorry|i mean|or rather|no wait": "a correction is not read; say only what is meant",
     r"[4-9]\d|\d{3,}": "no table holds so many; ask for 1 to 39",
     r"(corner|edge) of the (table|desk)": "this place of the table is none that a goal can name",

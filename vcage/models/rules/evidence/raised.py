@@ -34,6 +34,7 @@ class RaisedSettings:
 
     Args:
         highest_m, step_m: heights over the old place, from the least of the goal up.
+        highest_together_m: the same of what both arms lift: higher up their joints may look like it.
         leans_rad: angles about the axis towards the customer.
         seen_share: share of the pixels that tell the object from what was there before that must look like it.
         fewest_px, telling_share: pixels, and share of the old outline, that must differ before and after to tell.
@@ -45,6 +46,7 @@ class RaisedSettings:
     """
 
     highest_m: float = 0.4
+    highest_together_m: float = 0.14
     step_m: float = 0.01
     leans_rad: tuple[float, ...] = tuple(np.radians([-25.0, -18.0, 18.0, 25.0]))
     seen_share: float = 0.4
@@ -52,7 +54,7 @@ class RaisedSettings:
     telling_share: float = 0.3
     near_m: float = 0.04
     cap_lab: float = 30.0
-    joined_px: float = 10.0
+    joined_px: float = 20.0
     leaning_share: float = 0.1
 
 
@@ -80,12 +82,13 @@ class Raised:
     new: Standing | None
 
     @classmethod
-    def gather(cls, view: CriticView, name: str, leans: bool) -> Raised | None:
+    def gather(cls, view: CriticView, name: str, leans: bool, highest_m: float = SETTINGS.highest_m) -> Raised | None:
         """Measure an object above its old place; None where that is not found.
 
         Args:
             view, name: of the question, and of the object.
             leans: drawings lean too.
+            highest_m: up to which it is looked for, metres.
         """
         moved = Moved.of(view, name)
         if moved.old is None:
@@ -98,7 +101,7 @@ class Raised:
             share, pixels = thing.speaks(there, moment, before.picture)
             return share if pixels >= SETTINGS.fewest_px else 0.0  # out of the picture nothing tells it
 
-        heights = np.arange(THRESHOLDS.lifted_m, SETTINGS.highest_m, SETTINGS.step_m)
+        heights = np.arange(THRESHOLDS.lifted_m, highest_m, SETTINGS.step_m)
         share, height = max((seen(height), float(height)) for height in heights)
         poses = (stood, Pose(stood.p + [0.0, 0.0, height], stood.q))
         was, now = (drawn_whole(thing.draw, pose, before.camera).covered for pose in poses)
@@ -169,14 +172,14 @@ def _leaning(stood: Pose, height: float, angle: float, middle: float) -> Pose:
     return Pose(stood.p + [0.0, 0.0, height]) * up * turn * up.inverse() * Pose(q=stood.q)
 
 
-def in_the_air(leans: bool) -> Judgement:
+def in_the_air(leans: bool, highest_m: float = SETTINGS.highest_m) -> Judgement:
     """Judge if an object was in the air at the moment, and leaned there."""
 
     def judge(view: CriticView, goal: Goal) -> Judged:
         thing = view.phrase(goal.subject)
         if any("customer" not in one for one in (view.before, view.moment, view.after)):
             return unseen(view, f"the {thing} in the air from the customer's side")
-        found = Raised.gather(view, goal.subject, leans)
+        found = Raised.gather(view, goal.subject, leans, highest_m)
         if found is None:
             return Judged(refused(f"the {thing} is not found before", 0.6), view.nowhere)
         verdict = found.leaning(thing) if leans else found.verdict(thing)
@@ -188,7 +191,11 @@ def in_the_air(leans: bool) -> Judgement:
 def judge_held_up(view: CriticView, goal: Goal) -> Judged:
     """Judge if an object is in the air in the end; the arm that still holds it explains what it hides. On a table of
     its colour it changes that as a shadow does."""
-    verdict, explained = in_the_air(leans=False)(view, goal)
+    return _held(view, goal, SETTINGS.highest_m)
+
+
+def _held(view: CriticView, goal: Goal, highest_m: float) -> Judged:
+    verdict, explained = in_the_air(leans=False, highest_m=highest_m)(view, goal)
     return Judged(verdict, explained | _arm_seen(view))
 
 
@@ -202,7 +209,7 @@ def _arm_seen(view: CriticView) -> np.ndarray:
 
 def judge_held_by_both(view: CriticView, goal: Goal) -> Judged:
     """Judge if an object is level in the air in the end, with both arms out to it."""
-    judged = judge_held_up(view, goal)
+    judged = _held(view, goal, SETTINGS.highest_together_m)
     if not judged.verdict.accepted:
         return judged
     arms = arms_out(view.before["top"], view.after["top"])
