@@ -6,10 +6,13 @@ pictures, ``benchmarks/_policy/localiser.py`` finds them. The policy is served b
 a process of its own, and evaluated through the command as any policy of a lab would be. Rows differ in their data:
 
 - ``varied``: states, layouts drawn for every episode; ``fixed``: states, the optimised layout with small shifts;
+- ``unchecked``: states of episodes that are played without a critic or pictures, failures included; ``checked``: of
+  those among them that the simulator's state accepts, as many;
 - ``raw``, ``compressed``, ``lerobot``: pictures of the varied episodes as recorded, as ``vcage compress`` stores them,
   and as LeRobot's defaults do (AV1, CRF 30).
 
-All are evaluated on the same drawn layouts, and rows on pictures are compared with ``raw`` start by start (McNemar).
+All are evaluated on the same drawn layouts. Rows on pictures are compared with ``raw`` start by start (McNemar), and
+``checked`` with ``unchecked``.
 
 Episodes and weights are kept in ``--data``: an interrupted run collects and trains nothing twice, and evaluates anew.
 """
@@ -31,6 +34,7 @@ from typing import Any, get_args
 
 import numpy as np
 
+from benchmarks._policy import played
 from benchmarks._policy.collected import Layout, Task, exported, meaning_of
 from benchmarks._policy.demonstrations import Demonstrations
 from benchmarks._policy.localiser import LocaliserTraining, trained_localiser, views_of
@@ -39,6 +43,7 @@ from benchmarks._policy.policy import Policy
 from benchmarks._policy.training import Noise, Training, trained
 from vcage.base.errors import UsageError, VcageError
 from vcage.base.files import RunFolder, atomic_path, cache_dir
+from vcage.base.workers import cores
 from vcage.evaluation.evaluate import RECORD
 
 logger = logging.getLogger(__name__)
@@ -52,7 +57,12 @@ LAYOUTS: tuple[Layout, ...] = get_args(Layout)
 
 FORMATS: tuple[Format, ...] = get_args(Format)
 
-ROWS = (*LAYOUTS, *FORMATS)
+PLAYED = ("unchecked", "checked")
+
+ROWS = (*LAYOUTS, *PLAYED, *FORMATS)
+
+RIVALS = {"compressed": "raw", "lerobot": "raw", "checked": "unchecked"}
+"""Rows, and the one that each is compared with."""
 
 
 @dataclass(frozen=True)
@@ -107,7 +117,7 @@ def run(
 
     - ``episodes``, ``frames``: that it was trained on; ``minutes``: of training, CPU time of one core.
     - all figures of ``vcage evaluate``: ``n_success`` of ``n_episodes``, ``pc_success_ci95`` (Wilson), ``furthest``
-      (how far the episodes came), ``left_out`` (layouts in which the expert fails, too); ``compared`` with ``raw``.
+      (how far the episodes came), ``left_out`` (layouts in which the expert fails, too); ``compared`` with its rival.
 
     Args:
         quick: a few episodes and seconds, which show that it runs, and nothing more.
@@ -140,7 +150,11 @@ class _Bench:
         """Train, serve and evaluate a policy."""
         layout: Layout = "fixed" if name == "fixed" else "varied"
         source = self.task.collected(self.plan.episodes, layout)
-        demonstrations = Demonstrations.read(exported(source), self.plan.episodes)
+        if name in PLAYED:
+            folder, workers = self.task.data / "played", self.task.workers or cores()
+            demonstrations = played.demonstrations(source, self.plan.episodes, name == "checked", folder, workers)
+        else:
+            demonstrations = Demonstrations.read(exported(source), self.plan.episodes)
         stored = next((known for known in FORMATS if known == name), None)
         weights = self.task.data / f"{name}-seed{seed}-{self._made_from(demonstrations, seed)}.pt"
         if not weights.exists():
@@ -155,7 +169,7 @@ class _Bench:
     def _made_from(self, demonstrations: Demonstrations, seed: int) -> str:
         """A hash of all that weights depend on."""
         made_from = hashlib.sha256(repr((self.plan.minutes, self.plan.object_noise_m, seed)).encode())
-        for numbers in (demonstrations.states, demonstrations.objects, demonstrations.actions):
+        for numbers in (demonstrations.states, demonstrations.objects, demonstrations.actions, demonstrations.steps):
             made_from.update(np.ascontiguousarray(numbers).data)
         return made_from.hexdigest()[:12]
 
@@ -178,14 +192,14 @@ class _Bench:
     def _evaluated(self, weights: Path, name: str, seed: int, pictures: bool) -> dict[str, Any]:
         """Serve weights and evaluate them; the summary of ``vcage evaluate``."""
         run = self.task.collected(self.plan.episodes, "varied")
-        out, raw = (run.root / "evaluations" / f"{row}-seed{seed}" for row in (name, "raw"))
+        out, rival = (run.root / "evaluations" / f"{row}-seed{seed}" for row in (name, RIVALS.get(name, name)))
         with served(weights) as address:
             command = [sys.executable, "-m", "vcage.cli.main", "evaluate", str(run.root), "--policy", address]
             command += ["--episodes", str(self.plan.rollouts), "--workers", str(self.task.workers or 1)]
             command += ["--out", str(out), "--force"]
             command += [] if pictures else ["--no-pictures", "--environment-state"]
-            if pictures and name != "raw" and (raw / RECORD).exists():
-                command += ["--against", str(raw)]
+            if name in RIVALS and (rival / RECORD).exists():
+                command += ["--against", str(rival)]
             begun = time.perf_counter()
             done = subprocess.run(command, stdout=subprocess.PIPE, text=True)
         if done.returncode != 0:

@@ -81,18 +81,20 @@ def exported(run: RunFolder) -> Path:
 def meaning_of(run: RunFolder, demonstrations: Demonstrations, robot: str, turned: bool) -> Meaning:
     """Meaning of the numbers of a run's demonstrations.
 
-    The task is about what its sub-tasks move, open, press or put something on.
+    A sub-task is about what it moves, opens or presses, what it puts something on, and what the hand takes for it.
 
     Raises:
         UsageError: these are none of the objects of the demonstrations.
     """
     read = Subtasks.read(run.subtasks)
-    kept = [subtask for subtask in read.kept if subtask.id in read.chains[0].subtasks]
-    named = {name for subtask in kept for name in (subtask.object, subtask.receptacle, subtask.grasped)}
-    objects = tuple(sorted(name for name in named if name and f"{name}.x" in demonstrations.object_names))
-    if not objects:
-        raise UsageError(f"no sub-task of {run.root} is about an object", hint="give another --instruction")
-    return Meaning(robot, demonstrations.names, demonstrations.object_names, objects, turned)
+    kept = {subtask.id: subtask for subtask in read.kept}
+    steps = []
+    for subtask in (kept[name] for name in read.chains[0].subtasks):
+        named = dict.fromkeys([subtask.object, subtask.receptacle, subtask.grasped])
+        steps.append(tuple(name for name in named if name and f"{name}.x" in demonstrations.object_names))
+    if not all(steps):
+        raise UsageError(f"a sub-task of {run.root} is about no object", hint="give another --instruction")
+    return Meaning(robot, demonstrations.names, demonstrations.object_names, tuple(steps), turned)
 
 
 def _said(what: str) -> Progress:

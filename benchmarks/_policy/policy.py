@@ -11,10 +11,11 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from benchmarks._policy.features import TARGET, ObjectPoses, Objects, only_positions, poses_of, seen_by
+from benchmarks._policy.features import TARGET, ObjectPoses, Objects, only_positions, poses_of
 from benchmarks._policy.hands import HandPoses, Hands
 from benchmarks._policy.localiser import Localiser, View
 from benchmarks._policy.network import ChunkPolicy, Size
+from benchmarks._policy.steps import Progress, Steps
 
 
 @dataclass(frozen=True)
@@ -54,14 +55,14 @@ class Meaning:
         robot: name of the robot.
         names: of the D numbers of a state.
         object_names: of the M numbers of its objects.
-        objects: ids of the objects that the task is about.
+        steps: ids of the objects of each sub-task in order, the moved one first.
         turned: tell the policy how these are turned, and how their parts stand; else only where they are.
     """
 
     robot: str
     names: tuple[str, ...]
     object_names: tuple[str, ...]
-    objects: tuple[str, ...]
+    steps: tuple[tuple[str, ...], ...]
     turned: bool = True
 
     def hands(self) -> Hands:
@@ -70,7 +71,11 @@ class Meaning:
 
     def seen_objects(self) -> Objects:
         """The objects of the task among those of a state."""
-        return Objects(self.object_names, self.objects, self.turned)
+        return Objects(self.object_names, {name for step in self.steps for name in step}, self.turned)
+
+    def sequence(self) -> Steps:
+        """The sub-tasks."""
+        return Steps(self.steps, self.seen_objects().ids)
 
 
 class Policy:
@@ -80,12 +85,20 @@ class Policy:
         meaning: of its numbers.
         scale: of inputs and targets.
         size: of the network.
+        progress: tells which sub-task is next; None if there is but one.
         localiser: finds the objects in pictures; without it they are observed.
     """
 
-    def __init__(self, meaning: Meaning, scale: Scale, size: Size, localiser: Localiser | None = None):
-        self.meaning, self.scale, self.size, self.localiser = meaning, scale, size, localiser
-        self.hands, self.objects = meaning.hands(), meaning.seen_objects()
+    def __init__(
+        self,
+        meaning: Meaning,
+        scale: Scale,
+        size: Size,
+        progress: Progress | None = None,
+        localiser: Localiser | None = None,
+    ):
+        self.meaning, self.scale, self.size, self.progress, self.localiser = meaning, scale, size, progress, localiser
+        self.hands, self.objects, self.steps = meaning.hands(), meaning.seen_objects(), meaning.sequence()
         self.network = ChunkPolicy(len(scale.input_mean), len(self.hands) * TARGET, size)
 
     def infer(self, observation: Mapping[str, Any]) -> dict[str, NDArray[np.float64]]:
@@ -96,8 +109,9 @@ class Policy:
         """
         state = np.asarray(observation["observation/state"], np.float64)
         hands = self.hands.poses(state[None])
-        inputs = seen_by(hands, self._objects(observation, hands))
+        objects = self._objects(observation, hands)
         with torch.inference_mode():
+            inputs = self.steps.inputs(hands, objects, self.steps.next_of(self.progress, hands, objects))
             chunks, scores = self.network(self.scale.inputs(inputs))
         chunk = chunks[0, int(scores[0].argmax())].unflatten(-1, (len(self.hands), TARGET))
         return {"actions": self.hands.states(poses_of(self.scale.told(chunk), hands), state)}
@@ -112,6 +126,8 @@ class Policy:
     def write(self, path: Path) -> None:
         """Write all that :meth:`read` needs."""
         kept: dict[str, Any] = {"meaning": asdict(self.meaning), "scale": vars(self.scale), "size": asdict(self.size)}
+        if self.progress is not None:
+            kept["progress"] = self.progress.state_dict()
         if self.localiser is not None:
             kept["localiser"] = {
                 "views": list(map(asdict, self.localiser.views)),
@@ -123,14 +139,18 @@ class Policy:
     def read(cls, path: Path) -> Policy:
         """Read what :meth:`write` wrote."""
         kept = torch.load(path, weights_only=True)
-        meaning, localiser = Meaning(**kept["meaning"]), None
+        meaning, progress, localiser = Meaning(**kept["meaning"]), None, None
+        if "progress" in kept:
+            progress = Progress(len(kept["progress"]["mean"]))
+            progress.load_state_dict(kept["progress"])
+            progress.eval()
         if "localiser" in kept:
             localiser = Localiser(
                 [View(**view) for view in kept["localiser"]["views"]], len(meaning.seen_objects().ids)
             )
             localiser.load_state_dict(kept["localiser"]["weights"])
             localiser.eval()
-        policy = cls(meaning, Scale(**kept["scale"]), Size(**kept["size"]), localiser)
+        policy = cls(meaning, Scale(**kept["scale"]), Size(**kept["size"]), progress, localiser)
         policy.network.load_state_dict(kept["weights"])
         policy.network.eval()
         return policy

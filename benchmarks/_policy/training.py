@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
+import numpy as np
 import torch
+from torch.nn.functional import binary_cross_entropy_with_logits
 
 from benchmarks._policy.demonstrations import Demonstrations
-from benchmarks._policy.features import ObjectPoses, seen_by, targets_of
+from benchmarks._policy.features import ObjectPoses, targets_of
 from benchmarks._policy.fitting import fit
 from benchmarks._policy.hands import HandPoses
 from benchmarks._policy.network import Size, loss_of
 from benchmarks._policy.policy import Meaning, Policy, Scale
+from benchmarks._policy.steps import Progress
 
 
 @dataclass(frozen=True)
@@ -73,6 +76,16 @@ class Training:
     size: Size = field(default_factory=Size)
 
 
+PRESSES = 0.05
+"""Opening by which a gripper stays above its target where it presses on something."""
+
+PRESS_FRAMES = 5
+"""Frames in which a gripper without anything between its fingers reaches its target."""
+
+PROGRESS_SHARE = 0.1
+"""Time to learn which sub-tasks are done, as a share of that of the policy."""
+
+
 class Batches:
     """Inputs and targets of frames.
 
@@ -80,6 +93,9 @@ class Batches:
         demonstrations: all frames.
         meaning: of their numbers.
         training: its noise, and the length of its chunks.
+
+    Attributes:
+        progress: tells the sub-task of each frame, as it will where the policy acts; None if there is but one.
     """
 
     def __init__(self, demonstrations: Demonstrations, meaning: Meaning, training: Training):
@@ -87,6 +103,12 @@ class Batches:
         self._hands, self._future = hands.poses(demonstrations.states), hands.poses(demonstrations.actions)
         self._objects = meaning.seen_objects().poses(demonstrations.objects)
         self._next = torch.from_numpy(demonstrations.next_frames(training.size.chunk))
+        self._sequence = meaning.sequence()
+        later = torch.from_numpy(demonstrations.next_frames(PRESS_FRAMES + 1)[:, -1])
+        presses = self._future.opening < self._hands.opening[later] - PRESSES
+        back = np.arange(len(self)) > demonstrations.releases(presses.any(dim=1).numpy())
+        self._next_step = torch.from_numpy(demonstrations.steps + back)
+        self.progress: Progress | None = None
 
     def __len__(self) -> int:
         """Number of frames."""
@@ -95,17 +117,28 @@ class Batches:
     def __getitem__(self, frames: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
         """(N, F) inputs with fresh noise, and their (N, K, A, :data:`TARGET`) targets."""
         hands = self._noise.added(self._hands[frames])
-        return seen_by(hands, self._noise.moved(self._objects[frames])), targets_of(
-            hands, self._future[self._next[frames]]
-        )
+        objects = self._noise.moved(self._objects[frames])
+        inputs = self._sequence.inputs(hands, objects, self._sequence.next_of(self.progress, hands, objects))
+        return inputs, targets_of(hands, self._future[self._next[frames]])
+
+    def relations(self, frames: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+        """(N, K, R) relations of the sub-tasks with fresh noise, and (N, K) 1 where these are done.
+
+        A sub-task is done when its object is released: so the way back of the hand belongs to the next.
+        """
+        hands, objects = self._noise.added(self._hands[frames]), self._objects[frames]
+        done = self._next_step[frames][:, None] > torch.arange(len(self._sequence))
+        return self._sequence.relations(hands, self._noise.moved(objects)), done.float()
 
 
 def trained(demonstrations: Demonstrations, meaning: Meaning, training: Training) -> Policy:
     """Train a policy on states."""
     torch.manual_seed(training.seed)
     batches = Batches(demonstrations, meaning, training)
+    if len(meaning.steps) > 1:
+        batches.progress = _progress(batches, training)
     scale = Scale.of(*batches[torch.arange(len(batches))])
-    policy = Policy(meaning, scale, training.size)
+    policy = Policy(meaning, scale, training.size, batches.progress)
 
     def loss() -> torch.Tensor:
         inputs, targets = batches[torch.randint(len(batches), (training.batch,))]
@@ -113,3 +146,18 @@ def trained(demonstrations: Demonstrations, meaning: Meaning, training: Training
 
     fit(policy.network, loss, name="policy", minutes=training.minutes, rate=training.rate, decay=training.decay)
     return policy
+
+
+def _progress(batches: Batches, training: Training) -> Progress:
+    """Train the part that tells which sub-tasks are done, in a share of the time."""
+    relations, _ = batches.relations(torch.arange(len(batches)))
+    progress = Progress(relations.shape[-1])
+    progress.scaled_by(relations)
+
+    def loss() -> torch.Tensor:
+        told, done = batches.relations(torch.randint(len(batches), (training.batch,)))
+        return binary_cross_entropy_with_logits(progress(told), done)
+
+    minutes = PROGRESS_SHARE * training.minutes
+    fit(progress, loss, name="progress", minutes=minutes, rate=training.rate, decay=training.decay)
+    return progress

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from benchmarks._policy.hands import HandPoses, Hands
 from benchmarks._policy.localiser import LocaliserTraining, View, trained_localiser
 from benchmarks._policy.network import Size
 from benchmarks._policy.policy import Meaning, Policy
+from benchmarks._policy.steps import Progress, Steps
 from benchmarks._policy.training import Noise, Training, trained
 from vcage.sim.kinematics import kinematics_of
 from vcage.sim.robots import load_robot
@@ -48,6 +50,7 @@ def demonstrations(episodes: int = 2, frames: int = 20) -> Demonstrations:
         states=np.concatenate([way[:-1] for way in ways]),
         objects=np.tile([0.0, 0.1, 0.75, 1, 0, 0, 0, 1, 0], (episodes * frames, 1)),
         actions=np.concatenate([way[1:] for way in ways]),
+        steps=np.zeros(episodes * frames, np.int64),
         ends=np.arange(1, episodes + 1) * frames,
         names=names,
         object_names=tuple(f"block.{n}" for n in ("x", "y", "z", "r11", "r21", "r31", "r12", "r22", "r32")),
@@ -121,10 +124,57 @@ def test_noise_moves_a_share_of_the_hands_and_keeps_rotations() -> None:
     assert torch.allclose(unit, torch.eye(3).expand_as(unit), atol=1e-5)
 
 
+def test_the_objects_of_the_next_sub_task_are_seen_first() -> None:
+    steps = Steps([("red", "plate"), ("green", "plate")], ["green", "plate", "red"])
+    hands = hands_of(np.tile(state_near_home(np.random.default_rng(4)), (2, 1)))
+    place = {name: torch.tensor([0.1 * i, 0.0, 0.75]) for i, name in enumerate(("green", "plate", "red"))}
+    objects = ObjectPoses(torch.stack(list(place.values())).expand(2, 3, 3), torch.zeros(2, 3, 0, 3), torch.zeros(2, 0))
+    swapped = ObjectPoses(objects.position[:, [2, 1, 0]], objects.axes, objects.parts)
+    red, green = steps.inputs(hands, objects, torch.tensor([0, 1]))
+    assert red[-2:].tolist() == [1, 0] and green[-2:].tolist() == [0, 1]
+    assert torch.equal(green[:-2], steps.inputs(hands, swapped, torch.tensor([0, 0]))[1, :-2])
+
+
+def test_a_sub_task_is_next_until_its_object_lies_at_its_place() -> None:
+    torch.manual_seed(0)
+    steps = Steps([("red", "plate"), ("green", "plate")], ["green", "plate", "red"])
+    hands = hands_of(np.tile(state_near_home(np.random.default_rng(4)), (400, 1)))
+    position = torch.rand(400, 3, 3) * 0.2 + 0.3
+    done = torch.rand(400, 2) < 0.5
+    for step, place in enumerate((2, 0)):  # red, then green
+        position[done[:, step], place] = position[done[:, step], 1]
+    relations = steps.relations(hands, ObjectPoses(position, torch.zeros(400, 3, 0, 3), torch.zeros(400, 0)))
+    progress = Progress(relations.shape[-1])
+    progress.scaled_by(relations)
+    optimiser = torch.optim.Adam(progress.parameters(), lr=1e-2)
+    for _ in range(100):
+        optimiser.zero_grad()
+        torch.nn.functional.binary_cross_entropy_with_logits(progress(relations), done.float()).backward()
+        optimiser.step()
+    wanted = torch.where(done[:, 0], 1, 0)  # all done counts as the last
+    assert float((progress.next_step(relations) == wanted).float().mean()) > 0.98
+
+
+def test_the_sub_task_behind_the_last_that_is_done_is_next() -> None:
+    class Told(Progress):
+        def forward(self, relations: torch.Tensor) -> torch.Tensor:
+            return relations[..., 0]
+
+    logits = torch.tensor([[-1.0, -1, -1], [1, -1, -1], [1, 1, 1], [-1, 1, -1]])
+    assert Told(1).next_step(logits[..., None]).tolist() == [0, 1, 2, 2]
+
+
+def test_a_sub_task_ends_at_its_last_press() -> None:
+    data = replace(demonstrations(episodes=2, frames=10), steps=np.repeat([0, 1, 0, 1], 5))
+    presses = np.zeros(20, bool)
+    presses[[3, 5, 7, 8, 18]] = True
+    assert data.releases(presses).tolist() == [3] * 5 + [8] * 5 + [14] * 5 + [18] * 5  # the third presses on nothing
+
+
 def test_a_trained_policy_follows_its_demonstrations_and_can_be_stored(tmp_path: Path) -> None:
     data = demonstrations()
     size = Size(chunk=4, width=64, layers=2, ways=2)
-    meaning = Meaning(ROBOT, data.names, data.object_names, ("block",))
+    meaning = Meaning(ROBOT, data.names, data.object_names, (("block",),))
     policy = trained(data, meaning, Training(minutes=0.02, batch=32, size=size))
     seen = {"observation/state": data.states[3], "observation/environment_state": data.objects[3]}
     told = policy.infer(seen)["actions"]
@@ -132,6 +182,18 @@ def test_a_trained_policy_follows_its_demonstrations_and_can_be_stored(tmp_path:
     assert np.abs(told - data.actions[3:7]).max() < np.abs(data.actions[3:7] - data.states[3]).max()
     policy.write(tmp_path / "weights.pt")
     assert np.array_equal(Policy.read(tmp_path / "weights.pt").infer(seen)["actions"], told)
+
+
+def test_a_policy_of_two_sub_tasks_can_be_stored(tmp_path: Path) -> None:
+    data = demonstrations()
+    both = np.concatenate([data.objects, data.objects + 0.1], axis=1)
+    names = (*data.object_names, *(name.replace("block", "lemon") for name in data.object_names))
+    data = replace(data, steps=np.tile(np.repeat([0, 1], 10), 2), objects=both, object_names=names)
+    meaning = Meaning(ROBOT, data.names, names, (("block",), ("lemon",)))
+    policy = trained(data, meaning, Training(minutes=0.005, batch=32, size=Size(chunk=4, width=16, layers=1, ways=2)))
+    policy.write(tmp_path / "weights.pt")
+    seen = {"observation/state": data.states[3], "observation/environment_state": data.objects[3]}
+    assert np.array_equal(Policy.read(tmp_path / "weights.pt").infer(seen)["actions"], policy.infer(seen)["actions"])
 
 
 def test_a_localiser_finds_a_square_in_pictures() -> None:
