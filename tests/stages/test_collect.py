@@ -56,13 +56,13 @@ def test_the_episode_was_accepted(finished):
     assert episode.accepted and episode.frames > 20
 
 
-def test_three_cameras_see_something_that_moves(reader):
+def test_every_camera_sees_something_that_moves(reader):
     assert reader.cameras == CAMERAS
     for camera in CAMERAS:
         pictures = reader.images(camera)
         assert len(pictures) == reader.episode.frames
         assert pictures[0].std() > 10
-        assert np.abs(pictures[0].astype(int) - pictures[len(pictures) // 2]).max() > 40
+        assert np.abs(pictures[:].astype(int) - pictures[0]).max() > 40
 
 
 def test_time_stamps_are_evenly_spaced_from_zero(reader):
