@@ -12,7 +12,7 @@ from vcage.models.rules.critic import judge_others
 from vcage.models.rules.evidence.handed import Between
 from vcage.models.rules.evidence.parts import PartEvidence
 from vcage.models.rules.evidence.placed import Placed
-from vcage.models.rules.evidence.raised import Raised
+from vcage.models.rules.evidence.raised import SETTINGS, Raised
 from vcage.models.rules.standing import Standing
 from vcage.schema.episodes import Failure
 from vcage.schema.goals import Goal
@@ -64,6 +64,12 @@ def test_what_was_lifted_is_seen_in_the_air_and_not_below(vacated: float, seen: 
     verdict = Raised(vacated, seen, 0.0, 0.12, STANDS, STANDS).verdict("mug")
     assert verdict.accepted is (min(vacated, seen) > 0.5)
     assert words in verdict.reason
+
+
+def test_what_both_arms_lift_must_be_seen_more_plainly():
+    raised = Raised(0.9, 0.62, 0.0, 0.1, STANDS, STANDS)
+    assert raised.verdict("pot").accepted
+    assert not raised.verdict("pot", SETTINGS.together_share).accepted
 
 
 @pytest.mark.parametrize(("leans", "words"), [(0.3, "tilted in the air"), (0.0, "upright"), (-0.3, "upright")])

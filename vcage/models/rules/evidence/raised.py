@@ -37,6 +37,8 @@ class RaisedSettings:
         highest_together_m: the same of what both arms lift: higher up their joints may look like it.
         leans_rad: angles about the axis towards the customer.
         seen_share: share of the pixels that tell the object from what was there before that must look like it.
+        together_share: the same of what both arms lift: their hands over its old place may look like it, by 62 % on a
+            silver pot; such a pot and rolling pins in the air have 68 to 95 %.
         fewest_px, telling_share: pixels, and share of the old outline, that must differ before and after to tell.
         near_m: heights of leaning drawings around that of the likeliest upright one.
         cap_lab: colour distance (CIELAB) that counts at most of a pixel.
@@ -50,6 +52,7 @@ class RaisedSettings:
     step_m: float = 0.01
     leans_rad: tuple[float, ...] = tuple(np.radians([-25.0, -18.0, 18.0, 25.0]))
     seen_share: float = 0.4
+    together_share: float = 0.65
     fewest_px: int = 25
     telling_share: float = 0.3
     near_m: float = 0.04
@@ -109,13 +112,13 @@ class Raised:
         gain = _leaning_gain(thing, moved.old, height, before, moment) if leans else 0.0
         return cls(vacated, share, gain, height, moved.old, moved.new)
 
-    def verdict(self, thing: str) -> Verdict:
-        """Judge if the object was in the air."""
+    def verdict(self, thing: str, seen_share: float = SETTINGS.seen_share) -> Verdict:
+        """Judge if the object was in the air, where that share of what tells it is seen."""
         if self.vacated < LEFT_SHARE:
             return refused(f"the {thing} stands where it was at the moment of the lift", 1 - self.vacated, "lost")
         words = f"{100 * self.seen:.0f} % of the {thing} is seen {100 * self.height:.0f} cm above its place"
-        sure = 0.5 + abs(self.seen - SETTINGS.seen_share) / 2
-        return decided(self.seen >= SETTINGS.seen_share, words, sure, "lost")
+        sure = 0.5 + abs(self.seen - seen_share) / 2
+        return decided(self.seen >= seen_share, words, sure, "lost")
 
     def leaning(self, thing: str) -> Verdict:
         """Judge if the object leaned in the air."""
@@ -172,7 +175,9 @@ def _leaning(stood: Pose, height: float, angle: float, middle: float) -> Pose:
     return Pose(stood.p + [0.0, 0.0, height]) * up * turn * up.inverse() * Pose(q=stood.q)
 
 
-def in_the_air(leans: bool, highest_m: float = SETTINGS.highest_m) -> Judgement:
+def in_the_air(
+    leans: bool, highest_m: float = SETTINGS.highest_m, seen_share: float = SETTINGS.seen_share
+) -> Judgement:
     """Judge if an object was in the air at the moment, and leaned there."""
 
     def judge(view: CriticView, goal: Goal) -> Judged:
@@ -182,7 +187,7 @@ def in_the_air(leans: bool, highest_m: float = SETTINGS.highest_m) -> Judgement:
         found = Raised.gather(view, goal.subject, leans, highest_m)
         if found is None:
             return Judged(refused(f"the {thing} is not found before", 0.6), view.nowhere)
-        verdict = found.leaning(thing) if leans else found.verdict(thing)
+        verdict = found.leaning(thing) if leans else found.verdict(thing, seen_share)
         return Judged(verdict, view.around(found.old, found.new))
 
     return judge
@@ -191,11 +196,11 @@ def in_the_air(leans: bool, highest_m: float = SETTINGS.highest_m) -> Judgement:
 def judge_held_up(view: CriticView, goal: Goal) -> Judged:
     """Judge if an object is in the air in the end; the arm that still holds it explains what it hides. On a table of
     its colour it changes that as a shadow does."""
-    return _held(view, goal, SETTINGS.highest_m)
+    return _held(view, goal, SETTINGS.highest_m, SETTINGS.seen_share)
 
 
-def _held(view: CriticView, goal: Goal, highest_m: float) -> Judged:
-    verdict, explained = in_the_air(leans=False, highest_m=highest_m)(view, goal)
+def _held(view: CriticView, goal: Goal, highest_m: float, seen_share: float) -> Judged:
+    verdict, explained = in_the_air(leans=False, highest_m=highest_m, seen_share=seen_share)(view, goal)
     return Judged(verdict, explained | _arm_seen(view))
 
 
@@ -209,7 +214,7 @@ def _arm_seen(view: CriticView) -> np.ndarray:
 
 def judge_held_by_both(view: CriticView, goal: Goal) -> Judged:
     """Judge if an object is level in the air in the end, with both arms out to it."""
-    judged = _held(view, goal, SETTINGS.highest_together_m)
+    judged = _held(view, goal, SETTINGS.highest_together_m, SETTINGS.together_share)
     if not judged.verdict.accepted:
         return judged
     arms = arms_out(view.before["top"], view.after["top"])
