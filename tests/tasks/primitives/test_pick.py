@@ -15,6 +15,7 @@ from vcage.sim.paths import JointPath, Load
 from vcage.sim.robots import load_robot
 from vcage.tasks.grasps import GraspPose, grasp_poses
 from vcage.tasks.primitives.pick import (
+    KnownPaths,
     lift_heights,
     pick_way,
     plan_pick,
@@ -107,3 +108,21 @@ def test_a_grasp_that_cannot_lift_the_object_is_not_planned(monkeypatch: pytest.
     assert plan_pick(cell, block, grasps).arm == "left"
     monkeypatch.setattr(MotionPlanner, "line", blocked)
     assert plan_pick(cell, block, grasps).arm == "right"
+
+
+def test_a_path_to_a_grasp_is_planned_once_whether_there_is_one_or_not(monkeypatch):
+    block = thing("block", (0.0, -0.1))
+    cell, known, grasps = Workcell(world_of([block]), {"block": block}), KnownPaths(), [(0, "left"), (0, "right")]
+    move, planned = MotionPlanner.move, []
+
+    def counted(planner: MotionPlanner, q: np.ndarray, goal: Pose, load: Load, then: list[Pose]) -> JointPath:
+        planned.append(goal)
+        if planner.kinematics.arm == robot().arms["left"]:
+            raise MotionFailed("it is blocked")
+        return move(planner, q, goal, load, then)
+
+    monkeypatch.setattr(MotionPlanner, "move", counted)
+    first = plan_pick(cell, block, grasps, known=known)
+    count = len(planned)
+    assert plan_pick(cell, block, grasps, known=known).way == first.way and first.arm == "right"
+    assert len(planned) == count > 1
