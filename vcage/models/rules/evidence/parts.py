@@ -180,8 +180,8 @@ def _touched(sight: _Sight, view: CriticView) -> float:
 
 def _enclosed(edges: np.ndarray) -> np.ndarray:
     """(H, W) bool: the least convex area around pixels, as only the edges of a large button tell how far it is."""
-    corners = cv2.convexHull(np.argwhere(edges)[:, ::-1].astype(np.int32))
-    return cv2.fillConvexPoly(np.zeros(edges.shape, np.uint8), corners, 1).astype(bool)
+    corners = np.asarray(cv2.convexHull(np.argwhere(edges)[:, ::-1].astype(np.int32)), np.int32)
+    return cv2.fillConvexPoly(np.zeros(edges.shape, np.uint8), corners, (1,)).astype(bool)
 
 
 @dataclass(frozen=True)
