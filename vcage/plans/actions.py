@@ -51,13 +51,19 @@ class Action:
         missing = sorted(map(str, self.requires - state))
         if missing:
             return f"{' and '.join(missing)} must be true first"
-        if held := sorted(g.subject for g in state if g.kind.fleeting):
-            if len(held) > self.spare:
-                return f"it takes the hand that holds {' or '.join(held)}"
-            if self.object in held:
-                return f"{self.object} is in a hand"
         if any(g.relation == AT_START and g.subject == self.vacant for g in state):
             return f"{self.vacant} must leave its place first"
+        return self._held(state) or self._laden(state)
+
+    def _held(self, state: State) -> str:
+        """Which hand is not free for it; "" where it needs none of those that hold something."""
+        held = sorted(g.subject for g in state if g.kind.fleeting)
+        if len(held) > self.spare:
+            return f"it takes the hand that holds {' or '.join(held)}"
+        return f"{self.object} is in a hand" if self.object in held else ""
+
+    def _laden(self, state: State) -> str:
+        """What lies in or on an object that must be bare; "" where nothing does."""
         bare = [name for name in (self.moves, self.empty) if name is not None]
         carried = self._carried(state)
         laden = [g for g in state if g.relation in HOLDING and g.reference in bare and g.subject not in carried]

@@ -120,12 +120,16 @@ def require_level(goals: Sequence[AskedGoal], objects: Sequence[SceneObject]) ->
     words = {one.goal: one.words for one in goals}
     for step in in_steps(goals):
         moved = {goal.subject: goal for goal in sorted(step, key=str) if goal.kind.acts_on is None}
-        filled = sorted((holder, other) for other, holder in lies.items() if holder in moved and other not in moved)
-        for name, content in filled:
+        for name, content in _filled(moved, lies):
             if not stays_level(by_id[name]) and moved[name].kind.arms == 1:
                 raise _tips(by_id[name], by_id[content], moved[name], words[moved[name]])
-        lies = {name: holder for name, holder in lies.items() if name not in moved}
-        lies |= {g.subject: str(g.reference) for g in step if g.relation == "inside" and g.part is None}
+        put = {g.subject: str(g.reference) for g in step if g.relation == "inside" and g.part is None}
+        lies = {name: holder for name, holder in lies.items() if name not in moved} | put
+
+
+def _filled(moved: Collection[str], lies: Mapping[str, str]) -> list[tuple[str, str]]:
+    """Objects that are moved, each with an object that lies in it (``lies``: object → its holder) and is not."""
+    return sorted((holder, other) for other, holder in lies.items() if holder in moved and other not in moved)
 
 
 def _tips(thing: SceneObject, content: SceneObject, goal: Goal, words: str) -> NoFeasibleTask:

@@ -338,15 +338,25 @@ def _with_arms(commands: Sequence[Command]) -> list[Command]:
         if command.arm == OTHER_ARM and last == ONE_ARM and holds:
             command, later = replace(command, arm=ONE_ARM), 0.5
         command, holds = replace(command, group=command.group + later), holds or command.verb == "hold"
-        if OTHER_ARM in (command.arm, command.how):
-            before = last if command.arm == OTHER_ARM else command.arm or last
-            if before is None or (before == ONE_ARM and command.how != OTHER_ARM):
-                raise Conflict(command.words, "say which arm it is: left or right")
-            other = _OTHER[before]
-            command = replace(command, arm=other) if command.arm == OTHER_ARM else replace(command, how=other)
+        command = _with_other_arm(command, last)
         last = command.arm or last
         found.append(replace(command, arm=None) if command.arm == ONE_ARM else command)
     return found
+
+
+def _with_other_arm(command: Command, last: str | None) -> Command:
+    """A command with the arm that "the other arm" means after the arm that was named last.
+
+    Raises:
+        Conflict: no arm was named.
+    """
+    if OTHER_ARM not in (command.arm, command.how):
+        return command
+    before = last if command.arm == OTHER_ARM else command.arm or last
+    if before is None or (before == ONE_ARM and command.how != OTHER_ARM):
+        raise Conflict(command.words, "say which arm it is: left or right")
+    other = _OTHER[before]
+    return replace(command, arm=other) if command.arm == OTHER_ARM else replace(command, how=other)
 
 
 def _needs(before: Sequence[AskedGoal], after: Sequence[AskedGoal]) -> bool:
