@@ -25,13 +25,13 @@ def test_every_scene_of_ours_has_the_default_robot():
 
 
 def test_a_scene_that_names_a_robot_keeps_it_unless_another_is_asked_for(template):
-    named = SceneTemplate.model_validate(template.model_dump() | {"robot": "dual_panda"})
-    assert named.robot == "dual_panda"
-    assert load_template("table", "dual_panda").robot == "dual_panda"
+    named = SceneTemplate.model_validate(template.model_dump() | {"robot": "aloha_agilex"})
+    assert named.robot == "aloha_agilex"
+    assert load_template("table", "aloha_agilex").robot == "aloha_agilex"
 
 
-def test_the_default_robot_has_no_part_of_a_package_of_others():
-    assert all(arm.urdf.startswith("assets:") and arm.srdf is None for arm in load_robot(DEFAULT_ROBOT).arms.values())
+def test_aloha_agilex_has_no_part_of_a_package_of_others():
+    assert all(arm.urdf.startswith("assets:") and arm.srdf is None for arm in load_robot("aloha_agilex").arms.values())
 
 
 def test_a_missing_package_is_named_with_the_command_that_installs_it():
