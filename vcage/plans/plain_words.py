@@ -26,7 +26,7 @@ def relation_in_words(word: str, reference: str, phrases: Mapping[str, str], par
         word: the relation.
         reference: id of an object, or ``table``.
         phrases: name of each object, by id; the id itself of missing ones.
-        part: moving part of the reference.
+        part: of the reference.
     """
     if reference == TABLE:
         return f"{_ON_TABLE.get(word, word)} the table"
