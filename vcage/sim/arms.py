@@ -122,7 +122,7 @@ class ArmControl:
         self.name = name
         self.arm = arm
         self.articulation = articulation
-        self._step = step
+        self.step = step
         order = {joint.name: i for i, joint in enumerate(articulation.active_joints)}
         self._arm_index = np.array([order[j] for j in arm.joints])
         self._finger_index = np.array([order[j] for j in arm.gripper.joints])
@@ -165,16 +165,12 @@ class ArmControl:
         """True if every joint is near (n,) ``q``, rad."""
         return bool(np.abs(self.joints - q).max() < WAITS.arrived_rad)
 
-    def step(self) -> None:
-        """Advance the world by one physics step."""
-        self._step()
-
     def grip(self, opening: float) -> None:
         """Drive the fingers to ``opening`` (0 closed, 1 open) until they stand still, there or against an object."""
         self.command_gripper(opening)
         for count in range(WAITS.most_finger_steps):
             before = self.finger_width
-            self._step()
+            self.step()
             if count >= WAITS.least_finger_steps and abs(self.finger_width - before) < WAITS.fingers_still_m:
                 break
 
@@ -184,7 +180,7 @@ class ArmControl:
         for _ in range(WAITS.most_finger_steps):
             if (opening - self.opening) * self.arm.gripper.max_width < WAITS.fingers_apart_m:
                 break
-            self._step()
+            self.step()
 
     def _torques(self, trajectory: Trajectory) -> np.ndarray:
         """(T, dof) mass matrix × acceleration, N m; that of an empty hand, as the held mass is unknown."""

@@ -158,6 +158,11 @@ class World:
         lowest = self.table.height - FALLEN_M
         return [name for name, thing in self._objects.items() if thing.entities[None].pose.p[2] < lowest]
 
+    @property
+    def keeping(self) -> set[str]:
+        """Names of the arms that hold something."""
+        return {name for name, control in self.arms.items() if control.keeps}
+
     def _object(self, object_id: str) -> RigidObject | ArticulatedObject:
         if object_id not in self._objects:
             raise UnknownName("object", object_id, self._objects)

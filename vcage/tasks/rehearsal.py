@@ -255,8 +255,8 @@ class _Stage:
 
     def _with_free_arms(self, subtask: Subtask, keeper: str | None) -> Subtask:
         """The sub-task with the grasps of arms that hold nothing up."""
-        free = [name for name, control in self._world.arms.items() if not control.keeps and keeper in (None, name)]
-        grasps = [grasp for grasp in subtask.grasps if grasp.arm in free]
+        free = self._world.arms.keys() - self._world.keeping
+        grasps = [grasp for grasp in subtask.grasps if grasp.arm in free and keeper in (None, grasp.arm)]
         if not grasps:
             why = f"{subtask.id} is not feasible with the arm that is free then"
             raise _NotWithTheseSlots(why, hint=ANOTHER, details={"refused": why})
@@ -269,8 +269,7 @@ class _Stage:
 
     def _examined(self, subtask: Subtask) -> Subtask:
         now = [_as_it_is(o, self._world, *self._holders[o.id]) for o in self._workplace.objects]
-        kept = [name for name, control in self._world.arms.items() if control.keeps]
-        found = examined(subtask, self._workplace.with_objects(now).without_arms(kept))
+        found = examined(subtask, self._workplace.with_objects(now).without_arms(self._world.keeping))
         if found is None:
             why = f"{subtask.id} is not feasible after what comes before it"
             raise _NotWithTheseSlots(why, hint=ANOTHER, details={"refused": why})

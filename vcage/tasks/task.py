@@ -46,14 +46,15 @@ class Task(Choices):
     """One attempt at one sub-task in a world.
 
     Args:
-        world: where it happens; the robot is at home.
+        world: where it happens; each arm is at home or holds something up.
         objects: by id, with their geometry; poses are read from the world.
         slots: object id → where it goes.
         retry: what earlier attempts at the same sub-task failed for; the first attempt when not given.
 
     Attributes:
         moment: state of the world at the end of a press, during a scan, with both hands on
-            a handed-over object, at the start of a wait, at the first lean of a shake, or at a release.
+            a handed-over object, at the start of a wait, at the first lean of a shake, at a release, or while
+            something is held up.
     """
 
     def __init__(
@@ -62,7 +63,7 @@ class Task(Choices):
         super().__init__(world, objects, slots, retry)
         self.moment: WorldState | None = None
         self._grip: Grip | None = None
-        self._keeping = {name for name, control in world.arms.items() if control.keeps}
+        self._keeping = world.keeping
 
     def pick(self, object_id: str, grasps: Sequence[tuple[int, str]], hand_to: str | None = None) -> None:
         """Grasp an object with the first of ``grasps`` (contact point, arm) from which it can be brought to its slot.
