@@ -15,17 +15,27 @@ from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal
 from vcage.vision.protocols import View
 
-EDGE_SHARE = 0.35
-"""Depth of the strip on the robot's side of the picture, as a share of its height."""
 
-REACHES_SHARE = 0.09
-"""Share of one half of that strip that an arm changes: each reaches in from its own side."""
+@dataclass(frozen=True)
+class ReachSettings:
+    """Signs of arms that reach out, seen from above.
+
+    Args:
+        edge_share: depth of the strip on the robot's side of the picture, as a share of its height.
+        reaches_share: share of one half of that strip that an arm changes: each reaches in from its own side.
+    """
+
+    edge_share: float = 0.35
+    reaches_share: float = 0.09
+
+
+REACH = ReachSettings()
 
 
 def arms_out(before: View, now: View) -> tuple[float, float]:
     """Share of the strip on the robot's side that changed, in its left and right half, seen from above."""
     things = Change.between(before, now).things  # an arm's shadow falls on the other one's side
-    left, right = np.array_split(things[-round(len(things) * EDGE_SHARE) :], 2, axis=1)
+    left, right = np.array_split(things[-round(len(things) * REACH.edge_share) :], 2, axis=1)
     return float(left.mean()), float(right.mean())
 
 
@@ -72,7 +82,7 @@ class Between:
         if self.to_come < LEFT_SHARE:
             return refused(f"the {thing} was put down before the moment of the hand-over", 1 - self.to_come)
         changed = " and ".join(f"{100 * share:.0f} %" for share in self.arms)
-        if min(self.arms) < REACHES_SHARE:
+        if min(self.arms) < REACH.reaches_share:
             return refused(f"not both arms reach out at the hand-over: {changed} of their sides changed", 0.8)
         return decided(
             True, f"the {thing} is in the air while both arms reach out: {changed} of their sides changed", 0.7

@@ -16,7 +16,7 @@ from vcage.base.geometry import Pose
 from vcage.goals.thresholds import THRESHOLDS
 from vcage.models.rules.critic_view import AROUND_PX, CriticView
 from vcage.models.rules.drawings import as_bright, drawn_whole
-from vcage.models.rules.evidence.handed import REACHES_SHARE, arms_out
+from vcage.models.rules.evidence.handed import REACH, arms_out
 from vcage.models.rules.evidence.judgement import LEFT_SHARE, Judged, Judgement, decided, refused, unseen
 from vcage.models.rules.evidence.moved import Moved
 from vcage.models.rules.pixels import changed, grown
@@ -113,7 +113,12 @@ class Raised:
         return cls(vacated, share, gain, height, moved.old, moved.new)
 
     def verdict(self, thing: str, seen_share: float = SETTINGS.seen_share) -> Verdict:
-        """Judge if the object was in the air, where that share of what tells it is seen."""
+        """Judge if the object was in the air.
+
+        Args:
+            thing: words for the object.
+            seen_share: least share of the pixels that tell it that must look like it.
+        """
         if self.vacated < LEFT_SHARE:
             return refused(f"the {thing} stands where it was at the moment of the lift", 1 - self.vacated, "lost")
         words = f"{100 * self.seen:.0f} % of the {thing} is seen {100 * self.height:.0f} cm above its place"
@@ -205,7 +210,7 @@ def _held(view: CriticView, goal: Goal, highest_m: float, seen_share: float) -> 
 
 
 def _arm_seen(view: CriticView) -> np.ndarray:
-    """(H, W) bool, what changed in one piece with an edge of the picture, at which no object stands, and around it."""
+    """(H, W) bool, the changes that reach an edge of the picture, where no object stands, and what is around them."""
     _, labels = cv2.connectedComponents(grown(view.change.all, SETTINGS.joined_px).astype(np.uint8))
     edge = np.concatenate([labels[-1], labels[0], labels[:, 0], labels[:, -1]])  # an arm may leave the picture, too
     arm = np.isin(labels, np.setdiff1d(edge, 0))
@@ -219,7 +224,7 @@ def judge_held_by_both(view: CriticView, goal: Goal) -> Judged:
         return judged
     arms = arms_out(view.before["top"], view.after["top"])
     changed = " and ".join(f"{100 * share:.0f} %" for share in arms)
-    if min(arms) < REACHES_SHARE:
+    if min(arms) < REACH.reaches_share:
         return judged._replace(verdict=refused(f"not both arms reach out: {changed} of their sides changed", 0.8))
     reason = f"{judged.verdict.reason}, and both arms reach out: {changed} of their sides changed"
     return judged._replace(verdict=judged.verdict.model_copy(update={"reason": reason}))
