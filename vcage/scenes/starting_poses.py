@@ -40,11 +40,12 @@ from vcage.tasks.stowing import point_in, stow
 MARGIN_M = 0.015
 """Smallest gap between two objects: wide enough for the picture to show the table between them."""
 
-_CENTRAL = "at the centre of the table"
-"""Why poses are refused at which a thing that is to be brought there stands there already."""
-
 BORDER_PX = 2.0
 """Width that stays free between an object and the edge of the top view."""
+
+
+class _Central(Refused):
+    """A thing that is to be brought to the centre of the table stands there already."""
 
 
 class StartingPoses:
@@ -88,7 +89,7 @@ class StartingPoses:
         def place_for_hands() -> dict[str, Pose]:
             poses = self._placed(rng)
             if central := [name for name in self._to_centre if name in poses and self._is_central(name, poses[name])]:
-                raise Refused(_CENTRAL, central)
+                raise _Central("at the centre of the table", central)
             if stuck := self._stuck(poses):
                 raise Refused("no hand has room", stuck)
             return poses | self._stowed(poses, rng)
@@ -98,8 +99,8 @@ class StartingPoses:
         except GaveUp as error:
             last = error.refusals[-1]
             assert isinstance(last, Refused)
-            if str(last) == _CENTRAL:
-                raise InfeasibleScene(f"{listed(last.about)} cannot start elsewhere than {_CENTRAL}") from None
+            if isinstance(last, _Central):
+                raise InfeasibleScene(f"{listed(last.about)} cannot start elsewhere than {last}") from None
             raise self._out_of_reach(last.about) from None
 
     def _out_of_reach(self, stuck: Collection[str]) -> InfeasibleScene:

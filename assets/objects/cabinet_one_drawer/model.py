@@ -7,4 +7,4 @@ from vcage.objects.modelling.parts import BuiltObject
 
 
 def build(variant: str) -> BuiltObject:
-    return with_drawers("cabinet_one_drawer", variant, (BAY,) * 1, mass=3.2)
+    return with_drawers("cabinet_one_drawer", variant, (BAY,), mass=3.2)
