@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from tests.example_scenes import block_and_plate, sensible, subtask, thing, workplace
+from tests.example_scenes import block_and_plate, scene_of, sensible, subtask, thing, workplace
 from vcage.schema.goals import goal_of
 from vcage.schema.subtasks import Grasp, Preference, SlotAnswer, SlotQuestion, Statement, Subtask
 from vcage.tasks.choosing import as_chosen, filled, preferred_first, slot_questions, with_open_parts
 from vcage.tasks.rehearsal import examined
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.search import action_of, find_subtasks, initial_state
+from vcage.tasks.search import actions_of, find_subtasks, initial_state
 
 
 def searched(objects: Sequence[SceneObject]) -> dict[str, Subtask]:
@@ -19,8 +19,7 @@ def searched(objects: Sequence[SceneObject]) -> dict[str, Subtask]:
 
 
 def asked(chain: Sequence[Subtask], kept: dict[str, Subtask], objects: Sequence[SceneObject]) -> list[SlotQuestion]:
-    by_id = {o.id: o for o in objects}
-    actions = {s.id: action_of(s, by_id[s.object]) for s in chain}
+    actions = actions_of(chain, objects, scene_of(objects))
     return slot_questions(chain, kept.values(), objects, initial_state(objects), actions)
 
 

@@ -28,16 +28,13 @@ from vcage.tasks.primitives.lift_together import plan_together
 from vcage.tasks.primitives.place import Surroundings
 from vcage.tasks.primitives.shake import plan_shake
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.search import KEPT, compose, find_subtasks, judging
+from vcage.tasks.search import ENDS_IN_HAND, compose, find_subtasks, judging
 from vcage.tasks.slots import HEADINGS, Slot
 from vcage.tasks.synthesis import script_of
 from vcage.tasks.task import Task
 from vcage.tasks.templates import TEMPLATES
 from vcage.tasks.workcell import TaskFailed, failing_at, first_reasons
 from vcage.tasks.workplace import Workplace
-
-WAYS_PAST = 4
-"""Ways to a slot that are planned past an arm that holds something up: looking for one in vain takes long."""
 
 ANOTHER = "another --seed gives another layout"
 
@@ -144,7 +141,8 @@ class Rehearsal(Task):
         held, width = thing.pose.inverse() * self._picked.way.grasp, thing.asset.grasp_width(self._contact)
         reasons: list[str] = []
         with failing_at("plan"):
-            for way in around.ways(planner.kinematics, held, width, slot.poses(cell.objects()), up)[:WAYS_PAST]:
+            ways = around.ways(planner.kinematics, held, width, slot.poses(cell.objects()), up)
+            for way in ways[: LIMITS.ways_past_arms]:
                 try:
                     carry = planner.move(up, way.above, load, then=[way.release, way.after])
                     planner.line(carry.end, way.release, load)
@@ -248,7 +246,7 @@ class _Stage:
             kind = _NotWithTheseSlots if touched or subtask.id in self._slots else NoFeasibleTask
             why = f"{subtask.id} cannot be planned"
             raise kind(f"{why}: {error.message}", hint=ANOTHER, details={"refused": why}) from error
-        if subtask.template in KEPT:
+        if subtask.template in ENDS_IN_HAND:
             self._moved.add(subtask.object)
         grasps = sorted(subtask.grasps, key=lambda grasp: (grasp.contact, grasp.arm) != (task.contact, task.arm))
         return subtask.model_copy(update={"grasps": grasps})

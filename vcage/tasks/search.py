@@ -159,10 +159,10 @@ def _shortest(task: Task, actions: Sequence[Action]) -> list[str] | None:
     return filled if shorter else emptied
 
 
-KEPT: tuple[TemplateName, ...] = ("hold_up", "hold_with_both")
+ENDS_IN_HAND: tuple[TemplateName, ...] = ("hold_up", "hold_with_both")
 """Sub-tasks after which the object is in a hand."""
 
-FILLED: tuple[TemplateName, ...] = ("place", "set_down", *KEPT)
+FILLED: tuple[TemplateName, ...] = ("place", "set_down", *ENDS_IN_HAND)
 """Sub-tasks that may carry an object with its contents."""
 
 
@@ -175,21 +175,21 @@ def actions_of(subtasks: Iterable[Subtask], objects: Sequence[SceneObject], scen
         scene: with its robot.
     """
     by_id, arms = {o.id: o for o in objects}, len(load_robot(scene.robot).arms)
-    return {subtask.id: action_of(subtask, by_id[subtask.object], arms) for subtask in subtasks}
+    return {subtask.id: _action_of(subtask, by_id[subtask.object], arms) for subtask in subtasks}
 
 
-def action_of(subtask: Subtask, thing: SceneObject | None = None, arms: int = 1) -> Action:
+def _action_of(subtask: Subtask, thing: SceneObject, arms: int) -> Action:
     """A sub-task as the planner sees it.
 
     Args:
         subtask: which.
-        thing: the object of the sub-task; where it is not given, nothing may lie in it.
+        thing: its object.
         arms: number of the robot's; those that it does not take may hold something up.
     """
-    moves = subtask.object if subtask.receptacle is not None or subtask.template in KEPT else None
+    moves = subtask.object if subtask.receptacle is not None or subtask.template in ENDS_IN_HAND else None
     alone = subtask.receptacle if subtask.template == "weigh" else None
     takes = max(1 + (subtask.hand_to is not None), *(goal.kind.arms for goal in subtask.goals))
-    along = subtask.template in FILLED and thing is not None and (takes > 1 or stays_level(thing))
+    along = subtask.template in FILLED and (takes > 1 or stays_level(thing))
     return Action(
         subtask.id,
         frozenset(subtask.requires),

@@ -13,7 +13,7 @@ from vcage.schema.goals import Goal, goal_of
 from vcage.schema.subtasks import Refusal, Subtask
 from vcage.tasks.chain_slots import slots_for_chain
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.search import action_of
+from vcage.tasks.search import actions_of
 from vcage.tasks.synthesis import render_script
 from vcage.tasks.templates.push import FACES, HEADINGS, PUSH, SETTINGS, examine_pushes, headings
 
@@ -45,7 +45,7 @@ def test_a_push_is_a_subtask_that_moves_its_object_over_the_table():
     assert subtask.text == "Push the {} to the left of the {}.".format(*phrases)
     assert len({subtask.text, *subtask.texts}) >= 10
     assert subtask.goals == [LEFT, goal_of(["plate", "on", "table"])]
-    assert action_of(subtask).moves == "plate"
+    assert actions_of([subtask], [PLATE, MUG], scene_of([PLATE, MUG]))[subtask.id].moves == "plate"
 
 
 def test_its_script_is_short_and_calls_the_push():
