@@ -62,9 +62,9 @@ class Ended:
     """How an episode ended.
 
     Args:
-        finished: whether the robot came to the end of its chain.
-        true: whether each step, and all goals at the end, are done by the simulator's state.
-        accepted: whether the critic accepted each step.
+        finished: the robot came to the end of its chain.
+        true: each step is done, and all goals hold at the end, by the simulator's state.
+        accepted: the critic accepted each step.
     """
 
     finished: bool

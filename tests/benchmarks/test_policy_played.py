@@ -45,7 +45,7 @@ def test_the_next_episodes_take_the_places_of_failures_that_are_left_out(
     assert played.demonstrations(RunFolder(tmp_path), 3, verified, tmp_path / "played") == wanted
 
 
-def test_a_task_that_hardly_ever_succeeds_is_told(joined: None, tmp_path: Path) -> None:
+def test_a_task_that_hardly_ever_succeeds_is_refused(joined: None, tmp_path: Path) -> None:
     for number in range(8):
         kept_episode(tmp_path / "played", number, success=False)
     with pytest.raises(TooFewVerified, match="of 8 episodes that were played, 0 can be used"):

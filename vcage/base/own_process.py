@@ -1,6 +1,5 @@
-"""True where this process runs a command of ours and nothing else, so that it can be forked.
-
-No threads of others would be missing in its fork, as long as nothing is drawn.
-"""
+"""A note on this process: the command line sets it, and the start of workers reads it."""
 
 runs_a_command = False
+"""The process runs a command of V-CAGE and nothing else. Until something is drawn it has no threads that a fork would
+lack."""

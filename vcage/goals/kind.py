@@ -148,7 +148,7 @@ class GoalKind:
         fleeting: an arm must keep doing it, so that only another one can do anything else.
         opposite: word of the goal that is true where this one is false.
         happens: True while its event goes on; ``notes`` stores earlier observations.
-        arms: that it takes at the same time.
+        arms: number of arms that it takes at the same time.
         tool: property of an object without which it cannot be done (:class:`vcage.schema.asset.CatalogueEntry`).
         shown: pictures that the critic needs.
     """

@@ -1,7 +1,7 @@
 """Nesting: a round container stands in another, on its floor or by its own side on the other's rim.
 
-A box around a bowl is wider than the room of a bowl of its kind, so that boxes never tell. The shapes do: the one is
-lowered into the middle of the other until they touch.
+The box around a bowl is wider than the opening of a bowl of its kind, so boxes cannot show that it fits. The shapes
+can: one is lowered into the middle of the other until they touch.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ class NestingSettings:
 
     Args:
         cell_m: edge of a grid cell.
-        touch_m: where the two are nearer than this they touch.
+        touch_m: parts of the two that are nearer than this touch.
         least_depth_m: depth of the inner one's bottom below the rim; less could slide off.
         widest_gap_rad: largest angle around the middle without a touch; with more it would tip.
     """

@@ -31,9 +31,9 @@ class Action:
         moves: the carried object: nothing may lie on it, and it leaves its old place.
         empty: an object that nothing may lie in or on before: the scale, when something else is weighed.
         along: True if contents of the carried object may stay in it and move along; else it must be empty.
-        object: that it is about, where it is to be in no hand before.
-        vacant: object that must have left its place of the start before.
-        spare: arms that may hold something up meanwhile.
+        object: the object that it is about, which no hand may hold before.
+        vacant: an object that must have left its starting place before.
+        spare: number of arms that may hold something up meanwhile.
     """
 
     name: str
@@ -56,14 +56,14 @@ class Action:
         return self._held(state) or self._laden(state)
 
     def _held(self, state: State) -> str:
-        """Which hand is not free for it; "" where it needs none of those that hold something."""
+        """Why the hands are not free for it; "" when they are."""
         held = sorted(g.subject for g in state if g.kind.fleeting)
         if len(held) > self.spare:
             return f"it takes the hand that holds {' or '.join(held)}"
         return f"{self.object} is in a hand" if self.object in held else ""
 
     def _laden(self, state: State) -> str:
-        """What lies in or on an object that must be bare; "" where nothing does."""
+        """Why an object that must be bare is not; "" when it is."""
         bare = [name for name in (self.moves, self.empty) if name is not None]
         carried = self._carried(state)
         laden = [g for g in state if g.relation in HOLDING and g.reference in bare and g.subject not in carried]
@@ -99,7 +99,7 @@ def _within(goal: Goal, moved: set[str]) -> bool:
 
 
 def _placed(goal: Goal) -> tuple[str | None, ...]:
-    """The objects whose places make a goal true; of a place of the start, who stood there does not matter any more."""
+    """The objects whose places make a goal true: where the former owner of a place is now does not matter."""
     if _opposite(goal) is not None:
         return ()
     return (goal.subject,) if goal.relation == "in_place_of" else (goal.subject, goal.reference)

@@ -12,7 +12,7 @@ from vcage.schema.goals import AskedGoal, Description, Goal, RelationWord, in_st
 from vcage.schema.plan import TABLE, Relation
 
 _SAME_SIDE = {"row_left_of": "left_of"}
-"""Words of goals → the relation that they include."""
+"""Word of a goal → the relation that it includes."""
 
 
 def inconsistencies(goals: Sequence[AskedGoal], descriptions: Iterable[Description]) -> list[str]:
@@ -35,7 +35,7 @@ def unordered_contradictions(goals: Collection[Goal]) -> list[str]:
 
 
 def _held_elsewhere(steps: Sequence[Collection[Goal]]) -> list[str]:
-    """Goals by which a thing is held up at the end and is somewhere else, too."""
+    """Pairs of goals by which a thing is held up at the end and also stands somewhere, in words."""
     last = lasting(steps)
     held = [goal for goal in last if goal.kind.fleeting]
     own = ((one, goal) for one in held for goal in last if one.subject == goal.subject and goal.part is None)

@@ -18,7 +18,7 @@ FETCHED = ("sweethome3d", "robosuite", "ycb")
 IMPORTED = ("robotwin",)
 
 COMPARTMENT = "compartment_"
-"""Begins the name of a compartment, as names of moving parts begin with their kind."""
+"""Beginning of the name of every compartment, as the name of a moving part begins with its kind."""
 
 
 class ContactPoint(Record):
@@ -68,7 +68,7 @@ class FunctionalPoint(Record):
         return self.link or self.compartment
 
     def is_of(self, part: str | None) -> bool:
-        """Check if a goal that names a part, or none, may mean it; who names none may mean any compartment."""
+        """Check if a goal about ``part`` may mean this point; None may mean the body or any compartment."""
         return part in (self.link, self.part)
 
     @property

@@ -121,7 +121,7 @@ class Ground:
                         yield pose
 
     def after_leaving(self, goal: Goal, others: Sequence[SceneObject]) -> list[SceneObject]:
-        """Other objects, without the one in whose place a goal puts a thing, where that has not left it yet."""
+        """The other objects, without one that still stands in the place that a goal gives to another."""
         place = self.starts.get(str(goal.reference))
         if goal.relation != "in_place_of" or place is None:
             return list(others)

@@ -149,7 +149,7 @@ def _holds(thing: SceneObject, given: Hold, gripper: Gripper) -> list[Hold]:
 
 
 def balance_of(asset: Asset) -> np.ndarray:
-    """(3,) about the object's centre of mass in its frame: nearer to it the object turns less between the fingers."""
+    """(3,) the object's centre of mass, roughly, in its frame: held near it, the object turns less in the fingers."""
     corners = [piece.vertices for piece in asset.pieces_of(None)]
     return np.average([c.mean(axis=0) for c in corners], axis=0, weights=[ConvexHull(c).volume for c in corners])
 

@@ -97,7 +97,7 @@ def _cheapest(
         size = len(judge.encoded(settings, crf, part))
         if size < fewest and passes(settings):
             chosen, fewest = settings, size
-    hopeful = (name for name in reversed(formats) if _hopeful(judge, name))  # which costs less than to encode
+    hopeful = (name for name in reversed(formats) if _hopeful(judge, name))  # to convert costs less than to encode
     for settings in map(choices.settings, hopeful):
         # Where the format with the least colour saves too little, the others save less.
         if len(judge.encoded(settings, crf, part)) >= (1 - format_saving) * fewest:

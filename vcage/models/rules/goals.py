@@ -329,14 +329,14 @@ def _with_arms(commands: Sequence[Command]) -> list[Command]:
     While one arm holds something up, the other is the only one that can do what comes then.
 
     Raises:
-        Conflict: it is not.
+        Conflict: nothing before it named an arm.
     """
     last: str | None = None
     holds, later = False, 0.0
     found = []
     for command in commands:
         if command.arm == OTHER_ARM and last == ONE_ARM and holds:
-            command, later = replace(command, arm=ONE_ARM), 0.5
+            command, later = replace(command, arm=ONE_ARM), 0.5  # after its own group, before the next
         command, holds = replace(command, group=command.group + later), holds or command.verb == "hold"
         command = _with_other_arm(command, last)
         last = command.arm or last

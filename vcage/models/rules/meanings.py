@@ -31,7 +31,7 @@ _BEFORE = {"x": ("left_of", "right_of"), "y": ("in_front_of", "behind")}
 
 @dataclass(frozen=True)
 class Spot:
-    """Target of a placement: in or on an object, or one of its moving parts; without a name where the word says it."""
+    """Target of a placement: in or on an object, or one of its parts; without a name where the word says it."""
 
     name: str
     relation: str

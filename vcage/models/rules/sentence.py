@@ -89,7 +89,7 @@ class Command:
         place: where things go, or the tool.
         source: where they are taken from.
         arm: left or right, where one is named; :data:`ONE_ARM` or :data:`OTHER_ARM`.
-        group: commands of an earlier group come first.
+        group: commands of a lower group come first.
         at: where in the sentence it begins.
         words: of the sentence, from there to the next command.
     """

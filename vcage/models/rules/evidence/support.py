@@ -142,8 +142,10 @@ def _aloft(
     others: Sequence[tuple[Draw, Pose]],
     walls: Mapping[str, np.ndarray],
 ) -> float | None:
-    """Share of the pixels that distinguish an object at a height and look as drawn in side views, except those over the
-    walls around it by view; None if too few."""
+    """Share of the pixels that distinguish an object at a height and look as drawn in side views; None if too few.
+
+    Pixels of the ``walls`` around it, (H, W) bool by view, do not count.
+    """
     shares = []
     for name in sorted(before.keys() & after.keys() - {"top"}):
         hidden = _in_front(lies.pose, others, after[name]) | walls.get(name, False)
