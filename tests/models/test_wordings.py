@@ -44,6 +44,7 @@ STEPS = ((1, ("cabinet", "open", None, "drawer_top")), (2, ("mug", "inside", "ca
         (task(ON), "Put the apple on the plate."),
         (task(ON), "Could you take the red apple and set it down onto the white plate?"),
         (task(ON), "Please put the apple on top of the plate"),
+        (task((1, ("mug", "held_by_both"))), "Lift the mug with both arms."),
         (task(ON, LEFT), "Put the apple on the plate and the pear to the left of the plate."),
         (task(TOP, BOTTOM), "The mug goes into the top drawer and the pear into the bottom drawer of the cabinet."),
         (task(*STEPS), "Open the top drawer of the cabinet, then put the mug in it."),

@@ -48,6 +48,11 @@ def test_a_row_is_asked_for_by_a_sentence_of_its_own(choose):
     assert "row to the left of the blue block" in text
 
 
+def test_both_arms_are_asked_for_by_a_sentence_of_their_own(choose):
+    text, _ = choose("pot/blue held_by_both")
+    assert "both arms" in text
+
+
 # --- the objects of the scene --------------------------------------------------------------------------
 
 

@@ -206,7 +206,9 @@ class Review:
         """Complaints about words outside names that no goal or description allows."""
         allowed, bound = self._allowed(), claimed()
         for word in sorted(self._loose):
-            if word in bound and word not in allowed:
+            if word in allowed:
+                continue
+            if word in bound:
                 yield f"{word!r} is not asked for"
             elif word in COLOURS or (word in NUMBERS and word not in ("a", "an")):
                 yield f"{word!r} says nothing of an object that is named"
