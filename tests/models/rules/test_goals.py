@@ -216,6 +216,26 @@ def test_two_things_change_places_and_not_three() -> None:
         in_scene("Swap the red block, the blue block and the plate", "block/red", "block/blue", "plate/white")
 
 
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        "Swap the red block and the cup, then swap the cup and the apple",
+        "Swap the red block and the cup, then swap the red block and the cup",
+        "Put the red block on the plate, then swap the red block and the cup",
+        "Put the red block on the plate and swap the cup with it",
+    ],
+)
+def test_what_was_moved_before_is_not_swapped(sentence: str) -> None:
+    with pytest.raises(UnreadInstruction, match="is moved before, and things change"):
+        in_scene(sentence, "block/red", "apple/red", "plate/white", "cup/white")
+
+
+def test_what_was_swapped_may_be_put_elsewhere_then() -> None:
+    things = ("block/red", "plate/white", "cup/white")
+    goals = in_scene("Swap the red block and the cup, then put the red block on the plate", *things)
+    assert goals[-1] == "2: block_red on plate_white"
+
+
 @pytest.mark.parametrize("verb", ["Lift", "Shake", "Hold up", "Use both arms to lift"])
 def test_what_no_hand_carries_is_not_lifted(verb: str) -> None:
     with pytest.raises(UnreadInstruction, match="cannot be lifted"):

@@ -172,6 +172,7 @@ class Goals:
     _added: list[AskedGoal] = field(default_factory=list)
     _picked: dict[str, Command] = field(default_factory=dict)
     _arms: dict[str, str] = field(default_factory=dict)
+    _moved: set[str] = field(default_factory=set)
 
     def read(self) -> Reading:
         """The goals in their order: commands of one group in any, unless one of them needs another.
@@ -217,6 +218,8 @@ class Goals:
         goal, arm = goal_of([subject, relation, *rest]), arm or command.arm or self._arms.get(subject)
         if goal.reference in self._meanings.excepted:
             raise Doubt(command.words, f"{goal.reference} is excepted")
+        if goal.kind.acts_on is None and not goal.kind.event:
+            self._moved.add(subject)
         if goal not in [asked.goal for asked in self._added]:
             picked = self._picked.get(subject)
             words = f"{picked.words} {command.words}" if picked else command.words
@@ -287,6 +290,9 @@ class Goals:
         names = self._named(command)
         if len(names) != 2:
             raise Doubt(command.words, "two things change places: name two")
+        if moved := [name for name in names if name in self._moved]:
+            why = f"{moved[0]} is moved before, and things change the places that they have at the start"
+            raise Conflict(command.words, f"{why}; say where each of them goes")
         for name, other in (names, names[::-1]):
             if not self.things[name].can_be_carried:
                 raise Doubt(command.words, f"{name} cannot be lifted")
