@@ -6,7 +6,7 @@ import itertools
 from collections.abc import Collection, Iterable, Sequence
 from typing import get_args
 
-from vcage.plans.actions import HOLDING, lasting, overrides
+from vcage.plans.actions import AT_START, HOLDING, lasting, overrides
 from vcage.plans.check import contradictions
 from vcage.schema.goals import AskedGoal, Description, Goal, RelationWord, in_steps
 from vcage.schema.plan import TABLE, Relation
@@ -23,6 +23,7 @@ def inconsistencies(goals: Sequence[AskedGoal], descriptions: Iterable[Descripti
     found = [f"the goals of one step contradict each other: {text}" for step in steps for text in _clashes(step)]
     found = found or [f"the goals contradict each other: {text}" for text in _clashes(lasting(steps))]
     found = found or [f"the goals contradict each other: {text}" for text in _held_elsewhere(steps)]
+    found = found or [f"the goals contradict each other: {text}" for text in _crowded(lasting(steps))]
     return found + [f"the start conditions contradict each other: {text}" for text in _clashes(placed)]
 
 
@@ -40,6 +41,18 @@ def _held_elsewhere(steps: Sequence[Collection[Goal]]) -> list[str]:
     held = [goal for goal in last if goal.kind.fleeting]
     own = ((one, goal) for one in held for goal in last if one.subject == goal.subject and goal.part is None)
     return [f"{one} and {goal}" for one, goal in own if one != goal]
+
+
+def _crowded(goals: Sequence[Goal]) -> list[str]:
+    """Goals by which two things are at one place of the start, or one thing at two."""
+    at = {goal: goal.subject if goal.relation == AT_START else goal.reference for goal in goals if _of_start(goal)}
+    pairs = itertools.combinations(at, 2)
+    return [f"{a} and {b}" for a, b in pairs if (a.subject == b.subject) != (at[a] == at[b])]
+
+
+def _of_start(goal: Goal) -> bool:
+    """True where a goal names a place by what stood there at the start."""
+    return goal.relation in (AT_START, "in_place_of")
 
 
 def _clashes(stated: Iterable[Goal] | Iterable[Description]) -> list[str]:
