@@ -197,6 +197,12 @@ def test_a_robot_with_too_few_arms_is_named_at_once(goals: list[Goal], arms: lis
         require_arms([asked(goal, None) for goal in goals], arms)
 
 
+def test_one_arm_is_not_asked_to_hold_up_two_things():
+    held = [goal_of([name, "held_up"]) for name in ("can", "mug")]
+    with pytest.raises(NoFeasibleTask, match="can held_up and mug held_up are asked of the left arm"):
+        require_arms([asked(goal, "left") for goal in held], ["left", "right"])
+
+
 def test_one_arm_is_not_asked_for_what_takes_both():
     with pytest.raises(NoFeasibleTask, match="it takes 2 arms, not the left arm alone"):
         require_arms([asked(goal_of(["pot", "held_by_both"]), "left")], ["left", "right"])

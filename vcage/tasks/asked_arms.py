@@ -48,7 +48,9 @@ def require_arms(asked: Iterable[AskedGoal], arms: Collection[str]) -> None:
     """
     asked = list(asked)
     _require_enough_arms({one.goal for one in asked}, arms)
-    for goal, arm in asked_arms(asked).items():
+    by_goal = asked_arms(asked)
+    _require_one_each(by_goal)
+    for goal, arm in by_goal.items():
         why = None
         if arm not in arms:
             why = f"the robot has no arm {arm!r}, it has {', '.join(arms)}"
@@ -74,6 +76,20 @@ def _require_enough_arms(goals: Collection[Goal], arms: Collection[str]) -> None
         raise NoFeasibleTask(
             why, hint="hold up fewer things", details={"missing": [str(goal) for goal in held], "reasons": [why]}
         )
+
+
+def _require_one_each(asked: Mapping[Goal, str]) -> None:
+    """Check that no arm is asked to hold up several things at the end.
+
+    Raises:
+        NoFeasibleTask: one is; names the goals.
+    """
+    held = sorted((goal for goal in asked if goal.kind.fleeting), key=str)
+    for arm in dict.fromkeys(asked[goal] for goal in held):
+        own = [str(goal) for goal in held if asked[goal] == arm]
+        if len(own) > 1:
+            why = f"{' and '.join(own)} are asked of the {arm} arm, which holds up one thing"
+            raise NoFeasibleTask(why, hint=ANY_ARM, details={"missing": own, "reasons": [why]})
 
 
 def arm_for(goals: Iterable[Goal], arms: Mapping[Goal, str], hand_to: str | None) -> tuple[str | None, str | None]:
