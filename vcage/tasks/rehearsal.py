@@ -29,7 +29,7 @@ from vcage.tasks.primitives.place import Surroundings
 from vcage.tasks.primitives.shake import plan_shake
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import ENDS_IN_HAND, compose, find_subtasks, judging
-from vcage.tasks.slots import HEADINGS, Slot
+from vcage.tasks.slots import Slot, asks_for_heading
 from vcage.tasks.synthesis import script_of
 from vcage.tasks.task import Task
 from vcage.tasks.templates import TEMPLATES
@@ -52,7 +52,7 @@ def examined(subtask: Subtask, workplace: Workplace) -> Subtask | None:
     """
     workplace = workplace.with_arms(subtask.arm, subtask.hand_to)
     into = subtask.template == "hand_over" and subtask.functional_point is not None
-    plain = subtask.template == "place" and not any(goal.relation in HEADINGS for goal in subtask.goals)
+    plain = subtask.template == "place" and not asks_for_heading(subtask.goals)
     kind, asked = ("place" if into else subtask.template), [] if plain else subtask.goals
     for proposal in TEMPLATES[kind].proposals(workplace.objects, asked)[0]:
         if proposal.thing.id == subtask.object and proposal.goal in subtask.goals:

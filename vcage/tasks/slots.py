@@ -29,8 +29,8 @@ from vcage.tasks.state import place_complaint
 CONTENT_GAP_M = 0.006
 """Gap between contents, and between contents and wall."""
 
-HEADINGS = ("facing_robot",)
-"""Goals of a heading that a thing may have in or on another."""
+HEADING = "facing_robot"
+"""Word of the goal of a heading that a thing may be asked to have in or on another."""
 
 FLUSH_GAP_M = 1e-4
 """Gap of an object that stands flush on another of its own size."""
@@ -109,16 +109,19 @@ def _item(thing: SceneObject, heading: float | None) -> TableItem:
     return TableItem(id=thing.id, size=tuple((box[1] - box[0]).tolist()), yaws=(0.0,))
 
 
+def asks_for_heading(goals: Iterable[Goal]) -> bool:
+    """True if one of the goals of a thing is a heading."""
+    return any(goal.relation == HEADING for goal in goals)
+
+
 def heading_for(goals: Iterable[Goal], receptacle: SceneObject, functional_point: int) -> float | None:
     """The heading in a receptacle's frame at which a front faces the robot; None where no goal asks for it."""
-    asked = any(goal.relation in HEADINGS for goal in goals)
-    return FACING["facing_robot"] - receptacle.frame(functional_point).yaw if asked else None
+    return FACING[HEADING] - receptacle.frame(functional_point).yaw if asks_for_heading(goals) else None
 
 
 def slot_in(receptacle: SceneObject, functional_point: int, pose: Pose, goals: Iterable[Goal]) -> Slot:
     """The slot at a pose in a receptacle; a thing may be turned round there unless a goal asks for its heading."""
-    turns = (0.0,) if any(goal.relation in HEADINGS for goal in goals) else Slot.turns
-    return Slot(receptacle.id, functional_point, pose, turns)
+    return Slot(receptacle.id, functional_point, pose, (0.0,) if asks_for_heading(goals) else Slot.turns)
 
 
 def _nested(

@@ -24,7 +24,7 @@ from vcage.tasks.findings import Feasibility, best_first
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import (
     CONTENT_GAP_M,
-    HEADINGS,
+    HEADING,
     allocate,
     heading_for,
     kept_in_by,
@@ -70,7 +70,7 @@ class Placing:
                 for point in points
                 if self.takes(target, receptacle, point)
             ]
-            facing = [goal for goal in asked if goal.relation in HEADINGS and goal.subject == target.id]
+            facing = [goal for goal in asked if goal.relation == HEADING and goal.subject == target.id]
             mine += [replace(pair, facing=goal) for pair in mine for goal in facing if pair.goal in asked]
             if target.asset.annotation.carrying_points:
                 pairs += mine
