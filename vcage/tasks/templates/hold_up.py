@@ -12,7 +12,7 @@ from vcage.tasks.feasibility import Transfer, examine
 from vcage.tasks.findings import best_first
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.stowing import reached
-from vcage.tasks.templates.proposal import Proposal
+from vcage.tasks.templates.proposal import Proposal, carried
 from vcage.tasks.workplace import Workplace
 
 NAME: TemplateName = "hold_up"
@@ -28,11 +28,7 @@ class HoldUp:
 
     def proposals(self, objects: Sequence[SceneObject], asked: Collection[Goal]) -> tuple[list[Holding], list[Refusal]]:
         """Each object to hold up, and those that cannot be carried."""
-        by_id = {o.id: o for o in objects}
-        goals = sorted((g for g in asked if g.relation == "held_up" and g.subject in by_id), key=str)
-        found = [Holding(NAME, by_id[goal.subject], goal) for goal in goals]
-        refused = [one.not_carried() for one in found if not one.candidates]
-        return [one for one in found if one.candidates], refused
+        return carried(Holding, NAME, "held_up", objects, asked)
 
     def calls(self, subtask: Subtask) -> list[str]:
         """The lines of the script's ``play``; GRASPS is a constant of the script."""

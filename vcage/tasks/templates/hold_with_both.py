@@ -11,7 +11,7 @@ from vcage.sim.motion import MotionFailed
 from vcage.tasks.both_hands import Hands, hands_of_two
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.stowing import reached
-from vcage.tasks.templates.proposal import Proposal
+from vcage.tasks.templates.proposal import Proposal, carried
 from vcage.tasks.workplace import Workplace
 
 NAME: TemplateName = "hold_with_both"
@@ -26,11 +26,7 @@ class HoldWithBoth:
         self, objects: Sequence[SceneObject], asked: Collection[Goal]
     ) -> tuple[list[HoldingTogether], list[Refusal]]:
         """Each object that both arms are to hold, and those that cannot be carried."""
-        by_id = {o.id: o for o in objects}
-        goals = sorted((g for g in asked if g.relation == "held_by_both" and g.subject in by_id), key=str)
-        found = [HoldingTogether(NAME, by_id[goal.subject], goal) for goal in goals]
-        refused = [one.not_carried() for one in found if not one.candidates]
-        return [one for one in found if one.candidates], refused
+        return carried(HoldingTogether, NAME, "held_by_both", objects, asked)
 
     def calls(self, subtask: Subtask) -> list[str]:
         """The lines of the script's ``play``."""

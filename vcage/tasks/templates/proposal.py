@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 from vcage.schema.goals import Goal
 from vcage.schema.plan import TABLE
@@ -116,3 +116,24 @@ class Proposal(ABC):
         text, *others = wordings(self.goal, {o.id: o.record.phrase for o in objects})
         usual: dict[str, Any] = {"template": self.name, "text": text, "texts": others, "goals": [self.goal]}
         return Subtask(id=identifier, object=self.thing.id, script=f"subtasks/{identifier}.py", **(usual | slots))
+
+
+P = TypeVar("P", bound=Proposal)
+
+
+def carried(
+    kind: type[P], name: TemplateName, word: str, objects: Sequence[SceneObject], asked: Collection[Goal]
+) -> tuple[list[P], list[Refusal]]:
+    """A proposal for each requested goal of a word, and the refusals of those whose object cannot be carried.
+
+    Args:
+        kind: of the proposals.
+        name: of the template.
+        word: of the goals.
+        objects: of the scene.
+        asked: the requested goals.
+    """
+    by_id = {o.id: o for o in objects}
+    goals = sorted((goal for goal in asked if goal.relation == word and goal.subject in by_id), key=str)
+    found = [kind(name, by_id[goal.subject], goal) for goal in goals]
+    return [one for one in found if one.candidates], [one.not_carried() for one in found if not one.candidates]
