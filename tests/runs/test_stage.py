@@ -46,6 +46,13 @@ def test_another_seed_makes_it_stale_and_says_so(run):
     assert "another run folder" in caught.value.hint
 
 
+def test_another_option_is_named_with_both_values(run):
+    job(run, options={"robot": "dual_panda"}).do(Export, make)
+    with pytest.raises(StaleStage, match=r"option robot \(dual_panda before, aloha_agilex now\)") as caught:
+        job(run, options={"robot": "aloha_agilex"}).do(Export, make)
+    assert "the same options as before" in caught.value.hint
+
+
 def test_a_changed_input_makes_it_stale(run):
     job(run).do(Export, make)
     write_text(run.compression, "{ }")

@@ -43,6 +43,9 @@ ASKS: dict[str, tuple[Asked, ...]] = {
 }
 """Stage → the roles that it asks; the others ask nobody."""
 
+MAX_VALUE_CHARACTERS = 40
+"""Characters at most of an option's value that a message quotes."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class StageOptions:
@@ -216,9 +219,10 @@ class Job:
         if keeper.knows(record):
             return StageResult(record, self.output, fresh=False)
         changed = differences(record.provenance, keeper.made_from)
+        named = (_with_values(one, record.provenance, keeper.made_from) for one in changed)
         raise StaleStage(
-            f"{self.output} is finished, but was made with another {', '.join(changed)}",
-            hint="give another run folder",
+            f"{self.output} is finished, but was made with another {', '.join(named)}",
+            hint="give the same options as before, or another run folder",
             details={"changed": changed, "edited": edited},
         )
 
@@ -259,6 +263,13 @@ def differences(before: Provenance, now: Provenance) -> list[str]:
     ):
         changed += [f"{what} {key}" for key in sorted(old.keys() | new.keys()) if old.get(key) != new.get(key)]
     return changed
+
+
+def _with_values(difference: str, before: Provenance, now: Provenance) -> str:
+    """One of the :func:`differences`; of an option that is a plain word or number, with both values."""
+    values = [provenance.options.get(difference.removeprefix("option ")) for provenance in (before, now)]
+    plain = all(isinstance(value, str | int | float) and len(str(value)) <= MAX_VALUE_CHARACTERS for value in values)
+    return f"{difference} ({values[0]} before, {values[1]} now)" if plain else difference
 
 
 def stage_seed(run: RunFolder, seed: int | None) -> int:
