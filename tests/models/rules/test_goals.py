@@ -230,6 +230,19 @@ def test_what_was_moved_before_is_not_swapped(sentence: str) -> None:
         in_scene(sentence, "block/red", "apple/red", "plate/white", "cup/white")
 
 
+@pytest.mark.parametrize(
+    ("sentence", "goal"),
+    [
+        ("Put the small block on the block", "1: small_block_green on block_green"),
+        ("Put the small blue block next to the blue block", "1: small_block_blue beside block_blue"),
+        ("Put the electric stapler next to the stapler", "1: stapler_electric_black beside stapler_black"),
+    ],
+)
+def test_a_thing_is_not_its_own_place(sentence: str, goal: str) -> None:
+    kinds_named = [[name.rpartition("_")[0] for name in text.split()[1::2]] for text in (*goals(sentence), goal)]
+    assert kinds_named[0] == kinds_named[1]
+
+
 def test_what_was_swapped_may_be_put_elsewhere_then() -> None:
     things = ("block/red", "plate/white", "cup/white")
     goals = in_scene("Swap the red block and the cup, then put the red block on the plate", *things)

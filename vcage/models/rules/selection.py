@@ -133,10 +133,18 @@ class _Selector:
     def _take(self, noun: Noun, role: Role, good: Good = lambda e: True, place: CatalogueEntry | None = None) -> None:
         """Choose objects for a noun, unless they were chosen before."""
         again = [entry for other, entry in self._of.items() if (other.at, other.words) == (noun.at, noun.words)]
-        known = [*again, *(entry for entry in self._there if self._same(noun, entry)), None][0]
+        apart = [self._of[other] for other in self._beside(noun) if other in self._of]
+        free = (entry for entry in self._there if all(entry is not other for other in apart))
+        known = [*again, *(entry for entry in free if self._same(noun, entry)), None][0]
         self._of[noun] = known or self._draw(noun, role, good, place)
         for but in noun.but:
             self._take(but, "context")
+
+    def _beside(self, noun: Noun) -> list[Noun]:
+        """The other nouns of its command, each for one thing, none of which is what it means."""
+        commands = ([n for n in (*c.things, c.place) if n is not None] for c in self.commands)
+        nouns = [other for named in commands if noun in named for other in named if other != noun]
+        return [other for other in nouns if not (other.several or noun.several or other.pronoun)]
 
     def _same(self, noun: Noun, entry: CatalogueEntry) -> bool:
         """Check if a chosen object is meant again: 'the mug' after 'the red mug', the other drawer of a cabinet."""
@@ -162,13 +170,14 @@ class _Selector:
             looks = [look for look in looks if any(one.fit(with_look(*look))[0] for one in told)]
             count = len(told)
         fresh = [(entry, look) for entry, look in looks if (entry.name, [look]) not in taken] or looks
+        before = len(self._there)
         for number in range(count or min(LIMITS.several, max(2, len(fresh)))):
             entry, look = fresh[number % len(fresh)]
             asked: Role = role if noun.position is None or number < len(told_apart) else "context"
             reason = f"asked for: {noun.text!r}"
             self._chosen.append(SelectedAsset(asset=entry.name, variant=look.id, role=asked, reason=reason))
             self._there.append(with_look(entry, look))
-        return fresh[0][0]
+        return self._there[before]
 
     def _told_by_colour(self, noun: Noun) -> list[Noun]:
         """The nouns for one thing each that name all of several things by their colours; none where there is one."""
