@@ -40,8 +40,8 @@ def build(variant: str) -> BuiltObject:
         paint(strap, materials.felt(rng, dark, 128), tiled(0.04), roughness=0.8),
     ]
     rings = _upper()
-    hulls = [pieces.coarse(np.concatenate(rings[:5]), 60), pieces.coarse(np.concatenate(rings[4:]), 60)]
-    hulls.append(pieces.coarse(sole.vertices, 60))
+    hulls = [pieces.coarse(np.concatenate(part), 60) for part in (rings[:8], rings[7:15], rings[14:])]
+    hulls += [pieces.coarse(part.vertices, 60) for part in (sole, strap)]
     return BuiltObject(parts, hulls, mass=0.13, friction=0.9)
 
 
