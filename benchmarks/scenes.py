@@ -105,7 +105,7 @@ def run(
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of one layout.
+    """Results from one layout.
 
     Args:
         played: by sub-task.

@@ -108,7 +108,7 @@ def played(scene: Scene, names: Sequence[str], seed: int, context: StageContext)
 
 
 def _tried(subtask: Subtask, scene: Scene, seed: int, context: StageContext) -> Played:
-    """What a simulated episode of a sub-task came to, by the simulator's state."""
+    """The outcome of a simulated episode of a sub-task, by the simulator's state."""
     start = ready_for(subtask, scene, context.objects(scene))
     chain = [(subtask, script_of(subtask))]
     try:

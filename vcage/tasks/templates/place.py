@@ -81,7 +81,7 @@ class Placing:
     def _goal(
         self, target: SceneObject, receptacle: SceneObject, point: FunctionalPoint, asked: Collection[Goal]
     ) -> Goal:
-        """What it is for; of a compartment that nobody asked for by name, the whole."""
+        """The goal of placing an object there: the whole of a receptacle where nobody asked for the compartment."""
         if self.word is not None:
             return Goal(subject=target.id, relation=self.word)
         named, whole = lying(target, receptacle, point), _resting(target, receptacle, point, point.link)
