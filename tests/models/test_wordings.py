@@ -36,6 +36,8 @@ ON = (1, ("apple", "on", "plate"))
 LEFT = (1, ("pear", "left_of", "plate"))
 TOP, BOTTOM = (1, ("mug", "inside", "cabinet", "drawer_top")), (1, ("pear", "inside", "cabinet", "drawer_bottom"))
 STEPS = ((1, ("cabinet", "open", None, "drawer_top")), (2, ("mug", "inside", "cabinet", "drawer_top")))
+OF = "drawer of the cabinet"
+THEN_BOTTOM = (*STEPS, (3, ("cabinet", "open", None, "drawer_bottom")))
 
 
 @pytest.mark.parametrize(
@@ -49,6 +51,7 @@ STEPS = ((1, ("cabinet", "open", None, "drawer_top")), (2, ("mug", "inside", "ca
         (task(TOP, BOTTOM), "The mug goes into the top drawer and the pear into the bottom drawer of the cabinet."),
         (task(*STEPS), "Open the top drawer of the cabinet, then put the mug in it."),
         (task(*STEPS), "Open the topmost drawer of the cabinet, then put the mug in it."),
+        (task(*THEN_BOTTOM), f"Open the top {OF}, then put the mug into the top {OF}, then open the bottom {OF}."),
         (task(ON, untouched=["mug"]), "Put the apple on the plate, but leave the mug alone."),
         (task((1, ("apple", "weighed")), tools=["scale"]), "Put the apple on the scale to check its weight."),
     ],
@@ -79,6 +82,7 @@ def test_a_sentence_that_asks_for_exactly_the_goals_is_taken(asked, sentence):
         (task(LEFT), "Put the pear to the right of the plate.", "'right' is not asked for"),
         (task(TOP, BOTTOM), "The mug goes in the bottom drawer and the pear in the top drawer of the cabinet.", "part"),
         (task(*STEPS), "Put the mug in the top drawer of the cabinet and open it.", "in their order"),
+        (task(*THEN_BOTTOM), f"Open the bottom {OF}, then open the top {OF}, then put the mug into it.", "in their order"),
         (task(ON, untouched=["mug"]), "Put the apple on the plate.", "to be left alone"),
         (task(ON, instruction="All the fruit goes on the plate"), "Put the apple on the plate.", "speaks of all"),
     ],

@@ -244,9 +244,12 @@ class Review:
             yield f"does not say the {len(steps)} steps in their order, with 'then'"
 
     def _place(self, goal: Goal) -> int:
-        """Place of the word by which the sentence asks for a goal."""
-        own = [mention.start for mention in self._mentions_of(goal.subject)]
-        return min(own if goal.kind.refers_to is not None else self._verbs(goal), default=0)
+        """Place of the word by which the sentence asks for a goal: for a part, of the verb before its words."""
+        if goal.kind.refers_to is not None:
+            return min((mention.start for mention in self._mentions_of(goal.subject)), default=0)
+        verbs, told = self._verbs(goal), levels(part_words(goal.part)) if goal.part else frozenset()
+        of_part = [n for n in verbs if levels(" ".join(self._said[n : n + VERB_TO_PART_WORDS])) >= told]
+        return min(of_part or verbs, default=0)
 
     def _other_range(self) -> Iterator[str]:
         ranging, subjects = self._task.ranges_over(self._sentence), {a.goal.subject for a in self._task.goals}
