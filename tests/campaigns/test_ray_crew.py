@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import time
 from collections.abc import Callable, Sequence
@@ -11,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from tests.campaigns.stubbed import begun
+from tests.campaigns.stubbed import begun, run_stubbed
 from vcage.base.errors import (
     ConfigurationError,
     DiskFull,
@@ -27,6 +28,7 @@ from vcage.campaigns.folder import CampaignFolder
 from vcage.campaigns.job import Outcome
 from vcage.campaigns.on_ray import RayCrew
 from vcage.campaigns.plan import Job
+from vcage.campaigns.ray_actor import MARK
 from vcage.campaigns.ray_cluster import RaySettings
 
 QUICK = RaySettings(look_every_s=0.05, rest_s=0.2, longest_rest_s=0.3, unborn=3)
@@ -221,3 +223,14 @@ def test_a_limit_of_all_nodes_leaves_none_out(tmp_path: Path, caplog: pytest.Log
     cap = SpendingCap("the campaign has asked as often as it may")
     found = answers(folder, {"one": cap, "two": cap}, ["one", "two"])
     assert [one.error for one in found] == [cap, cap] and caplog.messages == []
+
+
+def test_a_mark_of_a_node_that_was_lost_before_the_driver_saw_it_is_removed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    folder = begun(tmp_path, episodes=1)
+    (lost := folder.root / f"{MARK}0").touch()
+    ray = StandIn(folder.root, fit(folder), lambda job: run_stubbed(folder.root, job))
+    monkeypatch.setattr(on_ray, "connected", lambda *_: contextlib.nullcontext(ray))
+    on_ray.run_on_ray(folder, "auto", settings=QUICK)
+    assert not lost.exists()

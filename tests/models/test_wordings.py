@@ -82,7 +82,7 @@ def test_a_sentence_that_asks_for_exactly_the_goals_is_taken(asked, sentence):
         (task(LEFT), "Put the pear to the right of the plate.", "'right' is not asked for"),
         (task(TOP, BOTTOM), "The mug goes in the bottom drawer and the pear in the top drawer of the cabinet.", "part"),
         (task(*STEPS), "Put the mug in the top drawer of the cabinet and open it.", "in their order"),
-        (task(*THEN_BOTTOM), f"Open the bottom {OF}, then open the top {OF}, then put the mug into it.", "in their order"),
+        (task(*THEN_BOTTOM), f"Open the bottom {OF}, then open the top {OF}, then put the mug in it.", "their order"),
         (task(ON, untouched=["mug"]), "Put the apple on the plate.", "to be left alone"),
         (task(ON, instruction="All the fruit goes on the plate"), "Put the apple on the plate.", "speaks of all"),
     ],

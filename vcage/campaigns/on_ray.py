@@ -23,7 +23,7 @@ from vcage.campaigns.hanging import HangWatch
 from vcage.campaigns.job import Outcome, run_job
 from vcage.campaigns.job_errors import LACKING
 from vcage.campaigns.plan import Job
-from vcage.campaigns.ray_actor import actor_class
+from vcage.campaigns.ray_actor import MARK, actor_class
 from vcage.campaigns.ray_cluster import SETTINGS, RaySettings, connected, last_line, require_head
 from vcage.campaigns.ray_nodes import Nodes
 from vcage.campaigns.schedule import Schedule
@@ -295,4 +295,6 @@ def run_on_ray(
     with connected(address, workers or workers_here(settings.actor_bytes)) as ray:
         crew = RayCrew(ray, folder, workers, work, settings)
         work_through(schedule, crew, crew.room, progress)
+    for mark in folder.root.glob(f"{MARK}*"):  # of actors that were lost before the driver saw it
+        mark.unlink(missing_ok=True)
     return schedule

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+MARK = "node.partial-"
+"""Begins the name of the file by which an actor shows that it has the folder of the campaign."""
+
 
 def actor_class() -> type:
     """The class of the actors.
@@ -48,7 +51,7 @@ def actor_class() -> type:
                     importlib.import_module("vcage.campaigns.job")
             except (ImportError, OSError) as error:
                 return seen | {"mark": "", "fault": f"vcage cannot be loaded there: {error}"}
-            self._mark = f"node.partial-{uuid.uuid4().hex}"
+            self._mark = f"{MARK}{uuid.uuid4().hex}"
             try:
                 (Path(self._root) / self._mark).touch(exist_ok=False)
             except OSError as error:
