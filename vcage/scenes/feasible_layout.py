@@ -19,6 +19,7 @@ from vcage.scenes.layout_items import Targets, nearest_layout
 from vcage.scenes.possible import settled_record
 from vcage.schema.scene import Scene
 from vcage.tasks.described import require_settled
+from vcage.tasks.ground import FACING
 from vcage.tasks.rehearsal import require_chain
 
 logger = logging.getLogger(__name__)
@@ -57,8 +58,9 @@ class NearestFeasible:
     def layout(self) -> LaidOut:
         """The layout nearest to the targets in which the instruction can be carried out.
 
-        Layouts near targets that are shifted further and further are tried. If none does, the nearest is taken in
-        which all descriptions are true, and the search for sub-tasks reports its faults.
+        Layouts near targets that are shifted further and further are tried, and things to be put down at a heading are
+        turned by one more quarter in each: an arm's wrist turns a thing only so far. If none does, the nearest is taken
+        in which all descriptions are true, and the search for sub-tasks reports its faults.
 
         Raises:
             InfeasibleScene: there is no layout, or none in which all descriptions are true; names the fault.
@@ -81,7 +83,7 @@ class NearestFeasible:
             InfeasibleScene: there is no layout at the targets themselves, and no description asks for another.
         """
         try:
-            found = self._near(number * SHIFT_STEP_M, shifting)
+            found = self._near(number * SHIFT_STEP_M, shifting, number * np.pi / 2)
         except InfeasibleScene as error:
             if number == 0 and not self.scene.descriptions:
                 raise
@@ -94,13 +96,19 @@ class NearestFeasible:
                 raise Refused(error.message, found) from None
         return found
 
-    def _near(self, shift_m: float, shifting: np.random.Generator) -> LaidOut:
+    def _near(self, shift_m: float, shifting: np.random.Generator, turn: float) -> LaidOut:
         """The layout nearest to targets that are shifted at random.
+
+        Args:
+            shift_m: standard deviation of the shifts.
+            shifting: of the shifts.
+            turn: of what is to be put down at a heading, radians.
 
         Raises:
             InfeasibleScene: there is none, or not all descriptions are true in it.
         """
-        targets, scene = self.targets.poses, self.scene
+        scene = self.scene
+        targets = {key: self._turned(key, target, turn) for key, target in self.targets.poses.items()}
         shifts = shifting.normal(0.0, shift_m, (len(targets), 2))
         asked = {key: Pose([*(t.p[:2] + s), t.p[2]], t.q) for (key, t), s in zip(targets.items(), shifts, strict=True)}
         result = nearest_layout(scene, replace(self.targets, poses=asked), self.rng, self.options, self.context)
@@ -110,6 +118,13 @@ class NearestFeasible:
         require_settled(laid_out, models, objects, "the nearest layout without collisions", None)
         displaced = {key: float(np.hypot(*(poses[key].p - target.p)[:2])) for key, target in targets.items()}
         return LaidOut(replace(result, displaced=displaced), laid_out, round(shift_m, 3))
+
+    def _turned(self, name: str, target: Pose, turn: float) -> Pose:
+        """The target of an object; turned where it must end at a heading that it may not have at the start."""
+        headed = any(asked.goal.subject == name and asked.goal.relation in FACING for asked in self.scene.goals)
+        if not headed or self.context.asset(self.scene.object(name)).articulated:
+            return target
+        return Pose.from_yaw(target.p, target.yaw + turn)
 
 
 def with_poses(

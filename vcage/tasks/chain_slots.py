@@ -223,7 +223,9 @@ class _OnTable:
             poses = (self._pushed if pushed else self._put_down)(subtask, now[thing.id], others)
             if not poses:
                 how = "push" if pushed else "put"
-                reason = f"there is no room on the table to {how} {thing.record.phrase} so that {subtask.goals[0]}"
+                reason = (
+                    f"there is no room in reach on the table to {how} {thing.record.phrase} so that {subtask.goals[0]}"
+                )
                 raise InfeasibleScene(reason, hint="another --seed gives another layout")
             spare = tuple(poses[1 : 1 + LIMITS.spare_slots])
             found[subtask.id] = Slot(TABLE, None, poses[0], turns=(0.0,), spare=spare)

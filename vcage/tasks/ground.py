@@ -110,14 +110,14 @@ class Ground:
         if goal.relation == "in_place_of":
             yield from self._poses_in_place(thing, str(goal.reference), self.after_leaving(goal, others))
             return
-        rectangles = [*(_footprint(o) for o in others), *taken]
+        holds, rectangles = self._holds(thing), [*(_footprint(o) for o in others), *taken]
         near = next((o for o in others if o.id == goal.reference), None)
         for yaws in _yaws(thing, goal):
             item = replace(table_item(thing.id, thing.asset), yaws=yaws)
             for zone in self._zones(thing, goal, near, max(item.size[:2]), rng):
                 for pose in self._poses_in(zone, item, rectangles, rng):
                     box = world_aabb(thing.asset.bounds, pose)
-                    if (near is None or _stands(goal, box, near.aabb)) and self._reached(thing, pose):
+                    if (near is None or _stands(goal, box, near.aabb)) and self._reached(pose, holds):
                         yield pose
 
     def after_leaving(self, goal: Goal, others: Sequence[SceneObject]) -> list[SceneObject]:
@@ -129,14 +129,14 @@ class Ground:
 
     def _poses_in_place(self, thing: SceneObject, stood: str, others: Sequence[SceneObject]) -> Iterator[Pose]:
         """Poses of an object in the middle of the place where another stood at the start."""
-        taken = [_footprint(o) for o in others]
+        holds, taken = self._holds(thing), [_footprint(o) for o in others]
         for yaw in dict.fromkeys(yaw for yaws in _quarters(thing) for yaw in yaws):
             box = world_aabb(thing.asset.bounds, Pose.from_yaw([0.0, 0.0, 0.0], yaw))
             middle = self.starts[stood].mean(axis=0) - box.mean(axis=0)
             pose = Pose.from_yaw([*middle[:2], self.height - box[0, 2]], yaw)
             room = world_aabb(thing.asset.bounds, pose)[:, :2] + np.array([[-SETTINGS.gap_m], [SETTINGS.gap_m]])
             met = any(np.all(room[0] < other[1]) and np.all(other[0] < room[1]) for other in taken)
-            if not met and self._reached(thing, pose):
+            if not met and self._reached(pose, holds):
                 yield pose
 
     def _poses_in(
@@ -148,16 +148,28 @@ class Ground:
                 found = place([item], np.stack(zone), rng, margin=SETTINGS.gap_m, obstacles=taken)
                 yield item.pose(found[item.id], self.height)
 
-    def _reached(self, thing: SceneObject, pose: Pose) -> bool:
-        """True if an arm gets to an object at a pose, and up again."""
-        return not self.arms or any(
-            all(
-                arm.reachable(Pose(grasp.pose.p + [0, 0, up], grasp.pose.q), SETTINGS.ik_starts)
-                for up in (0, arm.arm.gripper.approach)
-            )
+    def _holds(self, thing: SceneObject) -> list[tuple[ArmKinematics, Pose]]:
+        """The ways in which arms can take a thing where it stands: an arm, and its gripper in the thing's frame.
+
+        Where there are none, the thing is reached by another way or not at all: all ways there are.
+        """
+        ways = [
+            (arm, grasp)
             for arm in self.arms
             for contact in thing.asset.annotation.carrying_points
-            for grasp in grasp_poses(pose, contact, arm.arm.gripper, self.height)
+            for grasp in grasp_poses(thing.pose, contact, arm.arm.gripper, self.height)
+        ]
+        taken = [way for way in ways if way[0].reachable(way[1].pose, SETTINGS.ik_starts)]
+        return [(arm, grasp.in_object) for arm, grasp in taken or ways]
+
+    def _reached(self, pose: Pose, holds: Sequence[tuple[ArmKinematics, Pose]]) -> bool:
+        """True if an arm brings a thing that it holds to a pose, and gets up again."""
+        return not self.arms or any(
+            all(
+                arm.reachable(Pose(hand.p + [0, 0, up], hand.q), SETTINGS.ik_starts)
+                for up in (0, arm.arm.gripper.approach)
+            )
+            for arm, hand in ((arm, pose * held) for arm, held in holds)
         )
 
     def _zones(

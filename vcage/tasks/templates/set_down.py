@@ -86,7 +86,7 @@ class Move(Proposal):
         thing, others = there.thing, workplace.ground.after_leaving(self.goal, there.others)
         poses = list(islice(workplace.ground.poses(thing, self.goal, others, workplace.rng), LIMITS.table_places))
         if not poses:
-            return None, [self.refusal(f"there is no room on the table {self._wanted}")]
+            return None, [self.refusal(f"there is no room in reach on the table {self._wanted}")]
         contacts = thing.asset.annotation.carrying_points
         transfers = {c.id: Transfer.onto_table(thing, c, poses, others) for c in contacts}
         findings, refused = self.judged({c: self._finding(t, workplace) for c, t in transfers.items()})
