@@ -159,6 +159,6 @@ def test_the_front_camera_sees_the_whole_table_and_both_hands(world):
 def test_an_arm_keeps_its_distance_from_the_other(world, monkeypatch):
     home = np.array(world.arms["left"].arm.home)
     assert CollisionScene.of_world(world, "left").first_contact(home) is None
-    monkeypatch.setattr(collision, "ARM_CLEARANCE_M", 0.5)  # the hands at home are 0.44 m apart
+    monkeypatch.setattr(collision, "CLEARANCE_M", 0.5)  # the hands at home are 0.44 m apart
     contact = CollisionScene.of_world(world, "left").first_contact(home)
     assert contact is not None and contact.other.startswith("right/")

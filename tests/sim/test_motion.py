@@ -109,7 +109,9 @@ def test_a_move_goes_around_a_wall(template, models, robot):
     assert planner.scene.first_contact(q) is None
     with pytest.raises(MotionFailed):
         planner.line(q, goal)
-    path = planner.fastest(planner.move(q, goal))
+    way = planner.move(q, goal)
+    assert not any(wall.keys() & planner.scene.beside(x) for leg in way.legs for x in leg.points)
+    path = planner.fastest(way)
     assert all(planner.scene.first_contact(x) is None for x in path.q[::10])
     assert np.allclose(planner.kinematics.fk(path.end).p, goal.p, atol=1e-3)
     assert np.array_equal(path.q, planner.fastest(planner_of(world).move(q, goal)).q)

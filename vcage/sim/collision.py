@@ -30,8 +30,9 @@ if TYPE_CHECKING:
 TOLERANCE = 0.002
 """Allowed overlap, metres: objects rest on each other, and fingers lie against the held object."""
 
-ARM_CLEARANCE_M = 0.005
-"""Least distance from the other arms, metres: on ``aloha_agilex`` a hand in motion is 4 mm behind its target."""
+CLEARANCE_M = 0.005
+"""Least distance from the other arms, and on free ways from objects, metres: on ``aloha_agilex`` a hand in motion is
+4 mm behind its target."""
 
 
 @dataclass(frozen=True)
@@ -142,7 +143,7 @@ class CollisionScene:
                 items += _links_of(other, kinematics_of(record), (joints or {}).get(other))
         self._obstacles = _Solids((name, shape, self._to_base * pose) for name, shape, pose in items)
         self._of_arms = np.arange(len(items)) >= standing
-        self._obstacles.radii[self._of_arms] += ARM_CLEARANCE_M
+        self._obstacles.radii += CLEARANCE_M
 
     @classmethod
     def of_world(cls, world: World, arm: str, changed: Mapping[str, Body] | None = None) -> CollisionScene:
@@ -169,10 +170,11 @@ class CollisionScene:
         held: Held | None = None,
         ignore: Collection[str] = (),
         fingers_may_touch: Collection[str] = (),
+        beside: Collection[str] | None = None,
     ) -> Contact | None:
         """The first overlap of more than :data:`TOLERANCE` with the arm at ``q``, or None.
 
-        Of other arms, links nearer than :data:`ARM_CLEARANCE_M` count.
+        Of other arms, links nearer than :data:`CLEARANCE_M` count.
 
         Args:
             q: (n,) arm joints, rad.
@@ -181,7 +183,29 @@ class CollisionScene:
             ignore: names of obstacles that may be touched: ``<id>`` for an object's body, ``<id>/<link>`` for a
                 moving part, ``table``, or ``<arm>/<link>``.
             fingers_may_touch: names of obstacles that the fingers may touch, and no other link.
+            beside: names of obstacles that may be near; all others count as other arms do. Not given, all may be.
         """
+        moving, ranks = self._moving(q, opening, held)
+        skip = {*ignore, *held.parts} if held else set(ignore)
+        near = self._obstacles.names if beside is None else beside
+        return self._with_obstacles(moving, ranks, skip, fingers_may_touch, near) or self._with_itself(moving, ranks)
+
+    def beside(self, q: np.ndarray, opening: float = 1.0, held: Held | None = None) -> frozenset[str]:
+        """Names of the obstacles nearer than :data:`CLEARANCE_M` to the arm or what it holds.
+
+        Args:
+            q, opening, held: as of :meth:`first_contact`.
+        """
+        moving, ranks = self._moving(q, opening, held)
+        close = _spheres_meet(moving, self._obstacles) & (ranks > 0)[:, None]
+        return frozenset(
+            self._obstacles.names[j]
+            for i, j in np.argwhere(close).tolist()
+            if near_to(moving.object(i), self._obstacles.object(j))
+        )
+
+    def _moving(self, q: np.ndarray, opening: float, held: Held | None) -> tuple[_Solids, np.ndarray]:
+        """The links and what is held, and (n,) the rank of each link in the arm."""
         poses = self.kinematics.base_poses(q, opening)
         parts = [(link, shape, poses[link]) for link, shape in self.kinematics.link_shapes]
         ranks = self.kinematics.link_ranks
@@ -190,9 +214,7 @@ class CollisionScene:
             at = [tool, self._below(held.clearance) * tool] if held.clearance else [tool]
             carried = [solid for gripper in at for solid in held.shapes(gripper)]
             parts, ranks = parts + carried, np.append(ranks, np.full(len(carried), ranks.max()))
-        moving = _Solids(parts)
-        skip = {*ignore, *held.parts} if held else set(ignore)
-        return self._with_obstacles(moving, ranks, skip, fingers_may_touch) or self._with_itself(moving, ranks)
+        return _Solids(parts), ranks
 
     def _below(self, distance: float) -> sapien.Pose:
         """Straight down in the world, in the frame of the arm's base, metres."""
@@ -201,7 +223,12 @@ class CollisionScene:
         return self._to_base * sapien.Pose([0.0, 0.0, -distance]) * self._to_base.inv()
 
     def _with_obstacles(
-        self, moving: _Solids, ranks: np.ndarray, skip: Collection[str], fingers_may_touch: Collection[str]
+        self,
+        moving: _Solids,
+        ranks: np.ndarray,
+        skip: Collection[str],
+        fingers_may_touch: Collection[str],
+        beside: Collection[str],
     ) -> Contact | None:
         fingers = self.kinematics.finger_links
         near = _spheres_meet(moving, self._obstacles) & (ranks > 0)[:, None]  # the base never moves
@@ -209,7 +236,7 @@ class CollisionScene:
             name = self._obstacles.names[j]
             if name in fingers_may_touch and moving.names[i] in fingers:
                 continue
-            meets = near_to if self._of_arms[j] else overlap
+            meets = near_to if self._of_arms[j] or name not in beside else overlap
             if name not in skip and meets(moving.object(i), self._obstacles.object(j)):
                 return Contact(moving.names[i], name)
         return None
@@ -250,10 +277,10 @@ def overlap(a: fcl.CollisionObject, b: fcl.CollisionObject) -> bool:
 
 
 def near_to(a: fcl.CollisionObject, b: fcl.CollisionObject) -> bool:
-    """True if two solids are nearer to each other than :data:`ARM_CLEARANCE_M`."""
+    """True if two solids are nearer to each other than :data:`CLEARANCE_M`."""
     from mplib.pymp.collision_detection import fcl
 
-    return fcl.distance(a, b, _distance_only()).min_distance < ARM_CLEARANCE_M
+    return fcl.distance(a, b, _distance_only()).min_distance < CLEARANCE_M
 
 
 @functools.cache

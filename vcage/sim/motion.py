@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import functools
 import itertools
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -175,10 +175,11 @@ class MotionPlanner:
         """A path found by a random tree with a fixed seed."""
         for end in (q, goal):
             self.check(end, load)
+        beside = self._beside(q, goal, load)
         path = connect(
             q,
             goal,
-            free=lambda a, b: all(self._touches(x, load) is None for x in _coarse_first(_between(a, b)[1:])),
+            free=lambda a, b: all(self._touches(x, load, beside) is None for x in _coarse_first(_between(a, b)[1:])),
             lower=self.kinematics.lower,
             upper=self.kinematics.upper,
             rng=np.random.default_rng(0),
@@ -189,9 +190,9 @@ class MotionPlanner:
 
     def _straight(self, q: np.ndarray, goal: np.ndarray, load: Load) -> np.ndarray:
         """(k, n) evenly spaced points of a straight line in joint space."""
-        path = _between(q, goal)
+        path, beside = _between(q, goal), self._beside(q, goal, load)
         for point in path[1:]:
-            self.check(point, load)
+            self.check(point, load, beside)
         return path
 
     def _line(self, q: np.ndarray, pose: Pose, load: Load, then: Sequence[Pose] = ()) -> np.ndarray:
@@ -212,16 +213,23 @@ class MotionPlanner:
 
     # --- checks ---
 
-    def _touches(self, q: np.ndarray, load: Load) -> Contact | None:
-        return self.scene.first_contact(q, load.opening, load.held, load.ignore, load.fingers_may_touch)
+    def _beside(self, q: np.ndarray, goal: np.ndarray, load: Load) -> frozenset[str]:
+        """Names of what the arm is near to at one of the ends of a way."""
+        return self.scene.beside(q, load.opening, load.held) | self.scene.beside(goal, load.opening, load.held)
 
-    def check(self, q: np.ndarray, load: Load) -> None:
+    def _touches(self, q: np.ndarray, load: Load, beside: Collection[str] | None = None) -> Contact | None:
+        return self.scene.first_contact(q, load.opening, load.held, load.ignore, load.fingers_may_touch, beside)
+
+    def check(self, q: np.ndarray, load: Load, beside: Collection[str] | None = None) -> None:
         """Require that the arm touches nothing at joints ``q`` (n,).
+
+        Args:
+            beside: names of what it may be near to, away from all else; not given, it may be near to all.
 
         Raises:
             MotionFailed: it touches something; names it.
         """
-        contact = self._touches(q, load)
+        contact = self._touches(q, load, beside)
         if contact is not None:
             raise MotionFailed(f"{contact.moving} would touch {contact.other}")
 
