@@ -42,6 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seeds", type=int, default=5, help="runs of each task, with seeds from 0 on")
     parser.add_argument("--reading", action="store_true", help="count what is read and stated, and run nothing")
     parser.add_argument("--robot", help="which one (default: that of the scene)")
+    parser.add_argument("--longest", type=float, default=600.0, metavar="S", help="seconds of a run at most")
     parser.add_argument("--keep", type=Path, metavar="DIR", help="leave the run folders there; finished runs stay")
     parser.add_argument("--workers", type=int, default=cores(), help="processes")
 
@@ -52,6 +53,7 @@ def run(
     seeds: int = 5,
     reading: bool = False,
     robot: str | None = None,
+    longest: float = 600.0,
     keep: Path | None = None,
     workers: int = 1,
 ) -> dict[str, Any]:
@@ -63,6 +65,7 @@ def run(
         seeds: runs of each task.
         reading: run nothing.
         robot: by name.
+        longest: wall seconds of a run; one that takes longer has failed.
         keep: folder for the runs.
         workers: processes.
 
@@ -78,7 +81,7 @@ def run(
         if not one.read:
             logger.info("%s: %r: %s", task.suite, task.text, f"WRONG: {one.wrong}" if one.wrong else one.reason)
     counted = range(0 if reading else 1 if quick else seeds)
-    wholes = [whole for seed in counted for whole in _runs(told, seed, robot, keep, context)]
+    wholes = [whole for seed in counted for whole in _runs(told, seed, robot, keep, context, longest)]
     done = []
     for one in map_in_processes(ran, wholes, workers):
         done.append(one)
@@ -92,13 +95,15 @@ def chosen(suite: str, most: int | None) -> list[Task]:
     return found if most is None else [found[place * len(found) // most] for place in range(most)]
 
 
-def _runs(told: Told, seed: int, robot: str | None, keep: Path | None, context: StageContext) -> Iterable[Whole]:
+def _runs(
+    told: Told, seed: int, robot: str | None, keep: Path | None, context: StageContext, longest: float
+) -> Iterable[Whole]:
     """A run of every task that can be told: the state alone ends it, so that it goes on where the critic is wrong."""
     for task, one in told:
         if one.told_by is not None:
             stated = task.options(context.catalogue) if one.told_by == "goals" else {}
             sentence = Sentence(task.text, task.id)
-            yield Whole(sentence, seed, robot, keep, accept="state", on_failure="abort", **stated)
+            yield Whole(sentence, seed, robot, keep, accept="state", on_failure="abort", longest_s=longest, **stated)
 
 
 def outcome(one: Ran) -> str:

@@ -7,6 +7,7 @@ import logging
 import shutil
 import tempfile
 import time
+from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -15,6 +16,7 @@ from typing import Any, ClassVar, Literal
 from benchmarks._sentences.sources import Sentence, slug
 from vcage.base.errors import VcageError
 from vcage.base.files import RunFolder
+from vcage.base.time_limit import TimeLimitReached, time_limit
 from vcage.episodes.store import read_log
 from vcage.runs.context import StageContext
 from vcage.runs.running import run_stage
@@ -31,6 +33,9 @@ THROUGH = list(STAGES)[: list(STAGES).index("verify") + 1]
 
 BUG = 1
 """Exit code of a command that ends with an error of our own."""
+
+GIVEN_UP = 124
+"""Exit code of a run that took too long, as of the command ``timeout``."""
 
 
 class Tried(Record):
@@ -107,6 +112,7 @@ class Whole:
         fps: frames per second, one of those of ``collect``.
         randomise, layout, accept, on_failure: as of ``collect``.
         goals, starts: told in place of the sentence, as of ``select-place``.
+        longest_s: wall seconds after which it is given up; without it, never.
     """
 
     sentence: Sentence
@@ -120,6 +126,7 @@ class Whole:
     on_failure: OnFailure = ChainOptions.on_failure
     goals: tuple[str, ...] = ()
     starts: tuple[str, ...] = ()
+    longest_s: float | None = None
 
     @property
     def name(self) -> str:
@@ -169,7 +176,11 @@ def _context() -> StageContext:
 
 def _run(task: Whole, folder: Path) -> Ran:
     run, start = RunFolder(folder), time.perf_counter()
-    code, reason = _through_verify(task.options, run)
+    try:
+        with nullcontext() if task.longest_s is None else time_limit(task.longest_s):
+            code, reason = _through_verify(task.options, run)
+    except TimeLimitReached:
+        code, reason = GIVEN_UP, f"given up after {task.longest_s:.0f} s"
     seconds = round(time.perf_counter() - start, 2)
     told = {"sentence": task.sentence.text, "source": task.sentence.source, "seed": task.seed}
     return Ran(**told, exit_code=code, reason=reason, seconds=seconds, **_found(run))
