@@ -65,7 +65,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=f"episodes of the worker whose memory is measured; 0: none (default: {SIZES[2]}; quick: {QUICK[2]})",
         metavar="N",
     )
-
     parser.add_argument(
         "--settled", type=int, default=0, help="jobs of a campaign that is only read; 0: none", metavar="N"
     )

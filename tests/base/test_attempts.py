@@ -39,6 +39,14 @@ def test_giving_up_counts_every_reason_in_order():
     assert [str(refusal) for refusal in caught.value.refusals] == ["too wide", "too high", "too wide"]
 
 
+def test_refusals_in_the_same_words_end_a_search_that_asks_for_that():
+    asked = [*map(refuse, ("too wide", "too high", "too high")), lambda: 1.0]
+    assert first_accepted(asked).value == 1.0 and first_accepted(asked, same=3).value == 1.0
+    with pytest.raises(GaveUp) as error:
+        first_accepted(asked, same=2)
+    assert error.value.reasons == {"too wide": 1, "too high": 2}
+
+
 def test_other_exceptions_end_the_search():
     def broken() -> float:
         raise KeyError("a bug")

@@ -29,6 +29,7 @@ class AttemptLimits:
             relations is optimised: the optimisation moves objects past each other only if it must.
         shifts: small shifts of the run's layout, until all descriptions are true.
         slot_sets: sets of slots for a chain, where another layout would do as well.
+        same_slot_sets: sets refused one after the other in the same words, after which no more are tried.
         final_slot_sets: sets of slots for a chain, where there is no other layout.
         compared_slots: arrangements of a receptacle's contents; the one with the lowest drop is taken.
         table_slot_sets: sets of places on the table for a chain.
@@ -49,6 +50,7 @@ class AttemptLimits:
     compared_starts: int = 30
     shifts: int = 8
     slot_sets: int = 4
+    same_slot_sets: int = 3
     final_slot_sets: int = 20
     compared_slots: int = 8
     table_slot_sets: int = 8
@@ -116,16 +118,20 @@ class Accepted(Generic[T]):
 
 
 def first_accepted(
-    proposals: Iterable[Callable[[], T]], refused_by: type[Exception] | tuple[type[Exception], ...] = Refused
+    proposals: Iterable[Callable[[], T]],
+    refused_by: type[Exception] | tuple[type[Exception], ...] = Refused,
+    same: int | None = None,
 ) -> Accepted[T]:
     """Return the first proposal that is not refused.
 
     Args:
         proposals: in order; the same one again (:func:`itertools.repeat`) where it draws at random.
         refused_by: exceptions that refuse a proposal; any other ends the search.
+        same: refusals one after the other with the same words, measurements included, that end the search: proposals
+            make no difference then.
 
     Raises:
-        GaveUp: all were refused, or there were none.
+        GaveUp: all were refused, or so many in the same words, or there were none.
     """
     refusals: list[Exception] = []
     for propose in proposals:
@@ -133,6 +139,8 @@ def first_accepted(
             return Accepted(propose(), refusals)
         except refused_by as refusal:
             refusals.append(refusal)
+        if same is not None and len(refusals) >= same and len({str(one) for one in refusals[-same:]}) == 1:
+            break
     raise GaveUp(refusals)
 
 

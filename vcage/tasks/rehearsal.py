@@ -297,7 +297,7 @@ def proven(
         return rehearsed(chain, slots, objects, scene, rng), slots
 
     try:
-        return first_accepted(repeat(propose, draws), _NotWithTheseSlots).value
+        return first_accepted(repeat(propose, draws), _NotWithTheseSlots, LIMITS.same_slot_sets).value
     except GaveUp as error:
         raise error.refusals[-1] from None
 
