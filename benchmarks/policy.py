@@ -156,27 +156,23 @@ class _Bench:
         else:
             demonstrations = Demonstrations.read(exported(source), self.plan.episodes)
         stored = next((known for known in FORMATS if known == name), None)
-        weights = self.task.data / f"{name}-seed{seed}-{self._made_from(demonstrations, seed)}.pt"
+        noise = Noise(object_m=0.0 if stored is None else self.plan.object_noise_m)
+        training = Training(minutes=self.plan.minutes, seed=seed, noise=noise)
+        weights = self.task.data / f"{name}-seed{seed}-{_made_from(demonstrations, training)}.pt"
         if not weights.exists():
             logger.info("%s, seed %d: training for %g minutes", name, seed, self.plan.minutes)
-            policy = self._trained(source, demonstrations, stored, seed)
+            policy = self._trained(source, demonstrations, stored, training)
             with atomic_path(weights) as part:
                 policy.write(part)
         facts = self._evaluated(weights, name, seed, pictures=stored is not None)
         counts = {"episodes": len(demonstrations.ends), "frames": len(demonstrations.states)}
         return {"trained_on": name, "seed": seed, "minutes": self.plan.minutes, **counts, **facts}
 
-    def _made_from(self, demonstrations: Demonstrations, seed: int) -> str:
-        """A hash of all that weights depend on."""
-        made_from = hashlib.sha256(repr((self.plan.minutes, self.plan.object_noise_m, seed)).encode())
-        for numbers in (demonstrations.states, demonstrations.objects, demonstrations.actions, demonstrations.steps):
-            made_from.update(np.ascontiguousarray(numbers).data)
-        return made_from.hexdigest()[:12]
-
-    def _trained(self, source: RunFolder, demonstrations: Demonstrations, stored: Format | None, seed: int) -> Policy:
+    def _trained(
+        self, source: RunFolder, demonstrations: Demonstrations, stored: Format | None, training: Training
+    ) -> Policy:
         meaning = meaning_of(source, demonstrations, self.task.robot, turned=stored is None)
-        noise = Noise(object_m=0.0 if stored is None else self.plan.object_noise_m)
-        policy = trained(demonstrations, meaning, Training(minutes=self.plan.minutes, seed=seed, noise=noise))
+        policy = trained(demonstrations, meaning, training)
         if stored is not None:
             if stored == "compressed":
                 self.task.compressed(source)
@@ -185,7 +181,7 @@ class _Bench:
             hands = meaning.hands().poses(demonstrations.states)
             places = meaning.seen_objects().poses(demonstrations.objects).position
             policy.localiser = trained_localiser(
-                seen, hands, places, views, LocaliserTraining(self.plan.minutes, seed=seed)
+                seen, hands, places, views, LocaliserTraining(training.minutes, seed=training.seed)
             )
         return policy
 
@@ -221,3 +217,11 @@ def served(weights: Path) -> Iterator[str]:
             yield address
         finally:
             server.terminate()
+
+
+def _made_from(demonstrations: Demonstrations, training: Training) -> str:
+    """A hash of all that weights depend on."""
+    made_from = hashlib.sha256(repr(training).encode())
+    for numbers in (demonstrations.states, demonstrations.objects, demonstrations.actions, demonstrations.steps):
+        made_from.update(np.ascontiguousarray(numbers).data)
+    return made_from.hexdigest()[:12]

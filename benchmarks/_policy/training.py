@@ -65,6 +65,9 @@ class Training:
         seed: of weights, noise and order.
         noise: on the hands.
         size: of the network.
+        presses: opening by which a gripper stays above its target where it presses on something, 0 closed to 1 open.
+        press_frames: frames in which a gripper without anything between its fingers reaches its target.
+        progress_share: time to learn which sub-tasks are done, as a share of that of the policy.
     """
 
     minutes: float = 10.0
@@ -74,16 +77,9 @@ class Training:
     seed: int = 0
     noise: Noise = field(default_factory=Noise)
     size: Size = field(default_factory=Size)
-
-
-PRESSES = 0.05
-"""Opening by which a gripper stays above its target where it presses on something."""
-
-PRESS_FRAMES = 5
-"""Frames in which a gripper without anything between its fingers reaches its target."""
-
-PROGRESS_SHARE = 0.1
-"""Time to learn which sub-tasks are done, as a share of that of the policy."""
+    presses: float = 0.05
+    press_frames: int = 5
+    progress_share: float = 0.1
 
 
 class Batches:
@@ -104,8 +100,8 @@ class Batches:
         self._objects = meaning.seen_objects().poses(demonstrations.objects)
         self._next = torch.from_numpy(demonstrations.next_frames(training.size.chunk))
         self._sequence = meaning.sequence()
-        later = torch.from_numpy(demonstrations.next_frames(PRESS_FRAMES + 1)[:, -1])
-        presses = self._future.opening < self._hands.opening[later] - PRESSES
+        later = torch.from_numpy(demonstrations.next_frames(training.press_frames + 1)[:, -1])
+        presses = self._future.opening < self._hands.opening[later] - training.presses
         back = np.arange(len(self)) > demonstrations.releases(presses.any(dim=1).numpy())
         self._next_step = torch.from_numpy(demonstrations.steps + back)
         self.progress: Progress | None = None
@@ -158,6 +154,6 @@ def _progress(batches: Batches, training: Training) -> Progress:
         told, done = batches.relations(torch.randint(len(batches), (training.batch,)))
         return binary_cross_entropy_with_logits(progress(told), done)
 
-    minutes = PROGRESS_SHARE * training.minutes
+    minutes = training.progress_share * training.minutes
     fit(progress, loss, name="progress", minutes=minutes, rate=training.rate, decay=training.decay)
     return progress

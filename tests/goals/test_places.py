@@ -26,7 +26,8 @@ def complaint(goal: Goal, start: dict[str, Pose], now: dict[str, Pose]) -> str |
 
 
 @pytest.mark.parametrize(
-    ("x", "to", "away"), [(0.1, 0.22, True), (-0.1, -0.22, True), (0.1, 0.15, False), (0.1, -0.3, False)]
+    ("x", "to", "away"),
+    [(0.1, 0.22, True), (-0.1, -0.22, True), (0.1, 0.15, False), (0.1, -0.3, False), (0, 0.2, True)],
 )
 def test_moved_away_is_outwards_on_its_own_side(x: float, to: float, away: bool):
     goal = Goal(subject="card", relation="moved_away")

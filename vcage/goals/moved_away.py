@@ -9,8 +9,11 @@ from vcage.goals.thresholds import THRESHOLDS, Thresholds
 
 
 def outwards(started: np.ndarray, now: np.ndarray) -> float:
-    """How far a thing at (3,) has come away from the table's middle, to the side where it started (3,), metres."""
-    return float(np.sign(started[0]) * (now[0] - started[0]))
+    """How far a thing at (3,) has come away from the table's middle, to the side where it started (3,), metres.
+
+    In the middle itself it counts as one on the right.
+    """
+    return float(now[0] - started[0]) if started[0] >= 0 else float(started[0] - now[0])
 
 
 def _meaning(limits: Thresholds) -> str:
