@@ -33,6 +33,17 @@ def test_a_colour_foreign_to_a_kind_is_refused_with_the_known_ones() -> None:
     assert "apple comes in red, green only" in refused.value.hint
 
 
+def test_a_part_that_its_owner_lacks_is_refused_with_those_it_has() -> None:
+    with pytest.raises(NoAssetFits, match="middle drawer") as refused:
+        selected("Open the middle drawer of the two-drawer cabinet")
+    assert refused.value.hint == "the two-drawer cabinet has the bottom drawer, the top drawer"
+
+
+def test_the_colour_of_the_owner_of_a_part_is_read() -> None:
+    (caddy,) = selected("Put the stamp in the left compartment of the white caddy").objects[1:2]
+    assert (caddy.asset, caddy.variant) == ("desk_caddy", "white")
+
+
 def test_a_box_for_shoes_is_no_shoe() -> None:
     assert chosen("Put the shoe in the basket", "content") == ["shoe"]
 

@@ -175,8 +175,10 @@ def noun_of(found: Sequence[Token], text: str, at: int) -> Noun:
     if not types.isdisjoint(("ONE", "REST")) or set(words) <= colours:
         noun = _named(noun, words, [], {**SIDES, **WHICH_PART}, sides)
         return replace(noun, words=noun.words or ("thing",) * ("EVERYTHING" in types))
-    name = [*map(lemma, _words(found, "OF")), words[-1]]
-    noun = _named(noun, words[:-1], name, _telling_apart(words[-1]), sides)
+    owner = list(map(lemma, _words(found, "OF")))
+    before, own = words[:-1], [word for word in owner if words[-1] in PART_WORDS and word in COLOURS]
+    name = [*(word for word in owner if word not in own), words[-1]]
+    noun = _named(noun, [*own, *before], name, _telling_apart(words[-1]), sides)
     thirds = [SIDES[word] for word in _words(found, "AT_TABLE") if word in SIDES]
     on_table = tuple((third, Noun(words=("table",), text=text, at=at)) for third in thirds)
     return replace(noun, relations=on_table)

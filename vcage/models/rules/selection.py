@@ -7,6 +7,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from vcage.base.errors import NoAssetFits
+from vcage.base.text import listed
 from vcage.base.words import tokens
 from vcage.models.occasion import Occasion, one_of_each
 from vcage.models.quantifiers import quantified
@@ -20,7 +22,7 @@ from vcage.objects.bystanders import bystanders
 from vcage.objects.names import HEAD, colour_level
 from vcage.objects.painting import with_look
 from vcage.schema.asset import CatalogueEntry, Variant
-from vcage.schema.goals import Reading, part_that
+from vcage.schema.goals import Reading, part_that, part_words
 from vcage.schema.plan import SelectedAsset, Selection
 from vcage.schema.scene import Role
 
@@ -198,12 +200,27 @@ class _Selector:
         kinds = noun.named(self.entries)
         able = [entry for entry, _ in self._kinds(noun) if good(entry)] or [self.entries[name] for name in kinds]
         if not able:
+            self._require_part(noun)
             bare = [entry for entry, _ in self._kinds(replace(noun, colour=None))]
             raise no_asset(noun.text, bare, list(self.entries.values()), best_search())
         able = [entry for entry in able if not self._answers_another(noun, entry)] or able
         able = self._occasion().suiting(able, place, noun.several, least=min(2, count or 2))
         able = [able[i] for i in self.rng.permutation(len(able))] if noun.several else able[:1]
         return [(entry, kinds[entry.name]) for entry in able]
+
+    def _require_part(self, noun: Noun) -> None:
+        """Require that the owner of a part, where it names a kind, has that part.
+
+        Raises:
+            NoAssetFits: it has none of that name; the hint lists those it has.
+        """
+        owners = [] if noun.owner is noun else [e for e in self.entries.values() if noun.owner.fit(e)[0] >= HEAD]
+        if owners and not any(noun.names_part(part) for entry in owners for part in entry.parts):
+            parts = {e.words.name: listed([f"the {part_words(p)}" for p in e.parts]) or "no parts" for e in owners}
+            has = "; ".join(f"the {name} has {parts}" for name, parts in list(parts.items())[:3])
+            raise NoAssetFits(
+                f"there is no {noun.text.removeprefix('the ')!r}", hint=has, details={"unmatched": [noun.text]}
+            )
 
     def _answers_another(self, noun: Noun, entry: CatalogueEntry) -> bool:
         """True for a kind that people call by another noun too: a paper clip box is stationery, and "the box"."""
