@@ -238,7 +238,7 @@ def test_a_pixel_format_with_less_colour_must_save_a_twentieth_of_the_bytes(monk
     assert (result.pixel_format, result.crf) == (taken, 15)
 
 
-def test_after_the_first_trial_only_the_worst_frames_are_encoded(monkeypatch):
+def test_many_frames_are_first_encoded_alone_and_then_the_worst_in_their_groups(monkeypatch):
     keyframes = list(range(0, 60, 6))
 
     def loss_of(_name: str, crf: int, frame: int) -> float:
@@ -247,7 +247,9 @@ def test_after_the_first_trial_only_the_worst_frames_are_encoded(monkeypatch):
     metric = Losses(monkeypatch, loss_of)
     result = search(LONG, metric, keyframes=keyframes, choices=Choices(pixel_formats=(BEST,)))
     first, *others, whole = [frames for *_, frames in metric.encoded]
-    assert whole == len(LONG) and others and max(others) < first < whole
+    assert (first, whole) == (len(keyframes), len(LONG))
+    assert others and max(others) <= 7 + 9 + 5  # up to the last of 36, 42, 48 and 54 in each group
+    assert [trial.gop for trial in result.trials] == [1, *(10 for _ in (*others, whole))]
     assert result.loss_max < 0.1 <= loss_of(BEST, result.crf + 1, keyframes[-1])
 
 

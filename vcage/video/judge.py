@@ -6,7 +6,7 @@ import hashlib
 import math
 from bisect import bisect_left
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,11 +14,30 @@ from numpy.typing import NDArray
 from vcage.base.errors import DamagedFile
 from vcage.base.videos import decode, decode_whole
 from vcage.schema.compression import Evaluation
-from vcage.video.bisection import highest_passing
+from vcage.video.bisection import highest_passing, steps_to
 from vcage.video.choices import Criterion
 from vcage.video.codec import EncoderSettings, encode
 from vcage.video.encoders import Codec
 from vcage.video.jod import JodMetric
+
+
+@dataclass(frozen=True)
+class RankingSettings:
+    """Frames encoded alone, to see which lose most before any group of pictures is encoded.
+
+    Measured on nine clips of 178 frames at CRF 16, HEVC: the worst of 19 keyframes is among the four that lose most
+    alone in seven clips, and loses 1 and 14 % more than these in two; then the whole video decides.
+
+    Args:
+        share: loss of the worst frame alone, of that in its group: the median; all are between 0.52 and 0.62.
+        cost: time to encode a frame alone, in those of a frame of a group.
+    """
+
+    share: float = 0.58
+    cost: float = 2.2
+
+
+RANKING = RankingSettings()
 
 
 @dataclass
@@ -137,7 +156,8 @@ class Judge:
     ) -> tuple[int | None, list[int]]:
         """Return the highest CRF at which some frames pass, None where they pass at none; and those that decide.
 
-        The first trial shows which of them decide (:meth:`Criterion.deciding`); the others score these alone.
+        Many frames are first encoded alone (:meth:`_ranked`). The first trial of a few shows which of them decide
+        (:meth:`Criterion.deciding`); the others score these alone.
 
         Args:
             settings: the encoder's.
@@ -146,7 +166,7 @@ class Judge:
             first: the first to try.
             gops: see :meth:`part`.
         """
-        deciding = list(scored)
+        deciding, first = self._ranked(settings, scored, first, gops)
 
         def loss_at(crf: int) -> float:
             nonlocal deciding
@@ -155,6 +175,23 @@ class Judge:
             return self.criterion.loss(losses)
 
         return highest_passing(loss_at, self.criterion.threshold, upper, first, settings.facts.min_crf), deciding
+
+    def _ranked(
+        self, settings: EncoderSettings, scored: Sequence[int], first: int, gops: Sequence[int]
+    ) -> tuple[list[int], int]:
+        """Return the frames to try, and the first CRF: by the losses of the frames alone where that takes less time.
+
+        Args: as of :meth:`highest`.
+        """
+        few = self.criterion.deciding(scored, np.zeros(len(scored)))
+        length = len(self.part(settings, scored, gops).frames)
+        if len(few) == len(scored) or not settings.facts.causal or RANKING.cost * len(scored) >= length:
+            return list(scored), first
+        alone = replace(settings, gop=1)
+        losses = self.tried(alone, first, self.part(alone, scored), scored)
+        in_groups = self.criterion.loss(losses) / RANKING.share
+        guess = first + math.floor(steps_to(self.criterion.threshold, in_groups))
+        return self.criterion.deciding(scored, losses), guess
 
     def part(self, settings: EncoderSettings, scored: Sequence[int], gops: Sequence[int] = ()) -> Excerpt:
         """Return the excerpt to encode for a score.

@@ -1,8 +1,8 @@
 """The cheapest encoding of a clip whose loss stays under a threshold (paper, section III-D, "Perception-Driven CRF").
 
 Each trial encodes with the settings of production, decodes as a reader would, and scores decoded keyframes against the
-originals; it encodes no more than these take (:mod:`vcage.video.judge`). The paper searches the CRF alone; here
-the pixel format and the GOP are part of it.
+originals; it encodes no more than these take (:mod:`vcage.video.judge`). Many keyframes are encoded alone before, which
+only shows where to begin. The paper searches the CRF alone; here the pixel format and the GOP are part of it.
 
 The whole clip is then encoded once, and again only where it fails. The guard scores frames of the whole video that no
 search has seen. Those that fail are scored from then on: a search on the failing frames alone finds a lower CRF at
