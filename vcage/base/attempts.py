@@ -36,6 +36,7 @@ class AttemptLimits:
         spare_slots: further slots for an object that cannot be brought to its own.
         table_places: places on the table, until an arm can bring the object to one.
         zone_draws: poses in each zone of the table.
+        unclear_ways: ways to operate a part at which the hand touches it, until no others are looked for.
         ways_past_arms: ways to a slot past an arm that holds something up: to look for one in vain takes long.
         home_halvings: times that an arm's start beside home is moved nearer to it while it touches something; at last
             the arm is at home.
@@ -57,6 +58,7 @@ class AttemptLimits:
     spare_slots: int = 6
     table_places: int = 12
     zone_draws: int = 6
+    unclear_ways: int = 4
     ways_past_arms: int = 4
     home_halvings: int = 4
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from vcage.base.attempts import LIMITS
 from vcage.goals.thresholds import THRESHOLDS
 from vcage.schema.asset import ContactPoint
 from vcage.sim.arms import ArmControl
@@ -104,7 +105,7 @@ class Operation:
                 reasons.append(plan)
                 continue
             (clear if plan.clear else others).append(plan)
-            if len(clear) > failed:
+            if len(clear) > failed or len(others) >= LIMITS.unclear_ways + failed:
                 break
         plans = clear + others
         if not plans:
