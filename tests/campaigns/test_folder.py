@@ -65,3 +65,10 @@ def test_a_retry_forgets_tries_that_a_killed_process_left_beside_the_record(tmp_
     behave(tmp_path)
     record = run_stubbed(folder.root, job).record
     assert record is not None and (record.state, record.tries) == ("done", 1)
+
+
+def test_what_a_process_left_that_was_killed_while_it_wrote_the_plan_is_removed(tmp_path: Path):
+    folder = begun(tmp_path)
+    (left := folder.root / "plan.partial-99999999.yml").write_text("name: half")
+    folder.begin(folder.plan)
+    assert not left.exists() and folder.plan_file.exists()

@@ -15,7 +15,8 @@ from vcage.base.errors import DamagedFile, DiskFull, FolderInUse, InputFileError
 from vcage.base.files import RunFolder, write_json, write_text
 from vcage.base.folders import entries, is_hidden, listing, real_path
 from vcage.base.hold import IN_USE, alone, holder_of, one_at_a_time
-from vcage.base.leftovers import PARTIAL, recover
+from vcage.base.leftovers import PARTIAL, recover, sweep_folder
+from vcage.campaigns.looks import FOLDER as LOOKS
 from vcage.campaigns.looks import keep_looks, keys_of, with_own_looks
 from vcage.campaigns.plan import Job, Plan
 from vcage.campaigns.record import JobError, JobRecord, Tries, read_record, read_tries, warn_if_damaged
@@ -72,6 +73,7 @@ class CampaignFolder:
         RunFolder(self.root).make()
         with one_at_a_time(self.plan_file):
             self.require_fit(plan)
+            sweep_folder(self.root, (self.plan_file.stem, LOOKS))  # of a process that was killed here
             keys = {"schema": Plan.SCHEMA} | keys_of(with_own_looks(plan, self.root), self.root)
             text = yaml.safe_dump(keys, sort_keys=False, allow_unicode=True, width=120)
             if not self.plan_file.exists() or self.plan_file.read_text(encoding="utf-8") != text:
