@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ from tests.articulated import (
     standing,
 )
 from tests.example_scenes import TABLE_TOP, robot, template, thing
+from vcage.base.attempts import LIMITS
 from vcage.base.errors import UnknownName
 from vcage.base.geometry import Pose
 from vcage.objects.asset import Asset
@@ -28,6 +30,7 @@ from vcage.sim.recording import StateLog
 from vcage.sim.world import World
 from vcage.tasks.assemble import episode_data
 from vcage.tasks.choices import Failed, Retry
+from vcage.tasks.primitives.operate import OperatePlan, Operation
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.task import Task, TaskFailed
 
@@ -129,6 +132,18 @@ def test_an_episode_keeps_the_joints_of_the_operated_object(task_with):
     data = episode_data(log, [], {}, {"instruction": "ring", "seed": 0})
     assert data.object_joints["button"].shape == (len(log), 1)
     assert data.object_joints["button"].max() > 0.007
+
+
+def test_no_more_than_a_few_ways_at_which_the_hand_touches_the_handle_are_planned(task_with, monkeypatch):
+    planned, plan = list[OperatePlan](), Operation._plan
+
+    def touching(*args: object) -> OperatePlan:
+        planned.append(replace(plan(*args), clear=False))  # pyrefly: ignore[bad-argument-type]
+        return planned[-1]
+
+    monkeypatch.setattr(Operation, "_plan", touching)
+    task_with("cabinet").operate("cabinet", 0, TRAVEL)
+    assert len(planned) == LIMITS.unclear_ways
 
 
 def test_the_requested_arm_is_used(task_with):
