@@ -187,8 +187,7 @@ class CollisionScene:
         """
         moving, ranks = self._moving(q, opening, held)
         skip = {*ignore, *held.parts} if held else set(ignore)
-        near = self._obstacles.names if beside is None else beside
-        return self._with_obstacles(moving, ranks, skip, fingers_may_touch, near) or self._with_itself(moving, ranks)
+        return self._with_obstacles(moving, ranks, skip, fingers_may_touch, beside) or self._with_itself(moving, ranks)
 
     def beside(self, q: np.ndarray, opening: float = 1.0, held: Held | None = None) -> frozenset[str]:
         """Names of the obstacles nearer than :data:`CLEARANCE_M` to the arm or what it holds.
@@ -228,7 +227,7 @@ class CollisionScene:
         ranks: np.ndarray,
         skip: Collection[str],
         fingers_may_touch: Collection[str],
-        beside: Collection[str],
+        beside: Collection[str] | None,
     ) -> Contact | None:
         fingers = self.kinematics.finger_links
         near = _spheres_meet(moving, self._obstacles) & (ranks > 0)[:, None]  # the base never moves
@@ -236,7 +235,8 @@ class CollisionScene:
             name = self._obstacles.names[j]
             if name in fingers_may_touch and moving.names[i] in fingers:
                 continue
-            meets = near_to if self._of_arms[j] or name not in beside else overlap
+            kept_off = self._of_arms[j] or (beside is not None and name not in beside)
+            meets = near_to if kept_off else overlap
             if name not in skip and meets(moving.object(i), self._obstacles.object(j)):
                 return Contact(moving.names[i], name)
         return None

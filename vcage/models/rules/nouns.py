@@ -171,17 +171,21 @@ def noun_of(found: Sequence[Token], text: str, at: int) -> Noun:
     noun = Noun(quantifier=quantifier, count=count, plural=plural, text=text, at=at)
     words, sides = list(map(lemma, _words(found, "WORD"))), _words(found, "AT")
     words = [word for word in words if word != "empty"]  # nothing lies in what is not said to hold it
-    colours = COLOURS if "EVERYTHING" in types else COLOURS - {"orange"}
-    if not types.isdisjoint(("ONE", "REST")) or set(words) <= colours:
+    known = COLOURS if "EVERYTHING" in types else COLOURS - {"orange"}
+    if not types.isdisjoint(("ONE", "REST")) or set(words) <= known:
         noun = _named(noun, words, [], {**SIDES, **WHICH_PART}, sides)
         return replace(noun, words=noun.words or ("thing",) * ("EVERYTHING" in types))
-    owner = list(map(lemma, _words(found, "OF")))
-    before, own = words[:-1], [word for word in owner if words[-1] in PART_WORDS and word in COLOURS]
-    name = [*(word for word in owner if word not in own), words[-1]]
-    noun = _named(noun, [*own, *before], name, _telling_apart(words[-1]), sides)
+    colours, name = _owner(list(map(lemma, _words(found, "OF"))), words[-1])
+    noun = _named(noun, [*colours, *words[:-1]], [*name, words[-1]], _telling_apart(words[-1]), sides)
     thirds = [SIDES[word] for word in _words(found, "AT_TABLE") if word in SIDES]
     on_table = tuple((third, Noun(words=("table",), text=text, at=at)) for third in thirds)
     return replace(noun, relations=on_table)
+
+
+def _owner(words: Sequence[str], head: str) -> tuple[list[str], list[str]]:
+    """The words after "of": the colours of the owner of a part, and the others; of no part, all belong to the name."""
+    own = [word for word in words if head in PART_WORDS and word in COLOURS]
+    return own, [word for word in words if word not in own]
 
 
 def _telling_apart(head: str) -> Mapping[str, str]:
