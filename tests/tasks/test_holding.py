@@ -14,7 +14,7 @@ from vcage.schema.subtasks import Subtask
 from vcage.sim.kinematics import kinematics_of
 from vcage.sim.motion import MotionFailed
 from vcage.sim.world import World
-from vcage.tasks.both_hands import hands_of_two, places_for_two
+from vcage.tasks.holds_with_both import holds_with_both, places_for_both
 from vcage.tasks.rehearsal import proven
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import compose, find_subtasks, judging
@@ -90,7 +90,7 @@ def test_both_arms_lift_one_thing_at_the_same_time():
 
 
 def test_both_arms_take_hold_at_even_distances_from_the_middle():
-    pairs = places_for_two(POT, next(iter(robot().arms.values())).gripper)
+    pairs = places_for_both(POT, next(iter(robot().arms.values())).gripper)
     a, b = (np.array(place.position) for place in pairs[0])
     assert np.allclose((a + b)[:2] / 2, 0, atol=0.01)
 
@@ -98,7 +98,7 @@ def test_both_arms_take_hold_at_even_distances_from_the_middle():
 def test_two_hands_have_no_room_on_a_small_thing():
     arms = {name: kinematics_of(arm) for name, arm in robot().arms.items()}
     with pytest.raises(MotionFailed, match="two hands have no room on"):
-        next(hands_of_two(BLOCK, arms))
+        next(holds_with_both(BLOCK, arms))
 
 
 def test_both_arms_out_of_reach_are_refused_with_the_reason():

@@ -24,7 +24,7 @@ from vcage.tasks.asked_arms import asked_arms, bound_to
 from vcage.tasks.chain_slots import slots_for_chain
 from vcage.tasks.choosing import as_chosen
 from vcage.tasks.grasps import command_of
-from vcage.tasks.primitives.lift_together import plan_together
+from vcage.tasks.primitives.hold_with_both import plan_with_both
 from vcage.tasks.primitives.place import Surroundings
 from vcage.tasks.primitives.shake import plan_shake
 from vcage.tasks.scene_objects import SceneObject
@@ -92,7 +92,7 @@ class Rehearsal(Task):
 
     def hold_with_both(self, object_id: str) -> None:
         """Plan it; no arm is left to do anything else."""
-        plan_together(self._cell, self._cell.object(object_id))
+        plan_with_both(self._cell, self._cell.object(object_id))
 
     def shake(self) -> None:
         """Plan it; the object is where it was."""

@@ -18,7 +18,7 @@ from vcage.sim.state import WorldState
 from vcage.sim.world import PHYSICS_HZ, World
 from vcage.tasks.choices import Choices, Retry
 from vcage.tasks.primitives.grip import Grip, feel, minding
-from vcage.tasks.primitives.lift_together import carry_out_together, plan_together
+from vcage.tasks.primitives.hold_with_both import carry_out_with_both, plan_with_both
 from vcage.tasks.primitives.pick import carry_out_pick
 from vcage.tasks.primitives.place import SETTINGS, Surroundings, carry_out_place, plan_place
 from vcage.tasks.primitives.push import carry_out_push
@@ -158,8 +158,8 @@ class Task(Choices):
             TaskFailed: no way can be planned, or a hand does not get hold of it or loses it.
             UnknownName: there is no such object.
         """
-        plan = plan_together(self._cell, self._cell.object(object_id), skip=len(self._retry.failed))
-        self.moment = carry_out_together(self._cell, plan)
+        plan = plan_with_both(self._cell, self._cell.object(object_id), skip=len(self._retry.failed))
+        self.moment = carry_out_with_both(self._cell, plan)
 
     def shake(self) -> None:
         """Lift the picked object, and tilt it to and fro in the air.

@@ -163,6 +163,12 @@ def test_several_objects_stacked_on_a_place_stand_on_each_other() -> None:
         ),
         ("Lift the cup with both hands", ["1: cup_white held_by_both"]),
         ("Use both arms to grab the cup", ["1: cup_white held_by_both"]),
+        ("Hold the cup up in the air using your two hands", ["1: cup_white held_by_both"]),
+        ("With both of your arms, pick up the cup", ["1: cup_white held_by_both"]),
+        (
+            "Put the red block on the plate, then lift the cup with two hands",
+            ["1: block_red on plate_white", "2: cup_white held_by_both"],
+        ),
         ("Turn the red block to face the robot", ["1: block_red facing_robot"]),
         (
             "Put the red block on the plate and make sure it faces the robot",
@@ -182,8 +188,11 @@ def test_verbs_of_the_air_and_of_the_sides_are_read(sentence: str, goals: list[s
     ("sentence", "why"),
     [
         ("Put the red block on the plate with both arms", "two arms at once cannot be promised"),
-        ("Lift the plate with both arms, then put it on the table", "two arms at once cannot be promised"),
-        ("Lift the plate and the red block with both arms", "two arms at once cannot be promised"),
+        ("Put the red block in both hands", "two arms at once cannot be promised"),
+        ("Put the red block in each hand", "two arms at once cannot be promised"),
+        ("Simultaneously put the red block and the cup on the plate", "two arms at once cannot be promised"),
+        ("Lift the plate with both arms, then put it on the table", "stays in it to the end"),
+        ("Lift the plate and the red block with both arms", "of two things say: one in each hand"),
         ("Hold up the red block, the blue block and the cup, one in each hand", "name two things"),
         ("Hold the cup, then put it on the plate", "stays in it to the end"),
         ("Use one arm to hold the cup and the other arm to put the cup on the plate", "stays in it to the end"),

@@ -21,11 +21,11 @@ ACTS = {"open": "open", "close": "open", "turn": "turn", "turn_off": "turn", "pr
 _DONE = {"open": "open", "close": "closed", "turn": "turned", "turn_off": "turned_back", "press": "pressed"}
 _EVENTS = {
     "scan": "scanned", "weigh": "weighed", "show": "presented", "lift": "lifted", "shake": "shaken", "hold": "held_up",
-    "in_hands": "held_up", "together": "held_by_both", "away": "moved_away", "face": "facing_robot",
+    "in_hands": "held_up", "hold_with_both": "held_by_both", "away": "moved_away", "face": "facing_robot",
 }  # fmt: skip
 _OTHER = {"left": "right", "right": "left", ONE_ARM: "right"}
 """The other arm; of an arm that is left open, the right one."""
-_IN_A_HAND = ("lift", "shake", "hold", "in_hands", "together", "away", "face")
+_IN_A_HAND = ("lift", "shake", "hold", "in_hands", "hold_with_both", "away", "face")
 """Commands about a thing that a hand carries."""
 _BRINGING = ("put", "hand", "tower", "show")
 """Commands that take a thing somewhere, which is lifted for it."""
@@ -279,12 +279,12 @@ class Goals:
     def _in_hands(self, command: Command) -> None:
         if len(self._named(command)) != 2:
             raise Doubt(command.words, "each of two arms holds one thing: name two things")
-        self._event(command)
+        self._hold(command)
 
-    def _together(self, command: Command) -> None:
+    def _hold_with_both(self, command: Command) -> None:
         if len(self._named(command)) != 1:
             raise Doubt(command.words, "both arms hold one thing together; of two things say: one in each hand")
-        self._event(command)
+        self._hold(command)
 
     def _swap(self, command: Command) -> None:
         names = self._named(command)

@@ -19,8 +19,6 @@ from vcage.base.words import COLOURS, FUNCTION_WORDS, is_plural, tokens
 from vcage.models.rules.nouns import Noun, noun_of
 
 REFUSED = {
-    r"simultaneously|at the same time|(both|two|separate|each|another) (arms?|hands?)":
-        "two arms at once cannot be promised; say which arm does what, left or right, or leave the arms out",
     r"pour|wipe|hang|hit|beat|strike|(stand |set |turn )?(it |them )?upright|head-up|horizontally":
         "no goal says that a thing is poured, wiped, hung up or hit, or which way up it is",
     r"sorry|i mean|or rather|no wait": "a correction is not read; say only what is meant",
@@ -30,12 +28,12 @@ REFUSED = {
 }  # fmt: skip
 """Words that no goal of the vocabulary can keep, and why."""
 
-_IN_EACH_HAND = re.compile(r"(?!.*\bthen\b)[^.;]*\b(in|with) each (arm|hand)[ .]*")
-_WITH_BOTH = re.compile(
-    r"(?!.*\b(then|and)\b)(?=.*\b(lift|raise|hold|keep|pick|take|grab|grasp)\b)"
-    r"[^,.;]*\b(with|in|using|use) both (arms|hands)\b[^,.;]*[ .]*"
+_TWO_ARMS = re.compile(
+    r"\b(simultaneously|at the same time"
+    r"|(both|two|separate|each|another)( (of|the|your|available|free|separate))* (arm|hand|gripper)s?)\b"
 )
-"""Sentences that two arms can keep: both hold something at the end, one thing each or one together."""
+_ONE_BY_ONE = "two arms at once cannot be promised; say which arm does what, left or right, or leave the arms out"
+"""Why two arms are not read where they do anything but hold something up."""
 
 _POLITE = re.compile(
     r"\b(please|pls|kindly|carefully|gently|again|thanks|thank you|cheers|ta|for me|as well|now|just|hey|(?<!the )robot"
@@ -83,7 +81,7 @@ class Command:
 
     Args:
         verb: a rule of the grammar: put, pick, open, close, turn, turn_off, press, weigh, scan, show, hand, lift,
-            shake, hold, in_hands, together, away, face, stack, tower, row, swap.
+            shake, hold, in_hands, hold_with_both, away, face, stack, tower, row, swap.
         things: its objects; none where a row is of other things than those that are named.
         how: in, on, left_of, right_of, in_front_of, behind, beside, near, centred or to; for ``hand`` who gets it.
         place: where things go, or the tool.
@@ -121,6 +119,8 @@ def parse(instruction: str) -> list[tuple[Command, ...]]:
     try:
         tree = _grammar().parse(text)
     except UnexpectedInput as error:
+        if found := _TWO_ARMS.search(text):
+            raise not_read(typed, found[0], _ONE_BY_ONE) from None
         at = len(text) if error.pos_in_stream in (None, -1) else int(error.pos_in_stream)
         raise not_read(typed, _misfit(typed, text, at), "it does not fit any form of sentence that is read") from None
     if _readings(tree) > LIMITS.readings:
@@ -154,12 +154,8 @@ def _normal(typed: str) -> str:
     if not 0 < count <= LIMITS.words:
         raise not_read(typed, typed[:60], f"it has {count} words; 1 to {LIMITS.words} are read")
     text = re.sub(r"(?<=\w)[_/](?=\w)|[\"“”]", " ", typed.replace("’", "'")).lower()
-    if _IN_EACH_HAND.fullmatch(text):
-        text = re.sub(r"^(simultaneously|at the same time,?)\b", lambda found: " " * len(found[0]), text)
     for words, why in REFUSED.items():
-        found = re.search(rf"\b({words})\b", text)
-        kept = found and {"each": _IN_EACH_HAND, "both": _WITH_BOTH}.get(found[0].split()[0])
-        if found and not (kept and kept.fullmatch(text)):
+        if found := re.search(rf"\b({words})\b", text):
             raise not_read(typed, found[0], why)
     text = re.sub(r" - ", " ; ", _ASKS_TO_DO.sub(r"\1 ", text).replace("!", ".").replace(":", ";"))
     for blank in (_POLITE, _ENDS):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from vcage.schema.goals import Goal
 from vcage.schema.subtasks import Check, Grasp, Refusal, Subtask, TemplateName
 from vcage.sim.motion import MotionFailed
-from vcage.tasks.both_hands import Hands, hands_of_two
+from vcage.tasks.holds_with_both import Hands, holds_with_both
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.stowing import reached
 from vcage.tasks.templates.proposal import Proposal, carried
@@ -24,9 +24,9 @@ class HoldWithBoth:
 
     def proposals(
         self, objects: Sequence[SceneObject], asked: Collection[Goal]
-    ) -> tuple[list[HoldingTogether], list[Refusal]]:
+    ) -> tuple[list[HoldingWithBoth], list[Refusal]]:
         """Each object that both arms are to hold, and those that cannot be carried."""
-        return carried(HoldingTogether, NAME, "held_by_both", objects, asked)
+        return carried(HoldingWithBoth, NAME, "held_by_both", objects, asked)
 
     def calls(self, subtask: Subtask) -> list[str]:
         """The lines of the script's ``play``."""
@@ -34,7 +34,7 @@ class HoldWithBoth:
 
 
 @dataclass(frozen=True)
-class HoldingTogether(Proposal):
+class HoldingWithBoth(Proposal):
     """An object for both arms to hold in the air."""
 
     def examine(self, workplace: Workplace) -> tuple[Subtask | None, list[Refusal]]:
@@ -45,7 +45,7 @@ class HoldingTogether(Proposal):
         there = reached(self.thing, workplace.others(self.thing.id))
         others = [o for o in there.others if o.record.container != self.thing.id]
         try:
-            hands = next(hands_of_two(there.thing, workplace.kinematics, others))
+            hands = next(holds_with_both(there.thing, workplace.kinematics, others))
         except MotionFailed as error:
             return None, [self.refusal(error.message)]
         slots = {"grasps": self._grasps(hands), "checks": self._checks(hands), "requires": there.requires}

@@ -69,7 +69,7 @@ def test_what_was_lifted_is_seen_in_the_air_and_not_below(vacated: float, seen: 
 def test_what_both_arms_lift_must_be_seen_more_plainly():
     raised = Raised(0.9, 0.62, 0.0, 0.1, STANDS, STANDS)
     assert raised.verdict("thing").accepted
-    assert not raised.verdict("thing", SETTINGS.together_share).accepted
+    assert not raised.verdict("thing", SETTINGS.with_both_share).accepted
 
 
 @pytest.mark.parametrize(("leans", "words"), [(0.3, "tilted in the air"), (0.0, "upright"), (-0.3, "upright")])

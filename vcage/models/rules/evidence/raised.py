@@ -34,10 +34,10 @@ class RaisedSettings:
 
     Args:
         highest_m, step_m: heights over the old place, from the least of the goal up.
-        highest_together_m: the same of what both arms lift: higher up their joints may look like it.
+        highest_with_both_m: the same of what both arms lift: higher up their joints may look like it.
         leans_rad: angles about the axis towards the customer.
         seen_share: share of the pixels that tell the object from what was there before that must look like it.
-        together_share: the same of what both arms lift: their hands over its old place may look like it, by 62 % on a
+        with_both_share: the same of what both arms lift: their hands over its old place may look like it, by 62 % on a
             silver pot; such a pot and rolling pins in the air have 68 to 95 %.
         fewest_px, telling_share: pixels, and share of the old outline, that must differ before and after to tell.
         near_m: heights of leaning drawings around that of the likeliest upright one.
@@ -48,11 +48,11 @@ class RaisedSettings:
     """
 
     highest_m: float = 0.4
-    highest_together_m: float = 0.14
+    highest_with_both_m: float = 0.14
     step_m: float = 0.01
     leans_rad: tuple[float, ...] = tuple(np.radians([-25.0, -18.0, 18.0, 25.0]))
     seen_share: float = 0.4
-    together_share: float = 0.65
+    with_both_share: float = 0.65
     fewest_px: int = 25
     telling_share: float = 0.3
     near_m: float = 0.04
@@ -219,7 +219,7 @@ def _arm_seen(view: CriticView) -> np.ndarray:
 
 def judge_held_by_both(view: CriticView, goal: Goal) -> Judged:
     """Judge if an object is level in the air in the end, with both arms out to it."""
-    judged = _held(view, goal, SETTINGS.highest_together_m, SETTINGS.together_share)
+    judged = _held(view, goal, SETTINGS.highest_with_both_m, SETTINGS.with_both_share)
     if not judged.verdict.accepted:
         return judged
     arms = arms_out(view.before["top"], view.after["top"])

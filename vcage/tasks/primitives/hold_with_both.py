@@ -1,4 +1,4 @@
-"""Lift together: two arms take hold of one object and raise it at the same time."""
+"""Hold with both: two arms take hold of one object and raise it at the same time."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from vcage.sim.paths import JointPath, Load
 from vcage.sim.state import WorldState
 from vcage.sim.trajectory import ArmsTogether, Trajectory, time_optimal
 from vcage.sim.world import PHYSICS_HZ
-from vcage.tasks.both_hands import SETTINGS as HANDS
-from vcage.tasks.both_hands import Hands, OneHand, hands_of_two
 from vcage.tasks.grasps import approach_opening, command_of
+from vcage.tasks.holds_with_both import SETTINGS as HANDS
+from vcage.tasks.holds_with_both import Hands, OneHand, holds_with_both
 from vcage.tasks.primitives.pick import PickWay
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.touching import at_rest
@@ -26,7 +26,7 @@ from vcage.tasks.workcell import CAREFUL_SPEED_SHARE, TaskFailed, Workcell, fail
 
 
 @dataclass(frozen=True)
-class LiftSettings:
+class HoldSettings:
     """The motion of two arms with one object.
 
     Args:
@@ -42,11 +42,11 @@ class LiftSettings:
     held_s: float = 0.5
 
 
-SETTINGS = LiftSettings()
+SETTINGS = HoldSettings()
 
 
 @dataclass(frozen=True)
-class TogetherPlan:
+class PlanWithBoth:
     """A lift that two arms can do.
 
     Args:
@@ -62,7 +62,7 @@ class TogetherPlan:
     lifts: Mapping[str, np.ndarray]
 
 
-def plan_together(cell: Workcell, target: SceneObject, skip: int = 0) -> TogetherPlan:
+def plan_with_both(cell: Workcell, target: SceneObject, skip: int = 0) -> PlanWithBoth:
     """The first pair of holds by which two arms can take an object and raise it.
 
     Args:
@@ -76,7 +76,7 @@ def plan_together(cell: Workcell, target: SceneObject, skip: int = 0) -> Togethe
     arms = {name: kinematics_of(control.arm) for name, control in cell.world.arms.items()}
     others, reasons, left = cell.objects_but(target.id, *cell.contents(target.id)), list[str](), skip
     try:
-        for hands in islice(hands_of_two(target, arms, others), SETTINGS.tried):
+        for hands in islice(holds_with_both(target, arms, others), SETTINGS.tried):
             try:
                 plan = _planned(cell, target, hands)
             except MotionFailed as error:
@@ -91,7 +91,7 @@ def plan_together(cell: Workcell, target: SceneObject, skip: int = 0) -> Togethe
     raise TaskFailed("plan", f"no lift of {target.record.phrase} with both arms can be planned: {why}", exhausted=True)
 
 
-def _planned(cell: Workcell, target: SceneObject, hands: Hands) -> TogetherPlan:
+def _planned(cell: Workcell, target: SceneObject, hands: Hands) -> PlanWithBoth:
     """The motions of both arms.
 
     Raises:
@@ -109,7 +109,7 @@ def _planned(cell: Workcell, target: SceneObject, hands: Hands) -> TogetherPlan:
         around = cell.planner_among(name, {one: lifts[one][-1]}, lifted)
         gripper = around.kinematics.arm.gripper
         around.check(lifts[name][-1], Load(command_of(hands[name].width, gripper), ignore=parts))
-    return TogetherPlan(target, hands, reaches, lifts)
+    return PlanWithBoth(target, hands, reaches, lifts)
 
 
 def _reach(planner: MotionPlanner, begun: JointPath, hand: OneHand, parts: list[str]) -> JointPath:
@@ -134,7 +134,7 @@ def _rise(cell: Workcell, arm: str, start: np.ndarray, hand: OneHand) -> np.ndar
     return np.array(found)
 
 
-def carry_out_together(cell: Workcell, plan: TogetherPlan) -> WorldState:
+def carry_out_with_both(cell: Workcell, plan: PlanWithBoth) -> WorldState:
     """Let one arm after the other take hold, and both rise at the same time; the state in the air.
 
     Raises:
@@ -153,7 +153,7 @@ def carry_out_together(cell: Workcell, plan: TogetherPlan) -> WorldState:
     return world.state()
 
 
-def _take_hold(cell: Workcell, plan: TogetherPlan, arm: str) -> None:
+def _take_hold(cell: Workcell, plan: PlanWithBoth, arm: str) -> None:
     """Bring one arm to its hold, and close its fingers."""
     control, hand = cell.world.arms[arm], plan.hands[arm]
     allowed = at_rest(hand.way.grasp, plan.target.id, {*cell.beside(plan.target.id), *plan.hands} - {arm})
@@ -162,7 +162,7 @@ def _take_hold(cell: Workcell, plan: TogetherPlan, arm: str) -> None:
     control.grip(0.0)
 
 
-def _as_it_stands(cell: Workcell, plan: TogetherPlan, arm: str) -> TogetherPlan:
+def _as_it_stands(cell: Workcell, plan: PlanWithBoth, arm: str) -> PlanWithBoth:
     """The plan with the hold of the second arm on the object as the first hand has moved it.
 
     Raises:
@@ -190,7 +190,7 @@ def _on_table(pose: Pose) -> Pose:
     return Pose.from_yaw([*pose.p[:2], 0.0], pose.yaw)
 
 
-def _rising(cell: Workcell, plan: TogetherPlan) -> dict[str, Trajectory]:
+def _rising(cell: Workcell, plan: PlanWithBoth) -> dict[str, Trajectory]:
     """Trajectories of both arms that pass the same heights at the same time."""
     arms = [cell.world.arms[name].arm for name in plan.hands]
     path = np.hstack([plan.lifts[name] for name in plan.hands])
@@ -200,7 +200,7 @@ def _rising(cell: Workcell, plan: TogetherPlan) -> dict[str, Trajectory]:
     return {name: Trajectory(*part) for name, *part in zip(plan.hands, *split, strict=True)}
 
 
-def _feel(cell: Workcell, plan: TogetherPlan) -> None:
+def _feel(cell: Workcell, plan: PlanWithBoth) -> None:
     """Check that both hands hold something.
 
     Raises:

@@ -24,7 +24,7 @@ from vcage.tasks.scene_objects import SceneObject, SolidBox, first_met
 
 
 @dataclass(frozen=True)
-class BothHandsSettings:
+class HoldsWithBothSettings:
     """Settings of the search for two holds.
 
     Args:
@@ -43,7 +43,7 @@ class BothHandsSettings:
     tilts_rad: tuple[float, ...] = tuple(np.radians([0.0, 20.0, -20.0]))
 
 
-SETTINGS = BothHandsSettings()
+SETTINGS = HoldsWithBothSettings()
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ Hands = Mapping[str, OneHand]
 """By arm."""
 
 
-def places_for_two(thing: SceneObject, gripper: Gripper) -> list[tuple[ContactPoint, ContactPoint]]:
+def places_for_both(thing: SceneObject, gripper: Gripper) -> list[tuple[ContactPoint, ContactPoint]]:
     """Pairs of places at which two hands can hold an object, those about its middle first, and of these the widest."""
     asset = thing.asset
     places = list(places_along(asset, asset.annotation.carrying_points, gripper))
@@ -79,7 +79,7 @@ def places_for_two(thing: SceneObject, gripper: Gripper) -> list[tuple[ContactPo
     return [pair for *_, pair in sorted(found)]
 
 
-def hands_of_two(
+def holds_with_both(
     thing: SceneObject, arms: Mapping[str, ArmKinematics], others: Sequence[SceneObject] = ()
 ) -> Iterator[Hands]:
     """Ways of two arms to hold and lift an object together; at least one.
@@ -94,7 +94,7 @@ def hands_of_two(
     """
     left, right = sorted(arms, key=lambda name: float(arms[name].arm.base.pose().p[0]))
     gripper = arms[left].arm.gripper
-    pairs = places_for_two(thing, gripper)
+    pairs = places_for_both(thing, gripper)
     if not pairs:
         raise MotionFailed(f"two hands have no room on {thing.record.phrase}")
     known: dict[tuple[str, tuple[float, ...]], list[OneHand]] = {}
