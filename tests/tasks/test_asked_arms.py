@@ -197,6 +197,20 @@ def test_a_robot_with_too_few_arms_is_named_at_once(goals: list[Goal], arms: lis
         require_arms([asked(goal, None) for goal in goals], arms)
 
 
+@pytest.mark.parametrize(
+    ("held", "then", "why"),
+    [
+        (["pot held_by_both"], "apple on plate", "apple on plate comes after pot held_by_both, when no arm is free"),
+        (["can held_up", "mug held_up"], "apple lifted", "after can held_up and mug held_up, when no arm is free"),
+        (["can held_up"], "mug handed left", "mug handed left comes after can held_up, when 1 arm is free"),
+    ],
+)
+def test_nothing_is_done_with_arms_that_hold_things_up(held: list[str], then: str, why: str):
+    goals = [asked(goal_of(text.split()), None) for text in held]
+    with pytest.raises(NoFeasibleTask, match=why):
+        require_arms([*goals, asked(goal_of(then.split()), None, step=2)], ["left", "right"])
+
+
 def test_one_arm_is_not_asked_to_hold_up_two_things():
     held = [goal_of([name, "held_up"]) for name in ("can", "mug")]
     with pytest.raises(NoFeasibleTask, match="can held_up and mug held_up are asked of the left arm"):

@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import TypeVar
 
 from vcage.base.errors import NoFeasibleTask
-from vcage.schema.goals import AskedGoal, Goal
+from vcage.schema.goals import AskedGoal, Goal, in_steps
 from vcage.schema.subtasks import Subtask
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import stands_flush
@@ -47,7 +47,9 @@ def require_arms(asked: Iterable[AskedGoal], arms: Collection[str]) -> None:
         NoFeasibleTask: names the goal, the arm, and the existing arms.
     """
     asked = list(asked)
-    _require_enough_arms({one.goal for one in asked}, arms)
+    steps = in_steps(asked)
+    _require_enough_arms(frozenset().union(*steps), arms)
+    _require_free_arms(steps, arms)
     by_goal = asked_arms(asked)
     _require_one_each(by_goal)
     for goal, arm in by_goal.items():
@@ -76,6 +78,24 @@ def _require_enough_arms(goals: Collection[Goal], arms: Collection[str]) -> None
         raise NoFeasibleTask(
             why, hint="hold up fewer things", details={"missing": [str(goal) for goal in held], "reasons": [why]}
         )
+
+
+def _require_free_arms(steps: Sequence[Collection[Goal]], arms: Collection[str]) -> None:
+    """Check that enough arms are free for each goal after those that hold something up to the end.
+
+    Raises:
+        NoFeasibleTask: they are not; names the goal, and what is held.
+    """
+    held = list[Goal]()
+    for step in steps:
+        free = len(arms) - sum(goal.kind.arms for goal in held)
+        for goal in sorted(step, key=str):
+            takes = 2 if goal.kind.refers_to == "arm" else goal.kind.arms
+            if takes > free and goal.subject not in {one.subject for one in held}:
+                why = f"{goal} comes after {' and '.join(map(str, held))}, when {free or 'no'} arm is free"
+                hint = "hold things up last"
+                raise NoFeasibleTask(why, hint=hint, details={"missing": [str(goal)], "reasons": [why]})
+        held += sorted((goal for goal in step if goal.kind.fleeting), key=str)
 
 
 def _require_one_each(asked: Mapping[Goal, str]) -> None:
