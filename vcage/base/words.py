@@ -109,6 +109,14 @@ SIDES = {
 }  # fmt: skip
 """Words for the side on which an object stands, as the robot sees it → the side in one spelling."""
 
+SIZES = {
+    **dict.fromkeys(("small", "smaller", "smallest", "little", "littler", "littlest"), "small"),
+    **dict.fromkeys(("medium", "medium-sized", "middle-sized"), "medium"),
+    **dict.fromkeys(("large", "larger", "largest", "big", "bigger", "biggest"), "large"),
+    **{word: word for word in ("tiny", "mini", "miniature", "huge", "giant", "enormous", "massive", "gigantic")},
+}
+"""Words for a size → the size in one spelling."""
+
 HIGHEST = ("top", "upper", "uppermost", "topmost", "highest")
 LOWEST = ("bottom", "lower", "bottommost", "lowest")
 WHICH_PART = {**dict.fromkeys(HIGHEST, "top"), **dict.fromkeys(LOWEST, "bottom"), "middle": "middle"}

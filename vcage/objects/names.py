@@ -10,6 +10,7 @@ from vcage.base.words import (
     CATEGORIES,
     COLOURS,
     KINDS,
+    SIZES,
     colour_of,
     colours_of,
     kinds_of,
@@ -63,9 +64,20 @@ class Names(NamedTuple):
 
 def names_of(entry: CatalogueEntry) -> Names:
     """Names of an entry, by its annotation and in the catalogue."""
-    words, own = entry.words, lemmas(entry.name) or [entry.name]
-    synonyms = [name for name in map(lemmas, words.synonyms) if name]
-    return Names(lemmas(words.name) or own, lemmas(words.plural) or own, own, synonyms)
+    words, own = entry.words, _name(entry.name) or [entry.name]
+    synonyms = [name for name in map(_name, words.synonyms) if name]
+    return Names(_name(words.name) or own, _name(words.plural) or own, own, synonyms)
+
+
+def _name(text: str) -> list[str]:
+    """Lemmas of a name, its size in one spelling."""
+    return [SIZES.get(word, word) for word in lemmas(text)]
+
+
+def sizes_of(entry: CatalogueEntry, words: Sequence[str]) -> list[str]:
+    """The sizes by which an entry's names tell it from others of a name: "small" of the small block."""
+    names = names_of(entry).all
+    return list(dict.fromkeys(name[0] for name in names if name[0] in SIZES and name[1:] == list(words)))
 
 
 def best_looks(words: Sequence[str], colour: str | None, entry: CatalogueEntry) -> tuple[int, list[Variant]]:

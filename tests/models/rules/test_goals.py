@@ -252,6 +252,52 @@ def test_a_thing_is_not_its_own_place(sentence: str, goal: str) -> None:
     assert kinds_named[0] == kinds_named[1]
 
 
+@pytest.mark.parametrize(
+    ("sentence", "goals"),
+    [
+        (
+            "Put the small block in the bowl and the big one on the plate",
+            ["small_block inside bowl", "large_block on plate"],
+        ),
+        ("Put the block in the bowl and the smaller one on the plate", ["block inside bowl", "small_block on plate"]),
+        ("Put the little cube on the large block", ["small_block on large_block"]),
+        ("Put the apple in the big bowl", ["apple inside bowl"]),
+        (
+            "Put the block in the bowl and the small block on the tray, then put the bigger one on the plate",
+            ["block inside bowl", "small_block on tray", "block on plate"],
+        ),
+    ],
+)
+def test_a_size_says_which_one(sentence: str, goals: list[str]) -> None:
+    assert kinds_meant(sentence) == goals
+
+
+@pytest.mark.parametrize(
+    ("sentence", "why", "way"),
+    [
+        ("Put the apple in the huge bowl", "there is no 'huge bowl'", "sizes of the bowl: small, large"),
+        ("Put the tiny apple in the bowl", "there is no 'tiny apple'", "one size"),
+    ],
+)
+def test_a_size_that_no_thing_has_is_named_with_those_that_are(sentence: str, why: str, way: str) -> None:
+    with pytest.raises(NoAssetFits, match=why) as refused:
+        goals(sentence)
+    assert way in refused.value.hint
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        "Put the small one in the bowl",
+        "Put the blocks on the tray, then put the small one in the bowl",
+        "Put the block on the tray and the small block on the plate, then move the huge one away",
+    ],
+)
+def test_the_small_one_of_unknown_things_is_refused(sentence: str) -> None:
+    with pytest.raises(UnreadInstruction, match=r"one' in .* name the thing"):
+        goals(sentence)
+
+
 def test_what_was_swapped_may_be_put_elsewhere_then() -> None:
     things = ("block/red", "plate/white", "cup/white")
     goals = in_scene("Swap the red block and the cup, then put the red block on the plate", *things)

@@ -107,8 +107,27 @@ def _things_for(noun: Noun, done: tuple[Command, ...], command: Command) -> list
     heads = _heads((*done, command))
     if not noun.headless or not heads:
         return [(noun,)]
+    if noun.size and (alike := _sized_like(heads)):
+        return [(one,) for one in _of_size(noun.size, alike) or [noun]]
     after = heads[-1] if heads[-1].at > noun.at else None
     return [] if after is not None and _is_one_thing_with(after, noun) else [(noun.like(heads[-1]),)]
+
+
+_BY_SIZE = ("small", "medium", "large")
+
+
+def _sized_like(heads: Sequence[Noun]) -> list[Noun]:
+    """The nouns that "the small one" is one of: the last if it means several, or those that differ in size alone."""
+    alike = {noun.size: noun for noun in heads if noun.words == heads[-1].words}
+    return list(alike.values()) if len(alike) > 1 or heads[-1].several else []
+
+
+def _of_size(size: str, alike: Sequence[Noun]) -> list[Noun]:
+    """The smallest, middle or largest of some nouns, if it is plain; one that says no size is of medium size."""
+    if size not in _BY_SIZE or any(noun.several or (noun.size or "medium") not in _BY_SIZE for noun in alike):
+        return []
+    order = sorted(alike, key=lambda noun: _BY_SIZE.index(noun.size or "medium"))
+    return [order[0] if size == "small" else order[-1]] if size != "medium" else order[1:-1]
 
 
 def _is_one_thing_with(after: Noun, noun: Noun) -> bool:
@@ -252,8 +271,8 @@ class Goals:
     def _is_brought_later(self, command: Command) -> bool:
         """True where a later command brings a thing of this one somewhere."""
         later = self.commands[self.commands.index(command) + 1 :]
-        brought = {(noun.words, noun.colour) for c in later if c.verb in _BRINGING for noun in c.things}
-        return bool(brought & {(noun.words, noun.colour) for noun in command.things})
+        brought = {(noun.name, noun.colour) for c in later if c.verb in _BRINGING for noun in c.things}
+        return bool(brought & {(noun.name, noun.colour) for noun in command.things})
 
     def _put(self, command: Command, most: int | None = None) -> None:
         """The counted objects in, on or beside their target; of several drawers each gets one in turn."""

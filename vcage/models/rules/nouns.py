@@ -8,7 +8,18 @@ from dataclasses import dataclass, replace
 
 from lark import Token
 
-from vcage.base.words import COLOURS, MASS_KINDS, NUMBERS, PART_WORDS, SIDES, WHICH_PART, colours_of, is_plural, lemma
+from vcage.base.words import (
+    COLOURS,
+    MASS_KINDS,
+    NUMBERS,
+    PART_WORDS,
+    SIDES,
+    SIZES,
+    WHICH_PART,
+    colours_of,
+    is_plural,
+    lemma,
+)
 from vcage.objects.names import EXACT, HEAD, KIND, SYNONYM, best_looks, colour_level
 from vcage.schema.asset import CatalogueEntry, Variant
 
@@ -33,6 +44,7 @@ class Noun:
     Args:
         words: lemmas, the head last, without colours and the words of other fields; empty without a head.
         colour: the requested one; of two, as in ``yellow and white``.
+        size: the requested one, in one spelling.
         quantifier: the, a, all, other, rest, or "" without one.
         count: the number, if given.
         plural: True for a plural form.
@@ -45,6 +57,7 @@ class Noun:
 
     words: tuple[str, ...] = ()
     colour: str | None = None
+    size: str | None = None
     quantifier: str = ""
     count: int | None = None
     plural: bool = False
@@ -54,6 +67,11 @@ class Noun:
     pronoun: str = ""
     text: str = ""
     at: int = 0
+
+    @property
+    def name(self) -> tuple[str, ...]:
+        """The words that tell what it is: its size, and the lemmas."""
+        return self.words if self.size is None else (self.size, *self.words)
 
     @property
     def part(self) -> str | None:
@@ -99,7 +117,7 @@ class Noun:
 
     def positions(self, nouns: Sequence[Noun]) -> list[str]:
         """Find the places by which a sentence tells things of this name apart."""
-        same = [noun for noun in nouns if (noun.words, noun.colour) == (self.words, self.colour)]
+        same = [noun for noun in nouns if (noun.name, noun.colour) == (self.name, self.colour)]
         return list(dict.fromkeys(noun.position for noun in same if noun.position is not None))
 
     def like(self, other: Noun) -> Noun:
@@ -145,7 +163,7 @@ class Noun:
 
     def _least(self, levels: Sequence[int], short: bool) -> int:
         best = max([KIND, *levels])
-        if short and best == SYNONYM and len(self.words) == 1 and self.position is None:
+        if short and best == SYNONYM and len(self.name) == 1 and self.position is None:
             best = HEAD
         return KIND if self.several and best < EXACT else best
 
@@ -153,13 +171,13 @@ class Noun:
         """Return how well its words for an owner name a kind that has the part, and the looks that they fit."""
         if sum(map(self.names_part, entry.parts)) < (self.count or 2 if self.several else 1):
             return 0, []
-        owner = [word for word in self.words[:-1] if word != "of"]
+        owner = [word for word in self.name[:-1] if word != "of"]
         anyone = owner in ([], [self.part])  # "the layer of the drawer"
         return (KIND, entry.variants) if anyone else best_looks(owner, self.colour, entry)
 
     def fit(self, entry: CatalogueEntry) -> tuple[int, list[Variant]]:
         """Return how well it names a kind (0: not at all), and the looks that it fits; see :func:`best_looks`."""
-        return best_looks(self.words, self.colour, entry)
+        return best_looks(self.name, self.colour, entry)
 
 
 def noun_of(found: Sequence[Token], text: str, at: int) -> Noun:
@@ -170,12 +188,13 @@ def noun_of(found: Sequence[Token], text: str, at: int) -> Noun:
     plural = "EVERYTHING" in types or is_plural(last)
     noun = Noun(quantifier=quantifier, count=count, plural=plural, text=text, at=at)
     words, sides = list(map(lemma, _words(found, "WORD"))), _words(found, "AT")
-    words = [word for word in words if word != "empty"]  # nothing lies in what is not said to hold it
+    words = [SIZES.get(word, word) for word in words if word != "empty"]  # nothing lies in what is not said to hold it
     known = COLOURS if "EVERYTHING" in types else COLOURS - {"orange"}
-    if not types.isdisjoint(("ONE", "REST")) or set(words) <= known:
+    if not types.isdisjoint(("ONE", "REST")) or set(words) <= known | SIZES.keys():
         noun = _named(noun, words, [], {**SIDES, **WHICH_PART}, sides)
         return replace(noun, words=noun.words or ("thing",) * ("EVERYTHING" in types))
-    colours, name = _owner(list(map(lemma, _words(found, "OF"))), words[-1])
+    owner = [SIZES.get(word, word) for word in map(lemma, _words(found, "OF"))]
+    colours, name = _owner(owner, words[-1])
     noun = _named(noun, [*colours, *words[:-1]], [*name, words[-1]], _telling_apart(words[-1]), sides)
     thirds = [SIDES[word] for word in _words(found, "AT_TABLE") if word in SIDES]
     on_table = tuple((third, Noun(words=("table",), text=text, at=at)) for third in thirds)
@@ -197,7 +216,10 @@ def _named(noun: Noun, before: list[str], name: list[str], sides: Mapping[str, s
     """With the words before its name: a colour, a side, or more of the name."""
     where = [*(sides[word] for word in before if word in sides), *(SIDES[word] for word in at if word in SIDES), None]
     words = [word for word in before if word not in COLOURS and word not in sides and word != "and"]
-    return replace(noun, words=(*words, *name), colour=colours_of(" ".join(before)), position=where[0])
+    sizes = [] if set(name[-1:]) & PART_WORDS.keys() else [word for word in words if word in SIZES]
+    words = [word for word in words if word not in sizes[:1]]
+    noun = replace(noun, colour=colours_of(" ".join(before)), position=where[0])
+    return replace(noun, words=(*words, *name), size=next(iter(sizes), None))
 
 
 def _words(found: Sequence[Token], *types: str) -> list[str]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from vcage.base.errors import NoAssetFits
 from vcage.base.text import listed
-from vcage.base.words import tokens
+from vcage.base.words import SIZES, tokens
 from vcage.models.occasion import Occasion, one_of_each
 from vcage.models.quantifiers import quantified
 from vcage.models.rules.goals import ACTS, TOOLS, Goals, agreed, in_words
@@ -19,7 +19,7 @@ from vcage.models.rules.sentence import LIMITS, Command
 from vcage.models.search import best_search, no_asset
 from vcage.models.selection_check import entries_of, name_objects
 from vcage.objects.bystanders import bystanders
-from vcage.objects.names import HEAD, colour_level
+from vcage.objects.names import HEAD, colour_level, sizes_of
 from vcage.objects.painting import with_look
 from vcage.schema.asset import CatalogueEntry, Variant
 from vcage.schema.goals import Reading, part_that, part_words
@@ -134,7 +134,7 @@ class _Selector:
 
     def _take(self, noun: Noun, role: Role, good: Good = lambda e: True, place: CatalogueEntry | None = None) -> None:
         """Choose objects for a noun, unless they were chosen before."""
-        again = [entry for other, entry in self._of.items() if (other.at, other.words) == (noun.at, noun.words)]
+        again = [entry for other, entry in self._of.items() if (other.at, other.name) == (noun.at, noun.name)]
         apart = [self._of[other] for other in self._beside(noun) if other in self._of]
         free = (entry for entry in self._there if all(entry is not other for other in apart))
         known = [*again, *(entry for entry in free if self._same(noun, entry)), None][0]
@@ -183,7 +183,7 @@ class _Selector:
 
     def _told_by_colour(self, noun: Noun) -> list[Noun]:
         """The nouns for one thing each that name all of several things by their colours; none where there is one."""
-        alike = [one for one in self._nouns if one.words == noun.words and one.colour and not one.several]
+        alike = [one for one in self._nouns if one.name == noun.name and one.colour and not one.several]
         told = list({one.colour: one for one in alike}.values())
         return told if noun.definite and noun.colour is None and len(told) > 1 else []
 
@@ -201,6 +201,7 @@ class _Selector:
         able = [entry for entry, _ in self._kinds(noun) if good(entry)] or [self.entries[name] for name in kinds]
         if not able:
             self._require_part(noun)
+            self._require_size(noun)
             bare = [entry for entry, _ in self._kinds(replace(noun, colour=None))]
             raise no_asset(noun.text, bare, list(self.entries.values()), best_search())
         able = [entry for entry in able if not self._answers_another(noun, entry)] or able
@@ -222,9 +223,29 @@ class _Selector:
                 f"there is no {noun.text.removeprefix('the ')!r}", hint=has, details={"unmatched": [noun.text]}
             )
 
+    def _require_size(self, noun: Noun) -> None:
+        """Require that a kind that is named with a size comes in it.
+
+        Raises:
+            NoAssetFits: it does not; the hint lists the sizes that there are.
+            Doubt: no kind is named.
+        """
+        if noun.headless and noun.size:
+            raise Doubt(noun.text, "nothing before it says which of several sizes is meant; name the thing")
+        plain = replace(noun, size=None)
+        if noun.size is None or not (kinds := [entry for entry, _ in self._kinds(plain)]):
+            return
+        found = [size for entry in self.entries.values() for size in sizes_of(entry, noun.words)]
+        sizes = listed(sorted({*found}, key=list(SIZES).index))
+        name = " ".join(noun.words) or kinds[0].words.name
+        hint = f"sizes of the {name}: {sizes}" if sizes else f"the {name} comes in one size: leave the size out"
+        raise NoAssetFits(
+            f"there is no {noun.text.removeprefix('the ')!r}", hint=hint, details={"unmatched": [noun.text]}
+        )
+
     def _answers_another(self, noun: Noun, entry: CatalogueEntry) -> bool:
         """True for a kind that people call by another noun too: a paper clip box is stationery, and "the box"."""
-        others = (other for other in self._nouns if other.words and other.words != noun.words)
+        others = (other for other in self._nouns if other.words and other.name != noun.name)
         return any(other.fit(entry)[0] >= HEAD for other in others)
 
 
