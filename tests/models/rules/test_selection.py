@@ -39,6 +39,13 @@ def test_a_part_that_its_owner_lacks_is_refused_with_those_it_has() -> None:
     assert refused.value.hint == "the two-drawer cabinet has the bottom drawer, the top drawer"
 
 
+def test_a_compartment_that_its_owner_lacks_is_refused_with_those_it_has() -> None:
+    with pytest.raises(NoAssetFits, match="top compartment of the caddy") as refused:
+        selected("Put the stamp in the top compartment of the caddy")
+    for side in ("front", "back", "left", "right"):
+        assert f"the {side} compartment" in refused.value.hint
+
+
 def test_the_colour_of_the_owner_of_a_part_is_read() -> None:
     (caddy,) = selected("Put the stamp in the left compartment of the white caddy").objects[1:2]
     assert (caddy.asset, caddy.variant) == ("desk_caddy", "white")

@@ -208,8 +208,8 @@ def _owner(words: Sequence[str], head: str) -> tuple[list[str], list[str]]:
 
 
 def _telling_apart(head: str) -> Mapping[str, str]:
-    """Words that tell apart what a noun names: moving parts by their height, all else by its side."""
-    return WHICH_PART if PART_WORDS.get(head, "compartment") != "compartment" else SIDES
+    """Words that tell apart what a noun names: parts by their height or side, all else by its side."""
+    return {**SIDES, **WHICH_PART} if head in PART_WORDS else SIDES
 
 
 def _named(noun: Noun, before: list[str], name: list[str], sides: Mapping[str, str], at: list[str]) -> Noun:
