@@ -37,6 +37,16 @@ def test_without_its_tool_an_event_is_ruled_out(event: str, tool: str):
         wanting(goal_of(["chocolate_bar", event]), [thing("chocolate_bar")])
 
 
+@pytest.mark.parametrize("kind", ["bowl", "block"])
+def test_what_has_no_front_is_not_turned_to_the_robot(kind: str):
+    with pytest.raises(NoFeasibleTask, match=rf"{kind} has no front that could face the robot \('the words'\)"):
+        wanting(goal_of([kind, "facing_robot"]), [thing(kind)])
+
+
+def test_what_has_a_front_is_turned_to_the_robot():
+    wanting(goal_of(["cereal_box", "facing_robot"]), [thing("cereal_box")])
+
+
 def test_one_reason_for_many_objects_of_a_kind_is_reported_once_with_their_number():
     blocks = [thing("block", id=f"block_{number}") for number in range(12)]
     asked = [

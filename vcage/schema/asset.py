@@ -136,6 +136,7 @@ class Annotation(Document):
     any_colour: Identifier | None = Field(
         default=None, description="variant with one main colour, which comes in any other; none: no look has one"
     )
+    front: bool = Field(default=False, description="whether its side towards -y is a front that can face somebody")
     contact_points: list[ContactPoint] = []
     functional_points: list[FunctionalPoint] = []
     faces: list[Face] = []

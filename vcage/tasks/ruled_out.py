@@ -17,6 +17,7 @@ from vcage.tasks.asked_arms import require_arms
 from vcage.tasks.primitives.grip import stays_level
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import SMALLER, is_about, judging, sensible
+from vcage.tasks.slots import HEADING
 
 
 def require_way(goals: Sequence[AskedGoal], objects: Sequence[SceneObject], arms: Collection[str]) -> None:
@@ -29,10 +30,11 @@ def require_way(goals: Sequence[AskedGoal], objects: Sequence[SceneObject], arms
 
     Raises:
         NoFeasibleTask: names each such goal with its words and the reason; also objects that would be carried with
-            loose contents, and goals that are asked of an unknown arm.
+            loose contents, those that have no front to turn to the robot, and goals that are asked of an unknown arm.
     """
     require_arms(goals, arms)
     require_level(goals, objects)
+    require_fronts(goals, objects)
     if ruled_out := _ruled_out(goals, objects):
         raise NoFeasibleTask(
             f"at any layout, nothing can achieve {'; '.join(_reported(ruled_out))}",
@@ -104,6 +106,23 @@ def _with_reasons(alike: Sequence[_RuledOut]) -> str:
     """The first of some goals that fail for the same reasons, the number of others, and the reasons."""
     more = f" and {len(alike) - 1} more like it" if len(alike) > 1 else ""
     return f"{alike[0].asked.goal}{more} ({alike[0].asked.words!r}): {', '.join(alike[0].reasons[:3])}"
+
+
+def require_fronts(goals: Sequence[AskedGoal], objects: Sequence[SceneObject]) -> None:
+    """Refuse to turn an object without a front to the robot.
+
+    Raises:
+        NoFeasibleTask: names the goal and the object.
+    """
+    by_id = {o.id: o for o in objects}
+    for one in goals:
+        thing = by_id.get(one.goal.subject)
+        if one.goal.relation == HEADING and thing is not None and not thing.asset.annotation.front:
+            raise NoFeasibleTask(
+                f"the {thing.record.phrase} has no front that could face the robot ({one.words!r})",
+                hint="ask it of a thing with a front, such as a cereal box, a sign or an alarm clock",
+                details={"missing": [str(one.goal)], "reasons": ["it has no front"]},
+            )
 
 
 def require_level(goals: Sequence[AskedGoal], objects: Sequence[SceneObject]) -> None:
