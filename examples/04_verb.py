@@ -10,19 +10,13 @@ import sys
 
 import vcage
 from vcage.goals import KINDS
+from vcage.goals.hands import in_one_hand
 from vcage.goals.kind import GoalKind, Shown, too_short
 from vcage.stages import collect, inpaint_plan, match, optimize, search_subtasks, select_place
 from vcage.tasks.templates import TEMPLATES
 from vcage.tasks.templates.set_down import SetDown
 
-HEFTED_S, HEIGHT_M = 1.5, 0.05
-
-
-def is_hefted(goal, state, notes):
-    """True while one arm alone holds the object high enough."""
-    holders = state.touching(goal.subject)
-    high = state.thing(goal.subject).lowest - state.table_height >= HEIGHT_M
-    return high and len(holders) == 1 and holders <= {*state.arms}
+HEFTED_S = 1.5
 
 
 class Heft(SetDown):
@@ -36,9 +30,9 @@ class Heft(SetDown):
 KINDS["hefted"] = GoalKind(
     word="hefted",
     event=True,  # it is done, and not a state that lasts
-    happens=is_hefted,
+    happens=lambda goal, state, notes: in_one_hand(goal, state),
     complaint=lambda goal, state: too_short(goal, state, HEFTED_S),
-    meaning=lambda limits: f"Hefted: one arm alone held it {HEIGHT_M} m above the table for {HEFTED_S} s.",
+    meaning=lambda limits: f"Hefted: one arm alone held it {limits.lifted_m} m above the table for {HEFTED_S} s.",
     evidence="lifted",  # how the critic without a model judges it
     shown=Shown(customer=True, moment=True, in_the_air=True),
     plain="{thing} was hefted",

@@ -11,6 +11,20 @@ from vcage.objects.modelling.parts import MovingPart, paint
 from vcage.schema.asset import Joint
 
 
+def button_joint(origin: tuple[float, float, float], travel_m: float) -> Joint:
+    """The joint of a button: pushed down by so much, and lifted by a spring."""
+    return Joint(
+        kind="slide",
+        origin=origin,
+        axis=(0.0, 0.0, -1.0),
+        lower=0.0,
+        upper=travel_m,
+        damping=3.0,
+        friction=0.0,
+        spring=400.0,
+    )
+
+
 def push_button(
     rng: np.random.Generator, size: tuple[float, float, float], bottom: tuple[float, float, float], colour: Colour
 ) -> MovingPart:
@@ -23,15 +37,5 @@ def push_button(
         colour: RGB.
     """
     block = solids.rounded_box(size, 0.0015, bottom, steps=2)
-    joint = Joint(
-        kind="slide",
-        origin=bottom,
-        axis=(0.0, 0.0, -1.0),
-        lower=0.0,
-        upper=0.005,
-        damping=3.0,
-        friction=0.0,
-        spring=400.0,
-    )
     skin = paint(block, materials.plastic(rng, colour), tiled(0.05), roughness=0.4)
-    return MovingPart("button", [skin], [solids.box(size, bottom)], mass=0.006, joint=joint)
+    return MovingPart("button", [skin], [solids.box(size, bottom)], mass=0.006, joint=button_joint(bottom, 0.005))

@@ -17,6 +17,7 @@ from vcage.schema.robot import Gripper
 from vcage.sim.kinematics import ArmKinematics, follow
 from vcage.sim.motion import MotionFailed
 from vcage.tasks.grasps import approach_opening, grasp_poses, hand_boxes
+from vcage.tasks.holding import SETTINGS as HOLDING
 from vcage.tasks.meeting import SETTINGS as MEETING
 from vcage.tasks.meeting import balance_of, places_along
 from vcage.tasks.primitives.pick import PickWay
@@ -28,7 +29,6 @@ class HoldsWithBothSettings:
     """Settings of the search for two holds.
 
     Args:
-        lift_m: height to which both arms lift the object.
         pairs: of places on the object that are examined, the most even first.
         poses: of each hand at its place, the straightest first.
         least_apart_m: between the middles of the two hands.
@@ -36,7 +36,6 @@ class HoldsWithBothSettings:
             its fingers, and the object jumps.
     """
 
-    lift_m: float = 0.1
     pairs: int = 12
     poses: int = 6
     least_apart_m: float = 0.08
@@ -127,7 +126,7 @@ def _ways(
         if first_met(hand, others) is not None:
             continue
         before = Pose(grasp.pose.p - gripper.approach * grasp.pose.rotation()[:, 2], grasp.pose.q)
-        way = PickWay(before, grasp.pose, Pose(grasp.pose.p + [0.0, 0.0, SETTINGS.lift_m], grasp.pose.q))
+        way = PickWay(before, grasp.pose, Pose(grasp.pose.p + [0.0, 0.0, HOLDING.lift_m], grasp.pose.q))
         if follow(kinematics, [way.before, way.grasp, way.lifted], kinematics.home) is not None:
             yield OneHand(place, way, width)
 

@@ -17,6 +17,7 @@ from vcage.sim.paths import JointPath
 from vcage.sim.state import WorldState
 from vcage.sim.world import PHYSICS_HZ, World
 from vcage.tasks.choices import Choices, Retry
+from vcage.tasks.holding import SETTINGS as HOLDING
 from vcage.tasks.primitives.grip import Grip, feel, minding
 from vcage.tasks.primitives.hold_with_both import carry_out_with_both, plan_with_both
 from vcage.tasks.primitives.pick import carry_out_pick
@@ -29,9 +30,6 @@ from vcage.tasks.workcell import TaskFailed, failing_at
 
 SHOWN_FOR = 0.5
 """Time for which a scanner is held before a code, seconds."""
-
-HELD_FOR = 0.5
-"""Time for which what is to be held up is watched, seconds."""
 
 
 @dataclass(frozen=True)
@@ -144,7 +142,7 @@ class Task(Choices):
         """
         if self._grip is None:
             raise TaskFailed("grasp", "nothing was picked up before it is held")
-        self.wait(HELD_FOR)
+        self.wait(HOLDING.held_s)
         feel(self._cell, self._grip)
         self.moment = self.world.state()
 

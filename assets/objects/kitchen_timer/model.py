@@ -6,13 +6,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from assets.shapes.dial import dial_joint
 from assets.textures.dials import on_circle, ray
 from vcage.objects.modelling import materials, pieces, prints, solids
 from vcage.objects.modelling.lofts import across
 from vcage.objects.modelling.mappings import from_above, tiled
 from vcage.objects.modelling.noise import Colour
 from vcage.objects.modelling.parts import BuiltObject, MovingPart, paint, variant_rng
-from vcage.schema.asset import Joint
 
 VARIANTS = {
     "red": ((200, 42, 38), (246, 244, 238), (34, 34, 36)),
@@ -56,16 +56,7 @@ def _dial(rng: np.random.Generator, colour: Colour, face: Colour, ink: Colour) -
         paint(mark, materials.plastic(rng, face if face[0] > 100 else ink), tiled(0.05)),
     ]
     hulls = [pieces.stack([(0.0285, 0.0395), (0.0285, 0.0425)]), pieces.hull(grip.vertices)]
-    joint = Joint(
-        kind="turn",
-        origin=(0.0, 0.0, 0.04),
-        axis=(0.0, 0.0, -1.0),
-        lower=0.0,
-        upper=1.6,
-        damping=0.3,
-        friction=0.08,
-    )
-    return MovingPart("dial", parts, hulls, mass=0.04, joint=joint)
+    return MovingPart("dial", parts, hulls, mass=0.04, joint=dial_joint((0.0, 0.0, 0.04)))
 
 
 def _minute_ring(size: int, ground: Colour, ink: Colour, labels: Sequence[str]) -> np.ndarray:

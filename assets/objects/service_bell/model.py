@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from assets.shapes.push_button import button_joint
 from vcage.objects.modelling import materials, pieces, solids
 from vcage.objects.modelling.mappings import around, tiled
 from vcage.objects.modelling.noise import Colour
 from vcage.objects.modelling.parts import BuiltObject, MovingPart, paint, variant_rng
-from vcage.schema.asset import Joint
 
 VARIANTS = {
     "silver": ((206, 209, 214), (40, 40, 44)),
@@ -54,14 +54,4 @@ def _button(rng: np.random.Generator, colour: Colour) -> MovingPart:
         pieces.stack([(0.0045, 0.05), (0.0045, 0.057)], 12),
         pieces.stack([(0.0068, 0.0565), (0.0075, 0.058), (0.007, 0.0605), (0.005, 0.0625)]),
     ]
-    joint = Joint(
-        kind="slide",
-        origin=(0.0, 0.0, 0.055),
-        axis=(0.0, 0.0, -1.0),
-        lower=0.0,
-        upper=0.006,
-        damping=3.0,
-        friction=0.0,
-        spring=400.0,
-    )
-    return MovingPart("button", parts, hulls, mass=0.005, joint=joint)
+    return MovingPart("button", parts, hulls, mass=0.005, joint=button_joint((0.0, 0.0, 0.055), 0.006))

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from assets.shapes.dial import dial_joint
 from assets.textures.dials import ray
 from vcage.objects.modelling import materials, pieces, prints, solids
 from vcage.objects.modelling.lofts import across
 from vcage.objects.modelling.mappings import from_above, tiled
 from vcage.objects.modelling.noise import Colour
 from vcage.objects.modelling.parts import BuiltObject, MovingPart, paint, variant_rng
-from vcage.schema.asset import Joint
 
 VARIANTS = {
     "black": ((46, 47, 50), 0.0),
@@ -90,13 +90,4 @@ def _knob(rng: np.random.Generator, colour: Colour) -> MovingPart:
         pieces.stack([(0.0225, STRIP + 0.001), (0.0225, STRIP + 0.005), (0.021, STRIP + 0.007)], centre=KNOB_AT),
         pieces.hull(grip.vertices),
     ]
-    joint = Joint(
-        kind="turn",
-        origin=(x, y, STRIP),
-        axis=(0.0, 0.0, -1.0),
-        lower=0.0,
-        upper=1.6,
-        damping=0.3,
-        friction=0.08,
-    )
-    return MovingPart("knob", parts, hulls, mass=0.04, joint=joint)
+    return MovingPart("knob", parts, hulls, mass=0.04, joint=dial_joint((x, y, STRIP)))

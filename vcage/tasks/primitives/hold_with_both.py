@@ -17,7 +17,7 @@ from vcage.sim.state import WorldState
 from vcage.sim.trajectory import ArmsTogether, Trajectory, time_optimal
 from vcage.sim.world import PHYSICS_HZ
 from vcage.tasks.grasps import approach_opening, command_of
-from vcage.tasks.holds_with_both import SETTINGS as HANDS
+from vcage.tasks.holding import SETTINGS as HOLDING
 from vcage.tasks.holds_with_both import Hands, OneHand, holds_with_both
 from vcage.tasks.primitives.pick import PickWay
 from vcage.tasks.scene_objects import SceneObject
@@ -33,13 +33,11 @@ class HoldSettings:
         tried: pairs of holds for which every motion is planned before there is none.
         step_m: between the heights for which the joints of both arms are solved.
         speed: share of the speed limit: what the one arm is behind the other strains the object.
-        held_s: time for which both then hold it, seconds.
     """
 
     tried: int = 24
     step_m: float = 0.01
     speed: float = 0.25
-    held_s: float = 0.5
 
 
 SETTINGS = HoldSettings()
@@ -104,7 +102,7 @@ def _planned(cell: Workcell, target: SceneObject, hands: Hands) -> PlanWithBoth:
     reaches = {first: reach, second: then}
     lifts = {name: _rise(cell, name, reaches[name].end, hands[name]) for name in hands}
     body = cell.world.body(target.id)
-    lifted = {target.id: replace(body, pose=Pose([0.0, 0.0, HANDS.lift_m]) * body.pose)}
+    lifted = {target.id: replace(body, pose=Pose([0.0, 0.0, HOLDING.lift_m]) * body.pose)}
     for name, one in ((first, second), (second, first)):
         around = cell.planner_among(name, {one: lifts[one][-1]}, lifted)
         gripper = around.kinematics.arm.gripper
@@ -124,7 +122,7 @@ def _rise(cell: Workcell, arm: str, start: np.ndarray, hand: OneHand) -> np.ndar
     """(k, n) joints of an arm at each height of the lift."""
     kinematics = kinematics_of(cell.world.arms[arm].arm)
     found, grasp = [start], hand.way.grasp
-    for height in np.linspace(0, HANDS.lift_m, round(HANDS.lift_m / SETTINGS.step_m) + 1)[1:]:
+    for height in np.linspace(0, HOLDING.lift_m, round(HOLDING.lift_m / SETTINGS.step_m) + 1)[1:]:
         q = kinematics.ik(Pose(grasp.p + [0.0, 0.0, height], grasp.q), found[-1], attempts=0)
         if q is None:
             raise MotionFailed("an arm cannot follow the straight line up")
@@ -148,7 +146,7 @@ def carry_out_with_both(cell: Workcell, plan: PlanWithBoth) -> WorldState:
     _take_hold(cell, plan, second)
     _feel(cell, plan)
     cell.carry_out_together(target.id, _rising(cell, plan))
-    world.step(round(SETTINGS.held_s * PHYSICS_HZ))
+    world.step(round(HOLDING.held_s * PHYSICS_HZ))
     _feel(cell, plan)
     return world.state()
 

@@ -10,15 +10,13 @@ from vcage.schema.goals import Goal
 from vcage.schema.subtasks import Refusal, Subtask, TemplateName
 from vcage.tasks.feasibility import Transfer, examine
 from vcage.tasks.findings import best_first
+from vcage.tasks.holding import SETTINGS as HOLDING
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.stowing import reached
 from vcage.tasks.templates.proposal import Proposal, carried
 from vcage.tasks.workplace import Workplace
 
 NAME: TemplateName = "hold_up"
-
-LIFT_M = 0.1
-"""Height over its place to which a hand must be able to lift it, metres."""
 
 
 class HoldUp:
@@ -46,7 +44,7 @@ class Holding(Proposal):
         """The sub-task if an arm can lift the object, else a refusal for each contact point."""
         there = reached(self.thing, workplace.others(self.thing.id))
         thing, others = there.thing, tuple(there.others)
-        up = [Pose(thing.pose.p + [0.0, 0.0, LIFT_M], thing.pose.q)]
+        up = [Pose(thing.pose.p + [0.0, 0.0, HOLDING.lift_m], thing.pose.q)]
         contacts = thing.asset.annotation.carrying_points
         transfers = {c.id: Transfer(thing, c, "its place in the air", up, [], (), others) for c in contacts}
         findings, refused = self.judged({c: examine(t, workplace) for c, t in transfers.items()})
