@@ -460,7 +460,7 @@ def test_a_row_is_in_the_order_that_is_said(things: str) -> None:
 
 
 def test_an_order_of_other_things_than_those_named_is_refused() -> None:
-    with pytest.raises(UnreadInstruction, match="its order"):
+    with pytest.raises(UnreadInstruction, match="not one of the things that are named"):
         goals("Arrange the two blocks in the order of green, red and blue from left to right")
 
 
@@ -470,6 +470,39 @@ def test_where_a_thing_stands_says_which_one_and_is_no_step() -> None:
     assert relations(sentence.format("next to the cookie box")) == ["mug beside cookie_box"]
     assert relations(sentence.format("that is behind the plate")) == ["mug behind plate"]
     assert all(len(goals(sentence.format(where))) == 1 for where in ("on the cabinet", "next to the cookie box"))
+
+
+@pytest.mark.parametrize(
+    ("sentence", "goals"),
+    [
+        ("Grab the stamp and stamp onto the red mat", ["stamp on coloured_mat"]),
+        (
+            "Build a two-block stack at the center by placing the red block first and the green block on red",
+            ["block centred None", "block on block"],
+        ),
+        ("Put the bottle into the dustbin on the left of the table", ["bottle inside dustbin"]),
+        ("Pick up two different bottles, one in each hand", ["bottle held_up None", "bottle held_up None"]),
+        (
+            "Use one arm to hold the cup while the other arm puts the apple on the plate",
+            ["cup held_up None", "apple on plate"],
+        ),
+    ],
+)
+def test_other_ways_to_say_it_are_read(sentence: str, goals: list[str]) -> None:
+    chosen, reading = read(sentence)
+    named = {o.id: o.asset for o in name_objects(chosen, kinds())} | {"table": "table"}
+    found = [(named[a.goal.subject], a.goal.relation, named.get(str(a.goal.reference))) for a in reading.goals]
+    assert [" ".join(map(str, one)) for one in found] == goals
+
+
+def test_a_stack_of_more_things_than_are_named_is_refused() -> None:
+    with pytest.raises(UnreadInstruction, match="not one of the things that are named"):
+        goals("Build a three-block stack by placing the red block first and the green block on red")
+
+
+def test_only_a_stamp_stamps() -> None:
+    with pytest.raises(UnreadInstruction, match="is no stamp"):
+        goals("Grab the apple and stamp onto the red mat")
 
 
 def test_between_two_things_is_right_of_the_first_and_left_of_the_other() -> None:

@@ -11,6 +11,7 @@ from vcage.base.errors import NoAssetFits
 from vcage.models.rules.meanings import Meanings, Things
 from vcage.models.rules.nouns import Conflict, Doubt, Noun
 from vcage.models.rules.sentence import ONE_ARM, OTHER_ARM, Command, not_read, parse
+from vcage.objects.names import names_of
 from vcage.plans.actions import HOLDING
 from vcage.plans.consistency import inconsistencies, unordered_contradictions
 from vcage.schema.asset import CatalogueEntry
@@ -146,7 +147,7 @@ def _places_for(command: Command, done: tuple[Command, ...]) -> list[Noun | None
     if place.pronoun:
         meant = [nouns[0] for nouns in _referents(place, done, command.verb) if len(nouns) == 1] or [place]
         return [noun.owner if command.how == "on" else noun for noun in meant]
-    heads = _places(*done)[-1:] + _heads((*done, command))[-1:]
+    heads = [noun for noun in _places(*done) if not noun.of_table][-1:] + _heads((*done, command))[-1:]
     return [place.like(head) for head in heads] or [place]
 
 
@@ -256,7 +257,7 @@ class Goals:
         return names
 
     def _pick(self, command: Command) -> None:
-        self._picked |= dict.fromkeys(self._named(command), command)
+        self._picked = dict.fromkeys(self._named(command), command) | self._picked
         self._arms |= {name: command.arm for name in self._named(command) if command.arm is not None}
 
     def _lift(self, command: Command) -> None:
@@ -294,6 +295,12 @@ class Goals:
         for below, above in itertools.pairwise(self._named(command, least=1 if command.place else 2)):
             spot = self._meanings.spot_of(below, "to", command.things[0])
             self._add(command, above, spot.relation, spot.name)
+
+    def _stamp(self, command: Command) -> None:
+        for name in self._named(command):
+            if names_of(self.things[name]).words[-1] != "stamp":
+                raise Doubt(command.words, f"{name} is no stamp")
+        self._put(command)
 
     def _in_hands(self, command: Command) -> None:
         if len(self._named(command)) != 2:

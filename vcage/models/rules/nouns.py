@@ -188,7 +188,8 @@ def noun_of(found: Sequence[Token], text: str, at: int) -> Noun:
     plural = "EVERYTHING" in types or is_plural(last)
     noun = Noun(quantifier=quantifier, count=count, plural=plural, text=text, at=at)
     words, sides = list(map(lemma, _words(found, "WORD"))), _words(found, "AT")
-    words = [SIZES.get(word, word) for word in words if word != "empty"]  # nothing lies in what is not said to hold it
+    idle = ("empty", "different") if plural else ("empty",)
+    words = [SIZES.get(word, word) for word in words if word not in idle]  # nothing lies in what is not said to hold it
     known = COLOURS if "EVERYTHING" in types else COLOURS - {"orange"}
     if not types.isdisjoint(("ONE", "REST")) or set(words) <= known | SIZES.keys():
         noun = _named(noun, words, [], {**SIDES, **WHICH_PART}, sides)

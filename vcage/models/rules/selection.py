@@ -80,11 +80,11 @@ class _Selector:
         """Select the objects that the commands need, contents first.
 
         Raises:
-            Doubt: a row is of other things than those that are named.
+            Doubt: a row or a tower is of other things than those that are named.
         """
         for command in self.commands:
             if not command.things:
-                raise Doubt(command.words, "its order is not one of the things that are named")
+                raise Doubt(command.words, "it is not one of the things that are named")
             loose = any(n.several or len(self._kinds(n)) > 1 for n in command.things)
             for choose in (self._place, self._things) if loose else (self._things, self._place):
                 choose(command)
@@ -117,7 +117,7 @@ class _Selector:
             self._take(noun, "tool", TOOLS[verb])
         elif noun is not None and not noun.of_table and not noun.pronoun:
             self._take(noun, "receptacle", self._roomy(noun, command))
-            for _, other in noun.relations:
+            for other in (one for _, one in noun.relations if not one.of_table):
                 self._take(other, "context")
 
     def _roomy(self, noun: Noun, command: Command) -> Good:

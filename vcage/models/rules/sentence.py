@@ -15,7 +15,7 @@ from lark.visitors import CollapseAmbiguities
 
 from vcage.base.errors import UnreadInstruction
 from vcage.base.files import resource
-from vcage.base.words import COLOURS, FUNCTION_WORDS, is_plural, tokens
+from vcage.base.words import COLOURS, FUNCTION_WORDS, NUMBERS, is_plural, lemma, tokens
 from vcage.models.rules.nouns import Noun, noun_of
 
 REFUSED = {
@@ -81,8 +81,8 @@ class Command:
 
     Args:
         verb: a rule of the grammar: put, pick, open, close, turn, turn_off, press, weigh, scan, show, hand, lift,
-            shake, hold, in_hands, hold_with_both, away, face, stack, tower, row, swap.
-        things: its objects; none where a row is of other things than those that are named.
+            shake, hold, in_hands, hold_with_both, away, face, stack, tower, stamp, row, swap.
+        things: its objects; none where a row or a tower is of other things than those that are named.
         how: in, on, left_of, right_of, in_front_of, behind, beside, near, centred or to; for ``hand`` who gets it.
         place: where things go, or the tool.
         source: where they are taken from.
@@ -258,6 +258,26 @@ class _Commands(Transformer[Token, Any]):
     def hand(self, meta: Any, parts: list[Any]) -> list[Command]:
         things, *giver, gets = parts
         return self.__default__("hand", [things, *giver, {"how": gets["arm"] or "any"}], meta)
+
+    def built(self, meta: Any, parts: list[Any]) -> list[Command]:
+        told = {part.type: str(part) for part in parts if isinstance(part, Token)}
+        lowest, *others = [part for part in parts if not isinstance(part, Token)]
+        if "STOREYS" in told:
+            kinds = {noun.words[-1:] for noun in (lowest, *(above for above, _ in others))}
+            if NUMBERS[told["STOREYS"].rstrip("-")] != 1 + len(others) or kinds - {(), (lemma(told["WORD"]),)}:
+                return [Command("tower", at=meta.start_pos)]
+        found = [Command("put", (above,), "on", below, at=meta.start_pos) for above, below in others]
+        if "CENTRE" in told:
+            middle = Noun(words=("table",), text=told["CENTRE"], at=meta.start_pos)
+            found.insert(0, Command("put", (lowest,), "centred", middle, at=meta.start_pos))
+        return found
+
+    def on_it(self, _: Any, parts: list[Any]) -> tuple[Noun, Noun]:
+        return parts[0], parts[-1]
+
+    def stamp(self, meta: Any, parts: list[Noun]) -> list[Command]:
+        it = Noun(pronoun="it", text="stamp", at=meta.start_pos)
+        return [Command("stamp", (it,), "on", parts[0], at=meta.start_pos)]
 
     def swap(self, meta: Any, parts: list[Any]) -> list[Command]:
         named, *other = parts
