@@ -105,8 +105,12 @@ def _things_for(noun: Noun, done: tuple[Command, ...], command: Command) -> list
     """Referents of a noun for things: itself, those of a pronoun, or of the kind meant by "the red one"."""
     if noun.pronoun:
         return [tuple(o.without(noun.but) for o in nouns) for nouns in _referents(noun, done, command.verb)]
-    heads = _heads((*done, command))
-    if not noun.headless or not heads:
+    return _of_kind_meant(noun, _heads((*done, command))) if noun.headless else [(noun,)]
+
+
+def _of_kind_meant(noun: Noun, heads: Sequence[Noun]) -> list[tuple[Noun, ...]]:
+    """Referents of "the red one" or "the small one" among nouns that name a kind."""
+    if not heads:
         return [(noun,)]
     if noun.size and (alike := _sized_like(heads)):
         return [(one,) for one in _of_size(noun.size, alike) or [noun]]
