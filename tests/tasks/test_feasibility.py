@@ -22,9 +22,11 @@ from tests.example_scenes import TABLE_TOP, block_and_plate, kinematics, sensibl
 from vcage.base.geometry import Pose
 from vcage.schema.asset import FunctionalPoint
 from vcage.schema.goals import Goal
+from vcage.sim.robots import load_robot
 from vcage.tasks.access import access
-from vcage.tasks.feasibility import Transfer, examine, fits, opens_wide_enough
+from vcage.tasks.feasibility import Transfer, examine, fits, opens_wide_enough, palm_meets
 from vcage.tasks.findings import Feasibility
+from vcage.tasks.grasps import grasp_poses
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import find_subtasks
 from vcage.tasks.slots import Slot
@@ -198,3 +200,11 @@ def test_an_object_goes_into_a_drawer_opened_first(cabinet):
     into = next(s for s in found.kept if s.functional_point == 0)
     assert into.requires == [Goal(subject="cabinet", relation="open", part="drawer_upper")]
     assert "brown cabinet has no contact point to carry it by" in [r.reason for r in found.refused]
+
+
+def test_a_palm_that_lies_across_the_object_is_in_its_own_way():
+    sign, gripper = thing("payment_sign"), load_robot("aloha_agilex").arms["left"].gripper
+    left = sign.asset.annotation.contact_point(1)
+    straight, *_, across, _ = grasp_poses(sign.pose, left, gripper, TABLE_TOP, (0.0, np.radians(-80), np.radians(80)))
+    meet = [palm_meets(sign, grasp, gripper) for grasp in (straight, across)]
+    assert meet == [False, True]

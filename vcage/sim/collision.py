@@ -34,6 +34,10 @@ CLEARANCE_M = 0.005
 """Least distance from the other arms, and on free ways from objects, metres: on ``aloha_agilex`` a hand in motion is
 4 mm behind its target."""
 
+HAND_CLEARANCE_M = 0.003
+"""Least distance of links other than fingers from all that they may not touch, metres: where fingers close on a thing,
+the palm stays off what lies beside it. It may be nearer to the thing itself, which short fingers hold deep."""
+
 
 @dataclass(frozen=True)
 class Held:
@@ -144,6 +148,8 @@ class CollisionScene:
         self._obstacles = _Solids((name, shape, self._to_base * pose) for name, shape, pose in items)
         self._of_arms = np.arange(len(items)) >= standing
         self._obstacles.radii += CLEARANCE_M
+        links = {name for name, _ in self.kinematics.link_shapes}
+        self._unlike_fingers = links - self.kinematics.finger_links
 
     @classmethod
     def of_world(cls, world: World, arm: str, changed: Mapping[str, Body] | None = None) -> CollisionScene:
@@ -174,7 +180,8 @@ class CollisionScene:
     ) -> Contact | None:
         """The first overlap of more than :data:`TOLERANCE` with the arm at ``q``, or None.
 
-        Of other arms, links nearer than :data:`CLEARANCE_M` count.
+        Of other arms, links nearer than :data:`CLEARANCE_M` count; and so do links other than fingers that are nearer
+        than :data:`HAND_CLEARANCE_M` to anything but what the fingers may touch.
 
         Args:
             q: (n,) arm joints, rad.
@@ -233,11 +240,14 @@ class CollisionScene:
         near = _spheres_meet(moving, self._obstacles) & (ranks > 0)[:, None]  # the base never moves
         for i, j in np.argwhere(near).tolist():
             name = self._obstacles.names[j]
-            if name in fingers_may_touch and moving.names[i] in fingers:
+            taken = name in fingers_may_touch
+            if name in skip or (taken and moving.names[i] in fingers):
                 continue
             kept_off = self._of_arms[j] or (beside is not None and name not in beside)
-            meets = near_to if kept_off else overlap
-            if name not in skip and meets(moving.object(i), self._obstacles.object(j)):
+            beside_fingers = not taken and moving.names[i] in self._unlike_fingers
+            least = CLEARANCE_M if kept_off else HAND_CLEARANCE_M if beside_fingers else None
+            one, other = moving.object(i), self._obstacles.object(j)
+            if overlap(one, other) if least is None else near_to(one, other, least):
                 return Contact(moving.names[i], name)
         return None
 
@@ -256,16 +266,52 @@ def overlapping(bodies: Mapping[str, Body]) -> list[tuple[str, str]]:
     Args:
         bodies: objects by id.
     """
-    solids = {}
-    for name, body in bodies.items():
-        pose = to_sapien(body.pose)
-        solids[name] = _Solids((name, shape, pose * local) for _, shape, local in model_shapes(body.model, body.joints))
+    solids = {name: _solids_of(name, body) for name, body in bodies.items()}
     found = []
     for (first, a), (second, b) in itertools.combinations(solids.items(), 2):
         near = np.argwhere(_spheres_meet(a, b)).tolist()
         if any(overlap(a.object(i), b.object(j)) for i, j in near):
             found.append((first, second))
     return found
+
+
+def first_near(body: Body, others: Mapping[str, Body], distance: float) -> str | None:
+    """The first of other objects that is nearer to an object than a distance, by id; None where all are farther.
+
+    Args:
+        body: the object.
+        others: by id.
+        distance: metres.
+    """
+    own = _solids_of("", body)
+    own.radii += distance
+    for name, other in others.items():
+        solids = _solids_of(name, other)
+        near = np.argwhere(_spheres_meet(own, solids)).tolist()
+        if any(near_to(own.object(i), solids.object(j), distance) for i, j in near):
+            return name
+    return None
+
+
+def _solids_of(name: str, body: Body) -> _Solids:
+    """All parts of an object where it is, each with its id."""
+    pose = to_sapien(body.pose)
+    return _Solids((name, shape, pose * local) for _, shape, local in model_shapes(body.model, body.joints))
+
+
+def meets_box(model: PhysicalModel, joints: Sequence[float], size: Iterable[float], at: Pose) -> bool:
+    """True if an object overlaps a box by more than :data:`TOLERANCE`.
+
+    Args:
+        model: of the object.
+        joints: positions of its moving parts; all at 0 when empty.
+        size: of the box (x, y, z), metres.
+        at: of the middle of the box, in the object's frame.
+    """
+    box = _Solids([("box", box_shape(size), to_sapien(at))])
+    parts = _Solids((part or "body", shape, local) for part, shape, local in model_shapes(model, joints))
+    near = np.argwhere(_spheres_meet(box, parts)).tolist()
+    return any(overlap(box.object(i), parts.object(j)) for i, j in near)
 
 
 def overlap(a: fcl.CollisionObject, b: fcl.CollisionObject) -> bool:
@@ -276,11 +322,11 @@ def overlap(a: fcl.CollisionObject, b: fcl.CollisionObject) -> bool:
     return result.is_collision() and abs(result.get_contact(0).penetration_depth) > TOLERANCE
 
 
-def near_to(a: fcl.CollisionObject, b: fcl.CollisionObject) -> bool:
-    """True if two solids are nearer to each other than :data:`CLEARANCE_M`."""
+def near_to(a: fcl.CollisionObject, b: fcl.CollisionObject, distance: float = CLEARANCE_M) -> bool:
+    """True if two solids are nearer to each other than a distance, metres."""
     from mplib.pymp.collision_detection import fcl
 
-    return fcl.distance(a, b, _distance_only()).min_distance < CLEARANCE_M
+    return fcl.distance(a, b, _distance_only()).min_distance < distance
 
 
 @functools.cache

@@ -18,6 +18,7 @@ from vcage.base.memory import remembered
 from vcage.schema.asset import ContactPoint, FunctionalPoint
 from vcage.schema.robot import Gripper, Robot
 from vcage.schema.subtasks import Check
+from vcage.sim.collision import meets_box
 from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.access import headroom
 from vcage.tasks.findings import Feasibility, Report, hand_check, reach_check, travel
@@ -90,8 +91,16 @@ def _hands(
     for grasp in poses:
         hand = [SolidBox(part, grasp.pose) for part in hand_boxes(gripper, opening, min(width, opening))]
         met = holder if any(part.overlaps(wall) for part in hand for wall in walls) else first_met(hand, beside)
+        met = target if met is None and palm_meets(target, grasp, gripper) else met
         found.append((grasp, None if met is None else met.record.phrase))
     return found
+
+
+def palm_meets(target: SceneObject, grasp: GraspPose, gripper: Gripper) -> bool:
+    """True if the palm of a hand that takes an object overlaps the object: a tilted hand may lie across it."""
+    *_, (lower, upper) = hand_boxes(gripper, gripper.max_width)
+    at = grasp.in_object * Pose((lower + upper) / 2)
+    return meets_box(target.asset.model, target.joints, upper - lower, at)
 
 
 def _walls_around(thing: SceneObject, holder: SceneObject) -> list[SolidBox]:

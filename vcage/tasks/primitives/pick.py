@@ -239,7 +239,7 @@ def _path_to_grasp(
     """
     arm, width = planner.kinematics.arm, target.asset.grasp_width(contact)
     opening = command_of(approach_opening(width, arm.gripper), arm.gripper)
-    closing = Load(opening, ignore=cell.parts(target.id), speed=CAREFUL_SPEED_SHARE)
+    closing = Load(opening, fingers_may_touch=cell.parts(target.id), speed=CAREFUL_SPEED_SHARE)
     reach = planner.move(begun, way.before, Load(opening), then=[way.grasp, way.lifted])
     down = planner.line(reach.end, way.grasp, closing)
     lifting = _lifting(cell.held(target.id, way.grasp), command_of(width, arm.gripper))
