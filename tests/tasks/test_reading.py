@@ -9,7 +9,9 @@ from hypothesis import strategies as st
 
 from tests.example_scenes import TABLE_TOP, thing
 from vcage.base.geometry import Pose
-from vcage.tasks.reading import reading_poses, reads
+from vcage.sim.bodies import Body
+from vcage.sim.collision import first_near
+from vcage.tasks.reading import SETTINGS, free_reading_poses, reading_poses, reads
 from vcage.tasks.scene_objects import SceneObject
 
 SCANNER = thing("barcode_scanner", (-0.2, 0.0))
@@ -88,3 +90,21 @@ def test_facing_pairs_come_first_and_some_turned_aside_after_them() -> None:
     assert straight == sorted(straight, reverse=True)
     assert any(angle > np.radians(15) for angle in off)
     assert all(reads(SCANNER.moved(pose), box) for pose in poses)
+
+
+def test_a_scanner_is_held_clear_of_what_the_coded_thing_lies_on():
+    scale = thing("electronic_scale", (0.1, 0.05))
+    bar = thing("chocolate_bar", (0.1, 0.05), height=scale.rim(0))
+    poses, in_the_way = free_reading_poses(SCANNER, bar, [scale], TABLE_TOP)
+    assert poses and in_the_way is None
+    body = {scale.id: Body(scale.asset.model, scale.pose)}
+    assert all(first_near(Body(SCANNER.asset.model, p), body, min(SETTINGS.clearances_m)) is None for p in poses)
+
+
+def test_what_leaves_no_room_before_a_code_is_named():
+    box = thing("cereal_box", (0.1, 0.05))
+    around = [
+        thing("lotion_bottle", pose.p[:2], id=f"b{i}") for i, pose in enumerate(reading_poses(SCANNER, box, TABLE_TOP))
+    ]
+    poses, in_the_way = free_reading_poses(SCANNER, box, around, TABLE_TOP)
+    assert poses == [] and in_the_way in around

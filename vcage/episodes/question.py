@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Statement, Subtask
 from vcage.sim.drawer import Drawing, Window
 from vcage.sim.joints import link_poses
+from vcage.tasks.reading import SETTINGS as READING
 from vcage.tasks.reading import reading_poses
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.setting import Seen
@@ -145,7 +147,8 @@ def _question(context: StageContext, scene: Scene, asking: Asking) -> CriticQues
         return context.drawing(scene.object(object_id), pose, camera, window, shares)
 
     def readings(moved: str, at: Pose, still: str, there: Pose) -> Iterator[Pose]:
-        return reading_poses(objects[moved].moved(at), objects[still].moved(there), scene.table.height)
+        mover, other = objects[moved].moved(at), objects[still].moved(there)
+        return chain.from_iterable(reading_poses(mover, other, scene.table.height, rise) for rise in READING.raises_m)
 
     return CriticQuestion(
         text=asking.text,

@@ -28,7 +28,8 @@ from vcage.tasks.primitives.operate import OperatePlan, Operation
 from vcage.tasks.primitives.pick import KnownPaths, LeadsOn, PickPlan, PickWay, plan_pick
 from vcage.tasks.primitives.place import Surroundings
 from vcage.tasks.primitives.push import PushPlan, plan_push
-from vcage.tasks.reading import reading_poses
+from vcage.tasks.reading import SETTINGS as READING
+from vcage.tasks.reading import free_reading_poses, reading_poses
 from vcage.tasks.scene_objects import Obstacles, SceneObject
 from vcage.tasks.slots import Slot, other_slots
 from vcage.tasks.workcell import TaskFailed, Workcell
@@ -181,7 +182,11 @@ class Choices:
     ) -> tuple[PickPlan, Surroundings, list[Pose]]:
         """The first grasp that can hold an object before another, its surroundings, and its poses there."""
         target, cell = self._cell.object(object_id), self._cell
-        poses = list(reading_poses(target, cell.object(other_id), self.world.table.height))
+        other, height = cell.object(other_id), self.world.table.height
+        beside = cell.objects_but(object_id, other_id, *cell.contents(object_id))
+        poses, _ = free_reading_poses(target, other, beside, height)
+        # Things may have been put down some millimetres beside their places: the planner finds what is free then.
+        poses = poses or [pose for rise in READING.raises_m for pose in reading_poses(target, other, height, rise)]
         if not poses:
             raise TaskFailed("plan", f"{object_id} cannot be held before {other_id}", exhausted=True)
         # Where it came from the hand has room, and before the other it lets go of nothing: no obstacle raises it, and

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -11,6 +11,8 @@ import numpy as np
 from vcage.base.geometry import Pose
 from vcage.goals.thresholds import THRESHOLDS
 from vcage.schema.asset import Face
+from vcage.sim.bodies import Body
+from vcage.sim.collision import first_near
 from vcage.tasks.scene_objects import SceneObject
 
 
@@ -23,12 +25,18 @@ class HoldingSettings:
         aside_m: farther beside its axis nothing is held on purpose: a hand comes some millimetres beside.
         turns_deg: angles of a code and a window away from facing each other, in the order to try them.
         over_table_m: clearance of the held object above the table.
+        raises_m: heights above the axis at which things are held, in the order to try them: on the axis, or clear of
+            what the other lies on.
+        clearances_m: least distances of the held object from all others, the first at which it has room: it sways
+            between the fingers, and a hand in motion is some millimetres behind.
     """
 
     distances_m: tuple[float, ...] = (0.04, 0.055, 0.03)
     aside_m: float = 0.025
     turns_deg: tuple[float, ...] = (0.0, 20.0, -20.0)
     over_table_m: float = 0.006
+    raises_m: tuple[float, ...] = (0.0, 0.02)
+    clearances_m: tuple[float, ...] = (0.015, 0.008)
 
 
 SETTINGS = HoldingSettings()
@@ -42,13 +50,14 @@ def reads(one: SceneObject, other: SceneObject) -> bool:
     return any(_sees(one, a, other, b) for a, b in _pairs(one, other))
 
 
-def reading_poses(mover: SceneObject, still: SceneObject, support: float) -> Iterator[Pose]:
+def reading_poses(mover: SceneObject, still: SceneObject, support: float, rise: float = 0.0) -> Iterator[Pose]:
     """Poses in the world, upright as now, with a face of ``mover`` before one of ``still``.
 
     Args:
         mover: the held object.
         still: the resting object; codes and windows that face up or down are left out.
         support: z of the table top, metres.
+        rise: height above the axis, metres.
     """
     for aside, (mine, theirs) in product(np.radians(SETTINGS.turns_deg), list(_pairs(mover, still))):
         normal = still.pose.rotation() @ np.asarray(theirs.axis)
@@ -63,9 +72,28 @@ def reading_poses(mover: SceneObject, still: SceneObject, support: float) -> Ite
         low = float(mover.moved(rotation).aabb[0, 2])
         for distance in SETTINGS.distances_m:
             x, y, z = still.pose.apply(theirs.position) + distance * out - offset
-            pose = Pose([x, y, max(z, support + SETTINGS.over_table_m - low)], rotation.q)
+            pose = Pose([x, y, max(z + rise, support + SETTINGS.over_table_m - low)], rotation.q)
             if _sees(mover.moved(pose), mine, still, theirs, SETTINGS.aside_m):
                 yield pose
+
+
+def free_reading_poses(
+    mover: SceneObject, still: SceneObject, others: Sequence[SceneObject], support: float
+) -> tuple[list[Pose], SceneObject | None]:
+    """The poses of :func:`reading_poses` with most room around them; and what is in the way where there are none.
+
+    Args:
+        mover, still, support: as there.
+        others: all other objects, where they are.
+    """
+    bodies, in_the_way = {o.id: Body(o.asset.model, o.pose, o.joints) for o in others}, None
+    for clearance, rise in product(SETTINGS.clearances_m, SETTINGS.raises_m):
+        poses = list(reading_poses(mover, still, support, rise))
+        near = [first_near(Body(mover.asset.model, pose, mover.joints), bodies, clearance) for pose in poses]
+        if free := [pose for pose, name in zip(poses, near, strict=True) if name is None]:
+            return free, None
+        in_the_way = next((o for o in others if o.id in near), in_the_way)
+    return [], in_the_way
 
 
 def _pairs(one: SceneObject, other: SceneObject) -> Iterator[tuple[Face, Face]]:

@@ -10,8 +10,8 @@ from vcage.schema.goals import Goal
 from vcage.schema.subtasks import Refusal, Subtask, TemplateName
 from vcage.tasks.feasibility import Transfer, examine
 from vcage.tasks.findings import Feasibility, best_first
-from vcage.tasks.reading import reading_poses
-from vcage.tasks.scene_objects import SceneObject, first_met
+from vcage.tasks.reading import free_reading_poses
+from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.templates.proposal import Proposal
 from vcage.tasks.workplace import Workplace
 
@@ -90,17 +90,14 @@ class Reading(Proposal):
     def _findings(
         self, mover: SceneObject, still: SceneObject, workplace: Workplace
     ) -> tuple[list[Feasibility], list[Refusal]]:
-        poses = list(reading_poses(mover, still, workplace.ground.height))
-        if not poses:
-            return [], [self.refusal(f"{mover.record.phrase} cannot be held before {still.record.phrase}")]
         others = tuple(workplace.others(mover.id))
         beside = [o for o in others if o.id != still.id]
-        met = [first_met(mover.moved(pose).boxes, beside) for pose in poses]
-        poses = [pose for pose, thing in zip(poses, met, strict=True) if thing is None]
+        poses, in_the_way = free_reading_poses(mover, still, beside, workplace.ground.height)
+        if in_the_way is not None:
+            met, before = in_the_way.record.phrase, still.record.phrase
+            return [], [self.refusal(f"{mover.record.phrase} would touch {met} before {before}")]
         if not poses:
-            in_the_way = next(thing.record.phrase for thing in met if thing is not None)
-            reason = f"{mover.record.phrase} would touch {in_the_way} before {still.record.phrase}"
-            return [], [self.refusal(reason)]
+            return [], [self.refusal(f"{mover.record.phrase} cannot be held before {still.record.phrase}")]
         where = f"its place before {still.record.phrase}"
         contacts = mover.asset.annotation.carrying_points
         transfers = {c.id: Transfer(mover, c, where, poses, [], (), others) for c in contacts}
