@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import json
+from dataclasses import replace
 
 import h5py
 import numpy as np
@@ -16,6 +17,7 @@ from vcage.base.geometry import Pose, boxes_overlap, world_aabb
 from vcage.episodes import layouts
 from vcage.episodes.layouts import Layout, Layouts, NoLayout
 from vcage.goals.thresholds import THRESHOLDS
+from vcage.layout.items import ANY_YAW
 from vcage.plans.kept import relations_kept
 from vcage.plans.relations import ground_box
 from vcage.runs.inputs import read_plan
@@ -126,6 +128,22 @@ def test_a_layout_with_a_thing_at_the_centre_that_is_to_go_there_is_refused(fini
     off, at_centre = (now | {block.id: Pose([x, 0.0, block.pose.p[2]])} for x in (2 * THRESHOLDS.centred_m, 0.0))
     assert source._fulfilled(off) == set()
     assert source._fulfilled(at_centre) == {goal}
+
+
+def test_a_thing_to_face_the_customer_is_at_most_a_quarter_turned_away(finished, scene, chain, relations):
+    goal = goal_of([chain[0].object, "presented"])
+    source = Layouts(scene, relations, [chain[0].model_copy(update={"goals": [goal]})], finished.context)
+    item = next(item for item in source._standing if item.id == goal.subject)
+    assert len(item.yaws) == len(ANY_YAW) / 2 + 1
+    assert all(np.cos(yaw - np.pi) > -1e-6 for yaw in item.yaws)
+
+
+def test_things_that_one_arm_must_reach_are_drawn_where_it_reaches_them(finished, scene, relations, chain):
+    source = Layouts(scene, relations, chain, finished.context)
+    near = np.array([[[0.05, -0.2], [0.4, 0.15]]])
+    source._for_one_arm = [[[replace(item, allowed=near) for item in source._standing]]]
+    for poses in (source._random_poses(np.random.default_rng(seed)) for seed in range(3)):
+        assert all(0.05 <= pose.p[0] <= 0.4 for pose in poses.values())
 
 
 def test_a_goal_that_the_runs_own_layout_fulfils_too_is_no_reason_to_refuse(finished, scene, chain, relations):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.run_folders import Finished
+from vcage.base.errors import NoFeasibleTask
 from vcage.base.words import look_words, tokens
 from vcage.episodes import starts as starts_module
 from vcage.episodes.layouts import EpisodeLayoutSettings
@@ -155,3 +156,18 @@ def test_refused_layouts_lead_to_less_clutter():
         (3, {"a": "red"}),
         (0, {}),
     ]
+
+
+def test_where_small_shifts_break_the_chain_objects_stand_as_optimised(finished, scene, monkeypatch):
+    own, proven = {o.id: o.pose.pose() for o in scene.objects}, starts_module.proven
+
+    def as_optimised_only(chain, objects, *others):
+        if any(not np.allclose(o.pose.p, own[o.id].p) for o in objects):
+            raise NoFeasibleTask("shifted")
+        return proven(chain, objects, *others)
+
+    monkeypatch.setattr(starts_module, "proven", as_optimised_only)
+    source = made(finished, scene, WorldRanges())
+    source._relations = None
+    drawn = source.draw(np.random.default_rng(0))
+    assert all(np.allclose(o.pose.p, own[name].p) for name, o in drawn.objects.items())

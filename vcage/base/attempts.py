@@ -28,6 +28,7 @@ class AttemptLimits:
         compared_starts: random placements for each layout of an episode; the one that breaks the fewest
             relations is optimised: the optimisation moves objects past each other only if it must.
         shifts: small shifts of the run's layout, until all descriptions are true.
+        proven_shifts: layouts that are shifted like that, until the chain is proven in one.
         slot_sets: sets of slots for a chain, where another layout would do as well.
         same_slot_sets: sets refused one after the other in the same words, after which no more are tried.
         final_slot_sets: sets of slots for a chain, where there is no other layout.
@@ -36,6 +37,7 @@ class AttemptLimits:
         spare_slots: further slots for an object that cannot be brought to its own.
         table_places: places on the table, until an arm can bring the object to one.
         zone_draws: poses in each zone of the table.
+        ground_rounds: times that poses are drawn in all zones of the table, until an arm reaches one.
         unclear_ways: ways to operate a part at which the hand touches it, until no others are looked for.
         ways_past_arms: ways to a slot past an arm that holds something up: to look for one in vain takes long.
         home_halvings: times that an arm's start beside home is moved nearer to it while it touches something; at last
@@ -45,11 +47,12 @@ class AttemptLimits:
     placements: int = 5
     placements_for_hands: int = 40
     stowings: int = 60
-    layouts: int = 6
+    layouts: int = 10
     episode_layouts: int = 30
     eased_layouts: int = 10
     compared_starts: int = 30
     shifts: int = 8
+    proven_shifts: int = 3
     slot_sets: int = 4
     same_slot_sets: int = 3
     final_slot_sets: int = 20
@@ -58,6 +61,7 @@ class AttemptLimits:
     spare_slots: int = 6
     table_places: int = 12
     zone_draws: int = 6
+    ground_rounds: int = 3
     unclear_ways: int = 4
     ways_past_arms: int = 4
     home_halvings: int = 4

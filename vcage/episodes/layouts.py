@@ -25,13 +25,14 @@ from vcage.plans.descriptions import described_relations
 from vcage.plans.kept import relations_kept, relations_kept_in
 from vcage.plans.relations import ground_box
 from vcage.runs.context import StageContext
-from vcage.scenes.layout_items import Targets, layout_items, nearest_layout
+from vcage.scenes.layout_items import Targets, choices_of_arms, layout_items, nearest_layout
 from vcage.schema.goals import Goal
 from vcage.schema.plan import TABLE, Relation, RelationWord
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Grasp, Subtask
 from vcage.sim.robots import load_robot
 from vcage.tasks.described import complaints
+from vcage.tasks.ground import FACING
 from vcage.tasks.rehearsal import examined, proven
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import Slot
@@ -48,11 +49,14 @@ class EpisodeLayoutSettings:
 
     Args:
         turns_rad: turns of a receptacle from its heading in the run's layout: its front stays towards the robot.
+        most_turned_rad: largest turn of a thing to the heading at which it is to be put down, as a wrist turns only
+            so far: on ``aloha_agilex`` hardly any place before the customer is reached after half a turn.
         restarts: of the optimisation of a layout; another draw is a better start.
         clutter_gap_m: gap of clutter to everything.
     """
 
     turns_rad: tuple[float, ...] = tuple(float(turn) for turn in np.radians((-20, -10, 0, 10, 20)))
+    most_turned_rad: float = np.pi / 2
     restarts: int = 2
     clutter_gap_m: float = 0.04
 
@@ -95,6 +99,7 @@ class Layouts:
 
     def __init__(self, scene: Scene, relations: Sequence[Relation], chain: Sequence[Subtask], context: StageContext):
         self._scene, self._chain, self._context = scene, chain, context
+        self._goals = {goal for subtask in chain for goal in subtask.goals}
         broken = relations_kept_in(scene, relations).broken
         self._described = described_relations(scene.descriptions)
         self._relations = list(dict.fromkeys([*self._described, *(r for r in relations if r not in broken)]))
@@ -112,6 +117,7 @@ class Layouts:
             for item in layout_items(scene, Targets(now, self._inside), context)
             if item.id not in self._inside
         ]
+        self._for_one_arm = choices_of_arms(self._standing, scene, context)
         standing = {item.id for item in self._standing} | {TABLE}
         self._between = [r for r in self._described if {r.subject, r.reference} <= standing]
 
@@ -187,7 +193,7 @@ class Layouts:
     def _fulfilled(self, poses: Mapping[str, Pose]) -> set[Goal]:
         """Goals of the chain about how things stand that are true where objects have these poses."""
         state = StillState({name: o.moved(poses[name]) for name, o in self._objects.items()})
-        goals = {goal for subtask in self._chain for goal in subtask.goals if goal.kind.may_hold_already}
+        goals = (goal for goal in self._goals if goal.kind.may_hold_already)
         placed = (goal for goal in goals if goal.reference != TABLE and goal.part is None)
         return {goal for goal in placed if goals_hold([goal], state).success}
 
@@ -204,8 +210,16 @@ class Layouts:
         return self._with_contents(solved)
 
     def _random_poses(self, rng: np.random.Generator) -> dict[str, Pose]:
-        """Poses of the objects on the table, drawn at random within reach."""
-        drawn = place(self._standing, self._workspace, rng, self._margin, relations=self._between)
+        """Poses of the objects on the table, drawn at random within reach; of one arm where one must reach several."""
+        some = {item.id: item for item in self._standing}
+        for choices in self._for_one_arm:
+            some |= {item.id: item for item in choices[rng.integers(len(choices))]}
+        try:
+            drawn = place(list(some.values()), self._workspace, rng, self._margin, relations=self._between)
+        except InfeasibleScene:
+            if not self._for_one_arm:
+                raise
+            drawn = place(self._standing, self._workspace, rng, self._margin, relations=self._between)
         return {item.id: item.pose(drawn[item.id], self._objects[item.id].pose.p[2]) for item in self._standing}
 
     def _poses_of_clutter(
@@ -240,14 +254,21 @@ class Layouts:
         return self._root(self._inside[name]) if name in self._inside else name
 
     def _headings(self, o: SceneObject) -> tuple[float, ...]:
-        """Headings to draw from: any, except for an object with a front or with contents."""
+        """Headings to draw from: any, except for an object with a front or contents, or that must end at a heading."""
         if o.asset.articulated:
             return FRONT_YAWS
-        turned = tuple(o.pose.yaw + turn for turn in SETTINGS.turns_rad)
-        return turned if o.record.role == "receptacle" else ANY_YAW
+        if o.record.role == "receptacle":
+            return tuple(o.pose.yaw + turn for turn in SETTINGS.turns_rad)
+        asked = [FACING[goal.relation] for goal in self._goals if goal.subject == o.id and goal.relation in FACING]
+        return tuple(yaw for yaw in ANY_YAW if all(_apart(yaw, end) < SETTINGS.most_turned_rad + 1e-6 for end in asked))
 
     def _examined(self, subtask: Subtask, workplace: Workplace) -> Subtask:
         found = examined(subtask, workplace)
         if found is None:
             raise Refused(f"{subtask.id} is not feasible")
         return found
+
+
+def _apart(a: float, b: float) -> float:
+    """Angle between two headings, radians."""
+    return float(abs((a - b + np.pi) % (2 * np.pi) - np.pi))

@@ -12,7 +12,7 @@ from itertools import repeat
 import numpy as np
 
 from vcage.base.attempts import LIMITS, GaveUp, Refused, first_accepted
-from vcage.base.errors import NoFeasibleTask
+from vcage.base.errors import InfeasibleScene, NoFeasibleTask
 from vcage.base.geometry import Pose
 from vcage.episodes.layouts import Layout, Layouts, NoLayout
 from vcage.episodes.worlds import Worlds, drawn_models, free_start, left_with, other_phrases, steady, weighed
@@ -91,17 +91,16 @@ class Starts:
         world, layout, refused = self._laid_out(rng)
         scene = self._worlds.changed(world)
         objects = {o.id: o for o in (*self._context.objects(scene), *self._worlds.clutter(world))}
-        poses = self._shifted(scene, list(objects.values()), rng) if layout is None else layout.poses
-        objects = {name: o.moved(poses[name]) for name, o in objects.items()}
+        stood = layout or self._shifted_layout(scene, list(objects.values()), rng)
+        objects = {name: o.moved(stood.poses[name]) for name, o in objects.items()}
         scene = self._with(scene, objects.values())
-        grasps, slots = self._proven(scene, objects, rng) if layout is None else (layout.grasps, layout.slots)
         models = self._context.physical_models(scene)
         world = free_start(scene, models, weighed(world, self._ranges, models, rng))
         return Start(
             scene=scene,
             objects=objects,
-            grasps=grasps,
-            slots=slots,
+            grasps=stood.grasps,
+            slots=stood.slots,
             drawn=layout is not None,
             refused=refused,
             world=world,
@@ -136,6 +135,27 @@ class Starts:
         stood = self._with(scene, [o.moved(layout.poses[o.id]) for o in objects])
         return steady(stood, self._context.physical_models(stood), left_with(world, layout.poses)), layout
 
+    def _shifted_layout(self, scene: Scene, objects: Sequence[SceneObject], rng: np.random.Generator) -> Layout:
+        """The run's layout with small shifts in which the chain is proven; without shifts where none is found.
+
+        Where the chain is proven in none of them, the planned grasps are taken, and slots for them.
+        """
+
+        def at(poses: Mapping[str, Pose], slot_sets: int) -> Layout:
+            stood = [o.moved(poses[o.id]) for o in objects]
+            chain, slots = proven(self._chain, stood, self._with(scene, stood), rng, slot_sets)
+            return Layout(dict(poses), {subtask.id: subtask.grasps for subtask in chain}, slots)
+
+        shifted = repeat(lambda: at(self._shifted(scene, objects, rng), LIMITS.slot_sets), LIMITS.proven_shifts)
+        unshifted = {o.id: o.pose for o in objects}
+        proposals = [*shifted, partial(at, unshifted, LIMITS.final_slot_sets)]
+        try:
+            return first_accepted(proposals, (NoFeasibleTask, InfeasibleScene)).value
+        except GaveUp as error:
+            logger.info("%s", error.refusals[-1])
+        slots = slots_for_chain(self._chain, Workplace.of(scene, objects, rng))
+        return Layout(unshifted, {subtask.id: subtask.grasps for subtask in self._chain}, slots)
+
     def _shifted(self, scene: Scene, objects: Sequence[SceneObject], rng: np.random.Generator) -> dict[str, Pose]:
         """Poses a little off the run's, at which all descriptions stay true; the run's where none are found."""
 
@@ -154,18 +174,6 @@ class Starts:
         """The scene with objects where they are."""
         records = [settled_record(o.record, o.pose, self._context) for o in objects]
         return scene.model_copy(update={"objects": records})
-
-    def _proven(
-        self, scene: Scene, objects: Mapping[str, SceneObject], rng: np.random.Generator
-    ) -> tuple[dict[str, list[Grasp]], dict[str, Slot]]:
-        """Grasps and slots in a slightly shifted layout of the run; the planned ones where the shift breaks a step."""
-        chain, things = self._chain, list(objects.values())
-        try:
-            chain, slots = proven(chain, things, scene, rng)
-        except NoFeasibleTask as error:
-            logger.info("%s", error.message)
-            slots = slots_for_chain(chain, Workplace.of(scene, things, rng))
-        return {subtask.id: subtask.grasps for subtask in chain}, slots
 
 
 def _refused(refusals: Iterable[Exception]) -> dict[str, int]:

@@ -176,14 +176,31 @@ def _common(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 def _in_reach_of_one_arm(items: Sequence[TableItem], scene: Scene, context: StageContext) -> list[TableItem]:
     """The items, each group that one arm must reach allowed where the nearest such arm reaches it."""
-    found, by_id = {item.id: item for item in items}, {o.id: o for o in context.objects(scene)}
-    asked = reached_by(list(by_id.values()), scene.goals)
-    for group in for_one_arm(list(by_id.values()), [one.goal for one in scene.goals]):
-        moved = [found[name] for name in sorted(group) if not by_id[name].asset.articulated]
-        choices = [_in_reach_of(arm, moved, by_id, scene, context) for arm in _arms_for(group, asked, scene)]
-        nearest = min(filter(None, choices), key=lambda choice: sum(map(_distance_to_reach_m, choice)), default=[])
+    found = {item.id: item for item in items}
+    for choices in choices_of_arms(items, scene, context):
+        nearest = min(choices, key=lambda choice: sum(map(_distance_to_reach_m, choice)))
         found |= {item.id: item for item in nearest}
     return list(found.values())
+
+
+def choices_of_arms(items: Sequence[TableItem], scene: Scene, context: StageContext) -> list[list[list[TableItem]]]:
+    """For each group of items that one arm must reach: the group as allowed where an arm reaches it, for each such arm.
+
+    A group that no arm reaches is left out.
+
+    Args:
+        items: of the scene.
+        scene: with its robot and goals.
+        context: the library, and the reach of the robots.
+    """
+    placed, by_id = {item.id: item for item in items}, {o.id: o for o in context.objects(scene)}
+    asked = reached_by(list(by_id.values()), scene.goals)
+    found = []
+    for group in for_one_arm(list(by_id.values()), [one.goal for one in scene.goals]):
+        moved = [placed[name] for name in sorted(group & placed.keys()) if not by_id[name].asset.articulated]
+        choices = [_in_reach_of(arm, moved, by_id, scene, context) for arm in _arms_for(group, asked, scene)]
+        found.append([choice for choice in choices if choice])
+    return [choices for choices in found if choices]
 
 
 def _arms_for(group: Collection[str], asked: Mapping[str, Collection[str]], scene: Scene) -> Collection[str]:

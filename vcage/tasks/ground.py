@@ -112,12 +112,29 @@ class Ground:
             return
         holds, rectangles = self._holds(thing), [*(_footprint(o) for o in others), *taken]
         near = next((o for o in others if o.id == goal.reference), None)
+        for _ in range(LIMITS.ground_rounds):
+            found = False
+            for pose in self._free_poses(thing, goal, near, rectangles, rng):
+                if self._reached(pose, holds):
+                    found = True
+                    yield pose
+            if found:
+                return
+
+    def _free_poses(
+        self,
+        thing: SceneObject,
+        goal: Goal,
+        near: SceneObject | None,
+        taken: Sequence[np.ndarray],
+        rng: np.random.Generator,
+    ) -> Iterator[Pose]:
+        """Random poses at which a goal of a thing becomes true and it touches nothing; arms may not reach them."""
         for yaws in _yaws(thing, goal):
             item = replace(table_item(thing.id, thing.asset), yaws=yaws)
             for zone in self._zones(thing, goal, near, max(item.size[:2]), rng):
-                for pose in self._poses_in(zone, item, rectangles, rng):
-                    box = world_aabb(thing.asset.bounds, pose)
-                    if (near is None or _stands(goal, box, near.aabb)) and self._reached(pose, holds):
+                for pose in self._poses_in(zone, item, taken, rng):
+                    if near is None or _stands(goal, world_aabb(thing.asset.bounds, pose), near.aabb):
                         yield pose
 
     def after_leaving(self, goal: Goal, others: Sequence[SceneObject]) -> list[SceneObject]:
