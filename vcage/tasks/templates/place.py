@@ -240,7 +240,7 @@ class Pair(Proposal):
             others: all other objects.
             workplace: with the arms.
             slots: number to try before a contact point is refused because of its place.
-            slots_out_of_reach: the same where the only fault is that no arm reaches the place.
+            slots_out_of_reach: the same where the only fault is that no arm reaches the place, and nobody asked for it.
 
         Raises:
             InfeasibleScene: there is no room for the object.
@@ -259,7 +259,8 @@ class Pair(Proposal):
             }
             found = {c: examine(t, workplace) for c, t in transfers.items()}
             tried = _AtSlot(transfers, *self.judged(found))
-            far = number + 1 >= slots_out_of_reach and all(map(_out_of_reach, tried.refused))
+            most = slots if self.goal in self.asked else slots_out_of_reach
+            far = number + 1 >= most and all(map(_out_of_reach, tried.refused))
             if tried.feasible or far or not any(map(_elsewhere, tried.refused)):
                 break
         return tried
