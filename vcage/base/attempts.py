@@ -23,6 +23,8 @@ class AttemptLimits:
         placements_for_hands: of a scene's objects, until a hand has room to take objects out of their containers.
         stowings: ways to lay things into a drawer, until a hand has room around each.
         layouts: near the matched targets, until the instruction can be carried out in one.
+        searches: for sub-tasks that achieve the instruction, until a chain does.
+        same_searches: searches refused in the same words, after which there are no more.
         episode_layouts: drawn for an episode with all its clutter and variants.
         eased_layouts: drawn for an episode at each share of the clutter.
         compared_starts: random placements for each layout of an episode; the one that breaks the fewest
@@ -48,6 +50,8 @@ class AttemptLimits:
     placements_for_hands: int = 40
     stowings: int = 60
     layouts: int = 10
+    searches: int = 3
+    same_searches: int = 2
     episode_layouts: int = 30
     eased_layouts: int = 10
     compared_starts: int = 30

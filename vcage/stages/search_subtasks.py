@@ -12,9 +12,14 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from functools import partial
+from itertools import repeat
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from vcage.base.attempts import LIMITS, GaveUp, first_accepted
+from vcage.base.errors import NoFeasibleTask
 from vcage.base.files import RunFolder
 from vcage.base.progress import Progress, silent
 from vcage.episodes.wordings import task_to_word, worded_chain
@@ -27,10 +32,10 @@ from vcage.scenes.slot_choices import ready_objects, with_chosen_slots
 from vcage.schema.base import Provenance
 from vcage.schema.goals import in_steps
 from vcage.schema.scene import Scene
-from vcage.schema.subtasks import Subtask, Subtasks
+from vcage.schema.subtasks import Chain, Subtask, Subtasks
 from vcage.tasks.asked_arms import asked_arms
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.search import actions_of, compose, find_subtasks, initial_state
+from vcage.tasks.search import FoundSubtasks, Judge, actions_of, compose, find_subtasks, initial_state
 from vcage.tasks.stowing import ready_for
 from vcage.tasks.synthesis import note_python, write_script
 from vcage.tasks.templates import read_subtasks
@@ -76,10 +81,9 @@ def execute(
     def make(folder: Path, provenance: Provenance) -> Subtasks:
         scene, rng = Scene.read(run.layout), stage.rng()
         objects, reasoner = context.objects(scene), context.models.reasoner
-        asked = {asked.goal for asked in scene.goals}
-        by_goal, judge = asked_arms(scene.goals), partial(reasoner.judge_pairs, instruction=scene.instruction)
-        found = find_subtasks(Workplace.of(scene, objects, rng), judge, asked, by_goal)
-        chains = compose(scene, objects, found.kept, found.refused)
+        judge = partial(reasoner.judge_pairs, instruction=scene.instruction)
+
+        found, chains = _found(scene, objects, judge, rng)
         by_id = {subtask.id: subtask for subtask in found.kept}
         steps = [[by_id[name] for name in chain.subtasks] for chain in chains]
         if scene.goals:
@@ -100,6 +104,26 @@ def execute(
         )
 
     return stage.do(Subtasks, make, force=options.force)
+
+
+def _found(
+    scene: Scene, objects: Sequence[SceneObject], judge: Judge, rng: np.random.Generator
+) -> tuple[FoundSubtasks, list[Chain]]:
+    """Sub-tasks, and the chain of the instruction. Places are drawn: where none is in reach, other ones are tried.
+
+    Raises:
+        NoFeasibleTask: no chain of kept sub-tasks fulfils the instruction, or without one none is kept; says why.
+    """
+    asked, arms = {one.goal for one in scene.goals}, asked_arms(scene.goals)
+
+    def search() -> tuple[FoundSubtasks, list[Chain]]:
+        found = find_subtasks(Workplace.of(scene, objects, rng), judge, asked, arms)
+        return found, compose(scene, objects, found.kept, found.refused)
+
+    try:
+        return first_accepted(repeat(search, LIMITS.searches), NoFeasibleTask, LIMITS.same_searches).value
+    except GaveUp as error:
+        raise error.refusals[0] from None
 
 
 def _write_scripts(
