@@ -23,7 +23,7 @@ def build(variant: str) -> BuiltObject:
         ]
     )
     arm = solids.moved(solids.prism(outline, 0.026, -0.013), turn=90, axis=(1, 0, 0))
-    hinge = solids.box((0.026, 0.03, 0.018), (0.044, 0, 0.006))
+    hinge = solids.box((0.026, 0.03, 0.014), (0.044, 0, 0.006))  # below the pads of a tilted hand
     rail = solids.box((0.098, 0.016, 0.007), (-0.0125, 0, 0.0165))
     anvil = solids.box((0.018, 0.02, 0.001), (-0.05, 0, 0.0106))
     pad = solids.rounded_box((0.05, 0.018, 0.003), 0.0012, (-0.005, 0, 0.0452))
