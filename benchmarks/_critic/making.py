@@ -46,9 +46,6 @@ logger = logging.getLogger(__name__)
 ASKED = 3
 """Number of goals in a scene of each kind that is sensible on request only."""
 
-FRONTS = ("sign", "carton", "box")
-"""Categories of things that have a front to show."""
-
 
 def outcomes(draw: Draw) -> list[Outcome]:
     """Make one or two successes per sub-task, where it succeeds, and as many failures; skip pairs that do not fit."""
@@ -109,7 +106,7 @@ def _asked(objects: Sequence[SceneObject], arms: Sequence[str], rng: np.random.G
         found |= {Goal(subject=shaken.id, relation=word) for word in ("shaken", *HELD, "moved_away", "centred")}
     for thing in pushed[:ASKED]:
         found |= _beside(thing, others, rng)
-    fronted = [o for o in carried if o.asset.annotation.words.category in FRONTS]
+    fronted = [o for o in carried if o.asset.annotation.front]
     found |= {Goal(subject=o.id, relation=word) for o in fronted[:ASKED] for word in ("presented", "facing_robot")}
     return found
 
