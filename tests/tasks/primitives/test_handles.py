@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -80,6 +81,13 @@ def test_other_ways_turn_less_and_end_at_the_same_place(handles):
     straight = [found[i * len(found) // len(TURNS_ALONG)] for i in range(len(TURNS_ALONG))]
     ends = np.array([way.motion[-1].p for way in straight])
     np.testing.assert_allclose(ends, np.broadcast_to(ends[0], ends.shape), atol=1e-9)
+
+
+def test_a_knob_is_turned_by_hands_that_turn_all_the_way(handles):
+    lid = handles["lid"]
+    knob = replace(lid, contact=lid.contact.model_copy(update={"position": lid.link.joint.origin}))
+    turned = [2 * np.arccos(min(1, abs(way.grasp.q @ way.motion[-1].q))) for way in ways(knob, LID_RANGE)]
+    np.testing.assert_allclose(turned, LID_RANGE)
 
 
 def test_closing_begins_where_opening_ended(handles):

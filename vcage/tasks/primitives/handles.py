@@ -67,6 +67,11 @@ class Handle:
         """Present position of the joint, metres or radians."""
         return float(self.joints[joint_index(self.model, self.link.name)])
 
+    @property
+    def on_axis(self) -> bool:
+        """True if the axis of the joint runs through the held material, as a knob's: it turns no more than the hand."""
+        return _arm(self) < self.width
+
     def joints_at(self, position: float) -> np.ndarray:
         """(n,) the present joint positions, but this part's is ``position``."""
         joints = np.array(self.joints, dtype=np.float64)
@@ -99,14 +104,14 @@ def operating_ways(handle: Handle, target: float, gripper: Gripper, support: flo
     """The ways to bring a joint from where it is to ``target``, the straightest first.
 
     Every way to hold the handle of a hinge is tried with the gripper turning along, then with the handle turning
-    between the fingers more and more; of a slide, straight and then from aside (:data:`ASIDE`).
+    between the fingers more and more, which turns no knob; of a slide, straight and then from aside (:data:`ASIDE`).
 
     Args:
         target: position of the joint, metres or radians.
         support: z of the object's support, metres.
     """
     turns = handle.link.joint.kind == "turn"
-    for share in TURNS_ALONG if turns else (1.0,):
+    for share in TURNS_ALONG if turns and not handle.on_axis else (1.0,):
         frames = [held_frame(handle, position, share) for position in _positions(handle, target)]
         for contact in _holds(handle):
             for held in grasp_poses(frames[0], contact, gripper, support, TILTS if turns else FINE_TILTS):
@@ -167,12 +172,14 @@ def _way(frames: Sequence[Pose], in_frame: Pose, handle: Handle, gripper: Grippe
 def _positions(handle: Handle, target: float) -> Sequence[float]:
     """Joint positions from the present one to ``target``, at least two."""
     joint, way = handle.link.joint, target - handle.position
-    if joint.kind == "slide":
-        count = abs(way) / STEP
-    else:
-        arm = np.cross(np.asarray(handle.contact.position) - np.asarray(joint.origin), joint.axis)
-        count = max(abs(way) / STEP_TURN, abs(way) * float(np.linalg.norm(arm)) / STEP)
+    count = abs(way) / STEP if joint.kind == "slide" else max(abs(way) / STEP_TURN, abs(way) * _arm(handle) / STEP)
     return np.linspace(handle.position, target, max(1, int(np.ceil(count))) + 1).tolist()
+
+
+def _arm(handle: Handle) -> float:
+    """Distance of the contact point from the line through the joint's origin along its axis, metres."""
+    joint = handle.link.joint
+    return float(np.linalg.norm(np.cross(np.asarray(handle.contact.position) - np.asarray(joint.origin), joint.axis)))
 
 
 def _drawn_back(pose: Pose, distance: float) -> Pose:
