@@ -61,6 +61,9 @@ PLAYED = ("unchecked", "checked")
 
 ROWS = (*LAYOUTS, *PLAYED, *FORMATS)
 
+ACTIONS = 4
+"""Actions that are carried out between two looks."""
+
 RIVALS = {"compressed": "raw", "lerobot": "raw", "checked": "unchecked"}
 """Rows, and the one that each is compared with."""
 
@@ -101,6 +104,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--robot", default=ROBOT, help="who does it (default: %(default)s)")
     parser.add_argument("--rows", default=",".join(ROWS), help="with commas (default: %(default)s)")
     parser.add_argument("--data", type=Path, help="where episodes and weights are kept (default: the user's cache)")
+    parser.add_argument("--device", default="cpu", help="of torch, for training on states (default: %(default)s)")
     parser.add_argument("--workers", type=int, default=2, help="processes that collect and evaluate (default: 2)")
 
 
@@ -110,6 +114,7 @@ def run(
     robot: str = ROBOT,
     rows: str = ",".join(ROWS),
     data: Path | None = None,
+    device: str = "cpu",
     workers: int = 2,
     **chosen: Any,
 ) -> dict[str, Any]:
@@ -125,6 +130,7 @@ def run(
         robot: who does it.
         rows: with commas.
         data: where episodes and weights are kept.
+        device: of torch, for training on states.
         workers: processes.
         chosen: fields of :class:`Plan`.
 
@@ -136,7 +142,7 @@ def run(
     if wrong := {*rows.split(",")} - {*ROWS}:
         raise UsageError(f"--rows knows {', '.join(ROWS)}, not {', '.join(sorted(wrong))}")
     folder = (data or cache_dir("benchmarks", "policy")) / robot / "-".join(instruction.lower().split())
-    bench = _Bench(Task(instruction, robot, folder, workers), plan)
+    bench = _Bench(Task(instruction, robot, folder, workers), plan, device)
     found = [bench.row(row, seed) for seed in range(plan.seeds) for row in chosen_rows]
     return {"instruction": instruction, "robot": robot, "plan": asdict(plan), "rows": found}
 
@@ -145,6 +151,7 @@ def run(
 class _Bench:
     task: Task
     plan: Plan
+    device: str = "cpu"
 
     def row(self, name: str, seed: int) -> dict[str, Any]:
         """Train, serve and evaluate a policy."""
@@ -157,7 +164,7 @@ class _Bench:
             demonstrations = Demonstrations.read(exported(source), self.plan.episodes)
         stored = next((known for known in FORMATS if known == name), None)
         noise = Noise(object_m=0.0 if stored is None else self.plan.object_noise_m)
-        training = Training(minutes=self.plan.minutes, seed=seed, noise=noise)
+        training = Training(minutes=self.plan.minutes, seed=seed, noise=noise, device=self.device)
         weights = self.task.data / f"{name}-seed{seed}-{_made_from(demonstrations, training)}.pt"
         if not weights.exists():
             logger.info("%s, seed %d: training for %g minutes", name, seed, self.plan.minutes)
@@ -192,7 +199,7 @@ class _Bench:
         with served(weights) as address:
             command = [sys.executable, "-m", "vcage.cli.main", "evaluate", str(run.root), "--policy", address]
             command += ["--episodes", str(self.plan.rollouts), "--workers", str(self.task.workers or 1)]
-            command += ["--out", str(out), "--force"]
+            command += ["--actions", str(ACTIONS), "--out", str(out), "--force"]
             command += [] if pictures else ["--no-pictures", "--environment-state"]
             if name in RIVALS and (rival / RECORD).exists():
                 command += ["--against", str(rival)]

@@ -81,6 +81,17 @@ class Demonstrations:
         last[part[where]] = where  # of several frames of one sub-task the last remains
         return last[part]
 
+    def next_of(self, marked: NDArray[np.bool_]) -> NDArray[np.int64]:
+        """(F,) the next marked frame of each one, itself included; else the last of its episode.
+
+        Args:
+            marked: (F,) frames.
+        """
+        stops = marked.copy()
+        stops[self.ends - 1] = True
+        where = np.flatnonzero(stops)
+        return where[np.searchsorted(where, np.arange(len(stops)))]
+
     def next_frames(self, length: int) -> NDArray[np.int64]:
         """(F, length) the frames from each one on; behind the end of an episode its last one again."""
         last = self.ends[self.episodes()] - 1

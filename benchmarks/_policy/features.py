@@ -21,6 +21,9 @@ POSE = 9
 TARGET = POSE + 1
 """Numbers of a target of a hand: its pose, and the opening of the gripper."""
 
+NEAR_M = 0.01
+"""Farther away, positions are told on a logarithmic scale, too: a grasp needs millimetres, the way to it decimetres."""
+
 
 @dataclass(frozen=True)
 class ObjectPoses:
@@ -39,6 +42,10 @@ class ObjectPoses:
     def __getitem__(self, which: torch.Tensor) -> ObjectPoses:
         """Those of some times."""
         return ObjectPoses(self.position[which], self.axes[which], self.parts[which])
+
+    def to(self, device: str) -> ObjectPoses:
+        """Those on a device of torch."""
+        return ObjectPoses(self.position.to(device), self.axes.to(device), self.parts.to(device))
 
 
 def only_positions(position: torch.Tensor) -> ObjectPoses:
@@ -61,6 +68,11 @@ class Objects:
         self._poses = [i for i, name in enumerate(names) if name.endswith(".x") and name[:-2] in objects]
         self._parts = [i for i, name in enumerate(names) if ".part" in name and name.partition(".part")[0] in objects]
 
+    @property
+    def axes(self) -> int:
+        """Number of axes that are told of an object."""
+        return 2 if self._turned else 0
+
     def poses(self, numbers: NDArray[np.float64]) -> ObjectPoses:
         """The poses for (N, M) numbers."""
         told = torch.from_numpy(numbers.astype(np.float32))
@@ -69,23 +81,89 @@ class Objects:
         return ObjectPoses(poses[..., :3], axes, parts) if self._turned else only_positions(poses[..., :3])
 
 
-def seen_by(hands: HandPoses, objects: ObjectPoses) -> torch.Tensor:
-    """(N, F) objects and other hands in the frame of each hand, its height and tilt, openings and moving parts."""
+@dataclass(frozen=True)
+class Seen:
+    """What A hands see, N times, each in its own frame.
+
+    Args:
+        features: (N, F) all of it, and the state of the hands.
+        places: (N, A, O, 3) positions of the objects that count, metres.
+        axes: (N, A, V, 3) the axes of these objects.
+    """
+
+    features: torch.Tensor
+    places: torch.Tensor
+    axes: torch.Tensor
+
+
+def seen_by(hands: HandPoses, objects: ObjectPoses, first: int) -> Seen:
+    """Objects and other hands in the frame of each hand, its height and tilt, openings and moving parts.
+
+    Args:
+        hands: N times.
+        objects: likewise.
+        first: number of the objects that count, which come first, and of these the place last; of the others only the
+            positions are seen.
+    """
     count, number = hands.opening.shape
     inverse = hands.rotation.transpose(-1, -2)
     away = objects.position[:, None] - hands.position[:, :, None]
+    places = torch.einsum("nhij,nhoj->nhoi", inverse, away)
+    axes = torch.einsum("nhij,noaj->nhoai", inverse, objects.axes[:, :first])
     rows = [
         hands.opening,
         hands.position[..., 2],
         hands.rotation[..., 2, :],
-        torch.einsum("nhij,nhoj->nhoi", inverse, away),
-        torch.einsum("nhij,noaj->nhoai", inverse, objects.axes),
+        places,
+        torch.asinh(places[:, :, :first] / NEAR_M),
+        axes,
         objects.parts,
+        around := _around(objects, first - 1),
+        torch.asinh(around / NEAR_M),
     ]
     for shift in range(1, number):
         rows.append((inverse @ (hands.position.roll(shift, 1) - hands.position)[..., None])[..., 0])
         rows.append((inverse @ hands.rotation.roll(shift, 1))[..., :2])
-    return torch.cat([row.reshape(count, -1) for row in rows], dim=1)
+    features = torch.cat([row.reshape(count, -1) for row in rows], dim=1)
+    return Seen(features, places[:, :, :first], axes.flatten(2, 3))
+
+
+def aimed(seen: Seen, aims: torch.Tensor) -> torch.Tensor:
+    """(N, F') features of what is seen, and of the poses (N, A, :data:`TARGET`) that the hands aim at."""
+    place = aims[..., :3]
+    return torch.cat(
+        [seen.features, place.flatten(1), torch.asinh(place / NEAR_M).flatten(1), aims[..., 3:].flatten(1)], 1
+    )
+
+
+def _around(objects: ObjectPoses, place: int) -> torch.Tensor:
+    """(N, O, 3) where the objects lie as one of them sees them: which part of a plate is free."""
+    away = objects.position - objects.position[:, place, None]
+    axes = objects.axes[:, place]
+    if not axes.shape[1]:
+        return away
+    frame = torch.cat([axes, torch.linalg.cross(axes[:, 0], axes[:, 1])[:, None]], dim=1)
+    return torch.einsum("nij,noj->noi", frame, away)
+
+
+def led_by(targets: torch.Tensor, weights: torch.Tensor, seen: Seen) -> torch.Tensor:
+    """Targets that objects lead: where one moves or turns as the hand sees it, they do.
+
+    A hand grasps a block wherever it is in the same place of the block. To add the block's position to such a target is
+    exact; to learn that sum takes many demonstrations.
+
+    Args:
+        targets: (N, W, K, A, :data:`TARGET`) without objects.
+        weights: (N, W, K, A, O + 3 V) of places, of axes for the position in :data:`NEAR_M`, and of axes for
+            both columns of the rotation.
+        seen: N times.
+    """
+    number, turns = seen.places.shape[2], seen.axes.shape[2]
+    to_places, to_axes, columns = weights.split([number, turns, 2 * turns], dim=-1)
+    position = torch.einsum("nwkao,naoi->nwkai", to_places, seen.places)
+    position = position + NEAR_M * torch.einsum("nwkav,navi->nwkai", to_axes, seen.axes)
+    turned = torch.einsum("nwkacv,navi->nwkaic", columns.unflatten(-1, (2, turns)), seen.axes)
+    return targets + torch.cat([position, turned.flatten(-2), torch.zeros_like(targets[..., :1])], dim=-1)
 
 
 def targets_of(hands: HandPoses, future: HandPoses) -> torch.Tensor:

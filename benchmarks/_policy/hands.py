@@ -20,12 +20,14 @@ class InverseSettings:
 
     Args:
         iterations: Gauss-Newton steps for a pose.
+        arrived: error in metres and radians below which no further step is taken.
         damping: of a step, in metres and radians.
         difference_rad: for the Jacobian by finite differences.
         margin_rad: distance from the joint limits.
     """
 
     iterations: int = 4
+    arrived: float = 2e-5
     damping: float = 0.01
     difference_rad: float = 1e-5
     margin_rad: float = 0.01
@@ -51,6 +53,10 @@ class HandPoses:
     def __getitem__(self, which: torch.Tensor) -> HandPoses:
         """Those of some times."""
         return HandPoses(self.position[which], self.rotation[which], self.opening[which])
+
+    def to(self, device: str) -> HandPoses:
+        """Those on a device of torch."""
+        return HandPoses(self.position.to(device), self.rotation.to(device), self.opening.to(device))
 
 
 class Hands:
@@ -112,6 +118,8 @@ def _brought_to(
 
     for _ in range(SETTINGS.iterations):
         off, step = error(joints), SETTINGS.difference_rad
+        if np.abs(off).max() < SETTINGS.arrived:
+            break
         jacobian = np.stack([(off - error(joints + step * unit)) / step for unit in np.eye(len(joints))], axis=1)
         damped = jacobian @ jacobian.T + SETTINGS.damping**2 * np.eye(len(off))
         moved = joints + jacobian.T @ np.linalg.solve(damped, off)

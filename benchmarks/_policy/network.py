@@ -8,7 +8,7 @@ Choice Learning", NeurIPS 2012), and a classifier learns which that will be.
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import torch
 from torch import nn
@@ -23,12 +23,18 @@ class Size:
         chunk: targets that it predicts at once.
         width, layers: of its hidden layers.
         ways: alternative chunks.
+        aims: alternative aims.
     """
 
     chunk: int = 12
     width: int = 384
     layers: int = 4
     ways: int = 6
+    aims: int = 8
+
+    def of_aims(self) -> Size:
+        """The size of the network that aims."""
+        return replace(self, chunk=1, ways=self.aims)
 
 
 class ChunkPolicy(nn.Module):
@@ -36,7 +42,7 @@ class ChunkPolicy(nn.Module):
 
     Args:
         features: F numbers of an input.
-        numbers: D of a target.
+        numbers: D of a step of a chunk.
         size: of the network.
     """
 
@@ -59,11 +65,11 @@ def loss_of(given: tuple[torch.Tensor, torch.Tensor], wanted: torch.Tensor, shar
     """Mean error of the nearest alternative, a small share of the mean over all, and the error of the classifier.
 
     Args:
-        given: what the network returns.
-        wanted: (N, chunk, D).
+        given: (N, ways, chunk, …) alternatives, and the score (N, ways) of each.
+        wanted: (N, chunk, …) numbers.
         share: of all alternatives, which keeps each of them near the demonstrations.
     """
     chunks, scores = given
-    errors = (chunks - wanted[:, None]).abs().mean(dim=(2, 3))
+    errors = (chunks - wanted[:, None]).abs().flatten(2).mean(dim=2)
     nearest, which = errors.min(dim=1)
     return nearest.mean() + share * errors.mean() + 0.1 * cross_entropy(scores, which)

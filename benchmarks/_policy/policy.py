@@ -11,11 +11,36 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from benchmarks._policy.features import TARGET, ObjectPoses, Objects, only_positions, poses_of
+from benchmarks._policy.features import (
+    TARGET,
+    ObjectPoses,
+    Objects,
+    Seen,
+    aimed,
+    led_by,
+    only_positions,
+    poses_of,
+)
 from benchmarks._policy.hands import HandPoses, Hands
 from benchmarks._policy.localiser import Localiser, View
 from benchmarks._policy.network import ChunkPolicy, Size
 from benchmarks._policy.steps import Progress, Steps
+
+
+@dataclass(frozen=True)
+class AimSettings:
+    """Choice of an aim.
+
+    Args:
+        same_aim_m: aims that lie nearer than about this are the same.
+        faith: logarithm of the factor by which the aim of the last look is preferred.
+    """
+
+    same_aim_m: float = 0.03
+    faith: float = 3.0
+
+
+SETTINGS = AimSettings()
 
 
 @dataclass(frozen=True)
@@ -33,6 +58,10 @@ class Scale:
         deviation = targets.std(dim=(0, 1, 2)).clip(1e-3)
         deviation[:3], deviation[3:-1] = deviation[:3].mean(), deviation[3:-1].mean()
         return cls(inputs.mean(dim=0), inputs.std(dim=0).clip(1e-3), targets.mean(dim=(0, 1, 2)), deviation)
+
+    def to(self, device: str) -> Scale:
+        """This scale, on a device of torch."""
+        return Scale(**{name: numbers.to(device) for name, numbers in vars(self).items()})
 
     def inputs(self, inputs: torch.Tensor) -> torch.Tensor:
         """Inputs with mean 0 and deviation 1."""
@@ -79,12 +108,16 @@ class Meaning:
 
 
 class Policy:
-    """A network that answers observations of states, or of pictures with a localiser.
+    """Networks that answer observations of states, or of pictures with a localiser.
+
+    The first aims: it tells where the hands will be when a gripper opens or closes next. The second leads there. Where
+    several aims are as good, the policy stays with the one that it had.
 
     Args:
         meaning: of its numbers.
         scale: of inputs and targets.
-        size: of the network.
+        aim_scale: of the inputs and targets of the network that aims.
+        size: of the networks.
         progress: tells which sub-task is next; None if there is but one.
         localiser: finds the objects in pictures; without it they are observed.
     """
@@ -93,13 +126,20 @@ class Policy:
         self,
         meaning: Meaning,
         scale: Scale,
+        aim_scale: Scale,
         size: Size,
         progress: Progress | None = None,
         localiser: Localiser | None = None,
     ):
-        self.meaning, self.scale, self.size, self.progress, self.localiser = meaning, scale, size, progress, localiser
+        self.meaning, self.size, self.progress, self.localiser = meaning, size, progress, localiser
+        self.scale, self.aim_scale = scale, aim_scale
         self.hands, self.objects, self.steps = meaning.hands(), meaning.seen_objects(), meaning.sequence()
-        self.network = ChunkPolicy(len(scale.input_mean), len(self.hands) * TARGET, size)
+        self._weights = self.steps.weights(self.objects)
+        numbers = len(self.hands) * (TARGET + self._weights)
+        self.network = ChunkPolicy(len(scale.input_mean), numbers, size)
+        self.aiming = ChunkPolicy(len(aim_scale.input_mean), numbers, size.of_aims())
+        self._begin_unled()
+        self._aim: torch.Tensor | None = None
 
     def infer(self, observation: Mapping[str, Any]) -> dict[str, NDArray[np.float64]]:
         """Return ``actions`` (chunk, D), absolute targets.
@@ -111,10 +151,47 @@ class Policy:
         hands = self.hands.poses(state[None])
         objects = self._objects(observation, hands)
         with torch.inference_mode():
-            inputs = self.steps.inputs(hands, objects, self.steps.next_of(self.progress, hands, objects))
-            chunks, scores = self.network(self.scale.inputs(inputs))
-        chunk = chunks[0, int(scores[0].argmax())].unflatten(-1, (len(self.hands), TARGET))
-        return {"actions": self.hands.states(poses_of(self.scale.told(chunk), hands), state)}
+            step = self.steps.next_of(self.progress, hands, objects)
+            chunk = self.chosen(hands, self.steps.seen(hands, objects, step))
+        return {"actions": self.hands.states(poses_of(chunk, hands), state)}
+
+    def chosen(self, hands: HandPoses, seen: Seen) -> torch.Tensor:
+        """(K, A, :data:`TARGET`) the next targets at one time; the aim is remembered."""
+        aims, scores = self.aims(seen)
+        places = poses_of(aims[0], hands).position
+        score = scores[0].log_softmax(0)
+        if self._aim is not None:
+            away = (places - self._aim).norm(dim=-1).amax(dim=-1)
+            score = score + SETTINGS.faith * torch.exp(-((away / SETTINGS.same_aim_m) ** 2))
+        best = int(score.argmax())
+        self._aim = places[best]
+        chunks, scores = self.chunks(seen, aims[:, best])
+        return chunks[0, int(scores[0].argmax())]
+
+    def reset(self) -> None:
+        """Forget the aim."""
+        self._aim = None
+
+    def aims(self, seen: Seen) -> tuple[torch.Tensor, torch.Tensor]:
+        """(N, aims, A, :data:`TARGET`) alternative aims, and the score (N, aims) of each."""
+        told, scores = self.aiming(self.aim_scale.inputs(seen.features))
+        return self._led(self.aim_scale, told, seen)[:, :, 0], scores
+
+    def chunks(self, seen: Seen, aims: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+        """(N, ways, K, A, :data:`TARGET`) alternative chunks on the way to aims (N, A, :data:`TARGET`), and the score
+        (N, ways) of each."""
+        told, scores = self.network(self.scale.inputs(aimed(seen, aims)))
+        return self._led(self.scale, told, seen), scores
+
+    def _begin_unled(self) -> None:
+        """Begin without weights of objects: far ones would lead the hands anywhere."""
+        for network in (self.network, self.aiming):
+            for numbers in (network.chunks.weight.data, network.chunks.bias.data):
+                numbers.view(-1, TARGET + self._weights, *numbers.shape[1:])[:, TARGET:] = 0.0
+
+    def _led(self, scale: Scale, told: torch.Tensor, seen: Seen) -> torch.Tensor:
+        told = told.unflatten(-1, (len(self.hands), TARGET + self._weights))
+        return led_by(scale.told(told[..., :TARGET]), told[..., TARGET:], seen)
 
     def _objects(self, observation: Mapping[str, Any], hands: HandPoses) -> ObjectPoses:
         if self.localiser is None:
@@ -123,9 +200,18 @@ class Policy:
         pictures = {view.camera: np.asarray(observation[f"observation/{view.camera}"]) for view in self.localiser.views}
         return only_positions(self.localiser.positions(pictures, hands))
 
+    def to(self, device: str) -> Policy:
+        """This policy, on a device of torch."""
+        self.scale, self.aim_scale = self.scale.to(device), self.aim_scale.to(device)
+        for part in (self.network, self.aiming, self.progress, self.localiser):
+            if part is not None:
+                part.to(device)
+        return self
+
     def write(self, path: Path) -> None:
         """Write all that :meth:`read` needs."""
-        kept: dict[str, Any] = {"meaning": asdict(self.meaning), "scale": vars(self.scale), "size": asdict(self.size)}
+        kept: dict[str, Any] = {"meaning": asdict(self.meaning), "size": asdict(self.size)}
+        kept |= {"scale": vars(self.scale), "aim_scale": vars(self.aim_scale), "aiming": self.aiming.state_dict()}
         if self.progress is not None:
             kept["progress"] = self.progress.state_dict()
         if self.localiser is not None:
@@ -150,7 +236,9 @@ class Policy:
             )
             localiser.load_state_dict(kept["localiser"]["weights"])
             localiser.eval()
-        policy = cls(meaning, Scale(**kept["scale"]), Size(**kept["size"]), progress, localiser)
-        policy.network.load_state_dict(kept["weights"])
-        policy.network.eval()
+        scales = Scale(**kept["scale"]), Scale(**kept["aim_scale"])
+        policy = cls(meaning, *scales, Size(**kept["size"]), progress, localiser)
+        for network, weights in ((policy.network, "weights"), (policy.aiming, "aiming")):
+            network.load_state_dict(kept[weights])
+            network.eval()
         return policy

@@ -24,12 +24,12 @@ class Drop(Exception):
 
 
 def policy_server(
-    infer: Infer, name: str, frames: tuple[Callable[[Any], Any], Callable[[Any], Any]] = (pack, unpack)
+    begin: Callable[[], Infer], name: str, frames: tuple[Callable[[Any], Any], Callable[[Any], Any]] = (pack, unpack)
 ) -> Server:
     """A server of a policy on a free port of loopback, by the rules of openpi's; call ``serve_forever`` of it.
 
     Args:
-        infer: the policy.
+        begin: the policy for a connection: it may remember what it was asked there.
         name: of the policy, told to clients.
         frames: packs and unpacks messages.
     """
@@ -37,6 +37,7 @@ def policy_server(
 
     def talk(connection: ServerConnection) -> None:
         connection.send(packed({"name": name}))
+        infer = begin()
         try:
             while True:
                 connection.send(packed(infer(unpacked(connection.recv(decode=False)))))
@@ -63,7 +64,7 @@ def main(weights: Path) -> None:
     from benchmarks._policy.policy import Policy
 
     torch.set_num_threads(1)
-    with policy_server(Policy.read(weights).infer, "vcage benchmark") as server:
+    with policy_server(lambda: Policy.read(weights).infer, "vcage benchmark") as server:
         print(address_of(server), flush=True)
         server.serve_forever()
 

@@ -8,12 +8,13 @@ and to the hands, never by what the hands did before: so a grasp that missed is 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import torch
 from torch import nn
 from torch.nn.functional import one_hot
 
-from benchmarks._policy.features import ObjectPoses, seen_by
+from benchmarks._policy.features import ObjectPoses, Objects, Seen, seen_by
 from benchmarks._policy.hands import HandPoses
 
 
@@ -31,16 +32,24 @@ class Steps:
         self._order = torch.tensor([list(dict.fromkeys(row)) for row in rolled])
         self._moved = torch.tensor([step[0] for step in own])
         self._place = torch.tensor([step[1] if len(step) > 1 else step[0] for step in own])
+        self._first = min(map(len, own))
 
     def __len__(self) -> int:
         """Number of sub-tasks."""
         return len(self._order)
 
-    def inputs(self, hands: HandPoses, objects: ObjectPoses, step: torch.Tensor) -> torch.Tensor:
-        """(N, F) as the hands see the objects, those of the sub-tasks (N,) first; and which of several these are."""
-        times, order = torch.arange(len(step))[:, None], self._order[step]
-        seen = seen_by(hands, ObjectPoses(objects.position[times, order], objects.axes[times, order], objects.parts))
-        return torch.cat([seen, one_hot(step, len(self)).float()], dim=1) if len(self) > 1 else seen
+    def weights(self, objects: Objects) -> int:
+        """Number of weights of a target: see :func:`~benchmarks._policy.features.led_by`."""
+        return self._first * (1 + 3 * objects.axes)
+
+    def seen(self, hands: HandPoses, objects: ObjectPoses, step: torch.Tensor) -> Seen:
+        """The objects as the hands see them, those of the sub-tasks (N,) first; and which of several these are."""
+        times, order = torch.arange(len(step), device=step.device)[:, None], self._order.to(step.device)[step]
+        ordered = ObjectPoses(objects.position[times, order], objects.axes[times, order], objects.parts)
+        seen = seen_by(hands, ordered, self._first)
+        if len(self) == 1:
+            return seen
+        return replace(seen, features=torch.cat([seen.features, one_hot(step, len(self)).float()], dim=1))
 
     def relations(self, hands: HandPoses, objects: ObjectPoses) -> torch.Tensor:
         """(N, K, R) the object of each sub-task as its place and as the hands see it, and the moving parts."""
@@ -56,13 +65,13 @@ class Steps:
         reach = objects.position[:, self._moved][:, :, None] - hands.position[:, None]
         reach = torch.einsum("naji,nkaj->nkai", hands.rotation, reach).flatten(2)
         shared = torch.cat([hands.opening, objects.parts], dim=1)[:, None].expand(count, number, -1)
-        names = torch.eye(number).expand(count, -1, -1)
+        names = torch.eye(number, device=seen.device).expand(count, -1, -1)
         return torch.cat([seen, reach, shared, names], dim=2)
 
     def next_of(self, progress: Progress | None, hands: HandPoses, objects: ObjectPoses) -> torch.Tensor:
         """(N,) the next sub-task; the first where nothing tells."""
         if progress is None:
-            return torch.zeros(len(objects.position), dtype=torch.long)
+            return torch.zeros(len(objects.position), dtype=torch.long, device=objects.position.device)
         with torch.no_grad():
             return progress.next_step(self.relations(hands, objects))
 
@@ -100,4 +109,4 @@ class Progress(nn.Module):
         One before it may be undone again: a drawer that was opened is closed in the end.
         """
         done = self(relations)[:, :-1] > 0
-        return (done * torch.arange(1, relations.shape[1])).amax(dim=1)
+        return (done * torch.arange(1, relations.shape[1], device=done.device)).amax(dim=1)

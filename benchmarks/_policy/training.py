@@ -6,10 +6,11 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import torch
+from torch import nn
 from torch.nn.functional import binary_cross_entropy_with_logits
 
 from benchmarks._policy.demonstrations import Demonstrations
-from benchmarks._policy.features import ObjectPoses, targets_of
+from benchmarks._policy.features import ObjectPoses, Seen, aimed, targets_of
 from benchmarks._policy.fitting import fit
 from benchmarks._policy.hands import HandPoses
 from benchmarks._policy.network import Size, loss_of
@@ -26,6 +27,7 @@ class Noise:
         object_m: of the positions of objects.
         spread: of the logarithm of a factor by which a frame's noise is larger or smaller.
         share: of the frames that get any.
+        any_opening: share of the frames in which a gripper is somehow open: so a grasp that missed is tried again.
     """
 
     position_m: float = 0.006
@@ -34,18 +36,23 @@ class Noise:
     object_m: float = 0.0
     spread: float = 0.5
     share: float = 0.8
+    any_opening: float = 0.05
 
     def added(self, hands: HandPoses) -> HandPoses:
         """Displaced hands."""
-        count, number = hands.opening.shape
-        factor = (torch.rand(count, 1, 1) < self.share) * torch.exp(torch.randn(count, 1, 1) * self.spread)
-        turn = torch.randn(count, number, 3) * self.rotation_rad * factor
-        x, y, z, none = *turn.unbind(-1), torch.zeros(count, number)
+        some = hands.opening.new_zeros(len(hands.opening), 1, 1)
+        factor = (torch.rand_like(some) < self.share) * torch.exp(torch.randn_like(some) * self.spread)
+        turn = torch.randn_like(hands.position) * self.rotation_rad * factor
+        x, y, z, none = *turn.unbind(-1), torch.zeros_like(hands.opening)
         skew = torch.stack([none, -z, y, z, none, -x, -y, x, none], dim=-1).unflatten(-1, (3, 3))
         return HandPoses(
-            hands.position + torch.randn(count, number, 3) * self.position_m * factor,
+            hands.position + torch.randn_like(hands.position) * self.position_m * factor,
             hands.rotation @ torch.linalg.matrix_exp(skew),
-            (hands.opening + torch.randn(count, number) * self.opening).clip(0, 1),
+            torch.where(
+                torch.rand_like(hands.opening) < self.any_opening,
+                torch.rand_like(hands.opening),
+                (hands.opening + torch.randn_like(hands.opening) * self.opening).clip(0, 1),
+            ),
         )
 
     def moved(self, objects: ObjectPoses) -> ObjectPoses:
@@ -66,8 +73,11 @@ class Training:
         noise: on the hands.
         size: of the network.
         presses: opening by which a gripper stays above its target where it presses on something, 0 closed to 1 open.
+        turn: change of the target of a gripper from which on it opens or closes: an aim.
+        aim_noise_m: standard deviation of the aims that the policy is led by: the objects tell them better.
         press_frames: frames in which a gripper without anything between its fingers reaches its target.
         progress_share: time to learn which sub-tasks are done, as a share of that of the policy.
+        device: of torch.
     """
 
     minutes: float = 10.0
@@ -79,7 +89,10 @@ class Training:
     size: Size = field(default_factory=Size)
     presses: float = 0.05
     press_frames: int = 5
+    turn: float = 0.3
+    aim_noise_m: float = 0.005
     progress_share: float = 0.1
+    device: str = "cpu"
 
 
 class Batches:
@@ -96,26 +109,36 @@ class Batches:
 
     def __init__(self, demonstrations: Demonstrations, meaning: Meaning, training: Training):
         self._noise, hands = training.noise, meaning.hands()
-        self._hands, self._future = hands.poses(demonstrations.states), hands.poses(demonstrations.actions)
-        self._objects = meaning.seen_objects().poses(demonstrations.objects)
-        self._next = torch.from_numpy(demonstrations.next_frames(training.size.chunk))
+        measured, future = hands.poses(demonstrations.states), hands.poses(demonstrations.actions)
+        later = demonstrations.next_frames(training.press_frames + 1)[:, -1]
+        presses = future.opening < measured.opening[torch.from_numpy(later)] - training.presses
+        back = np.arange(len(later)) > demonstrations.releases(presses.any(dim=1).numpy())
+        opening = future.opening.numpy()
+        turns = np.abs(np.diff(opening, axis=0, prepend=opening[:1])).max(axis=1) > training.turn
+        device = self._device = training.device
+        self._aim = torch.from_numpy(demonstrations.next_of(turns)).to(device)
+        self._hands, self._future = measured.to(device), future.to(device)
+        self._objects = meaning.seen_objects().poses(demonstrations.objects).to(device)
+        self._next = torch.from_numpy(demonstrations.next_frames(training.size.chunk)).to(device)
+        self._next_step = torch.from_numpy(demonstrations.steps + back).to(device)
         self._sequence = meaning.sequence()
-        later = torch.from_numpy(demonstrations.next_frames(training.press_frames + 1)[:, -1])
-        presses = self._future.opening < self._hands.opening[later] - training.presses
-        back = np.arange(len(self)) > demonstrations.releases(presses.any(dim=1).numpy())
-        self._next_step = torch.from_numpy(demonstrations.steps + back)
         self.progress: Progress | None = None
 
     def __len__(self) -> int:
         """Number of frames."""
         return len(self._next)
 
-    def __getitem__(self, frames: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
-        """(N, F) inputs with fresh noise, and their (N, K, A, :data:`TARGET`) targets."""
+    def drawn(self, count: int) -> torch.Tensor:
+        """(N,) some frames at random."""
+        return torch.randint(len(self), (count,), device=self._device)
+
+    def __getitem__(self, frames: torch.Tensor) -> tuple[Seen, torch.Tensor, torch.Tensor]:
+        """What the hands see with fresh noise, N times, their (N, A, :data:`TARGET`) aims and (N, K, A, …) targets."""
         hands = self._noise.added(self._hands[frames])
         objects = self._noise.moved(self._objects[frames])
-        inputs = self._sequence.inputs(hands, objects, self._sequence.next_of(self.progress, hands, objects))
-        return inputs, targets_of(hands, self._future[self._next[frames]])
+        seen = self._sequence.seen(hands, objects, self._sequence.next_of(self.progress, hands, objects))
+        aims = targets_of(hands, self._future[self._aim[frames][:, None]])[:, 0]
+        return seen, aims, targets_of(hands, self._future[self._next[frames]])
 
     def relations(self, frames: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
         """(N, K, R) relations of the sub-tasks with fresh noise, and (N, K) 1 where these are done.
@@ -123,7 +146,7 @@ class Batches:
         A sub-task is done when its object is released: so the way back of the hand belongs to the next.
         """
         hands, objects = self._noise.added(self._hands[frames]), self._objects[frames]
-        done = self._next_step[frames][:, None] > torch.arange(len(self._sequence))
+        done = self._next_step[frames][:, None] > torch.arange(len(self._sequence), device=self._device)
         return self._sequence.relations(hands, self._noise.moved(objects)), done.float()
 
 
@@ -133,25 +156,37 @@ def trained(demonstrations: Demonstrations, meaning: Meaning, training: Training
     batches = Batches(demonstrations, meaning, training)
     if len(meaning.steps) > 1:
         batches.progress = _progress(batches, training)
-    scale = Scale.of(*batches[torch.arange(len(batches))])
-    policy = Policy(meaning, scale, training.size, batches.progress)
+    seen, aims, targets = batches[torch.arange(len(batches), device=training.device)]
+    scale, aim_scale = Scale.of(aimed(seen, aims), targets), Scale.of(seen.features, aims[:, None])
+    policy = Policy(meaning, scale, aim_scale, training.size, batches.progress).to(training.device)
 
     def loss() -> torch.Tensor:
-        inputs, targets = batches[torch.randint(len(batches), (training.batch,))]
-        return loss_of(policy.network(scale.inputs(inputs)), scale.targets(targets).flatten(-2))
+        seen, aims, targets = batches[batches.drawn(training.batch)]
+        given, scores = policy.aims(seen)
+        aiming = loss_of((aim_scale.targets(given), scores), aim_scale.targets(aims))
+        blurred = torch.cat([aims[..., :3] + training.aim_noise_m * torch.randn_like(aims[..., :3]), aims[..., 3:]], -1)
+        chunks, scores = policy.chunks(seen, blurred)
+        return aiming + loss_of((scale.targets(chunks), scores), scale.targets(targets))
 
-    fit(policy.network, loss, name="policy", minutes=training.minutes, rate=training.rate, decay=training.decay)
-    return policy
+    fit(
+        nn.ModuleList([policy.network, policy.aiming]),
+        loss,
+        name="policy",
+        minutes=training.minutes,
+        rate=training.rate,
+        decay=training.decay,
+    )
+    return policy.to("cpu")
 
 
 def _progress(batches: Batches, training: Training) -> Progress:
     """Train the part that tells which sub-tasks are done, in a share of the time."""
-    relations, _ = batches.relations(torch.arange(len(batches)))
-    progress = Progress(relations.shape[-1])
+    relations, _ = batches.relations(torch.arange(len(batches), device=training.device))
+    progress = Progress(relations.shape[-1]).to(training.device)
     progress.scaled_by(relations)
 
     def loss() -> torch.Tensor:
-        told, done = batches.relations(torch.randint(len(batches), (training.batch,)))
+        told, done = batches.relations(batches.drawn(training.batch))
         return binary_cross_entropy_with_logits(progress(told), done)
 
     minutes = training.progress_share * training.minutes

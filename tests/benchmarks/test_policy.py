@@ -9,7 +9,7 @@ import numpy as np
 import torch
 
 from benchmarks._policy.demonstrations import Demonstrations
-from benchmarks._policy.features import ObjectPoses, Objects, poses_of, seen_by, targets_of
+from benchmarks._policy.features import ObjectPoses, Objects, led_by, poses_of, seen_by, targets_of
 from benchmarks._policy.hands import HandPoses, Hands
 from benchmarks._policy.localiser import LocaliserTraining, View, trained_localiser
 from benchmarks._policy.network import Size
@@ -103,7 +103,50 @@ def test_what_a_hand_sees_does_not_depend_on_where_both_are() -> None:
     shift = torch.tensor([0.3, -0.2, 0.0])
     moved = HandPoses(hands.position @ turn.T + shift, turn @ hands.rotation, hands.opening)
     carried = ObjectPoses(objects.position @ turn.T + shift, objects.axes @ turn.T, objects.parts)
-    assert torch.allclose(seen_by(hands, objects), seen_by(moved, carried), atol=1e-5)
+    there, here = seen_by(hands, objects, 1), seen_by(moved, carried, 1)
+    assert torch.allclose(there.features, here.features, atol=1e-4)
+    assert torch.allclose(there.places, here.places, atol=1e-5) and torch.allclose(there.axes, here.axes, atol=1e-5)
+
+
+def test_a_target_that_an_object_leads_lies_and_turns_as_the_object_does() -> None:
+    hands = hands_of(state_near_home(np.random.default_rng(6))[None])
+    block = ObjectPoses(torch.tensor([[[0.1, 0.2, 0.75]]]), torch.eye(3)[None, None, :2], torch.zeros(1, 0))
+    seen = seen_by(hands, block, 1)
+    weights = torch.zeros(1, 1, 1, 2, 7)
+    weights[..., 0] = 1  # of the place; then two of axes for the position, and two for each column of the rotation
+    weights[..., 1] = 2
+    weights[..., 3] = weights[..., 6] = 1
+    target = poses_of(led_by(torch.zeros(1, 1, 1, 2, 10), weights, seen)[0, 0], hands)
+    assert torch.allclose(target.position, torch.tensor([0.12, 0.2, 0.75]).expand(1, 2, 3), atol=1e-5)
+    assert torch.allclose(target.rotation, torch.eye(3).expand(1, 2, 3, 3), atol=1e-5)
+
+
+def test_aims_are_the_next_marked_frames_or_the_last_of_the_episode() -> None:
+    marked = np.zeros(20, bool)
+    marked[[3, 12]] = True
+    assert demonstrations(2, 10).next_of(marked).tolist() == [3] * 4 + [9] * 6 + [12] * 3 + [19] * 7
+
+
+def test_a_policy_stays_with_its_aim_where_another_is_as_good() -> None:
+    data = demonstrations()
+    meaning = Meaning(ROBOT, data.names, data.object_names, (("block",),))
+    policy = trained(data, meaning, Training(minutes=0.002, batch=8, size=Size(chunk=2, width=8, layers=1, aims=2)))
+    left, right = torch.zeros(2, 10), torch.zeros(2, 10)
+    left[:, 0], right[:, 0] = -0.1, 0.1
+    scores = torch.tensor([[0.0, 1.0]])
+    led = []
+    policy.aims = lambda _: (torch.stack([left, right])[None], scores)  # type: ignore[method-assign]
+    policy.chunks = lambda _, aims: (led.append(float(aims[0, 0, 0])) or torch.zeros(1, 1, 2, 2, 10), torch.zeros(1, 1))  # type: ignore[method-assign]
+    hands, seen = (
+        hands_of(data.states[:1]),
+        seen_by(hands_of(data.states[:1]), policy.objects.poses(data.objects[:1]), 1),
+    )
+    policy.chosen(hands, seen)
+    scores[0, 0] = 2.0  # by less than the preference for the last aim
+    policy.chosen(hands, seen)
+    policy.reset()
+    policy.chosen(hands, seen)
+    assert np.allclose(led, [0.1, 0.1, -0.1])
 
 
 def test_objects_that_the_task_is_not_about_are_not_seen() -> None:
@@ -117,7 +160,7 @@ def test_objects_that_the_task_is_not_about_are_not_seen() -> None:
 def test_noise_moves_a_share_of_the_hands_and_keeps_rotations() -> None:
     torch.manual_seed(0)
     hands = hands_of(np.tile(state_near_home(np.random.default_rng(5)), (2000, 1)))
-    noisy = Noise(share=0.5).added(hands)
+    noisy = Noise(share=0.5, any_opening=0.0).added(hands)
     moved = (noisy.position - hands.position).abs().amax(dim=(1, 2)) > 0
     assert 0.45 < float(moved.float().mean()) < 0.55
     unit = noisy.rotation @ noisy.rotation.transpose(-1, -2)
@@ -130,9 +173,9 @@ def test_the_objects_of_the_next_sub_task_are_seen_first() -> None:
     place = {name: torch.tensor([0.1 * i, 0.0, 0.75]) for i, name in enumerate(("green", "plate", "red"))}
     objects = ObjectPoses(torch.stack(list(place.values())).expand(2, 3, 3), torch.zeros(2, 3, 0, 3), torch.zeros(2, 0))
     swapped = ObjectPoses(objects.position[:, [2, 1, 0]], objects.axes, objects.parts)
-    red, green = steps.inputs(hands, objects, torch.tensor([0, 1]))
+    red, green = steps.seen(hands, objects, torch.tensor([0, 1])).features
     assert red[-2:].tolist() == [1, 0] and green[-2:].tolist() == [0, 1]
-    assert torch.equal(green[:-2], steps.inputs(hands, swapped, torch.tensor([0, 0]))[1, :-2])
+    assert torch.equal(green[:-2], steps.seen(hands, swapped, torch.tensor([0, 0])).features[1, :-2])
 
 
 def test_a_sub_task_is_next_until_its_object_lies_at_its_place() -> None:
@@ -175,9 +218,10 @@ def test_a_trained_policy_follows_its_demonstrations_and_can_be_stored(tmp_path:
     data = demonstrations()
     size = Size(chunk=4, width=64, layers=2, ways=2)
     meaning = Meaning(ROBOT, data.names, data.object_names, (("block",),))
-    policy = trained(data, meaning, Training(minutes=0.02, batch=32, size=size))
+    policy = trained(data, meaning, Training(minutes=0.06, batch=32, size=size))
     seen = {"observation/state": data.states[3], "observation/environment_state": data.objects[3]}
     told = policy.infer(seen)["actions"]
+    policy.reset()
     assert told.shape == (4, 16)
     assert np.abs(told - data.actions[3:7]).max() < np.abs(data.actions[3:7] - data.states[3]).max()
     policy.write(tmp_path / "weights.pt")

@@ -32,7 +32,7 @@ def policy_server(
         time.sleep(next(waits, 0.0))
         return infer(observation)
 
-    with serve.policy_server(late, "test", frames) as server:
+    with serve.policy_server(lambda: late, "test", frames) as server:
         thread = threading.Thread(target=server.serve_forever, daemon=True)
         thread.start()
         yield address_of(server)
