@@ -17,7 +17,7 @@ from vcage.schema.goals import Goal
 from vcage.schema.subtasks import Subtask
 from vcage.tasks.chain_slots import slots_for_chain
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.slots import CONTENT_GAP_M, Slot, allocate, heading_for, other_slots, slot_in
+from vcage.tasks.slots import CONTENT_GAP_M, Slot, allocate, arrangements, heading_for, other_slots, slot_in
 
 CONTENTS = ["marker", "marker", "marker", "whiteboard_eraser", "block", "rubber_eraser"]
 rng = np.random.default_rng
@@ -35,6 +35,11 @@ def by_object(chain: list[Subtask], slots: dict[str, Slot]) -> dict[str, Slot]:
 def boxes(slots: dict[str, Pose], objects: list[SceneObject]) -> list[np.ndarray]:
     """Boxes (2, 3) in the receptacle's frame."""
     return [world_aabb(o.asset.bounds, slots[o.id]) for o in objects]
+
+
+def narrowest(found: list[np.ndarray]) -> float:
+    """The smallest gap between two boxes, metres."""
+    return min((float(np.maximum(a[0] - b[1], b[0] - a[1])[:2].max()) for a, b in combinations(found, 2)), default=1.0)
 
 
 @settings(deadline=None, max_examples=40)
@@ -89,6 +94,34 @@ def test_the_slots_of_a_chain_do_not_overlap(seed: int):
     slots = slots_for_chain(chain, workplace(objects, rng(seed)))
     a, b = (world_aabb(o.asset.bounds, slots[s.id].pose) for o, s in zip(objects, chain, strict=False))
     assert not boxes_overlap(a, b)
+
+
+def slots_on_a_tray(
+    seed: int, drawn: bool = False, at: tuple[float, float] = (0.0, 0.1), yaw: float = 0.0
+) -> list[Pose]:
+    objects = [thing("marker", (-0.25, -0.05)), thing("block", (0.25, -0.05)), thing("tray", at, yaw)]
+    chain = [subtask(o.id, "tray", "on") for o in objects[:2]]
+    slots = slots_for_chain(chain, workplace(objects, rng(seed)), drawn)
+    return [slots[s.id].pose for s in chain]
+
+
+def test_places_on_a_receptacle_follow_from_sizes_wherever_it_stands():
+    assert slots_on_a_tray(1) == slots_on_a_tray(2, at=(0.03, 0.12), yaw=0.2)
+
+
+def test_places_on_a_receptacle_are_drawn_where_those_did_not_do():
+    assert slots_on_a_tray(1, drawn=True) != slots_on_a_tray(2, drawn=True)
+
+
+@pytest.mark.parametrize("count", [1, 3, 6])
+def test_the_first_arrangement_is_the_roomiest_and_always_the_same(count: int):
+    box, objects = thing("packaging_box", yaw=0.3), contents(count)
+    first, second = (arrangements(box, 0, objects) for _ in range(2))
+    assert [poses.keys() for poses in first] == [poses.keys() for poses in second]
+    assert all(a[key] == b[key] for a, b in zip(first, second, strict=True) for key in a)
+    gaps = [narrowest(boxes(poses, objects)) for poses in first]
+    assert min(gaps) >= CONTENT_GAP_M - 1e-9
+    assert gaps[0] > gaps[-1] or count == 1
 
 
 def test_a_chain_whose_contents_do_not_fit_together_is_refused():

@@ -35,6 +35,7 @@ class AttemptLimits:
         same_slot_sets: sets refused one after the other in the same words, after which no more are tried.
         final_slot_sets: sets of slots for a chain, where there is no other layout.
         compared_slots: arrangements of a receptacle's contents; the one with the lowest drop is taken.
+        arrangements: of a receptacle's contents, from which the roomiest are compared first.
         table_slot_sets: sets of places on the table for a chain.
         spare_slots: further slots for an object that cannot be brought to its own.
         table_places: places on the table, until an arm can bring the object to one.
@@ -61,6 +62,7 @@ class AttemptLimits:
     same_slot_sets: int = 3
     final_slot_sets: int = 20
     compared_slots: int = 8
+    arrangements: int = 40
     table_slot_sets: int = 8
     spare_slots: int = 6
     table_places: int = 12

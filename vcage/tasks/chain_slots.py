@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import islice, repeat
 
 import numpy as np
@@ -17,7 +18,7 @@ from vcage.tasks.feasibility import Transfer, examine
 from vcage.tasks.grasps import GraspPose, grasp_poses
 from vcage.tasks.primitives.place_way import SET_DOWN, place_way
 from vcage.tasks.scene_objects import Obstacles, SceneObject
-from vcage.tasks.slots import Slot, allocate, heading_for, lying_in, opened_for, slot_in
+from vcage.tasks.slots import Slot, allocate, arrangements, heading_for, lying_in, opened_for, slot_in
 from vcage.tasks.templates.push import examine_pushes
 from vcage.tasks.workplace import Workplace
 
@@ -25,7 +26,7 @@ UNREACHED_M = 1.0
 """Drop counted for a place that no arm reaches, metres: more than any real one."""
 
 
-def slots_for_chain(chain: Sequence[Subtask], workplace: Workplace) -> dict[str, Slot]:
+def slots_for_chain(chain: Sequence[Subtask], workplace: Workplace, drawn: bool = False) -> dict[str, Slot]:
     """A slot for each sub-task that puts an object somewhere, by the sub-task's id.
 
     Simultaneous contents of one place fit together, and the hand has room to let go of each.
@@ -33,6 +34,7 @@ def slots_for_chain(chain: Sequence[Subtask], workplace: Workplace) -> dict[str,
     Args:
         chain: the sub-tasks.
         workplace: with all arms of the robot.
+        drawn: at random on receptacles, too: else places there follow from sizes.
 
     Raises:
         InfeasibleScene: the contents of one receptacle do not fit together, or something has no place on the table.
@@ -49,6 +51,7 @@ def slots_for_chain(chain: Sequence[Subtask], workplace: Workplace) -> dict[str,
             [objects[stay.object] for stay in stays if stay.subtask is None],
             objects,
             workplace,
+            drawn,
         )
         poses = filling.poses()
         slots |= {s.id: slot_in(objects[receptacle], point, poses[s.object], s.goals) for s in filling.subtasks}
@@ -127,6 +130,7 @@ class _Filling:
         present: objects already there.
         objects: of the scene by id, at their starting places.
         workplace: of the scene.
+        drawn: places are drawn at random on a receptacle, too. In one they always are: reach into it differs.
     """
 
     subtasks: Sequence[Subtask]
@@ -135,6 +139,7 @@ class _Filling:
     present: Sequence[SceneObject]
     objects: Mapping[str, SceneObject]
     workplace: Workplace
+    drawn: bool
 
     def poses(self) -> dict[str, Pose]:
         """Poses in the receptacle's frame, by id, from which the objects fall least.
@@ -145,11 +150,13 @@ class _Filling:
         brought = [self.objects[s.object] for s in self.subtasks]
         asked = {s.object: heading_for(s.goals, self.receptacle, self.point) for s in self.subtasks}
         headings = {name: heading for name, heading in asked.items() if heading is not None}
-        drawn = (
-            allocate(self.receptacle, self.point, brought, self.workplace.rng, self.present, headings)
-            for _ in range(LIMITS.compared_slots)
-        )
-        return least_costly(drawn, self._drop, enough=SET_DOWN * len(self.subtasks) + 1e-9)
+        asked_for = (self.receptacle, self.point, brought)
+        if self.drawn or self.receptacle.asset.annotation.functional_point(self.point).holds != "on":
+            draw = partial(allocate, *asked_for, self.workplace.rng, self.present, headings)
+            found = (draw() for _ in range(LIMITS.compared_slots))
+        else:
+            found = islice(arrangements(*asked_for, self.present, headings), LIMITS.compared_slots)
+        return least_costly(found, self._drop, enough=SET_DOWN * len(self.subtasks) + 1e-9)
 
     def _drop(self, poses: Mapping[str, Pose]) -> float:
         """Total fall of the objects, metres, when each is let go as low as the hand can.

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from itertools import product, repeat
+from functools import partial
+from itertools import product
 
 import numpy as np
 
@@ -292,12 +293,13 @@ def proven(
         InfeasibleScene: the contents of one receptacle do not fit together, or an object has no place on the table.
     """
 
-    def propose() -> tuple[list[Subtask], dict[str, Slot]]:
-        slots = slots_for_chain(chain, Workplace.of(scene, objects, rng))
+    def propose(drawn: bool) -> tuple[list[Subtask], dict[str, Slot]]:
+        slots = slots_for_chain(chain, Workplace.of(scene, objects, rng), drawn)
         return rehearsed(chain, slots, objects, scene, rng), slots
 
+    proposals = [partial(propose, number > 0) for number in range(draws)]
     try:
-        return first_accepted(repeat(propose, draws), _NotWithTheseSlots, LIMITS.same_slot_sets).value
+        return first_accepted(proposals, _NotWithTheseSlots, LIMITS.same_slot_sets).value
     except GaveUp as error:
         raise error.refusals[-1] from None
 

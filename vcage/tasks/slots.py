@@ -7,8 +7,10 @@ the workspace: objects that fit together get places side by side, and the others
 from __future__ import annotations
 
 import contextlib
+import itertools
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from types import MappingProxyType
 
 import numpy as np
@@ -90,15 +92,54 @@ def allocate(
     for content in contents:
         if (bottom := nested_bottom(content, receptacle, point)) is not None:
             return {content.id: _nested(content, bottom, receptacle, opening, [*contents, *present])}
-    centre, half = np.array(opening.centre), room_for(receptacle, functional_point, contents) / 2
-    inside = np.stack([centre - half, centre + half])
-    to_receptacle = receptacle.frame(functional_point).inverse()
-    taken = [world_aabb(o.asset.bounds, to_receptacle * o.pose)[:, :2] for o in present]
+    inside, taken = _free(receptacle, functional_point, contents, present)
     items = [_item(o, headings.get(o.id)) for o in contents]
     places = place(items, inside, rng, margin=CONTENT_GAP_M, obstacles=taken)
     return {
         key: Pose.from_yaw([at.x, at.y, opening.floor], at.yaw + headings.get(key, 0.0)) for key, at in places.items()
     }
+
+
+def arrangements(
+    receptacle: SceneObject,
+    functional_point: int,
+    contents: Sequence[SceneObject],
+    present: Sequence[SceneObject] = (),
+    headings: Mapping[str, float] = MappingProxyType({}),
+) -> list[dict[str, Pose]]:
+    """Places as of :func:`allocate` that follow from sizes alone, the roomiest arrangement first.
+
+    So demonstrations of a task differ in where they begin, and agree on where things go.
+
+    Raises:
+        InfeasibleScene: they do not fit together.
+    """
+    rng = np.random.default_rng(0)
+    draw = partial(allocate, receptacle, functional_point, contents, rng, present, headings)
+    walls, taken = _free(receptacle, functional_point, contents, present)
+
+    def gap(poses: Mapping[str, Pose]) -> float:
+        boxes = [world_aabb(o.asset.bounds, poses[o.id])[:, :2] for o in contents]
+        to_walls = [CONTENT_GAP_M + float(min((box[0] - walls[0]).min(), (walls[1] - box[1]).min())) for box in boxes]
+        pairs = itertools.combinations([*boxes, *taken], 2)
+        return min([*to_walls, *(float(np.maximum(a[0] - b[1], b[0] - a[1]).max()) for a, b in pairs)])
+
+    found = [draw()]
+    for _ in range(LIMITS.arrangements - 1):
+        with contextlib.suppress(InfeasibleScene):  # a full place is not packed at each attempt
+            found.append(draw())
+    return sorted(found, key=gap, reverse=True)
+
+
+def _free(
+    receptacle: SceneObject, functional_point: int, contents: Sequence[SceneObject], present: Sequence[SceneObject]
+) -> tuple[np.ndarray, list[np.ndarray]]:
+    """Corners (2, 2) of the part of an opening in which contents may stand, and the boxes (2, 2) of those present."""
+    opening = receptacle.asset.opening(receptacle.asset.annotation.functional_point(functional_point))
+    centre, half = np.array(opening.centre), room_for(receptacle, functional_point, contents) / 2
+    to_receptacle = receptacle.frame(functional_point).inverse()
+    taken = [world_aabb(o.asset.bounds, to_receptacle * o.pose)[:, :2] for o in present]
+    return np.stack([centre - half, centre + half]), taken
 
 
 def _item(thing: SceneObject, heading: float | None) -> TableItem:
