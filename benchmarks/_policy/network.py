@@ -26,10 +26,10 @@ class Size:
         aims: alternative aims.
     """
 
-    chunk: int = 12
-    width: int = 384
+    chunk: int = 8
+    width: int = 256
     layers: int = 4
-    ways: int = 6
+    ways: int = 2
     aims: int = 8
 
     def of_aims(self) -> Size:

@@ -32,6 +32,7 @@ class Steps:
         self._order = torch.tensor([list(dict.fromkeys(row)) for row in rolled])
         self._moved = torch.tensor([step[0] for step in own])
         self._place = torch.tensor([step[1] if len(step) > 1 else step[0] for step in own])
+        self._others = torch.tensor([[place not in step for place in range(len(ids))] for step in own])
         self._first = min(map(len, own))
 
     def __len__(self) -> int:
@@ -50,6 +51,10 @@ class Steps:
         if len(self) == 1:
             return seen
         return replace(seen, features=torch.cat([seen.features, one_hot(step, len(self)).float()], dim=1))
+
+    def others(self, step: torch.Tensor) -> torch.Tensor:
+        """(N, O) objects that the sub-tasks (N,) are not about."""
+        return self._others.to(step.device)[step]
 
     def relations(self, hands: HandPoses, objects: ObjectPoses) -> torch.Tensor:
         """(N, K, R) the object of each sub-task as its place and as the hands see it, and the moving parts."""

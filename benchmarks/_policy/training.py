@@ -25,6 +25,7 @@ class Noise:
     Args:
         position_m, rotation_rad, opening: standard deviations of hands.
         object_m: of the positions of objects.
+        other_m: of those that the sub-task under way is not about: they tell little about it.
         spread: of the logarithm of a factor by which a frame's noise is larger or smaller.
         share: of the frames that get any.
         any_opening: share of the frames in which a gripper is somehow open: so a grasp that missed is tried again.
@@ -34,6 +35,7 @@ class Noise:
     rotation_rad: float = 0.025
     opening: float = 0.02
     object_m: float = 0.0
+    other_m: float = 0.03
     spread: float = 0.5
     share: float = 0.8
     any_opening: float = 0.05
@@ -59,6 +61,11 @@ class Noise:
         """Displaced objects."""
         return replace(objects, position=objects.position + torch.randn_like(objects.position) * self.object_m)
 
+    def blurred(self, objects: ObjectPoses, others: torch.Tensor) -> ObjectPoses:
+        """Objects of which the others (N, O) are displaced."""
+        blur = torch.randn_like(objects.position) * self.other_m * others[..., None]
+        return replace(objects, position=objects.position + blur)
+
 
 @dataclass(frozen=True)
 class Training:
@@ -76,12 +83,14 @@ class Training:
         turn: change of the target of a gripper from which on it opens or closes: an aim.
         aim_noise_m: standard deviation of the aims that the policy is led by: the objects tell them better.
         press_frames: frames in which a gripper without anything between its fingers reaches its target.
+        progress_noise_m: standard deviation of objects in learning which sub-tasks are done: a policy puts them less
+            exactly than demonstrations do.
         progress_share: time to learn which sub-tasks are done, as a share of that of the policy.
         device: of torch.
     """
 
     minutes: float = 10.0
-    batch: int = 384
+    batch: int = 256
     rate: float = 1e-3
     decay: float = 1e-3
     seed: int = 0
@@ -91,6 +100,7 @@ class Training:
     press_frames: int = 5
     turn: float = 0.3
     aim_noise_m: float = 0.005
+    progress_noise_m: float = 0.02
     progress_share: float = 0.1
     device: str = "cpu"
 
@@ -109,6 +119,7 @@ class Batches:
 
     def __init__(self, demonstrations: Demonstrations, meaning: Meaning, training: Training):
         self._noise, hands = training.noise, meaning.hands()
+        self._progress_noise = replace(training.noise, object_m=max(training.noise.object_m, training.progress_noise_m))
         measured, future = hands.poses(demonstrations.states), hands.poses(demonstrations.actions)
         later = demonstrations.next_frames(training.press_frames + 1)[:, -1]
         presses = future.opening < measured.opening[torch.from_numpy(later)] - training.presses
@@ -136,7 +147,8 @@ class Batches:
         """What the hands see with fresh noise, N times, their (N, A, :data:`TARGET`) aims and (N, K, A, …) targets."""
         hands = self._noise.added(self._hands[frames])
         objects = self._noise.moved(self._objects[frames])
-        seen = self._sequence.seen(hands, objects, self._sequence.next_of(self.progress, hands, objects))
+        step = self._sequence.next_of(self.progress, hands, objects)
+        seen = self._sequence.seen(hands, self._noise.blurred(objects, self._sequence.others(step)), step)
         aims = targets_of(hands, self._future[self._aim[frames][:, None]])[:, 0]
         return seen, aims, targets_of(hands, self._future[self._next[frames]])
 
@@ -145,9 +157,9 @@ class Batches:
 
         A sub-task is done when its object is released: so the way back of the hand belongs to the next.
         """
-        hands, objects = self._noise.added(self._hands[frames]), self._objects[frames]
+        hands, objects = self._noise.added(self._hands[frames]), self._progress_noise.moved(self._objects[frames])
         done = self._next_step[frames][:, None] > torch.arange(len(self._sequence), device=self._device)
-        return self._sequence.relations(hands, self._noise.moved(objects)), done.float()
+        return self._sequence.relations(hands, objects), done.float()
 
 
 def trained(demonstrations: Demonstrations, meaning: Meaning, training: Training) -> Policy:
