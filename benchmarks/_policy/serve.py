@@ -8,6 +8,7 @@ from __future__ import annotations
 import sys
 import traceback
 from collections.abc import Callable, Mapping
+from copy import copy
 from pathlib import Path
 from typing import Any
 
@@ -37,8 +38,8 @@ def policy_server(
 
     def talk(connection: ServerConnection) -> None:
         connection.send(packed({"name": name}))
-        infer = begin()
         try:
+            infer = begin()
             while True:
                 connection.send(packed(infer(unpacked(connection.recv(decode=False)))))
         except ConnectionClosed:
@@ -64,7 +65,8 @@ def main(weights: Path) -> None:
     from benchmarks._policy.policy import Policy
 
     torch.set_num_threads(1)
-    with policy_server(lambda: Policy.read(weights).infer, "vcage benchmark") as server:
+    policy = Policy.read(weights)
+    with policy_server(lambda: copy(policy).infer, "vcage benchmark") as server:
         print(address_of(server), flush=True)
         server.serve_forever()
 

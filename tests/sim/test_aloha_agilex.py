@@ -162,3 +162,12 @@ def test_an_arm_keeps_its_distance_from_the_other(world, monkeypatch):
     monkeypatch.setattr(collision, "CLEARANCE_M", 0.5)  # the hands at home are 0.44 m apart
     contact = CollisionScene.of_world(world, "left").first_contact(home)
     assert contact is not None and contact.other.startswith("right/")
+
+
+def test_a_hand_keeps_its_distance_from_what_its_fingers_may_not_touch(world, monkeypatch):
+    home = np.array(world.arms["left"].arm.home)
+    monkeypatch.setattr(collision, "HAND_CLEARANCE_M", 0.5)  # the table is nearer
+    scene = CollisionScene.of_world(world, "left")
+    contact = scene.first_contact(home)
+    assert contact is not None and contact.moving not in scene.kinematics.finger_links
+    assert scene.first_contact(home, fingers_may_touch=["table", *world.object_ids]) is None

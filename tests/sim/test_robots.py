@@ -25,9 +25,9 @@ def test_every_scene_of_ours_has_the_default_robot():
 
 
 def test_a_scene_that_names_a_robot_keeps_it_unless_another_is_asked_for(template):
-    named = SceneTemplate.model_validate(template.model_dump() | {"robot": "aloha_agilex"})
-    assert named.robot == "aloha_agilex"
-    assert load_template("table", "aloha_agilex").robot == "aloha_agilex"
+    named = SceneTemplate.model_validate(template.model_dump() | {"robot": "dual_panda"})
+    assert named.robot == "dual_panda"
+    assert load_template("table", "dual_panda").robot == "dual_panda"
 
 
 def test_aloha_agilex_has_no_part_of_a_package_of_others():

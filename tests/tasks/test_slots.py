@@ -109,7 +109,7 @@ def test_places_on_a_receptacle_follow_from_sizes_wherever_it_stands():
     assert slots_on_a_tray(1) == slots_on_a_tray(2, at=(0.03, 0.12), yaw=0.2)
 
 
-def test_places_on_a_receptacle_are_drawn_where_those_did_not_do():
+def test_drawn_places_on_a_receptacle_differ_by_seed():
     assert slots_on_a_tray(1, drawn=True) != slots_on_a_tray(2, drawn=True)
 
 
@@ -122,6 +122,16 @@ def test_the_first_arrangement_is_the_roomiest_and_always_the_same(count: int):
     gaps = [narrowest(boxes(poses, objects)) for poses in first]
     assert min(gaps) >= CONTENT_GAP_M - 1e-9
     assert gaps[0] > gaps[-1] or count == 1
+
+
+def test_things_close_together_on_a_receptacle_do_not_hide_which_place_is_roomy():
+    tray, eraser = thing("tray"), thing("rubber_eraser")
+    on_tray = tray.frame(0)
+    there = [on_tray * Pose([0.05, y, 0.0]) for y in (-0.02, 0.02)]
+    present = [thing("rubber_eraser", id=f"there-{k}").moved(pose) for k, pose in enumerate(there)]
+    found = arrangements(tray, 0, [eraser], present)
+    away = [float(np.linalg.norm(poses[eraser.id].p[:2] - [0.05, 0.0])) for poses in found]
+    assert away[0] > away[-1]
 
 
 def test_a_chain_whose_contents_do_not_fit_together_is_refused():

@@ -17,7 +17,7 @@ import numpy as np
 
 from vcage.base.attempts import LIMITS, GaveUp, Refused, first_accepted, least_costly
 from vcage.base.errors import InfeasibleScene, NoFeasibleTask
-from vcage.base.geometry import Pose, world_aabb
+from vcage.base.geometry import Pose, world_aabb, wrap_angle
 from vcage.layout.items import ANY_YAW, FRONT_YAWS, TableItem, hand_clearance, table_item
 from vcage.layout.optimize import LayoutOptions
 from vcage.layout.placement.place import place
@@ -260,15 +260,11 @@ class Layouts:
         if o.record.role == "receptacle":
             return tuple(o.pose.yaw + turn for turn in SETTINGS.turns_rad)
         asked = [FACING[goal.relation] for goal in self._goals if goal.subject == o.id and goal.relation in FACING]
-        return tuple(yaw for yaw in ANY_YAW if all(_apart(yaw, end) < SETTINGS.most_turned_rad + 1e-6 for end in asked))
+        most = SETTINGS.most_turned_rad + 1e-6
+        return tuple(yaw for yaw in ANY_YAW if all(abs(wrap_angle(yaw - end)) < most for end in asked))
 
     def _examined(self, subtask: Subtask, workplace: Workplace) -> Subtask:
         found = examined(subtask, workplace)
         if found is None:
             raise Refused(f"{subtask.id} is not feasible")
         return found
-
-
-def _apart(a: float, b: float) -> float:
-    """Angle between two headings, radians."""
-    return float(abs((a - b + np.pi) % (2 * np.pi) - np.pi))

@@ -46,7 +46,7 @@ class Start:
         objects: of the scene.
         grasps: of each sub-task, by its id, best first.
         slots: where each sub-task puts its object, by its id.
-        drawn: True if the layout was drawn; otherwise it is the run's with small shifts.
+        drawn: True if the layout was drawn; otherwise it is the run's, with small shifts or without.
         refused: drawn layouts that were refused: reason → number.
         world: its differences from the run's scene.
         models: of the objects, by id, with their drawn mass and friction.
@@ -117,7 +117,7 @@ class Starts:
         try:
             found = first_accepted((partial(self._layout_of, *world, rng) for world in worlds), NoLayout)
         except GaveUp as error:
-            logger.warning("no random layout was accepted: objects stand as optimised, with small shifts")
+            logger.warning("no random layout was accepted: objects stand as optimised, with small shifts if these do")
             return worlds[-1][0], None, _refused(error.refusals)
         world, layout = found.value
         return world, layout, dict(Counter(_refused(found.refusals)) + Counter(layout.refused))

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import functools
 import itertools
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -76,7 +77,7 @@ class Held:
 
 @dataclass(frozen=True)
 class Contact:
-    """Two things that would overlap."""
+    """Two things that would overlap, or come too near."""
 
     moving: str
     other: str
@@ -147,9 +148,9 @@ class CollisionScene:
                 items += _links_of(other, kinematics_of(record), (joints or {}).get(other))
         self._obstacles = _Solids((name, shape, self._to_base * pose) for name, shape, pose in items)
         self._of_arms = np.arange(len(items)) >= standing
-        self._obstacles.radii += CLEARANCE_M
+        self._obstacles.radii += max(CLEARANCE_M, HAND_CLEARANCE_M)
         links = {name for name, _ in self.kinematics.link_shapes}
-        self._unlike_fingers = links - self.kinematics.finger_links
+        self._other_links = links - self.kinematics.finger_links
 
     @classmethod
     def of_world(cls, world: World, arm: str, changed: Mapping[str, Body] | None = None) -> CollisionScene:
@@ -244,10 +245,10 @@ class CollisionScene:
             if name in skip or (taken and moving.names[i] in fingers):
                 continue
             kept_off = self._of_arms[j] or (beside is not None and name not in beside)
-            beside_fingers = not taken and moving.names[i] in self._unlike_fingers
-            least = CLEARANCE_M if kept_off else HAND_CLEARANCE_M if beside_fingers else None
+            keeps_clear = not taken and moving.names[i] in self._other_links
+            clearance = CLEARANCE_M if kept_off else HAND_CLEARANCE_M if keeps_clear else None
             one, other = moving.object(i), self._obstacles.object(j)
-            if overlap(one, other) if least is None else near_to(one, other, least):
+            if overlap(one, other) if clearance is None else near_to(one, other, clearance):
                 return Contact(moving.names[i], name)
         return None
 
@@ -269,8 +270,7 @@ def overlapping(bodies: Mapping[str, Body]) -> list[tuple[str, str]]:
     solids = {name: _solids_of(name, body) for name, body in bodies.items()}
     found = []
     for (first, a), (second, b) in itertools.combinations(solids.items(), 2):
-        near = np.argwhere(_spheres_meet(a, b)).tolist()
-        if any(overlap(a.object(i), b.object(j)) for i, j in near):
+        if _meet(a, b, overlap):
             found.append((first, second))
     return found
 
@@ -286,9 +286,7 @@ def first_near(body: Body, others: Mapping[str, Body], distance: float) -> str |
     own = _solids_of("", body)
     own.radii += distance
     for name, other in others.items():
-        solids = _solids_of(name, other)
-        near = np.argwhere(_spheres_meet(own, solids)).tolist()
-        if any(near_to(own.object(i), solids.object(j), distance) for i, j in near):
+        if _meet(own, _solids_of(name, other), partial(near_to, distance=distance)):
             return name
     return None
 
@@ -299,19 +297,20 @@ def _solids_of(name: str, body: Body) -> _Solids:
     return _Solids((name, shape, pose * local) for _, shape, local in model_shapes(body.model, body.joints))
 
 
-def meets_box(model: PhysicalModel, joints: Sequence[float], size: Iterable[float], at: Pose) -> bool:
+def meets_box(body: Body, size: Iterable[float], at: Pose) -> bool:
     """True if an object overlaps a box by more than :data:`TOLERANCE`.
 
     Args:
-        model: of the object.
-        joints: positions of its moving parts; all at 0 when empty.
+        body: the object.
         size: of the box (x, y, z), metres.
-        at: of the middle of the box, in the object's frame.
+        at: of the middle of the box, in the world.
     """
-    box = _Solids([("box", box_shape(size), to_sapien(at))])
-    parts = _Solids((part or "body", shape, local) for part, shape, local in model_shapes(model, joints))
-    near = np.argwhere(_spheres_meet(box, parts)).tolist()
-    return any(overlap(box.object(i), parts.object(j)) for i, j in near)
+    return _meet(_solids_of("", body), _Solids([("box", box_shape(size), to_sapien(at))]), overlap)
+
+
+def _meet(a: _Solids, b: _Solids, meets: Callable[[fcl.CollisionObject, fcl.CollisionObject], bool]) -> bool:
+    """True if two solids, one of each kind, meet; the rest is ruled out by bounding spheres."""
+    return any(meets(a.object(i), b.object(j)) for i, j in np.argwhere(_spheres_meet(a, b)).tolist())
 
 
 def overlap(a: fcl.CollisionObject, b: fcl.CollisionObject) -> bool:

@@ -42,9 +42,12 @@ def _physics_system() -> sapien.physx.PhysxCpuSystem:
     import sapien
 
     config = sapien.physx.get_scene_config()
-    config.enable_pcm = False
+    was, config.enable_pcm = config.enable_pcm, False
     sapien.physx.set_scene_config(config)
-    return sapien.physx.PhysxCpuSystem()
+    system = sapien.physx.PhysxCpuSystem()
+    config.enable_pcm = was  # the configuration is the process's, and other scenes of a user keep theirs
+    sapien.physx.set_scene_config(config)
+    return system
 
 
 class World:

@@ -83,7 +83,7 @@ def execute(
         objects, reasoner = context.objects(scene), context.models.reasoner
         judge = partial(reasoner.judge_pairs, instruction=scene.instruction)
 
-        found, chains = _found(scene, objects, judge, rng)
+        found, chains = _search(scene, objects, judge, rng)
         by_id = {subtask.id: subtask for subtask in found.kept}
         steps = [[by_id[name] for name in chain.subtasks] for chain in chains]
         if scene.goals:
@@ -106,7 +106,7 @@ def execute(
     return stage.do(Subtasks, make, force=options.force)
 
 
-def _found(
+def _search(
     scene: Scene, objects: Sequence[SceneObject], judge: Judge, rng: np.random.Generator
 ) -> tuple[FoundSubtasks, list[Chain]]:
     """Sub-tasks, and the chain of the instruction. Places are drawn: where none is in reach, other ones are tried.
@@ -123,7 +123,7 @@ def _found(
     try:
         return first_accepted(repeat(search, LIMITS.searches), NoFeasibleTask, LIMITS.same_searches).value
     except GaveUp as error:
-        raise error.refusals[0] from None
+        raise error.refusals[-1] from None
 
 
 def _write_scripts(

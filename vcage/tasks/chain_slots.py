@@ -155,7 +155,7 @@ class _Filling:
             draw = partial(allocate, *asked_for, self.workplace.rng, self.present, headings)
             found = (draw() for _ in range(LIMITS.compared_slots))
         else:
-            found = islice(arrangements(*asked_for, self.present, headings), LIMITS.compared_slots)
+            found = iter(arrangements(*asked_for, self.present, headings)[: LIMITS.compared_slots])
         return least_costly(found, self._drop, enough=SET_DOWN * len(self.subtasks) + 1e-9)
 
     def _drop(self, poses: Mapping[str, Pose]) -> float:

@@ -18,6 +18,7 @@ from vcage.base.memory import remembered
 from vcage.schema.asset import ContactPoint, FunctionalPoint
 from vcage.schema.robot import Gripper, Robot
 from vcage.schema.subtasks import Check
+from vcage.sim.bodies import Body
 from vcage.sim.collision import meets_box
 from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.access import headroom
@@ -99,8 +100,8 @@ def _hands(
 def palm_meets(target: SceneObject, grasp: GraspPose, gripper: Gripper) -> bool:
     """True if the palm of a hand that takes an object overlaps the object: a tilted hand may lie across it."""
     *_, (lower, upper) = hand_boxes(gripper, gripper.max_width)
-    at = grasp.in_object * Pose((lower + upper) / 2)
-    return meets_box(target.asset.model, target.joints, upper - lower, at)
+    at = grasp.pose * Pose((lower + upper) / 2)
+    return meets_box(Body(target.asset.model, target.pose, target.joints), upper - lower, at)
 
 
 def _walls_around(thing: SceneObject, holder: SceneObject) -> list[SolidBox]:

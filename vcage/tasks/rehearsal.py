@@ -10,7 +10,7 @@ from itertools import product
 import numpy as np
 
 from vcage.base.attempts import LIMITS, GaveUp, first_accepted
-from vcage.base.errors import NoFeasibleTask
+from vcage.base.errors import InfeasibleScene, NoFeasibleTask
 from vcage.base.geometry import Pose
 from vcage.schema.asset import ContactPoint
 from vcage.schema.plan import TABLE
@@ -286,7 +286,7 @@ def proven(
 
     Args:
         chain, objects, scene, rng: as :func:`rehearsed` takes them.
-        draws: sets of slots that are tried.
+        draws: sets of slots that are tried; on receptacles the first follows from sizes, the others are drawn.
 
     Raises:
         NoFeasibleTask: with none of them each sub-task is feasible in its turn.
@@ -299,7 +299,7 @@ def proven(
 
     proposals = [partial(propose, number > 0) for number in range(draws)]
     try:
-        return first_accepted(proposals, _NotWithTheseSlots, LIMITS.same_slot_sets).value
+        return first_accepted(proposals, (_NotWithTheseSlots, InfeasibleScene), LIMITS.same_slot_sets).value
     except GaveUp as error:
         raise error.refusals[-1] from None
 

@@ -121,7 +121,7 @@ def arrangements(
     def gap(poses: Mapping[str, Pose]) -> float:
         boxes = [world_aabb(o.asset.bounds, poses[o.id])[:, :2] for o in contents]
         to_walls = [CONTENT_GAP_M + float(min((box[0] - walls[0]).min(), (walls[1] - box[1]).min())) for box in boxes]
-        pairs = itertools.combinations([*boxes, *taken], 2)
+        pairs = itertools.chain(itertools.combinations(boxes, 2), itertools.product(boxes, taken))
         return min([*to_walls, *(float(np.maximum(a[0] - b[1], b[0] - a[1]).max()) for a, b in pairs)])
 
     found = [draw()]

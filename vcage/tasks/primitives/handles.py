@@ -70,7 +70,7 @@ class Handle:
     @property
     def on_axis(self) -> bool:
         """True if the axis of the joint runs through the held material, as a knob's: it turns no more than the hand."""
-        return _arm(self) < self.width
+        return _arm(self) < self.width / 2
 
     def joints_at(self, position: float) -> np.ndarray:
         """(n,) the present joint positions, but this part's is ``position``."""

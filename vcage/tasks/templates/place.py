@@ -259,8 +259,8 @@ class Pair(Proposal):
             }
             found = {c: examine(t, workplace) for c, t in transfers.items()}
             tried = _AtSlot(transfers, *self.judged(found))
-            most = slots if self.goal in self.asked else slots_out_of_reach
-            far = number + 1 >= most and all(map(_out_of_reach, tried.refused))
+            enough = self.goal not in self.asked and number + 1 >= slots_out_of_reach
+            far = enough and all(map(_out_of_reach, tried.refused))
             if tried.feasible or far or not any(map(_elsewhere, tried.refused)):
                 break
         return tried
