@@ -24,6 +24,9 @@ from vcage.schema.episodes import Episodes
 logger = logging.getLogger(__name__)
 
 INSTRUCTION = "Pack the marker pens and the eraser into the box"
+
+ROBOT = "dual_panda"
+"""With the arm that ManiSkill's runner has."""
 """The instruction of ``make demo``."""
 
 SHADERS = ("default", "minimal")
@@ -138,7 +141,7 @@ def _mean(one: Recorded, other: Recorded) -> Recorded:
 
 def _vcage(folder: Path, episodes: int) -> Chain:
     """Time ``vcage run``, and then its floor."""
-    command = [sys.executable, "-m", "vcage.cli.main", "run", INSTRUCTION, "--out", str(folder)]
+    command = [sys.executable, "-m", "vcage.cli.main", "run", INSTRUCTION, "--robot", ROBOT, "--out", str(folder)]
     done = timed([*command, "--episodes", str(episodes), "--models", "offline"])
     if done.code != 0:
         raise VcageError(f"vcage run ended with {done.code}: {done.stdout[-500:]}", hint="run: vcage doctor")
