@@ -24,10 +24,10 @@ from vcage.schema.episodes import Episodes
 logger = logging.getLogger(__name__)
 
 INSTRUCTION = "Pack the marker pens and the eraser into the box"
+"""The instruction of ``make demo``."""
 
 ROBOT = "dual_panda"
 """With the arm that ManiSkill's runner has."""
-"""The instruction of ``make demo``."""
 
 SHADERS = ("default", "minimal")
 """Shaders of ManiSkill's runner: its default, and the fastest."""

@@ -24,10 +24,11 @@ def test_every_scene_of_ours_has_the_default_robot():
     assert {load_template(name).robot for name in available("scenes")} == {DEFAULT_ROBOT}
 
 
-def test_a_scene_that_names_a_robot_keeps_it_unless_another_is_asked_for(template):
-    named = SceneTemplate.model_validate(template.model_dump() | {"robot": "dual_panda"})
-    assert named.robot == "dual_panda"
-    assert load_template("table", "dual_panda").robot == "dual_panda"
+@pytest.mark.parametrize("name", ["aloha_agilex", "dual_panda"])
+def test_a_scene_that_names_a_robot_keeps_it_unless_another_is_asked_for(template, name: str):
+    named = SceneTemplate.model_validate(template.model_dump() | {"robot": name})
+    assert named.robot == name
+    assert load_template("table", name).robot == name
 
 
 def test_aloha_agilex_has_no_part_of_a_package_of_others():
