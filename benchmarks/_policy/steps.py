@@ -52,6 +52,10 @@ class Steps:
             return seen
         return replace(seen, features=torch.cat([seen.features, one_hot(step, len(self)).float()], dim=1))
 
+    def moved(self, step: torch.Tensor) -> torch.Tensor:
+        """(N, O) the object that each of the sub-tasks (N,) moves."""
+        return one_hot(self._moved.to(step.device)[step], self._others.shape[1]).bool()
+
     def others(self, step: torch.Tensor) -> torch.Tensor:
         """(N, O) objects that the sub-tasks (N,) are not about."""
         return self._others.to(step.device)[step]

@@ -12,6 +12,7 @@ from torch.nn.functional import binary_cross_entropy_with_logits
 from benchmarks._policy.demonstrations import Demonstrations
 from benchmarks._policy.features import ObjectPoses, Seen, aimed, targets_of
 from benchmarks._policy.fitting import fit
+from benchmarks._policy.grip import carried, held, made_up
 from benchmarks._policy.hands import HandPoses
 from benchmarks._policy.network import Size, loss_of
 from benchmarks._policy.policy import Meaning, Policy, Scale
@@ -25,6 +26,7 @@ class Noise:
     Args:
         position_m, rotation_rad, opening: standard deviations of hands.
         object_m: of the positions of objects.
+        grip_m: of the place of an object in the hand that holds it: the hand makes up for it.
         other_m: of those that the sub-task under way is not about: they tell little about it.
         spread: of the logarithm of a factor by which a frame's noise is larger or smaller.
         share: of the frames that get any.
@@ -33,8 +35,9 @@ class Noise:
 
     position_m: float = 0.006
     rotation_rad: float = 0.025
-    opening: float = 0.02
+    opening: float = 0.04
     object_m: float = 0.0
+    grip_m: float = 0.004
     other_m: float = 0.03
     spread: float = 0.5
     share: float = 0.8
@@ -42,8 +45,7 @@ class Noise:
 
     def added(self, hands: HandPoses) -> HandPoses:
         """Displaced hands."""
-        some = hands.opening.new_zeros(len(hands.opening), 1, 1)
-        factor = (torch.rand_like(some) < self.share) * torch.exp(torch.randn_like(some) * self.spread)
+        factor = self._factor(hands)
         turn = torch.randn_like(hands.position) * self.rotation_rad * factor
         x, y, z, none = *turn.unbind(-1), torch.zeros_like(hands.opening)
         skew = torch.stack([none, -z, y, z, none, -x, -y, x, none], dim=-1).unflatten(-1, (3, 3))
@@ -56,6 +58,14 @@ class Noise:
                 (hands.opening + torch.randn_like(hands.opening) * self.opening).clip(0, 1),
             ),
         )
+
+    def slips(self, hands: HandPoses) -> torch.Tensor:
+        """(N, A, 3) shifts of an object in each hand, in its frame."""
+        return torch.randn_like(hands.position) * self.grip_m * self._factor(hands)
+
+    def _factor(self, hands: HandPoses) -> torch.Tensor:
+        some = hands.opening.new_zeros(len(hands.opening), 1, 1)
+        return (torch.rand_like(some) < self.share) * torch.exp(torch.randn_like(some) * self.spread)
 
     def moved(self, objects: ObjectPoses) -> ObjectPoses:
         """Displaced objects."""
@@ -122,7 +132,8 @@ class Batches:
         self._progress_noise = replace(training.noise, object_m=max(training.noise.object_m, training.progress_noise_m))
         measured, future = hands.poses(demonstrations.states), hands.poses(demonstrations.actions)
         later = demonstrations.next_frames(training.press_frames + 1)[:, -1]
-        presses = future.opening < measured.opening[torch.from_numpy(later)] - training.presses
+        stopped = measured.opening[torch.from_numpy(later)]
+        presses = future.opening < stopped - training.presses
         back = np.arange(len(later)) > demonstrations.releases(presses.any(dim=1).numpy())
         opening = future.opening.numpy()
         turns = np.abs(np.diff(opening, axis=0, prepend=opening[:1])).max(axis=1) > training.turn
@@ -130,9 +141,13 @@ class Batches:
         self._aim = torch.from_numpy(demonstrations.next_of(turns)).to(device)
         self._hands, self._future = measured.to(device), future.to(device)
         self._objects = meaning.seen_objects().poses(demonstrations.objects).to(device)
+        closed = (measured.opening < stopped + training.presses).to(device) & presses.to(device)
+        following = torch.from_numpy(demonstrations.next_frames(2)[:, 1]).to(device)
+        self._sequence = meaning.sequence()
+        moved = self._sequence.moved(torch.from_numpy(demonstrations.steps).to(device))
+        self._held = held(self._hands, self._objects, following, moved[:, None] & closed[..., None])
         self._next = torch.from_numpy(demonstrations.next_frames(training.size.chunk)).to(device)
         self._next_step = torch.from_numpy(demonstrations.steps + back).to(device)
-        self._sequence = meaning.sequence()
         self.progress: Progress | None = None
 
     def __len__(self) -> int:
@@ -145,21 +160,27 @@ class Batches:
 
     def __getitem__(self, frames: torch.Tensor) -> tuple[Seen, torch.Tensor, torch.Tensor]:
         """What the hands see with fresh noise, N times, their (N, A, :data:`TARGET`) aims and (N, K, A, …) targets."""
-        hands = self._noise.added(self._hands[frames])
-        objects = self._noise.moved(self._objects[frames])
+        hands, objects, slips = self._noisy(frames, self._noise)
         step = self._sequence.next_of(self.progress, hands, objects)
         seen = self._sequence.seen(hands, self._noise.blurred(objects, self._sequence.others(step)), step)
-        aims = targets_of(hands, self._future[self._aim[frames][:, None]])[:, 0]
-        return seen, aims, targets_of(hands, self._future[self._next[frames]])
+        aims = targets_of(hands, made_up(self._future[self._aim[frames][:, None]], slips))[:, 0]
+        return seen, aims, targets_of(hands, made_up(self._future[self._next[frames]], slips))
 
     def relations(self, frames: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
         """(N, K, R) relations of the sub-tasks with fresh noise, and (N, K) 1 where these are done.
 
         A sub-task is done when its object is released: so the way back of the hand belongs to the next.
         """
-        hands, objects = self._noise.added(self._hands[frames]), self._progress_noise.moved(self._objects[frames])
+        hands, objects, _ = self._noisy(frames, self._progress_noise)
         done = self._next_step[frames][:, None] > torch.arange(len(self._sequence), device=self._device)
         return self._sequence.relations(hands, objects), done.float()
+
+    def _noisy(self, frames: torch.Tensor, noise: Noise) -> tuple[HandPoses, ObjectPoses, torch.Tensor]:
+        """Hands and objects with fresh noise, and the (N, A, 3) shifts of what the hands hold, in their frames."""
+        before, holds = self._hands[frames], self._held[frames]
+        after = noise.added(before)
+        slips = noise.slips(before) * holds.any(dim=2)[..., None]
+        return after, noise.moved(carried(self._objects[frames], holds, before, after, slips)), slips
 
 
 def trained(demonstrations: Demonstrations, meaning: Meaning, training: Training) -> Policy:

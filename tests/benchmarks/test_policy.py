@@ -10,6 +10,7 @@ import torch
 
 from benchmarks._policy.demonstrations import Demonstrations
 from benchmarks._policy.features import ObjectPoses, Objects, led_by, poses_of, seen_by, targets_of
+from benchmarks._policy.grip import carried, held, made_up
 from benchmarks._policy.hands import HandPoses, Hands
 from benchmarks._policy.localiser import LocaliserTraining, View, trained_localiser
 from benchmarks._policy.network import Size
@@ -165,6 +166,40 @@ def test_noise_moves_a_share_of_the_hands_and_keeps_rotations() -> None:
     assert 0.45 < float(moved.float().mean()) < 0.55
     unit = noisy.rotation @ noisy.rotation.transpose(-1, -2)
     assert torch.allclose(unit, torch.eye(3).expand_as(unit), atol=1e-5)
+
+
+def test_a_hand_holds_what_keeps_its_place_in_it() -> None:
+    hands = hands_of(state_near_home(np.random.default_rng(7))[None].repeat(2, axis=0))
+    hands = HandPoses(hands.position + torch.tensor([[[0.0]], [[0.02]]]), hands.rotation, hands.opening)
+    at = hands.position[:, 0] + torch.tensor([0.0, 0.0, 0.02])
+    still = at[:1].expand(2, 3)
+    objects = ObjectPoses(torch.stack([at, still, at + 0.3], dim=1), torch.zeros(2, 3, 0, 3), torch.zeros(2, 0))
+    may = torch.ones(2, 2, 3, dtype=torch.bool)
+    found = held(hands, objects, torch.tensor([1, 1]), may)
+    assert found[0].tolist() == [[True, False, False], [False, False, False]]
+    assert not held(hands, objects, torch.tensor([1, 1]), ~may).any()
+
+
+def test_a_held_object_moves_with_the_noise_of_its_hand_and_comes_to_the_same_place() -> None:
+    torch.manual_seed(0)
+    rng = np.random.default_rng(8)
+    before, future = (hands_of(np.stack([state_near_home(rng) for _ in range(4)])) for _ in range(2))
+    future = HandPoses(future.position[:, None], future.rotation[:, None], future.opening[:, None])
+    objects = ObjectPoses(before.position + 0.02, torch.eye(3)[:2].expand(4, 2, 2, 3), torch.zeros(4, 0))
+    holds = torch.tensor([[True, False], [False, False]]).expand(4, 2, 2)
+    after, slips = Noise(share=1.0).added(before), 0.01 * torch.randn(4, 2, 3)
+    moved = carried(objects, holds, before, after, slips)
+
+    def brought(at: HandPoses, found: ObjectPoses, to: HandPoses) -> torch.Tensor:
+        """Where the first hand brings the first object, and how turned."""
+        turn = to.rotation[:, 0, 0] @ at.rotation[:, 0].transpose(-1, -2)
+        vectors = torch.cat([(found.position[:, :1] - at.position[:, :1]), found.axes[:, 0]], dim=1)
+        return torch.einsum("nij,nvj->nvi", turn, vectors) + to.position[:, 0, :1] * torch.tensor([[1.0], [0], [0]])
+
+    wanted = brought(before, objects, future)
+    assert torch.allclose(brought(after, moved, made_up(future, slips)), wanted, atol=1e-5)
+    assert not torch.allclose(brought(after, moved, future), wanted, atol=1e-3)
+    assert torch.equal(moved.position[:, 1], objects.position[:, 1])
 
 
 def test_objects_that_a_sub_task_is_not_about_are_blurred() -> None:
