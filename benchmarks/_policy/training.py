@@ -137,6 +137,7 @@ class Batches:
         back = np.arange(len(later)) > demonstrations.releases(presses.any(dim=1).numpy())
         opening = future.opening.numpy()
         turns = np.abs(np.diff(opening, axis=0, prepend=opening[:1])).max(axis=1) > training.turn
+        turns[demonstrations.ends[:-1]] = False  # the first frame of an episode follows none of it
         device = self._device = training.device
         self._aim = torch.from_numpy(demonstrations.next_of(turns)).to(device)
         self._hands, self._future = measured.to(device), future.to(device)
