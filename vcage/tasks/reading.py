@@ -80,20 +80,20 @@ def reading_poses(mover: SceneObject, still: SceneObject, support: float, rise: 
 def free_reading_poses(
     mover: SceneObject, still: SceneObject, others: Sequence[SceneObject], support: float
 ) -> tuple[list[Pose], SceneObject | None]:
-    """The free poses of :func:`reading_poses`, those with most room first; and what is in the way where there are none.
+    """The poses of :func:`reading_poses` with most room around them; and what is in the way where there are none.
 
     Args:
         mover, still, support: as there.
         others: all other objects, where they are.
     """
-    bodies = {o.id: Body(o.asset.model, o.pose, o.joints) for o in others}
-    free, in_the_way = list[Pose](), None
+    bodies, in_the_way = {o.id: Body(o.asset.model, o.pose, o.joints) for o in others}, None
     for clearance, rise in product(SETTINGS.clearances_m, SETTINGS.raises_m):
         poses = list(reading_poses(mover, still, support, rise))
         near = [first_near(Body(mover.asset.model, pose, mover.joints), bodies, clearance) for pose in poses]
-        free += [pose for pose, name in zip(poses, near, strict=True) if name is None and pose not in free]
+        if free := [pose for pose, name in zip(poses, near, strict=True) if name is None]:
+            return free, None
         in_the_way = next((o for o in others if o.id in near), in_the_way)
-    return free, None if free else in_the_way
+    return [], in_the_way
 
 
 def _pairs(one: SceneObject, other: SceneObject) -> Iterator[tuple[Face, Face]]:
