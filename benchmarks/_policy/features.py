@@ -83,7 +83,7 @@ class Objects:
 
 @dataclass(frozen=True)
 class Seen:
-    """What A hands see, N times, each in its own frame.
+    """The view of A hands, N times, each in its own frame.
 
     Args:
         features: (N, F) all of it, and the state of the hands.

@@ -160,7 +160,7 @@ class Batches:
         return torch.randint(len(self), (count,), device=self._device)
 
     def __getitem__(self, frames: torch.Tensor) -> tuple[Seen, torch.Tensor, torch.Tensor]:
-        """What the hands see with fresh noise, N times, their (N, A, :data:`TARGET`) aims and (N, K, A, …) targets."""
+        """N views of the hands with fresh noise, their (N, A, :data:`TARGET`) aims and (N, K, A, …) targets."""
         hands, objects, slips = self._noisy(frames, self._noise)
         step = self._sequence.next_of(self.progress, hands, objects)
         seen = self._sequence.seen(hands, self._noise.blurred(objects, self._sequence.others(step)), step)

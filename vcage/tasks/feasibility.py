@@ -92,8 +92,10 @@ def _hands(
     for grasp in poses:
         hand = [SolidBox(part, grasp.pose) for part in hand_boxes(gripper, opening, min(width, opening))]
         met = holder if any(part.overlaps(wall) for part in hand for wall in walls) else first_met(hand, beside)
-        met = target if met is None and palm_meets(target, grasp, gripper) else met
-        found.append((grasp, None if met is None else met.record.phrase))
+        phrase = None if met is None else met.record.phrase
+        if phrase is None and palm_meets(target, grasp, gripper):
+            phrase = f"{target.record.phrase} itself"
+        found.append((grasp, phrase))
     return found
 
 
