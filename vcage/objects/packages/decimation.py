@@ -52,6 +52,7 @@ def decimated(surfaces: Sequence[MaterialSurface], settings: DecimationSettings 
     total, most = sum(len(surface.corners) for surface in surfaces), settings.max_triangles
     if total <= most:
         return list(surfaces)
+    fewer = list(surfaces)
     for share in settings.shares:
         goals = [max(12, int(share * len(surface.corners) * most / total)) for surface in surfaces]
         fewer = [_simplified(surface, goal, settings) for surface, goal in zip(surfaces, goals)]
@@ -64,6 +65,7 @@ def _simplified(surface: MaterialSurface, most: int, settings: DecimationSetting
     mesh, kept = welded(surface.corners)
     if len(mesh.faces) <= most:
         return replace(surface, corners=surface.corners[kept], uv=None if surface.uv is None else surface.uv[kept])
+    vertices, faces = np.asarray(mesh.vertices), np.asarray(mesh.faces)
     for aggressiveness in settings.aggressiveness:
         vertices, faces = fast_simplification.simplify(
             np.asarray(mesh.vertices), np.asarray(mesh.faces), target_count=most, agg=aggressiveness
