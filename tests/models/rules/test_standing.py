@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from types import SimpleNamespace
 from typing import cast
@@ -13,6 +14,7 @@ import pytest
 from tests.models.tabletop import BLOCKS, BOX, CAMERA, HEIGHT, WHITE_BOX, critic_question, view
 from vcage.base.geometry import Pose
 from vcage.models.rules import standing
+from vcage.models.rules.critic_view import CriticView
 from vcage.models.rules.standing import Sought, Standing
 from vcage.schema.goals import Goal
 from vcage.vision.protocols import Reference, View
@@ -52,6 +54,16 @@ def test_a_box_of_the_tables_colour_stands_where_its_rims_are_seen():
     assert sought.gone(there, without["top"])
     left = np.zeros(there.covered.shape, bool)
     assert (sought.left(there, left, with_it["top"]), sought.left(there, left, without["top"])) == (0.0, 1.0)
+
+
+def test_a_thing_of_its_shape_that_stands_as_planned_is_not_taken_for_it():
+    one = BLOCKS[0]
+    rosy = one.moved(id="rosy-block", colour=(215, 70, 60), at=(0.2, 0.1))
+    asked = critic_question([one, rosy], [rosy], Goal(subject=one.id, relation="back"))
+    sought = CriticView(asked).sought(one.id)
+    alone = replace(sought, rivals=()).standing(asked.after)
+    assert alone is not None and np.allclose(alone.pose.p[:2], rosy.at, atol=0.01)
+    assert sought.standing(asked.after) is None
 
 
 def white_box() -> Sought:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping
+from dataclasses import replace
 from functools import cached_property
 from typing import TypeVar
 
@@ -18,6 +19,9 @@ from vcage.vision.protocols import Reference
 
 AROUND_PX = 8.0
 """Margin around an outline that belongs to it."""
+
+ALIKE_SHARE = 0.2
+"""Most by which the sides of objects differ, in shares of a side, for one to be taken for the other."""
 
 Found = TypeVar("Found")
 
@@ -103,10 +107,19 @@ class CriticView:
 
     def sought(self, name: str, *, upon: bool = False) -> Sought:
         """An object with its parts as they are by the plan; with ``upon`` it may stand on another."""
+        tops = self.question.tops if upon else ()
+        return replace(self._planned(name), tops=tops, rivals=[self._planned(other) for other in self._alike(name)])
+
+    def _planned(self, name: str) -> Sought:
         asked = self.question
         draw = self.draw(name, dict.fromkeys(asked.opened.get(name, ()), 1.0))
-        tops, planned = asked.tops if upon else (), asked.planned.get(name)
-        return Sought(self.look(name), draw, asked.background, asked.table_height, tops, planned)
+        return Sought(self.look(name), draw, asked.background, asked.table_height, planned=asked.planned.get(name))
+
+    def _alike(self, name: str) -> list[str]:
+        """The other planned objects that are about as large: one of another colour may be taken for it."""
+        size = np.sort(self.look(name).size)
+        others = [other for other in self.question.planned if other != name]
+        return [other for other in others if np.allclose(np.sort(self.look(other).size), size, rtol=ALIKE_SHARE)]
 
     def once(self, key: Hashable, find: Callable[[], Found]) -> Found:
         """Return the result of ``find``, called once for a key: several goals may be about one object."""

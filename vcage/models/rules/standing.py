@@ -37,6 +37,7 @@ class StandingSettings:
         candidates, refined: number of drawn places, and of refined poses.
         headings_deg: further headings tried at an occupied place where nothing fits at first.
         near_px: search radius around occupied or changed places.
+        taken_share: share of a place that another object takes, from which on this one is not there.
         clearly_lab: margin by which another place must match better than the planned one.
         surely_lab: an object this similar at its place is not searched elsewhere.
         gone_share: share of what tells an object from the bare table below which it is not there; more of it may lie in
@@ -52,6 +53,7 @@ class StandingSettings:
     refined: int = 2
     headings_deg: tuple[float, ...] = (0.0, 30.0, 60.0)
     near_px: int = 12
+    taken_share: float = 0.5
     clearly_lab: float = 3.0
     surely_lab: float = 9.0
     gone_share: float = 0.2
@@ -100,6 +102,8 @@ class Sought:
         table_height: metres.
         tops: z of its possible supports besides the table, metres.
         planned: its place in the layout, which is searched too.
+        rivals: others that it may be taken for.
+        taken: (H, W) bool in the top view, where another is known to stand.
     """
 
     look: Reference
@@ -108,6 +112,8 @@ class Sought:
     table_height: float
     tops: Sequence[float] = ()
     planned: Pose | None = None
+    rivals: Sequence[Sought] = ()
+    taken: np.ndarray | None = None
 
     def standing(self, views: Mapping[str, View], among: np.ndarray | None = None) -> Standing | None:
         """Find the object; None where nothing stands that it could be.
@@ -118,13 +124,25 @@ class Sought:
         """
         top = views["top"]
         image = LabImage.of(top.picture, salience(top.picture, self.background))
-        there = image.salience > 0.5
+        taken = self._taken(views)
+        there = (image.salience > 0.5) & ~taken
         patches = components(there if among is None else there & among, MIN_AREA * there.size)
         if not patches:
             return None
         outline = None if among is None else np.any(patches, axis=0)
         stands = [self._on(height, views, image, patches, outline) for height in (self.table_height, *self.tops)]
-        return min((one for one in stands if one is not None), key=lambda found: found.unlike, default=None)
+        seen = (one for one in stands if one is not None)
+        free = (one for one in seen if taken[one.covered].sum() <= SETTINGS.taken_share * one.covered.sum())
+        return min(free, key=lambda found: found.unlike, default=None)
+
+    def _taken(self, views: Mapping[str, View]) -> np.ndarray:
+        """(H, W) bool: where others stand in the top view: rivals as planned, and more like themselves than like it."""
+        taken = np.zeros(views["top"].picture.shape[:2], bool) if self.taken is None else self.taken.copy()
+        for rival in self.rivals:
+            stands = rival.where_planned(views)
+            if stands is not None and stands.unlike < min(SETTINGS.surely_lab, self.near([stands.pose], views).unlike):
+                taken |= stands.covered
+        return taken
 
     def _on(
         self,

@@ -26,6 +26,8 @@ pytestmark = pytest.mark.slow
 
 BOX, PLATE, APPLE = thing("cereal_box", (-0.1, -0.05), 0.3), thing("plate", (0.15, 0.05)), thing("apple", (-0.3, 0.1))
 SCANNER, SCALE = thing("barcode_scanner", (0.3, -0.1)), thing("electronic_scale", (0.0, 0.1))
+LARGE, BLOCK = thing("large_block", (-0.2, 0.1)), thing("block", (0.2, 0.1))
+THINGS = (BOX, PLATE, APPLE, SCANNER, SCALE, LARGE, BLOCK)
 GONE = Pose([0.0, 0.0, -3.0])
 FACING = Pose.from_yaw([0.1, 0.2, TABLE_TOP], np.pi)
 SHOWN = Goal(subject=BOX.id, relation="presented")
@@ -39,7 +41,7 @@ def context() -> StageContext:
 @cache
 def table(*names: str):
     """A scene of these objects, drawn."""
-    objects = {o.id: o for o in (BOX, PLATE, APPLE, SCANNER, SCALE) if o.id in names}
+    objects = {o.id: o for o in THINGS if o.id in names}
     scene = scene_of(list(objects.values()))
     models = {name: library().asset(o.record.asset, o.record.variant).model for name, o in objects.items()}
     return scene, World.of_scene(scene, models, load_robot(scene.robot), render=True)
@@ -97,6 +99,15 @@ def test_an_apple_is_left_of_a_plate_or_not(x: float, left: bool) -> None:
     goal = Goal(subject=APPLE.id, relation="left_of", reference=PLATE.id)
     after = {APPLE.id: Pose([x, 0.05, TABLE_TOP])}
     told = judged([goal], {"before": {}, "after": after}, APPLE.id, PLATE.id)
+    assert told.accepted is left, told.reason
+
+
+@pytest.mark.parametrize(("x", "left"), [(0.02, True), (-0.2, False)])
+def test_a_block_that_was_moved_is_not_taken_for_the_larger_one_of_its_colour(x: float, left: bool) -> None:
+    goal = Goal(subject=LARGE.id, relation="row_left_of", reference=BLOCK.id)
+    before = {BLOCK.id: Pose([0.1, -0.1, TABLE_TOP])}
+    after = {**before, LARGE.id: Pose([x, -0.1, TABLE_TOP])}
+    told = judged([goal], {"before": before, "after": after}, LARGE.id, BLOCK.id)
     assert told.accepted is left, told.reason
 
 

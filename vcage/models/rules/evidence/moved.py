@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -108,7 +108,8 @@ def judge_related(view: CriticView, goal: Goal) -> Judged:
     verdict, explained = judge_moved(view, goal)
     if not verdict.accepted or moved.new is None:
         return Judged(verdict, explained)
-    other, word = view.sought(str(goal.reference)), goal.relation.replace("_", " ")
+    other = replace(view.sought(str(goal.reference)), taken=moved.new.covered)
+    word = goal.relation.replace("_", " ")
     reference = other.found(view.after)
     if reference is None or reference.unlike > STANDING.unlike_lab:
         unfound = f"the {other.look.phrase} is not found, so that nothing is told to be {word} it"
