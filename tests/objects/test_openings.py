@@ -11,6 +11,7 @@ from vcage.base.geometry import box_corners
 from vcage.objects.convex import Convex
 from vcage.objects.modelling import pieces
 from vcage.objects.openings import (
+    closed_width,
     grasped_width,
     largest_rectangle,
     room_inside,
@@ -76,6 +77,17 @@ def test_the_width_beside_an_object_is_zero() -> None:
 def test_touching_pieces_count_as_one() -> None:
     halves = [_box((0, 0, 0), (0.02, 1, 1)), _box((0.02, 0, 0), (0.03, 1, 1))]
     assert grasped_width(halves, (0.01, 0.5, 0.5), (1, 0, 0)) == pytest.approx(0.03)
+
+
+def test_fingers_stop_at_the_widest_part_between_them() -> None:
+    wide_and_narrow = [_box((0.0, -0.03, 0), (0.01, 0.03, 1)), _box((0.01, -0.02, 0), (0.05, 0.02, 1))]
+    along = [(x, 0, 0.5) for x in (0.005, 0.02, 0.04)]
+    assert closed_width(wide_and_narrow, along, (0, 1, 0), 0.1) == pytest.approx(0.06)
+    assert closed_width(wide_and_narrow, along[1:], (0, 1, 0), 0.1) == pytest.approx(0.04)
+
+
+def test_fingers_that_begin_inside_a_part_are_stopped_where_they_begin() -> None:
+    assert closed_width([_box((0, -0.05, 0), (1, 0.05, 1))], [(0.5, 0, 0.5)], (0, 1, 0), 0.08) == pytest.approx(0.08)
 
 
 @settings(max_examples=60, deadline=None)

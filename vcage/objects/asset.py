@@ -114,6 +114,19 @@ class Asset:
             self._widths[key] = openings.grasped_width(self.pieces_of(contact.link), contact.position, contact.closing)
         return self._widths[key]
 
+    def closed_width(self, points: np.ndarray, axis: np.ndarray, opening: float) -> float:
+        """Return the distance between fingers that close until both meet the body, metres; 0 where they meet nothing.
+
+        Args:
+            points: (k, 3) between the fingers.
+            axis: (3,) along which they close.
+            opening: from which they close, metres.
+        """
+        key = (*((np.round(values, 5) + 0.0).tobytes() for values in (points, axis)), opening)
+        if key not in self._closed_widths:
+            self._closed_widths[key] = openings.closed_width(self.pieces_of(None), points, axis, opening)
+        return self._closed_widths[key]
+
     def opening(self, point: FunctionalPoint, *, standing: bool = False) -> Opening:
         """The room at a functional point, in the frame of the point's part; other parts are out of the way.
 
@@ -152,6 +165,11 @@ class Asset:
     @cached_property
     def _widths(self) -> dict[tuple[str | None, tuple[float, ...], tuple[float, ...]], float]:
         """The computed grasp widths: a search needs the same one with every place of the scene."""
+        return {}
+
+    @cached_property
+    def _closed_widths(self) -> dict[tuple[bytes | float, ...], float]:
+        """The computed ones: a hand on a standing object is the same wherever that stands."""
         return {}
 
     @cached_property

@@ -45,15 +45,18 @@ class Convex:
 
     def interval(self, origin: ArrayLike, direction: ArrayLike) -> tuple[float, float] | None:
         """The stretch (t0, t1) of the line ``origin + t · direction`` inside, or None."""
-        speed = self.normals @ np.asarray(direction, dtype=np.float64)
-        gap = self.offsets - self.normals @ np.asarray(origin, dtype=np.float64)
-        flat = np.abs(speed) < 1e-12
-        if np.any(gap[flat] < 0):
-            return None
-        t = gap[~flat] / speed[~flat]
-        enter = t[speed[~flat] < 0].max(initial=-np.inf)
-        leave = t[speed[~flat] > 0].min(initial=np.inf)
+        ((enter, leave),) = self.intervals(np.asarray(origin, dtype=np.float64)[None], direction)
         return (float(enter), float(leave)) if enter < leave else None
+
+    def intervals(self, origins: ArrayLike, direction: ArrayLike) -> np.ndarray:
+        """(k, 2) the stretches (t0, t1) inside of lines through ``origins`` (k, 3); t0 ≥ t1 where a line misses it."""
+        speed = self.normals @ np.asarray(direction, dtype=np.float64)
+        gaps = self.offsets - np.asarray(origins, dtype=np.float64) @ self.normals.T
+        into, out_of = speed < -1e-12, speed > 1e-12
+        enter = (gaps[:, into] / speed[into]).max(axis=1, initial=-np.inf)
+        leave = (gaps[:, out_of] / speed[out_of]).min(axis=1, initial=np.inf)
+        misses = np.any(gaps[:, ~(into | out_of)] < 0, axis=1)
+        return np.stack([enter, np.where(misses, -np.inf, leave)], axis=1)
 
     def shadow(self, low: float, high: float = np.inf) -> np.ndarray:
         """(k, 2) points whose convex hull is the vertical projection of the shape between two heights; k may be 0."""

@@ -80,6 +80,21 @@ def grasped_width(pieces: Sequence[Convex], point: ArrayLike, axis: ArrayLike) -
     return stretches[-1][1] - stretches[0][0] if around else 0.0
 
 
+def closed_width(pieces: Sequence[Convex], points: ArrayLike, axis: ArrayLike, opening: float) -> float:
+    """Return the distance between fingers that close along ``axis`` until both meet material, metres.
+
+    Args:
+        pieces: the collision shape.
+        points: (k, 3) between the fingers, over all their surface, metres.
+        axis: (3,) unit vector.
+        opening: from which they close, metres.
+    """
+    found = np.concatenate([piece.intervals(points, axis) for piece in pieces])
+    within = np.clip(found[found[:, 0] < found[:, 1]], -opening / 2, opening / 2)
+    within = within[within[:, 0] < within[:, 1]]
+    return float(np.ptp(within)) if len(within) else 0.0
+
+
 def material_along(pieces: Sequence[Convex], point: ArrayLike, axis: ArrayLike) -> list[tuple[float, float]]:
     """Stretches (t0, t1) of material along the line through ``point``, in order, joined where pieces touch.
 

@@ -23,7 +23,8 @@ from vcage.sim.collision import meets_box
 from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.access import headroom
 from vcage.tasks.findings import Feasibility, Report, hand_check, reach_check, travel
-from vcage.tasks.grasps import GRASPING, GraspPose, approach_opening, grasp_poses, hand_boxes
+from vcage.tasks.grasps import GRASPING, GraspPose, approach_opening, hand_boxes
+from vcage.tasks.hand_poses import hand_poses
 from vcage.tasks.primitives.pick import lift_heights, reached_lift, transfer_heights
 from vcage.tasks.primitives.place_way import MAX_DROP, place_way, reached_place
 from vcage.tasks.scene_objects import REMEMBERED, Obstacles, SceneObject, SolidBox, first_met
@@ -83,7 +84,7 @@ def _hands(
     """The poses of a hand at a contact point, whichever arm has it, each with the phrase of the object in its way."""
     contact = target.asset.annotation.contact_point(contact_id)
     width = target.asset.grasp_width(contact)
-    poses = grasp_poses(target.pose, contact, gripper, target.box.bottom)
+    poses = hand_poses(target, contact, gripper)
     opening = approach_opening(width, gripper)
     holder = next((o for o in others if o.id == target.record.container), None)
     beside = [o for o in others if o is not holder]

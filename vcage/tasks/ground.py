@@ -21,7 +21,7 @@ from vcage.schema.goals import Goal
 from vcage.schema.scene import Scene
 from vcage.sim.kinematics import ArmKinematics, kinematics_of
 from vcage.sim.robots import load_robot
-from vcage.tasks.grasps import grasp_poses
+from vcage.tasks.hand_poses import hand_poses
 from vcage.tasks.scene_objects import SceneObject
 
 DIRECTIONS_OF_ARMS = {"left": -1, "right": 1}
@@ -174,7 +174,7 @@ class Ground:
             (arm, grasp)
             for arm in self.arms
             for contact in thing.asset.annotation.carrying_points
-            for grasp in grasp_poses(thing.pose, contact, arm.arm.gripper, self.height)
+            for grasp in hand_poses(thing, contact, arm.arm.gripper)
         ]
         taken = [way for way in ways if way[0].reachable(way[1].pose, SETTINGS.ik_starts)]
         return [(arm, grasp.in_object) for arm, grasp in taken or ways]

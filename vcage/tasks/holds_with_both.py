@@ -16,7 +16,8 @@ from vcage.schema.asset import ContactPoint
 from vcage.schema.robot import Gripper
 from vcage.sim.kinematics import ArmKinematics, follow
 from vcage.sim.motion import MotionFailed
-from vcage.tasks.grasps import approach_opening, grasp_poses, hand_boxes
+from vcage.tasks.grasps import approach_opening, hand_boxes
+from vcage.tasks.hand_poses import hand_poses
 from vcage.tasks.holding import SETTINGS as HOLDING
 from vcage.tasks.meeting import SETTINGS as MEETING
 from vcage.tasks.meeting import balance_of, places_along
@@ -121,7 +122,7 @@ def _ways(
     """The ways of an arm to hold an object at a place and lift it straight up."""
     gripper, width = kinematics.arm.gripper, thing.asset.grasp_width(place)
     opening = approach_opening(width, gripper)
-    for grasp in grasp_poses(thing.pose, place, gripper, thing.box.bottom, SETTINGS.tilts_rad):
+    for grasp in hand_poses(thing, place, gripper, SETTINGS.tilts_rad):
         hand = [SolidBox(box, grasp.pose) for box in hand_boxes(gripper, opening, min(width, opening))]
         if first_met(hand, others) is not None:
             continue

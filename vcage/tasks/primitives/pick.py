@@ -17,7 +17,8 @@ from vcage.sim.collision import Held
 from vcage.sim.kinematics import ArmKinematics, follow
 from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.paths import JointPath, Load
-from vcage.tasks.grasps import GraspPose, approach_opening, command_of, grasp_poses
+from vcage.tasks.grasps import GraspPose, approach_opening, command_of
+from vcage.tasks.hand_poses import hand_poses
 from vcage.tasks.primitives.grip import Grip, feel, lever, minding, sag
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.state import resting_point
@@ -211,7 +212,7 @@ def _plans(
     planner = cell.planner(arm)
     opening = command_of(approach_opening(target.asset.grasp_width(contact), gripper), gripper)
     begun = cell.begun(arm)
-    grasps = list(grasp_poses(target.pose, contact, gripper, target.box.bottom))
+    grasps = hand_poses(target, contact, gripper)
     for height, flips in product(heights, zip(grasps[::2], grasps[1::2], strict=True)):
         lifts = [(g, *reached_lift(planner.kinematics, target, g, heights)) for g in flips]
         ways = [(pick_way(target, g, gripper, height), path) for g, reached, path in lifts if reached == height]
