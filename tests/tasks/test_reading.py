@@ -11,7 +11,7 @@ from tests.example_scenes import TABLE_TOP, thing
 from vcage.base.geometry import Pose
 from vcage.sim.bodies import Body
 from vcage.sim.collision import first_near
-from vcage.tasks.reading import SETTINGS, free_reading_poses, reading_poses, reads
+from vcage.tasks.reading import SETTINGS, free_reading_poses, in_the_way, reading_poses, reads
 from vcage.tasks.scene_objects import SceneObject
 
 SCANNER = thing("barcode_scanner", (-0.2, 0.0))
@@ -95,10 +95,20 @@ def test_facing_pairs_come_first_and_some_turned_aside_after_them() -> None:
 def test_a_scanner_is_held_clear_of_what_the_coded_thing_lies_on():
     scale = thing("electronic_scale", (0.1, 0.05))
     bar = thing("chocolate_bar", (0.1, 0.05), height=scale.rim(0))
-    poses, in_the_way = free_reading_poses(SCANNER, bar, [scale], TABLE_TOP)
-    assert poses and in_the_way is None
+    groups = list(free_reading_poses(SCANNER, bar, [scale], TABLE_TOP))
+    assert groups
     body = {scale.id: Body(scale.asset.model, scale.pose)}
-    assert all(first_near(Body(SCANNER.asset.model, p), body, min(SETTINGS.clearances_m)) is None for p in poses)
+    held, least = [Body(SCANNER.asset.model, pose) for poses in groups for pose in poses], min(SETTINGS.clearances_m)
+    assert all(first_near(one, body, least) is None for one in held)
+
+
+def test_poses_with_most_room_around_the_held_object_come_first():
+    scale = thing("electronic_scale", (0.1, 0.05))
+    bar = thing("chocolate_bar", (0.1, 0.05), height=scale.rim(0))
+    first, *_, last = free_reading_poses(SCANNER, bar, [scale], TABLE_TOP)
+    body, most = {scale.id: Body(scale.asset.model, scale.pose)}, max(SETTINGS.clearances_m)
+    assert all(first_near(Body(SCANNER.asset.model, pose), body, most) is None for pose in first)
+    assert len(last) > len(first)
 
 
 def test_what_leaves_no_room_before_a_code_is_named():
@@ -106,5 +116,5 @@ def test_what_leaves_no_room_before_a_code_is_named():
     around = [
         thing("lotion_bottle", pose.p[:2], id=f"b{i}") for i, pose in enumerate(reading_poses(SCANNER, box, TABLE_TOP))
     ]
-    poses, in_the_way = free_reading_poses(SCANNER, box, around, TABLE_TOP)
-    assert poses == [] and in_the_way in around
+    assert not list(free_reading_poses(SCANNER, box, around, TABLE_TOP))
+    assert in_the_way(SCANNER, box, around, TABLE_TOP) in around

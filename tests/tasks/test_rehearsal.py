@@ -52,6 +52,18 @@ def test_the_planned_grasp_of_a_step_is_tried_first(chain):
     assert [grasp.arm for grasp in then.grasps] == ["left", "right"]
 
 
+def test_grasps_that_suit_the_slot_are_added_and_come_first(chain):
+    (right,) = [grasp for grasp in chain[0].grasps if grasp.arm == "right"][:1]
+    step = chain[0].model_copy(update={"grasps": [right.model_copy(update={"score": -99.0})]})
+    slot = Slot(
+        PLATE.id,
+        step.functional_point,
+        Pose([0.0, 0.0, PLATE.asset.opening(PLATE.asset.annotation.functional_point(0)).floor]),
+    )
+    (then,) = rehearsed([step], {step.id: slot}, OBJECTS, scene_of(OBJECTS), rng())
+    assert {grasp.arm for grasp in then.grasps} == {"left", "right"}
+
+
 def test_a_step_whose_motions_cannot_be_planned_is_refused_with_the_reason(chain):
     far_away = thing("block", (-3.0, -0.1))
     with pytest.raises(NoFeasibleTask, match=rf"{chain[0].id} cannot be planned: no grasp of .* block"):

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
 from itertools import islice, repeat
 
@@ -15,7 +15,8 @@ from vcage.base.geometry import Pose
 from vcage.schema.plan import TABLE
 from vcage.schema.subtasks import Grasp, Subtask
 from vcage.tasks.feasibility import Transfer, examine
-from vcage.tasks.grasps import GraspPose, grasp_poses
+from vcage.tasks.grasps import GraspPose
+from vcage.tasks.hand_poses import hand_poses
 from vcage.tasks.primitives.place_way import SET_DOWN, place_way
 from vcage.tasks.scene_objects import Obstacles, SceneObject
 from vcage.tasks.slots import Slot, allocate, arrangements, heading_for, lying_in, opened_for, slot_in
@@ -171,7 +172,7 @@ class _Filling:
             goals = slot.poses({self.receptacle.id: self.receptacle})
             for grasp in {grasp.contact: grasp for grasp in subtask.grasps}.values():
                 width = target.asset.grasp_width(target.asset.annotation.contact_point(grasp.contact))
-                held = next(_holds(grasp, target, self.workplace)).in_object
+                held = _holds(grasp, target, self.workplace)[0].in_object
                 gripper = self.workplace.kinematics[grasp.arm].arm.gripper
                 drops += [place_way(held, goal, around, gripper, width, goal.p[2]).drop for goal in goals]
             total += min(drops, default=0.0) + UNREACHED_M * (not self._reached(subtask, target, goals))
@@ -179,20 +180,23 @@ class _Filling:
         return total
 
     def _reached(self, subtask: Subtask, target: SceneObject, goals: Sequence[Pose]) -> bool:
-        """True if an arm that can take an object reaches one of its poses with some grasp of it."""
-        return subtask.hand_to is not None or any(
-            self.workplace.kinematics[grasp.arm].reachable(goal * held.in_object)
-            for grasp in subtask.grasps
-            for held in _holds(grasp, target, self.workplace)
-            for goal in goals
+        """True if an arm that can take an object brings it to one of its poses with some grasp of it."""
+        if subtask.hand_to is not None:
+            return True
+        workplace, holder = self.workplace.with_arms(subtask.arm), self.receptacle
+        others = [self.objects[o.id] for o in self.workplace.objects if o.id != target.id]
+        point = holder.asset.annotation.functional_point(self.point)
+        return any(
+            examine(Transfer.into(target, contact, holder, point, goals, others), workplace).feasible
+            for contact in target.asset.annotation.carrying_points
         )
 
 
-def _holds(grasp: Grasp, target: SceneObject, workplace: Workplace) -> Iterator[GraspPose]:
+def _holds(grasp: Grasp, target: SceneObject, workplace: Workplace) -> Sequence[GraspPose]:
     """Poses of the hand at the contact point of a grasp, the straightest first."""
     contact = target.asset.annotation.contact_point(grasp.contact)
     gripper = workplace.kinematics[grasp.arm].arm.gripper
-    return grasp_poses(target.pose, contact, gripper, target.box.bottom)
+    return hand_poses(target, contact, gripper)
 
 
 @dataclass(frozen=True)
@@ -255,10 +259,8 @@ class _OnTable:
 
     def _feasible(self, subtask: Subtask, thing: SceneObject, pose: Pose, others: Sequence[SceneObject]) -> bool:
         """True if an arm that can take an object can bring it to a place on the table."""
-        arms = {grasp.arm: self.workplace.kinematics[grasp.arm] for grasp in subtask.grasps}
-        workplace = replace(self.workplace, kinematics=arms)
-        contacts = {grasp.contact: thing.asset.annotation.contact_point(grasp.contact) for grasp in subtask.grasps}
+        workplace = self.workplace.with_arms(subtask.arm)
         return subtask.hand_to is not None or any(
             examine(Transfer.onto_table(thing, contact, [pose], others), workplace).feasible
-            for contact in contacts.values()
+            for contact in thing.asset.annotation.carrying_points
         )

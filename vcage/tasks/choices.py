@@ -178,24 +178,37 @@ class Choices:
         raise failures[0]
 
     def _choose_showing(
-        self, object_id: str, other_id: str, grasps: Sequence[tuple[int, str]]
-    ) -> tuple[PickPlan, Surroundings, list[Pose]]:
-        """The first grasp that can hold an object before another, its surroundings, and its poses there."""
+        self, object_id: str, other_id: str, grasps: Sequence[tuple[int, str]], tight: bool
+    ) -> tuple[PickPlan, Surroundings, Iterator[list[Pose]]]:
+        """The first grasp that can hold an object before another, its surroundings, and groups of poses there: first
+        one to which the grasp leads.
+
+        Args:
+            object_id, other_id, grasps: see :meth:`vcage.tasks.task.Task.show`.
+            tight: True to try last the poses without room to sway: things may have been put down some millimetres
+                beside their places.
+        """
         target, cell = self._cell.object(object_id), self._cell
         other, height = cell.object(other_id), self.world.table.height
         beside = cell.objects_but(object_id, other_id, *cell.contents(object_id))
-        poses, _ = free_reading_poses(target, other, beside, height)
-        # Things may have been put down some millimetres beside their places: the planner finds what is free then.
-        poses = poses or [pose for rise in READING.raises_m for pose in reading_poses(target, other, height, rise)]
-        if not poses:
-            raise TaskFailed("plan", f"{object_id} cannot be held before {other_id}", exhausted=True)
         # Where it came from the hand has room, and before the other it lets go of nothing: no obstacle raises it, and
         # held higher it would read nothing.
         hover = replace(Surroundings.of(cell, object_id, TABLE, None), obstacles=Obstacles([]), raises=())
         in_turn = [grasp for _, some in self._retry.choices(grasps, [None]) for grasp in some]
-        plan = plan_pick(cell, target, in_turn, self._leads_to(target, hover, poses, [target.pose]))
-        self._say_grasp(plan, grasps)
-        return plan, hover, poses
+        groups = free_reading_poses(target, other, beside, height)
+        if tight:
+            groups = itertools.chain(groups, (list(reading_poses(target, other, height, r)) for r in READING.raises_m))
+        failures, known = list[TaskFailed](), KnownPaths()
+        for poses in filter(None, groups):
+            try:
+                plan = plan_pick(cell, target, in_turn, self._leads_to(target, hover, poses, [target.pose]), known)
+            except TaskFailed as error:
+                failures.append(error)
+            else:
+                self._say_grasp(plan, grasps)
+                return plan, hover, itertools.chain([poses], groups)
+        nowhere = TaskFailed("plan", f"{object_id} cannot be held before {other_id}", exhausted=True)
+        raise failures[0] if failures else nowhere
 
     def _choose_push(self, thing: SceneObject, arms: Sequence[str]) -> PushPlan:
         """The first way to push an object to its slot, or to another that is free."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -27,8 +27,8 @@ class HoldingSettings:
         over_table_m: clearance of the held object above the table.
         raises_m: heights above the axis at which things are held, in the order to try them: on the axis, or clear of
             what the other lies on.
-        clearances_m: least distances of the held object from all others, the first at which it has room: it sways
-            between the fingers, and a hand in motion is some millimetres behind.
+        clearances_m: distances of the held object from all others, in the order to try them: it sways between the
+            fingers, and a hand in motion is some millimetres behind.
     """
 
     distances_m: tuple[float, ...] = (0.04, 0.055, 0.03)
@@ -79,21 +79,36 @@ def reading_poses(mover: SceneObject, still: SceneObject, support: float, rise: 
 
 def free_reading_poses(
     mover: SceneObject, still: SceneObject, others: Sequence[SceneObject], support: float
-) -> tuple[list[Pose], SceneObject | None]:
-    """The poses of :func:`reading_poses` with most room around them; and what is in the way where there are none.
+) -> Iterator[list[Pose]]:
+    """Yield the poses of :func:`reading_poses` that have room around them, in groups: first those with most room.
 
     Args:
         mover, still, support: as there.
         others: all other objects, where they are.
     """
-    bodies, in_the_way = {o.id: Body(o.asset.model, o.pose, o.joints) for o in others}, None
+    bodies = {o.id: Body(o.asset.model, o.pose, o.joints) for o in others}
     for clearance, rise in product(SETTINGS.clearances_m, SETTINGS.raises_m):
-        poses = list(reading_poses(mover, still, support, rise))
-        near = [first_near(Body(mover.asset.model, pose, mover.joints), bodies, clearance) for pose in poses]
-        if free := [pose for pose, name in zip(poses, near, strict=True) if name is None]:
-            return free, None
-        in_the_way = next((o for o in others if o.id in near), in_the_way)
-    return [], in_the_way
+        poses = reading_poses(mover, still, support, rise)
+        if free := [pose for pose in poses if _near(mover, pose, bodies, clearance) is None]:
+            yield free
+
+
+def in_the_way(
+    mover: SceneObject, still: SceneObject, others: Sequence[SceneObject], support: float
+) -> SceneObject | None:
+    """One of the other objects that leave no room for any pose of :func:`reading_poses`; None where there is no pose.
+
+    Args: as of :func:`free_reading_poses`.
+    """
+    bodies, raised = {o.id: Body(o.asset.model, o.pose, o.joints) for o in others}, SETTINGS.raises_m[-1]
+    poses = reading_poses(mover, still, support, raised)
+    near = [_near(mover, pose, bodies, SETTINGS.clearances_m[-1]) for pose in poses]
+    return next((o for o in others if o.id in near), None)
+
+
+def _near(mover: SceneObject, pose: Pose, others: Mapping[str, Body], clearance: float) -> str | None:
+    """The id of an object that a held one at a pose is nearer to than a clearance, metres."""
+    return first_near(Body(mover.asset.model, pose, mover.joints), others, clearance)
 
 
 def _pairs(one: SceneObject, other: SceneObject) -> Iterator[tuple[Face, Face]]:

@@ -23,7 +23,9 @@ from vcage.sim.robots import load_robot
 from vcage.sim.world import World
 from vcage.tasks.asked_arms import asked_arms, bound_to
 from vcage.tasks.chain_slots import slots_for_chain
-from vcage.tasks.choosing import as_chosen
+from vcage.tasks.choosing import as_chosen, preferred_first
+from vcage.tasks.feasibility import Transfer, examine
+from vcage.tasks.findings import best_first
 from vcage.tasks.grasps import command_of
 from vcage.tasks.primitives.hold_with_both import plan_with_both
 from vcage.tasks.primitives.place import Surroundings
@@ -74,8 +76,9 @@ class Rehearsal(Task):
         """Nothing: :meth:`pick` has looked."""
 
     def show(self, object_id: str, other_id: str, grasps: Sequence[tuple[int, str]]) -> None:
-        """Plan it; the object is put back."""
-        self._choose_showing(object_id, other_id, grasps)
+        """Plan it, with the way to the first group of poses; the object is put back."""
+        self._picked, hover, groups = self._choose_showing(object_id, other_id, grasps, tight=False)
+        self._carry(hover, next(groups))
 
     def wait(self, seconds: float) -> None:
         """Nothing."""
@@ -120,8 +123,9 @@ class Rehearsal(Task):
     def place(self, receptacle_id: str = TABLE, point: int | None = None) -> None:
         """Bring the picked object, with its contents, to its slot, at the heading that is nearest for its arm."""
         if self.slot is not None:
-            if self._keeping:
-                self._carry_past_the_others(self.slot)
+            if self._keeping:  # an arm that holds something up is more in the way than one at home
+                around = Surroundings.of(self._cell, self._picked.target.id, self.slot.receptacle, self.slot.point)
+                self._carry(around, self.slot.poses(self._cell.objects()))
             plan, arm = self._picked, self._cell.planner(self._picked.arm).kinematics
             held = plan.target.pose.inverse() * plan.way.grasp
             poses = self.slot.poses(self._cell.objects())
@@ -130,27 +134,25 @@ class Rehearsal(Task):
             for name in (plan.target.id, *self._cell.contents(plan.target.id)):
                 self.world.set_object_pose(name, way * self.world.object_pose(name))
 
-    def _carry_past_the_others(self, slot: Slot) -> None:
-        """Plan the way to a slot: an arm that holds something up is more in the way than one at home.
+    def _carry(self, around: Surroundings, poses: Sequence[Pose]) -> None:
+        """Plan the way of the lifted object, past the other arms, to one of some poses.
 
         Raises:
             TaskFailed: there is none.
         """
         cell, (up, load) = self._cell, self._lifted()
         thing, planner = self._picked.target, cell.planner(self._picked.arm)
-        around = Surroundings.of(cell, thing.id, slot.receptacle, slot.point)
         held, width = thing.pose.inverse() * self._picked.way.grasp, thing.asset.grasp_width(self._contact)
         reasons: list[str] = []
         with failing_at("plan"):
-            ways = around.ways(planner.kinematics, held, width, slot.poses(cell.objects()), up)
-            for way in ways[: LIMITS.ways_past_arms]:
+            for way in around.ways(planner.kinematics, held, width, poses, up)[: LIMITS.ways_past_arms]:
                 try:
                     carry = planner.move(up, way.above, load, then=[way.release, way.after])
                     planner.line(carry.end, way.release, load)
                     return
                 except MotionFailed as error:
                     reasons.append(error.message)
-        raise TaskFailed("plan", f"{thing.id} cannot be brought to {slot.receptacle}: {first_reasons(reasons)}")
+        raise TaskFailed("plan", f"{thing.id} cannot be brought to {around.receptacle}: {first_reasons(reasons)}")
 
     def push(self, object_id: str, arms: Sequence[str] = ()) -> None:
         """Plan it; the object is where it is pushed to."""
@@ -235,11 +237,12 @@ class _Stage:
         touched = self._is_touched(subtask)
         if touched:
             subtask = self._examined(subtask)
-        subtask = self._with_free_arms(subtask, keeper)
         if subtask.id in self._slots:
             slot = self._goes_to[subtask.object] = self._slots[subtask.id]
+            subtask = self._suiting(subtask, slot)
             self._holders[subtask.object] = _holder_of(slot, self._objects)
             self._moved.add(subtask.object)
+        subtask = self._with_free_arms(subtask, keeper)
         task = Rehearsal(self._world, self._objects, self._goes_to)
         try:
             script_of(subtask).play(task)
@@ -261,14 +264,42 @@ class _Stage:
             raise _NotWithTheseSlots(why, hint=ANOTHER, details={"refused": why})
         return subtask.model_copy(update={"grasps": grasps})
 
+    def _suiting(self, subtask: Subtask, slot: Slot) -> Subtask:
+        """The sub-task with the grasps first that suit its slot: it was found with its object at another place there.
+
+        What changes hands or is pushed keeps its grasps.
+        """
+        if subtask.hand_to is not None or subtask.template == "push":
+            return subtask
+        now = {o.id: o for o in self._now()}
+        thing, others = now[subtask.object], [o for o in now.values() if o.id != subtask.object]
+        contacts, poses = thing.asset.annotation.carrying_points, slot.poses(now)
+        if slot.point is None:
+            transfers = [Transfer.onto_table(thing, contact, poses, others) for contact in contacts]
+        else:
+            holder = now[slot.receptacle]
+            point = holder.asset.annotation.functional_point(slot.point)
+            transfers = [Transfer.into(thing, contact, holder, point, poses, others) for contact in contacts]
+        workplace = self._workplace.with_objects([*now.values()]).with_arms(subtask.arm)
+        findings = [found for found in (examine(one, workplace) for one in transfers) if found.feasible]
+        if not findings:
+            return subtask
+        grasps, _ = best_first(findings)
+        known = {(grasp.contact, grasp.arm) for grasp in grasps}
+        grasps += [grasp for grasp in subtask.grasps if (grasp.contact, grasp.arm) not in known]
+        return subtask.model_copy(update={"grasps": preferred_first(grasps, subtask.prefers)})
+
+    def _now(self) -> list[SceneObject]:
+        """The objects as they are in the world."""
+        return [_as_it_is(o, self._world, *self._holders[o.id]) for o in self._workplace.objects]
+
     def _is_touched(self, subtask: Subtask) -> bool:
         """True if a sub-task before has moved what this one handles, or put something into it."""
         handled = {subtask.object, subtask.tool, subtask.receptacle}
         return bool(self._moved & handled) or any(self._holders[name][0] == subtask.object for name in self._moved)
 
     def _examined(self, subtask: Subtask) -> Subtask:
-        now = [_as_it_is(o, self._world, *self._holders[o.id]) for o in self._workplace.objects]
-        found = examined(subtask, self._workplace.with_objects(now).without_arms(self._world.keeping))
+        found = examined(subtask, self._workplace.with_objects(self._now()).without_arms(self._world.keeping))
         if found is None:
             why = f"{subtask.id} is not feasible after what comes before it"
             raise _NotWithTheseSlots(why, hint=ANOTHER, details={"refused": why})

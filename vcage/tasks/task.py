@@ -109,10 +109,10 @@ class Task(Choices):
             UnknownName: there is no such object, contact point or arm.
         """
         cell = self._cell
-        plan, hover, poses = self._choose_showing(object_id, other_id, grasps)
+        plan, hover, groups = self._choose_showing(object_id, other_id, grasps, tight=True)
         grip = carry_out_pick(cell, plan)
         feel(cell, grip)
-        shown, _ = plan_place(cell, grip, hover, [(None, poses)])
+        shown, _ = plan_place(cell, grip, hover, ((None, poses) for poses in groups if poses))
         with minding(cell, grip):
             cell.carry_out(grip.arm, shown.path)
             self.world.step(round(SHOWN_FOR * PHYSICS_HZ))

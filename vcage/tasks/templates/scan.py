@@ -10,7 +10,7 @@ from vcage.schema.goals import Goal
 from vcage.schema.subtasks import Refusal, Subtask, TemplateName
 from vcage.tasks.feasibility import Transfer, examine
 from vcage.tasks.findings import Feasibility, best_first
-from vcage.tasks.reading import free_reading_poses
+from vcage.tasks.reading import free_reading_poses, in_the_way
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.templates.proposal import Proposal
 from vcage.tasks.workplace import Workplace
@@ -92,13 +92,19 @@ class Reading(Proposal):
     ) -> tuple[list[Feasibility], list[Refusal]]:
         others = tuple(workplace.others(mover.id))
         beside = [o for o in others if o.id != still.id]
-        poses, in_the_way = free_reading_poses(mover, still, beside, workplace.ground.height)
-        if in_the_way is not None:
-            met, before = in_the_way.record.phrase, still.record.phrase
-            return [], [self.refusal(f"{mover.record.phrase} would touch {met} before {before}")]
-        if not poses:
-            return [], [self.refusal(f"{mover.record.phrase} cannot be held before {still.record.phrase}")]
-        where = f"its place before {still.record.phrase}"
-        contacts = mover.asset.annotation.carrying_points
-        transfers = {c.id: Transfer(mover, c, where, poses, [], (), others) for c in contacts}
-        return self.judged({c: examine(t, workplace) for c, t in transfers.items()})
+        where, refused = f"its place before {still.record.phrase}", list[Refusal]()
+        for poses in free_reading_poses(mover, still, beside, workplace.ground.height):
+            contacts = mover.asset.annotation.carrying_points
+            transfers = {c.id: Transfer(mover, c, where, poses, [], (), others) for c in contacts}
+            findings, refused = self.judged({c: examine(t, workplace) for c, t in transfers.items()})
+            if findings:
+                return findings, refused
+        return [], refused or [self._without_room(mover, still, beside, workplace)]
+
+    def _without_room(
+        self, mover: SceneObject, still: SceneObject, beside: Sequence[SceneObject], workplace: Workplace
+    ) -> Refusal:
+        met = in_the_way(mover, still, beside, workplace.ground.height)
+        if met is None:
+            return self.refusal(f"{mover.record.phrase} cannot be held before {still.record.phrase}")
+        return self.refusal(f"{mover.record.phrase} would touch {met.record.phrase} before {still.record.phrase}")
