@@ -147,10 +147,12 @@ class Change:
     Args:
         all: (H, W) bool.
         things: (H, W) bool, changes other than shadows.
+        lighter: (H, W) bool, changes that no new shadow makes: grey arms over a grey table look like one otherwise.
     """
 
     all: np.ndarray
     things: np.ndarray
+    lighter: np.ndarray
 
     @classmethod
     def between(cls, one: View, other: View) -> Change:
@@ -167,8 +169,11 @@ class Change:
         shade = grey & grown(
             grey & change & (square < SHADOW.smooth**2), SHADOW.smooth_px
         )  # a shadow's edge is not smooth
-        things = (change & ~shade).astype(np.uint8)
-        return cls(change, cv2.morphologyEx(things, cv2.MORPH_OPEN, _square(SHADOW.speck_px)).astype(bool))
+        things, lighter = (
+            cv2.morphologyEx(some.astype(np.uint8), cv2.MORPH_OPEN, _square(SHADOW.speck_px)).astype(bool)
+            for some in (change & ~shade, change & (mean > 0))
+        )
+        return cls(change, things, lighter)
 
 
 def _square(side: int) -> np.ndarray:
