@@ -56,6 +56,11 @@ class Steps:
         """(N, O) the object that each of the sub-tasks (N,) moves."""
         return one_hot(self._moved.to(step.device)[step], self._others.shape[1]).bool()
 
+    def carried(self) -> torch.Tensor:
+        """(O,) objects that are moved, and on which none is put."""
+        numbers = torch.arange(self._others.shape[1])
+        return torch.isin(numbers, self._moved) & ~torch.isin(numbers, self._place)
+
     def others(self, step: torch.Tensor) -> torch.Tensor:
         """(N, O) objects that the sub-tasks (N,) are not about."""
         return self._others.to(step.device)[step]

@@ -95,6 +95,8 @@ class Training:
         press_frames: frames in which a gripper without anything between its fingers reaches its target.
         progress_noise_m: standard deviation of objects in learning which sub-tasks are done: a policy puts them less
             exactly than demonstrations do.
+        progress_turns: share of frames in which a moved object is somehow turned in learning this: what has fallen over
+            is in its place, too.
         progress_share: time to learn which sub-tasks are done, as a share of that of the policy.
         device: of torch.
     """
@@ -111,6 +113,7 @@ class Training:
     turn: float = 0.3
     aim_noise_m: float = 0.005
     progress_noise_m: float = 0.02
+    progress_turns: float = 0.3
     progress_share: float = 0.1
     device: str = "cpu"
 
@@ -130,6 +133,7 @@ class Batches:
     def __init__(self, demonstrations: Demonstrations, meaning: Meaning, training: Training):
         self._noise, hands = training.noise, meaning.hands()
         self._progress_noise = replace(training.noise, object_m=max(training.noise.object_m, training.progress_noise_m))
+        self._progress_turns = training.progress_turns
         measured, future = hands.poses(demonstrations.states), hands.poses(demonstrations.actions)
         later = demonstrations.next_frames(training.press_frames + 1)[:, -1]
         stopped = measured.opening[torch.from_numpy(later)]
@@ -173,6 +177,7 @@ class Batches:
         A sub-task is done when its object is released: so the way back of the hand belongs to the next.
         """
         hands, objects, _ = self._noisy(frames, self._progress_noise)
+        objects = turned(objects, self._sequence.carried().to(self._device), self._progress_turns)
         done = self._next_step[frames][:, None] > torch.arange(len(self._sequence), device=self._device)
         return self._sequence.relations(hands, objects), done.float()
 
@@ -182,6 +187,23 @@ class Batches:
         after = noise.added(before)
         slips = noise.slips(before) * holds.any(dim=2)[..., None]
         return after, noise.moved(carried(self._objects[frames], holds, before, after, slips)), slips
+
+
+def turned(objects: ObjectPoses, which: torch.Tensor, share: float) -> ObjectPoses:
+    """Objects of which some are turned at random.
+
+    Args:
+        objects: N times.
+        which: (O,) those that may be.
+        share: of the frames in which each of them is.
+    """
+    count, number, axes, _ = objects.axes.shape
+    if not axes:
+        return objects
+    turns = torch.linalg.qr(torch.randn(count, number, 3, 3, device=objects.axes.device)).Q
+    turns = turns * torch.linalg.det(turns)[..., None, None]
+    some = which & (torch.rand(count, number, device=which.device) < share)
+    return replace(objects, axes=torch.where(some[..., None, None], turns[..., :2, :], objects.axes))
 
 
 def trained(demonstrations: Demonstrations, meaning: Meaning, training: Training) -> Policy:

@@ -16,7 +16,7 @@ from benchmarks._policy.localiser import LocaliserTraining, View, trained_locali
 from benchmarks._policy.network import Size
 from benchmarks._policy.policy import Meaning, Policy
 from benchmarks._policy.steps import Progress, Steps
-from benchmarks._policy.training import Noise, Training, trained
+from benchmarks._policy.training import Noise, Training, trained, turned
 from vcage.sim.kinematics import kinematics_of
 from vcage.sim.robots import load_robot
 
@@ -178,6 +178,21 @@ def test_a_hand_holds_what_keeps_its_place_in_it() -> None:
     found = held(hands, objects, torch.tensor([1, 1]), may)
     assert found[0].tolist() == [[True, False, False], [False, False, False]]
     assert not held(hands, objects, torch.tensor([1, 1]), ~may).any()
+
+
+def test_a_share_of_the_chosen_objects_is_turned() -> None:
+    torch.manual_seed(0)
+    objects = ObjectPoses(torch.zeros(1000, 2, 3), torch.eye(3)[:2].expand(1000, 2, 2, 3), torch.zeros(1000, 0))
+    found = turned(objects, torch.tensor([True, False]), 0.3).axes
+    changed = (found != objects.axes).any(dim=(2, 3)).float().mean(dim=0)
+    assert 0.25 < float(changed[0]) < 0.35 and float(changed[1]) == 0
+    products = found @ found.transpose(-1, -2)
+    assert torch.allclose(products, torch.eye(2).expand_as(products), atol=1e-5)
+
+
+def test_what_is_put_somewhere_may_be_turned_but_no_place_may() -> None:
+    steps = Steps((("block", "box"), ("box", "shelf"), ("lid",)), ("block", "box", "lid", "shelf"))
+    assert steps.carried().tolist() == [True, False, False, False]
 
 
 def test_a_held_object_moves_with_the_noise_of_its_hand_and_comes_to_the_same_place() -> None:
