@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from benchmarks._critic.hits import dropped_tool, hit_another, hit_beside, not_down, swept
 from benchmarks._critic.played import DROP, Kind, Played, Shots
 from benchmarks._critic.supports import beside, knocked_over, on_the_rim, pushed_away, slid_off
 from vcage.base.geometry import Pose
@@ -166,7 +167,7 @@ def wrong_words(played: Played) -> Shots | None:
 def reversed_order(played: Played) -> Shots | None:
     """The end came first: what should have been brought was taken away."""
     shots = played.shots
-    if played.goal.relation in ("scanned", "pressed", "weighed", "handed", "back", "lifted", "shaken", *HELD):
+    if played.goal.relation in ("scanned", "pressed", "weighed", "handed", "back", "lifted", "shaken", "hit", *HELD):
         return None
     if played.instead(ended=False).truth.success:
         return None  # it was true before too
@@ -308,6 +309,11 @@ FAILURES: Mapping[str, Kind] = {
     "not still": not_still,
     "turned away": turned_away,
     "other side": other_side,
+    "hit beside": hit_beside,
+    "not down": not_down,
+    "another hit": hit_another,
+    "tool dropped": dropped_tool,
+    "swept away": swept,
 }
 """By name."""
 

@@ -106,6 +106,9 @@ def _asked(objects: Sequence[SceneObject], arms: Sequence[str], rng: np.random.G
         found |= {Goal(subject=shaken.id, relation=word) for word in ("shaken", *HELD, "moved_away", "centred")}
     for thing in pushed[:ASKED]:
         found |= _beside(thing, others, rng)
+    if any(o.asset.annotation.faces_of("head") for o in carried):
+        hit = [o for o in others if not o.asset.annotation.faces_of("head")]
+        found |= {Goal(subject=o.id, relation="hit") for o in hit[:ASKED]}
     fronted = [o for o in carried if o.asset.annotation.front]
     found |= {Goal(subject=o.id, relation=word) for o in fronted[:ASKED] for word in ("presented", "facing_robot")}
     return found

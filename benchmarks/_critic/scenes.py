@@ -47,7 +47,17 @@ SEEN_BY_TESTS = frozenset(
             "cabinet_one_drawer",
             "cabinet_three_drawers",
         ),
-        *("cereal_box", "croissant", "cup", "electronic_scale", "hinged_cabinet", "kitchen_timer", "laptop", "mug"),
+        *(
+            "cereal_box",
+            "croissant",
+            "cup",
+            "electronic_scale",
+            "hammer",
+            "hinged_cabinet",
+            "kitchen_timer",
+            "laptop",
+            "mug",
+        ),
         *("plate", "sponge", "stapler", "tap", "tray"),
     )
 )

@@ -81,10 +81,10 @@ def test_unrequested_looks_are_drawn_from_the_seed_and_differ(choose):
     assert all(len({*looks}) == 4 for looks in drawn)
 
 
-def test_scanning_and_weighing_bring_their_tools(choose):
-    _, chosen = choose("chocolate_bar scanned", "then chocolate_bar weighed")
+def test_scanning_weighing_and_hitting_bring_their_tools(choose):
+    _, chosen = choose("chocolate_bar scanned", "then chocolate_bar weighed", "then chocolate_bar hit")
     tools = [o.asset for o in chosen.objects if o.role == "tool"]
-    assert tools == ["barcode_scanner", "electronic_scale"]
+    assert tools == ["barcode_scanner", "electronic_scale", "hammer"]
 
 
 def test_listed_objects_that_no_goal_names_are_context(choose):

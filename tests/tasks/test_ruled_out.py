@@ -31,7 +31,9 @@ def test_an_object_no_arm_reaches_here_may_be_reached_elsewhere():
     wanting(Goal(subject="marker", relation="inside", reference="packaging_box"), far)
 
 
-@pytest.mark.parametrize(("event", "tool"), [("scanned", "scanner"), ("weighed", "scale")])
+@pytest.mark.parametrize(
+    ("event", "tool"), [("scanned", "scanner"), ("weighed", "scale"), ("hit", "tool with a head to hit with")]
+)
 def test_without_its_tool_an_event_is_ruled_out(event: str, tool: str):
     with pytest.raises(NoFeasibleTask, match=f"no {tool} stands there"):
         wanting(goal_of(["chocolate_bar", event]), [thing("chocolate_bar")])

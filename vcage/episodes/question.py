@@ -21,6 +21,7 @@ from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Statement, Subtask
 from vcage.sim.drawer import Drawing, Window
 from vcage.sim.joints import link_poses
+from vcage.tasks.hitting import hitting_poses
 from vcage.tasks.reading import SETTINGS as READING
 from vcage.tasks.reading import reading_poses
 from vcage.tasks.scene_objects import SceneObject
@@ -150,6 +151,9 @@ def _question(context: StageContext, scene: Scene, asking: Asking) -> CriticQues
         mover, other = objects[moved].moved(at), objects[still].moved(there)
         return chain.from_iterable(reading_poses(mover, other, scene.table.height, rise) for rise in READING.raises_m)
 
+    def strikes(tool: str, at: Pose, thing: str, there: Pose) -> Iterator[Pose]:
+        return hitting_poses(objects[tool].moved(at), objects[thing].moved(there), above_m=0.0)
+
     return CriticQuestion(
         text=asking.text,
         goals=list(goals),
@@ -164,6 +168,8 @@ def _question(context: StageContext, scene: Scene, asking: Asking) -> CriticQues
         draw=draw,
         readings=readings,
         readers=[o.id for o in objects.values() if o.asset.annotation.faces_of("reader")],
+        strikes=strikes,
+        hitters=[o.id for o in objects.values() if o.asset.annotation.faces_of("head")],
         table_height=scene.table.height,
         tops=_tops(objects.values(), scene.table.height),
         towards_customer=tuple(TOWARDS_CUSTOMER.tolist()),

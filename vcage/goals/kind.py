@@ -94,6 +94,9 @@ class State(Protocol):
     def is_read(self, name: str) -> bool:
         """True where the window of a scanner reads a bar code of an object."""
 
+    def is_hit(self, name: str) -> bool:
+        """True where the head of a tool in a hand presses on the middle of an object's top."""
+
     def stands(self, goal: Stated) -> bool:
         """True where the geometry of the goal's relation word holds between the boxes of its two objects."""
 
@@ -174,7 +177,7 @@ class GoalKind:
     opposite: str | None = None
     arms: int = 1
     happens: Callable[[Stated, State, set[str]], bool] | None = None
-    tool: Literal["reads_codes", "weighs"] | None = None
+    tool: Literal["reads_codes", "weighs", "hits"] | None = None
     shown: Shown = field(default_factory=Shown)
 
     @property

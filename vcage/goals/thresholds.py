@@ -23,9 +23,12 @@ class Thresholds:
         disturbed_m, tipped_rad: an object that was moved farther, or turned over by more than this, was disturbed.
         opened_share: share of the range beyond which a joint counts as opened, pressed or turned.
         closed_share: share of the range below which it counts as closed.
-        weighed_s, scanned_s, handed_s, lifted_s: how long an event must go on without a break.
+        weighed_s, scanned_s, handed_s, lifted_s, hit_s: how long an event must go on without a break.
         lifted_m: least height over the table of the bottom of what is in the air.
         shaken_rad, shaken_times: least lean to each side of what is shaken, and the number of leans.
+        hit_off_m: the middle of a head is at most this far from the middle of what it hits, seen from above.
+        hit_slant_rad: and it faces down to within this.
+        hit_moved_m: what is hit stays within this of where it stood, for ``hit_s`` from the touch on.
         still_m_per_s: an object that moves more slowly lies still.
         code_away_m, code_aside_m: a scanner reads a code that is at most this far before its window, and this far
             beside the window's axis.
@@ -61,6 +64,10 @@ class Thresholds:
     lifted_m: float = 0.05
     shaken_rad: float = math.radians(15)
     shaken_times: int = 3
+    hit_s: float = 0.5
+    hit_off_m: float = 0.02
+    hit_slant_rad: float = math.radians(30)
+    hit_moved_m: float = 0.02
     still_m_per_s: float = 0.01
     code_away_m: float = 0.07
     code_aside_m: float = 0.03

@@ -50,6 +50,7 @@ VERBS: Mapping[str, Verb] = {
     "held_by_both": _verb("lift*|rais*|hold*|held|pick*|grab*|tak*", phrase("both (arms|hands)")),
     "lifted": _verb("lift*|rais*"),
     "shaken": _verb("shak*|shook"),
+    "hit": _verb("hit*|beat*|tap|taps|tapp*|strik*|struck"),
     "presented": _verb("present*|show*|giv*|hand*|offer*"),
 }
 """The verbs by the word of the goal."""

@@ -97,9 +97,12 @@ class CriticQuestion:
         readings: poses of one object, by id, at which it reads or is read by another: their ids, each with the pose
             that says how it stands.
         readers: ids of the objects that read bar codes.
+        strikes: poses of a tool at which its head is on an object: their ids, each with the pose that says how it
+            stands.
+        hitters: ids of the tools that have a head.
         grasped: id of the object to grasp, if it is not the object of the goals.
-        moment: view by camera name while a part was touched, a code was before a scanner, two hands held a thing, or a
-            thing came to lie on a scale.
+        moment: view by camera name while a part was touched, a code was before a scanner, a tool was on what it hits,
+            two hands held a thing, or a thing came to lie on a scale.
         start: view by camera name at the start of the episode; only where something is put back.
         uncalibrated: pictures by camera name, by time, of moving cameras: of both hands before and after; of the acting
             hand at the moment, or at the release; and, at the moment of a scan, of bar code and window.
@@ -123,6 +126,8 @@ class CriticQuestion:
     draw: DrawObject | None = None
     readings: Callable[[str, Pose, str, Pose], Iterable[Pose]] | None = None
     readers: Sequence[str] = ()
+    strikes: Callable[[str, Pose, str, Pose], Iterable[Pose]] | None = None
+    hitters: Sequence[str] = ()
     grasped: str | None = None
     moment: dict[str, View] = field(default_factory=dict)
     start: dict[str, View] = field(default_factory=dict)

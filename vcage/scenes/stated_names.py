@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from vcage.base.errors import UnknownName, UsageError
+from vcage.goals import KINDS
 from vcage.models.selection_check import NamedObject, name_objects
 from vcage.objects.painting import looks_of
 from vcage.scenes.stated_goals import StatedGoal, StatedTask, shortened
@@ -124,10 +125,10 @@ def _only_look(entry: CatalogueEntry) -> str | None:
 
 
 def _tools(task: StatedTask, catalogue: Sequence[CatalogueEntry], there: Sequence[CatalogueEntry]) -> list[str]:
-    """Return the scanner and the scale that goals need and nothing names: the first kind by name."""
+    """Return the scanner, the scale and the hammer that goals need and nothing names: the first kind by name."""
     words = {stated.word for stated in task.goals}
     found = []
-    for word in ("scanned", "weighed"):
+    for word in (word for word, kind in KINDS.items() if kind.tool):
         if word in words and not any(word in entry.tool_for for entry in there):
             found += sorted(entry.name for entry in catalogue if word in entry.tool_for)[:1]
     return found

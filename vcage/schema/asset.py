@@ -85,9 +85,10 @@ class PointRoom(Record):
 
 
 class Face(Record):
-    """A marked spot of an object: a bar code, or the window of the scanner that reads it."""
+    """A marked spot of an object: a bar code, the window of the scanner that reads it, or the head of a tool to hit
+    with: the middle of its lower side, as the tool lies in a hand."""
 
-    kind: Literal["code", "reader"]
+    kind: Literal["code", "reader", "head"]
     position: Point3 = Field(description="its middle in the object frame, metres")
     axis: UnitVec3 = Field(description="out of the surface")
 
@@ -180,7 +181,7 @@ class Annotation(Document):
         return [point for point in self.contact_points if point.carries]
 
     def faces_of(self, kind: str) -> list[Face]:
-        """The bar codes (``code``) or scanner windows (``reader``)."""
+        """The bar codes (``code``), scanner windows (``reader``) or heads (``head``)."""
         return [face for face in self.faces if face.kind == kind]
 
     def functional_point(self, point_id: int) -> FunctionalPoint:
@@ -222,13 +223,18 @@ class CatalogueEntry(Record):
         return any(face.kind == "reader" for face in self.faces)
 
     @property
+    def hits(self) -> bool:
+        """Check if it has a head to hit with."""
+        return any(face.kind == "head" for face in self.faces)
+
+    @property
     def weighs(self) -> bool:
         """Check if its contents are weighed."""
         return any(point.weighs for point in self.functional_points)
 
     @property
     def tool_for(self) -> frozenset[str]:
-        """Goal words that need a thing of this kind: ``scanned``, ``weighed``."""
+        """Goal words that need a thing of this kind: ``scanned``, ``weighed``, ``hit``."""
         return frozenset(kind.word for kind in KINDS.values() if kind.tool and getattr(self, kind.tool))
 
 

@@ -161,6 +161,11 @@ class ArmControl:
         self._command("torque", np.zeros(self.articulation.dof))
         self.command_joints(trajectory.end)
 
+    def stop(self) -> None:
+        """Stay at the present targets, wherever on a trajectory they are."""
+        self._command("torque", np.zeros(self.articulation.dof))
+        self.command_joints(self.command[:-1])
+
     def is_at(self, q: np.ndarray) -> bool:
         """True if every joint is near (n,) ``q``, rad."""
         return bool(np.abs(self.joints - q).max() < WAITS.arrived_rad)

@@ -22,6 +22,7 @@ from vcage.schema.plan import TABLE
 from vcage.sim.collision import Held
 from vcage.sim.motion import MotionPlanner
 from vcage.sim.world import World
+from vcage.tasks.hitting import free_hitting_poses, hitting_poses
 from vcage.tasks.meeting import Hold
 from vcage.tasks.primitives.hand_over import HandOver
 from vcage.tasks.primitives.operate import OperatePlan, Operation
@@ -191,24 +192,50 @@ class Choices:
         target, cell = self._cell.object(object_id), self._cell
         other, height = cell.object(other_id), self.world.table.height
         beside = cell.objects_but(object_id, other_id, *cell.contents(object_id))
-        # Where it came from the hand has room, and before the other it lets go of nothing: no obstacle raises it, and
-        # held higher it would read nothing.
-        hover = replace(Surroundings.of(cell, object_id, TABLE, None), obstacles=Obstacles([]), raises=())
-        in_turn = [grasp for _, some in self._retry.choices(grasps, [None]) for grasp in some]
         groups = free_reading_poses(target, other, beside, height)
         if tight:
             groups = itertools.chain(groups, (list(reading_poses(target, other, height, r)) for r in READING.raises_m))
+        return self._choose_using(target, groups, grasps, f"before {other_id}")
+
+    def _choose_hitting(
+        self, tool_id: str, thing_id: str, grasps: Sequence[tuple[int, str]]
+    ) -> tuple[PickPlan, Surroundings, list[Pose]]:
+        """The first grasp that can hold a tool over an object, its surroundings, and its poses there."""
+        tool, cell = self._cell.object(tool_id), self._cell
+        thing, others = cell.object(thing_id), cell.objects_but(tool_id, thing_id, *cell.contents(tool_id))
+        free, _ = free_hitting_poses(tool, thing, others)
+        # Things may have been put down some millimetres beside their places: the planner finds what is free then.
+        plan, hover, groups = self._choose_using(
+            tool, iter([free or [*hitting_poses(tool, thing)]]), grasps, f"over {thing_id}"
+        )
+        return plan, hover, next(groups)
+
+    def _choose_using(
+        self, target: SceneObject, groups: Iterator[list[Pose]], grasps: Sequence[tuple[int, str]], where: str
+    ) -> tuple[PickPlan, Surroundings, Iterator[list[Pose]]]:
+        """The first grasp that brings an object to a pose in the air, and back; as of the callers.
+
+        Args:
+            target: the object.
+            groups: of poses there, in the order in which they are tried.
+            grasps: see :meth:`vcage.tasks.task.Task.show`.
+            where: that is, in words.
+        """
+        # Where it came from the hand has room, and in the air it lets go of nothing: no obstacle raises it, and held
+        # higher it would read or reach nothing.
+        hover = replace(Surroundings.of(self._cell, target.id, TABLE, None), obstacles=Obstacles([]), raises=())
+        in_turn = [grasp for _, some in self._retry.choices(grasps, [None]) for grasp in some]
         failures, known = list[TaskFailed](), KnownPaths()
         for poses in filter(None, groups):
+            leads = self._leads_to(target, hover, poses, [target.pose])
             try:
-                plan = plan_pick(cell, target, in_turn, self._leads_to(target, hover, poses, [target.pose]), known)
+                plan = plan_pick(self._cell, target, in_turn, leads, known)
             except TaskFailed as error:
                 failures.append(error)
             else:
                 self._say_grasp(plan, grasps)
                 return plan, hover, itertools.chain([poses], groups)
-        nowhere = TaskFailed("plan", f"{object_id} cannot be held before {other_id}", exhausted=True)
-        raise failures[0] if failures else nowhere
+        raise failures[0] if failures else TaskFailed("plan", f"{target.id} cannot be held {where}", exhausted=True)
 
     def _choose_push(self, thing: SceneObject, arms: Sequence[str]) -> PushPlan:
         """The first way to push an object to its slot, or to another that is free."""

@@ -115,7 +115,7 @@ def _pairs(one: SceneObject, other: SceneObject) -> Iterator[tuple[Face, Face]]:
     """Faces of two objects, one of which reads the other."""
     for a in one.asset.annotation.faces:
         for b in other.asset.annotation.faces:
-            if b.kind == _OTHER[a.kind]:
+            if b.kind == _OTHER.get(a.kind):
                 yield a, b
 
 

@@ -80,6 +80,10 @@ class Rehearsal(Task):
         self._picked, hover, groups = self._choose_showing(object_id, other_id, grasps, tight=False)
         self._carry(hover, next(groups))
 
+    def hit(self, tool_id: str, thing_id: str, grasps: Sequence[tuple[int, str]]) -> None:
+        """Plan it; the tool is put back."""
+        self._choose_hitting(tool_id, thing_id, grasps)
+
     def wait(self, seconds: float) -> None:
         """Nothing."""
 

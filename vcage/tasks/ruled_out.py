@@ -93,12 +93,14 @@ def _no_place(goal: Goal, by_id: Mapping[str, SceneObject]) -> list[str]:
 
 
 def _no_tool(goal: Goal, objects: Sequence[SceneObject]) -> list[str]:
-    """The reason why a thing cannot be scanned or weighed: nothing stands there to do it with."""
+    """The reason why a thing cannot be scanned, weighed or hit: nothing stands there to do it with."""
     kinds = [o.asset.annotation for o in objects if o.id != goal.subject]
     if goal.relation == "scanned" and not any(kind.faces_of("reader") for kind in kinds):
         return ["no scanner stands there"]
     if goal.relation == "weighed" and not any(point.weighs for kind in kinds for point in kind.functional_points):
         return ["no scale stands there"]
+    if goal.relation == "hit" and not any(kind.faces_of("head") for kind in kinds):
+        return ["no tool with a head to hit with stands there"]
     return []
 
 

@@ -17,6 +17,7 @@ from vcage.schema.goals import Goal
 from vcage.schema.plan import TABLE
 from vcage.sim.joints import joint_index, joint_positions
 from vcage.sim.world import PHYSICS_HZ, World
+from vcage.tasks.hitting import hits
 from vcage.tasks.reading import reads
 from vcage.tasks.scene_objects import SceneObject
 
@@ -172,6 +173,11 @@ class Watch(StillState):
     def touching(self, name: str) -> set[str]:
         """Ids of objects, names of arms, and ``table``, that press on an object."""
         return {other.partition("/")[0] for other in self.world.touching(name)}
+
+    def is_hit(self, name: str) -> bool:
+        """True where the head of a tool in a hand presses on the middle of an object's top."""
+        tools = [tool for tool in self.touching(name) & self.objects.keys() if self.touching(tool) & {*self.arms}]
+        return any(hits(self.thing(tool), self.thing(name)) for tool in tools)
 
     def holds(self, arm: str, name: str) -> bool:
         """True where all fingers of an arm press on an object."""

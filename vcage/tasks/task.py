@@ -19,13 +19,15 @@ from vcage.sim.world import PHYSICS_HZ, World
 from vcage.tasks.choices import Choices, Retry
 from vcage.tasks.holding import SETTINGS as HOLDING
 from vcage.tasks.primitives.grip import Grip, feel, minding
+from vcage.tasks.primitives.hit import carry_out_hit, plan_hit
 from vcage.tasks.primitives.hold_with_both import carry_out_with_both, plan_with_both
 from vcage.tasks.primitives.pick import carry_out_pick
-from vcage.tasks.primitives.place import SETTINGS, Surroundings, carry_out_place, plan_place
+from vcage.tasks.primitives.place import SETTINGS, PlacePlan, Surroundings, carry_out_place, plan_place
 from vcage.tasks.primitives.push import carry_out_push
 from vcage.tasks.primitives.shake import carry_out_shake
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import Slot
+from vcage.tasks.touching import Allowance
 from vcage.tasks.workcell import TaskFailed, failing_at
 
 SHOWN_FOR = 0.5
@@ -50,7 +52,7 @@ class Task(Choices):
         retry: what earlier attempts at the same sub-task failed for; the first attempt when not given.
 
     Attributes:
-        moment: state of the world at the end of a press, during a scan, with both hands on
+        moment: state of the world at the end of a press, during a scan, with a tool on what it hits, with both hands on
             a handed-over object, at the start of a wait, at the first lean of a shake, at a release, or while
             something is held up.
     """
@@ -117,10 +119,51 @@ class Task(Choices):
             cell.carry_out(grip.arm, shown.path)
             self.world.step(round(SHOWN_FOR * PHYSICS_HZ))
         self.moment = self.world.state()
+        self._put_back(plan.target, hover, shown)
+
+    def hit(self, tool_id: str, thing_id: str, grasps: Sequence[tuple[int, str]]) -> None:
+        """Take a tool, bring its head down on the middle of an object until it touches, and put the tool back.
+
+        Args:
+            tool_id: the tool, which has a head.
+            thing_id: what it hits.
+            grasps: (contact point, arm) to try, in this order.
+
+        Raises:
+            TaskFailed: no way can be planned, the tool is lost, or its head touches nothing or something else.
+            UnknownName: there is no such object, contact point or arm.
+        """
+        cell = self._cell
+        plan, hover, poses = self._choose_hitting(tool_id, thing_id, grasps)
+        grip = carry_out_pick(cell, plan)
+        self._lift(grip)
+        over, _ = plan_place(cell, grip, hover, [(None, poses)])
+        with minding(cell, grip):
+            cell.carry_out(grip.arm, over.path)
+            self.moment = carry_out_hit(cell, grip, thing_id, plan_hit(cell, grip, thing_id))
+        self._put_back(plan.target, hover, over, leaves=thing_id)
+
+    def _put_back(self, stood: SceneObject, hover: Surroundings, shown: PlacePlan, leaves: str | None = None) -> None:
+        """Put the object in a hand back where it stood.
+
+        Args:
+            stood: the object as it was taken.
+            hover: its surroundings there.
+            shown: how it was brought to where it is.
+            leaves: id of the object that it touches.
+
+        Raises:
+            TaskFailed: it is lost, or no way can be planned.
+        """
+        cell, grip = self._cell, shown.grip
         feel(cell, grip)
+        left = [] if leaves is None else [leaves]
+        up = replace(grip.load, ignore=[*grip.load.ignore, *cell.parts(*left)])
+        may = Allowance("load", frozenset(left), self.world.arms[grip.arm].tool_pose)
         with failing_at("place"):
-            cell.put_off(grip.arm, cell.planner(grip.arm).line(shown.path.end, shown.way.above, grip.load))
-        put, _ = plan_place(cell, grip, replace(hover, raises=SETTINGS.raises_m), [(None, [plan.target.pose])])
+            rise = cell.planner(grip.arm).line(cell.begun(grip.arm).end, shown.way.above, up)
+        cell.put_off(grip.arm, rise, [may])
+        put, _ = plan_place(cell, grip, replace(hover, raises=SETTINGS.raises_m), [(None, [stood.pose])])
         carry_out_place(cell, put)
 
     def wait(self, seconds: float) -> None:

@@ -22,6 +22,7 @@ ACTS = {"open": "open", "close": "open", "turn": "turn", "turn_off": "turn", "pr
 _DONE = {"open": "open", "close": "closed", "turn": "turned", "turn_off": "turned_back", "press": "pressed"}
 _EVENTS = {
     "scan": "scanned", "weigh": "weighed", "show": "presented", "lift": "lifted", "shake": "shaken", "hold": "held_up",
+    "hit": "hit",
     "in_hands": "held_up", "hold_with_both": "held_by_both", "away": "moved_away", "face": "facing_robot",
 }  # fmt: skip
 _OTHER = {"left": "right", "right": "left", ONE_ARM: "right"}
@@ -30,7 +31,11 @@ _IN_A_HAND = ("lift", "shake", "hold", "in_hands", "hold_with_both", "away", "fa
 """Commands about a thing that a hand carries."""
 _BRINGING = ("put", "hand", "tower", "show")
 """Commands that take a thing somewhere, which is lifted for it."""
-TOOLS: dict[str, Callable[[CatalogueEntry], bool]] = {"scan": lambda e: e.reads_codes, "weigh": lambda e: e.weighs}
+TOOLS: dict[str, Callable[[CatalogueEntry], bool]] = {
+    "scan": lambda e: e.reads_codes,
+    "weigh": lambda e: e.weighs,
+    "hit": lambda e: e.hits,
+}
 """Commands → the test of a tool for them."""
 
 
@@ -340,6 +345,18 @@ class Goals:
             self._add(command, name, "handed", command.how, arm=giver)
             self._arms[name] = command.how
 
+    def _hit(self, command: Command) -> None:
+        """Hitting takes a tool with a head: the one that is named, or that was picked up for it."""
+        tools = list(self._picked) if command.place is None else self._meanings.objects(command.place)
+        if not tools:
+            raise Doubt(command.words, "say what to hit it with, such as the hammer")
+        for name in tools:
+            if not self.things[name].hits:
+                raise Doubt(command.words, f"{name} has no head to hit with")
+            taken = self._picked.pop(name, command)
+            command = replace(command, arm=command.arm or self._arms.get(name), words=_joined(taken, command))
+        self._event(command)
+
     def _event(self, command: Command) -> None:
         """Add the goal of an act on a part of a thing, or on a thing with a tool."""
         if command.verb in ACTS:
@@ -357,6 +374,11 @@ class Goals:
             if command.verb in _IN_A_HAND and not self.things[name].can_be_carried:
                 raise Doubt(command.words, f"{name} cannot be lifted")
             self._add(command, name, _EVENTS[command.verb])
+
+
+def _joined(before: Command, command: Command) -> str:
+    """The words of a command with those of the one by which its tool was taken, if that is another."""
+    return command.words if before is command else f"{before.words} {command.words}"
 
 
 def _with_arms(commands: Sequence[Command]) -> list[Command]:

@@ -112,8 +112,9 @@ class _Selector:
     def _place(self, command: Command) -> None:
         """Choose the target, the neighbour, or the tool of a command."""
         noun, verb = command.place, command.verb
-        if verb in _TOOLS:
-            noun = noun or Noun(words=tuple(_TOOLS[verb].split()), text=_TOOLS[verb], at=-1)
+        if noun is None and verb in _TOOLS:
+            noun = Noun(words=tuple(_TOOLS[verb].split()), text=_TOOLS[verb], at=-1)
+        if noun is not None and verb in TOOLS:
             self._take(noun, "tool", TOOLS[verb])
         elif noun is not None and not noun.of_table and not noun.pronoun:
             self._take(noun, "receptacle", self._roomy(noun, command))

@@ -1,4 +1,4 @@
-"""Verdicts of the offline critic on objects set down on the table, shown, scanned, weighed or put back."""
+"""Verdicts of the offline critic on objects set down on the table, shown, scanned, hit, weighed or put back."""
 
 from __future__ import annotations
 
@@ -20,14 +20,16 @@ from vcage.schema.plan import TABLE
 from vcage.sim.cameras import shoot
 from vcage.sim.robots import load_robot
 from vcage.sim.world import World
+from vcage.tasks.hitting import hitting_poses
 from vcage.tasks.reading import reading_poses
 
 pytestmark = pytest.mark.slow
 
 BOX, PLATE, APPLE = thing("cereal_box", (-0.1, -0.05), 0.3), thing("plate", (0.15, 0.05)), thing("apple", (-0.3, 0.1))
 SCANNER, SCALE = thing("barcode_scanner", (0.3, -0.1)), thing("electronic_scale", (0.0, 0.1))
+HAMMER = thing("hammer", (0.25, -0.1), 0.5)
 LARGE, BLOCK = thing("large_block", (-0.2, 0.1)), thing("block", (0.2, 0.1))
-THINGS = (BOX, PLATE, APPLE, SCANNER, SCALE, LARGE, BLOCK)
+THINGS = (BOX, PLATE, APPLE, SCANNER, SCALE, HAMMER, LARGE, BLOCK)
 GONE = Pose([0.0, 0.0, -3.0])
 FACING = Pose.from_yaw([0.1, 0.2, TABLE_TOP], np.pi)
 SHOWN = Goal(subject=BOX.id, relation="presented")
@@ -180,6 +182,37 @@ def test_without_a_picture_of_the_moment_nothing_is_read() -> None:
     goal = Goal(subject=BOX.id, relation="scanned")
     told = judged([goal], {"before": {}, "after": {}}, BOX.id, SCANNER.id, grasped=SCANNER.id)
     assert not told.accepted and "no picture shows the moment" in told.reason
+
+
+def hit(pose: Pose, after: Pose = APPLE.pose) -> Verdict:
+    """The verdict on a hammer at a pose at the moment, and an apple at another one afterwards."""
+    states = {"before": {}, "moment": {HAMMER.id: pose}, "after": {APPLE.id: after}}
+    goal = Goal(subject=APPLE.id, relation="hit")
+    return judged([goal], states, APPLE.id, HAMMER.id, grasped=HAMMER.id)
+
+
+ON_APPLE = next(hitting_poses(HAMMER, APPLE, above_m=0.0))
+
+
+def test_a_hammer_seen_on_a_thing_hits_it() -> None:
+    told = hit(ON_APPLE)
+    assert told.accepted, told.reason
+
+
+@pytest.mark.parametrize("away", [(0.06, 0.0, 0.0), (0.0, -0.06, 0.0), (0.0, 0.0, 0.07)])
+def test_a_hammer_seen_beside_a_thing_or_over_it_hits_nothing(away: tuple[float, float, float]) -> None:
+    told = hit(Pose(ON_APPLE.p + away, ON_APPLE.q))
+    assert not told.accepted and "is seen with its head on" in told.reason
+
+
+def test_a_hammer_that_lies_where_it_was_hits_nothing() -> None:
+    told = hit(HAMMER.pose)
+    assert not told.accepted and "lies where it was" in told.reason
+
+
+def test_what_was_swept_away_is_not_hit() -> None:
+    told = hit(ON_APPLE, after=Pose(APPLE.pose.p + [0.08, 0.0, 0.0], APPLE.pose.q))
+    assert not told.accepted and told.failure == "disturbed"
 
 
 def stranger(picture: np.ndarray) -> np.ndarray:

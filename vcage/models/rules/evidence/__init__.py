@@ -6,6 +6,7 @@ A kind of goal names its judgement (``evidence`` of :class:`vcage.goals.kind.Goa
 from __future__ import annotations
 
 from vcage.models.rules.evidence.handed import judge_handed
+from vcage.models.rules.evidence.hit import judge_hit
 from vcage.models.rules.evidence.judgement import Judgement
 from vcage.models.rules.evidence.moved import (
     judge_centred,
@@ -40,5 +41,6 @@ EVIDENCE: dict[str, Judgement] = {
     "held_by_both": judge_held_by_both,
     "shaken": in_the_air(leans=True),
     "handed": judge_handed,
+    "hit": judge_hit,
 }
 """By the name of the evidence."""

@@ -1,0 +1,119 @@
+"""Evidence of a hit: a tool whose head is on the middle of an object at the moment, and the object where it stood."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from vcage.base.geometry import Pose
+from vcage.goals.thresholds import THRESHOLDS
+from vcage.models.rules.critic_view import CriticView
+from vcage.models.rules.drawings import refined
+from vcage.models.rules.evidence.in_use import SETTINGS as IN_USE
+from vcage.models.rules.evidence.in_use import InUse, shifted
+from vcage.models.rules.evidence.judgement import LEFT_SHARE, Judged, decided, refused, unseen
+from vcage.models.rules.pixels import grown
+from vcage.models.rules.standing import SETTINGS as STANDING
+from vcage.models.rules.standing import Standing
+from vcage.schema.episodes import Verdict
+from vcage.schema.goals import Goal
+
+
+@dataclass(frozen=True)
+class HitSettings:
+    """Alternatives at which nothing is hit, and the tool may be seen instead.
+
+    Args:
+        beside_m, directions: distances and directions of the head beside the middle of the object.
+        over_m: heights of the head over the object.
+        seen_m: a place is seen with this error.
+    """
+
+    beside_m: tuple[float, ...] = (0.045, 0.07, 0.1)
+    directions: int = 8
+    over_m: tuple[float, ...] = (0.05, 0.09)
+    seen_m: float = 0.01
+
+
+SETTINGS = HitSettings()
+
+
+@dataclass(frozen=True)
+class Struck:
+    """Measurements of a hit.
+
+    Args:
+        left: changed share of the tool's old outline at the moment.
+        seen: share of the evidence for a drawing of the tool with its head on the object.
+        beside, over: the same at the likeliest alternative beside it, and over it.
+    """
+
+    left: float
+    seen: float
+    beside: float
+    over: float
+
+    @classmethod
+    def gather(cls, view: CriticView, tool: str, thing: str, held: Standing, stands: Standing) -> Struck:
+        """Measure if a tool hits an object at the moment.
+
+        Args:
+            view: of the question.
+            tool, thing: ids of the two.
+            held, stands: where they stood before.
+        """
+        use = InUse(view, tool, thing, held, stands)
+        if use.left < LEFT_SHARE or view.question.strikes is None:
+            return cls(use.left, 0.0, 0.0, 0.0)
+        found = [(use.unseen(pose), pose) for pose in view.question.strikes(tool, held.pose, thing, stands.pose)]
+        _, pose = min(found, key=lambda one: one[0], default=(1.0, held.pose))
+        ways = product(SETTINGS.beside_m, np.linspace(0, 2 * np.pi, SETTINGS.directions, endpoint=False))
+        beside = [shifted(pose, [far * np.cos(way), far * np.sin(way), 0.0]) for far, way in ways]
+        over = [Pose(pose.p + [0.0, 0.0, up], pose.q) for up in SETTINGS.over_m]
+        return cls(use.left, *(1 - _least(use, poses) for poses in ([pose], beside, over)))
+
+    def verdict(self, tool: str, thing: str) -> Verdict:
+        """Judge if the tool was on the object."""
+        if self.left < LEFT_SHARE:
+            return refused(f"the {tool} lies where it was at the moment of the hit", 1 - self.left, "lost")
+        accepted = self.seen >= max(IN_USE.held_share, self.beside, self.over)
+        seen = f"{100 * self.seen:.0f} % of the {tool} is seen with its head on the {thing}"
+        others = f"{100 * self.beside:.0f} % beside it and {100 * self.over:.0f} % over it"
+        return decided(accepted, f"{seen}, {others}", 0.5 + abs(self.seen - IN_USE.held_share), "astray")
+
+
+def _least(use: InUse, poses: Sequence[Pose]) -> float:
+    """The least evidence against a tool near the likeliest of some poses."""
+    least, pose = min(((use.unseen(pose), pose) for pose in poses), key=lambda one: one[0])
+    return refined(np.zeros(3), least, lambda shift: use.unseen(shifted(pose, shift)))[0]
+
+
+def judge_hit(view: CriticView, goal: Goal) -> Judged:
+    """Judge whether the head of a tool was on an object, which stayed where it was."""
+    question = view.question
+    if question.strikes is None or "top" not in view.moment:
+        return unseen(view, f"the moment at which the {view.phrase(goal.subject)} is hit")
+    tools = [name for name in question.hitters if question.grasped in (None, name) and name != goal.subject]
+    judged = [_judged(view, tool, goal.subject) for tool in tools]
+    none = Judged(refused("there is no tool to hit with", 1.0), view.nowhere)
+    return max(judged, key=lambda one: (one.verdict.accepted, one.verdict.confidence), default=none)
+
+
+def _judged(view: CriticView, tool: str, thing: str) -> Judged:
+    one, other = (view.sought(name, upon=True) for name in (tool, thing))
+    held, stands = one.found(view.before), other.found(view.before)
+    if held is None or stands is None:
+        missing = (one if held is None else other).look.phrase
+        return Judged(refused(f"the {missing} is not found", 0.5), view.nowhere)
+    explained = grown(held.covered, IN_USE.put_back_px)
+    now = other.found(view.after)
+    if now is None or now.unlike > STANDING.unlike_lab:
+        return Judged(refused(f"the {other.look.phrase} is not found after the hit", 0.6, "disturbed"), explained)
+    moved = float(np.linalg.norm(now.pose.p - stands.pose.p))
+    if moved > THRESHOLDS.hit_moved_m + SETTINGS.seen_m:
+        why = f"the {other.look.phrase} is seen {100 * moved:.0f} cm from where it stood before the hit"
+        return Judged(refused(why, 0.8, "disturbed"), explained)
+    return Judged(Struck.gather(view, tool, thing, held, stands).verdict(one.look.phrase, other.look.phrase), explained)

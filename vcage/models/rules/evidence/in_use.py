@@ -1,0 +1,122 @@
+"""An object in a hand at the moment, before or over another one that stays: how much of a drawing of it is seen."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from vcage.base.geometry import Camera, Pose
+from vcage.models.rules.critic_view import CriticView
+from vcage.models.rules.drawings import Draw, as_bright, cut, drawn_whole, inside, window_around
+from vcage.models.rules.pixels import changed_between, share_of
+from vcage.models.rules.standing import Standing
+from vcage.vision.colour import distance, smoothed, to_lab
+from vcage.vision.protocols import View
+
+
+@dataclass(frozen=True)
+class InUseSettings:
+    """When a pixel shows a held object.
+
+    Args:
+        alike_lab: colour distance below which a pixel is like the drawing of an object.
+        hidden_weight: weight against a drawing of a pixel that shows something else, such as the hand.
+        in_front_m: an object nearer to the camera by less than this hides nothing.
+        held_share: share of its drawing that must be found at the moment; the hand hides some.
+        put_back_px: a held object this near to its old place was put back.
+    """
+
+    alike_lab: float = 14.0
+    hidden_weight: float = 0.4
+    in_front_m: float = 0.005
+    held_share: float = 0.55
+    put_back_px: float = 12.0
+
+
+SETTINGS = InUseSettings()
+
+
+class InUse:
+    """The views of the moment, of an object that may have left its place.
+
+    Args:
+        view: of the question.
+        moved, still: ids of the object in a hand, and of the one that stays.
+        held, stands: where they stood before.
+    """
+
+    def __init__(self, view: CriticView, moved: str, still: str, held: Standing, stands: Standing):
+        before, moment = view.before, view.moment
+        self._held, (self._draw, draw_still) = held, (view.sought(name, upon=True).draw for name in (moved, still))
+        cameras = sorted(before.keys() & moment.keys())
+        self._sights = [_Sight.of(before[name], moment[name], stands, draw_still) for name in cameras]
+
+    @property
+    def left(self) -> float:
+        """Changed share of its old outline, in the view with the least change: a hand before it hides it from one
+        side."""
+        outlines = (drawn_whole(self._draw, self._held.pose, sight.camera).covered for sight in self._sights)
+        return min(share_of(sight.change, outline) for sight, outline in zip(self._sights, outlines, strict=True))
+
+    def unseen(self, pose: Pose) -> float:
+        """Share of the evidence that is against the object at a pose: pixels still as before, beside those that have
+        come to look like it; hidden pixels tell little."""
+        found, against, drawn = 0, 0, 0
+        for sight in self._sights:
+            middle = pose.p + np.array([0.0, 0.0, self._held.size[2] / 2])
+            window = window_around(middle, self._held.size, sight.camera)
+            drawing = self._draw(pose, sight.camera, window)
+            shown = (
+                drawing.covered
+                & inside(sight.picture, window)
+                & (cut(sight.nearest, window) > drawing.depth - SETTINGS.in_front_m)
+            )
+            if not shown.any():
+                continue
+            like = to_lab(as_bright(drawing, cut(sight.picture, window)).astype(np.uint8))
+            alike = distance(cut(sight.lab, window), like) < SETTINGS.alike_lab
+            change = cut(sight.change, window)
+            found += int((shown & alike & change).sum())
+            against += int((shown & ~change).sum())
+            drawn += int(shown.sum())
+        rest = SETTINGS.hidden_weight * (drawn - found - against)
+        return 1 - found / (found + against + rest) if found else 1.0
+
+
+@dataclass(frozen=True)
+class _Sight:
+    """A view of the moment, and what hides things in it.
+
+    Args:
+        camera: took it.
+        picture: (H, W, 3) uint8.
+        lab: (H, W, 3) the same, smoothed.
+        change: (H, W) bool, since before.
+        nearest: (H, W) float32, depth of the object that stays, where it is.
+    """
+
+    camera: Camera
+    picture: np.ndarray
+    lab: np.ndarray
+    change: np.ndarray
+    nearest: np.ndarray
+
+    @classmethod
+    def of(cls, before: View, moment: View, still: Standing, draw: Draw) -> _Sight:
+        lab = smoothed(moment.picture)
+        return cls(
+            moment.camera, moment.picture, lab, changed_between(before, moment), _depth(draw, still.pose, moment.camera)
+        )
+
+
+def _depth(draw: Draw, pose: Pose, camera: Camera) -> np.ndarray:
+    """(H, W) distance of an object's pixels along a camera's axis, metres; inf elsewhere."""
+    drawing = drawn_whole(draw, pose, camera)
+    return np.where(drawing.covered, drawing.depth, np.inf).astype(np.float32)
+
+
+def shifted(pose: Pose, shift: Sequence[float] | np.ndarray) -> Pose:
+    """A pose moved along x and y and turned upright by (3,)."""
+    return Pose(pose.p + [shift[0], shift[1], 0.0], (Pose.from_yaw([0, 0, 0], float(shift[2])) * Pose(q=pose.q)).q)

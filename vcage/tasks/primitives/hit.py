@@ -1,0 +1,75 @@
+"""Hit: a tool in a hand comes down until its head touches what it hits, and stops."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from vcage.base.geometry import Pose
+from vcage.sim.paths import JointPath, Load
+from vcage.sim.state import WorldState
+from vcage.sim.world import PHYSICS_HZ
+from vcage.tasks.hitting import SETTINGS as HITTING
+from vcage.tasks.primitives.grip import Grip
+from vcage.tasks.touching import Touched, only_touching
+from vcage.tasks.workcell import TaskFailed, Workcell, failing_at
+
+
+@dataclass(frozen=True)
+class HitSettings:
+    """The motion of a hit.
+
+    Args:
+        farther_m: how much farther down than the top it goes where nothing is touched: a head may hang lower or higher.
+        speed: share of the speed limit on the way down.
+        rests_s: how long the head rests on what it hit.
+    """
+
+    farther_m: float = 0.02
+    speed: float = 0.3
+    rests_s: float = 0.2
+
+
+SETTINGS = HitSettings()
+
+
+def plan_hit(cell: Workcell, grip: Grip, thing_id: str) -> JointPath:
+    """The way straight down from where a tool is held over an object, through its top.
+
+    Raises:
+        TaskFailed: the arm cannot go there.
+    """
+    planner, start = cell.planner(grip.arm), cell.begun(grip.arm).end
+    over = planner.kinematics.fk(start)
+    down = Pose(over.p - [0.0, 0.0, HITTING.above_m + SETTINGS.farther_m], over.q)
+    held = cell.held(grip.object_id, cell.world.arms[grip.arm].tool_pose)
+    load = Load(grip.load.opening, held, ignore=cell.parts(thing_id), speed=SETTINGS.speed)
+    with failing_at("plan"):
+        return planner.line(start, down, load)
+
+
+def carry_out_hit(cell: Workcell, grip: Grip, thing_id: str, down: JointPath) -> WorldState:
+    """Come down until the tool touches the object, and rest there; the state then.
+
+    Args:
+        cell: in its present state.
+        grip: the tool in the hand, over the object.
+        thing_id: what it hits.
+        down: of :func:`plan_hit`.
+
+    Raises:
+        TaskFailed: something else is touched, or nothing.
+    """
+    control, world = cell.world.arms[grip.arm], cell.world
+    tool, thing = (f"the {cell.object(name).record.phrase}" for name in (grip.object_id, thing_id))
+    try:
+        with only_touching(world, grip.arm, grip.object_id, (), grip.contents):
+            control.move(cell.planner(grip.arm).fastest(down))
+    except Touched as touched:
+        control.stop()
+        if (touched.by, touched.other) != ("load", thing_id):
+            mine = tool if touched.by == "load" else f"the {grip.arm} arm"
+            raise TaskFailed("place", f"{mine} touches {touched.other} instead of hitting {thing}") from touched
+    else:
+        raise TaskFailed("place", f"{tool} touches nothing where {thing} should be")
+    world.step(round(SETTINGS.rests_s * PHYSICS_HZ))
+    return world.state()
