@@ -75,7 +75,7 @@ def test_what_a_head_touched_is_hit_for_as_long_as_it_stays(looks: tuple[Look, .
 @pytest.mark.parametrize(
     ("lasted", "complaint"),
     [
-        (0.6, None),
+        (1.6, None),
         (0.2, "block did not stay where it was when it was hit"),
         (0.0, "no head of a tool in a hand touched"),
     ],

@@ -64,7 +64,7 @@ class Thresholds:
     lifted_m: float = 0.05
     shaken_rad: float = math.radians(15)
     shaken_times: int = 3
-    hit_s: float = 0.5
+    hit_s: float = 1.5
     hit_off_m: float = 0.02
     hit_slant_rad: float = math.radians(30)
     hit_moved_m: float = 0.02

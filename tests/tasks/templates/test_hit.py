@@ -65,6 +65,15 @@ def test_the_robot_hits_a_block_and_puts_the_hammer_back() -> None:
     assert np.linalg.norm(world.object_pose(HAMMER.id).p - HAMMER.pose.p) < 0.02
 
 
+def test_recorders_see_each_step_of_a_hit_once() -> None:
+    subtask, _ = examined()
+    world, seen = world_of([BLOCK, HAMMER]), list[int]()
+    world.settle()
+    world.before_step.append(lambda world: seen.append(world.steps))
+    Task(world, {o.id: o for o in (BLOCK, HAMMER)}, {}).hit(HAMMER.id, BLOCK.id, grasps(subtask))
+    assert len(seen) == len({*seen})
+
+
 def test_a_head_that_meets_nothing_fails_and_is_no_hit(monkeypatch: pytest.MonkeyPatch) -> None:
     subtask, _ = examined()
     objects = {o.id: o for o in (BLOCK, HAMMER)}

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from vcage.base.geometry import Pose
 from vcage.sim.paths import JointPath, Load
 from vcage.sim.state import WorldState
-from vcage.sim.world import PHYSICS_HZ
+from vcage.sim.world import PHYSICS_HZ, World
 from vcage.tasks.hitting import SETTINGS as HITTING
 from vcage.tasks.primitives.grip import Grip
-from vcage.tasks.touching import Touched, only_touching
+from vcage.tasks.touching import SETTINGS as TOUCHING
+from vcage.tasks.touching import Allowance, Touched, only_touching
 from vcage.tasks.workcell import TaskFailed, Workcell, failing_at
 
 
@@ -61,15 +62,25 @@ def carry_out_hit(cell: Workcell, grip: Grip, thing_id: str, down: JointPath) ->
     """
     control, world = cell.world.arms[grip.arm], cell.world
     tool, thing = (f"the {cell.object(name).record.phrase}" for name in (grip.object_id, thing_id))
+    may = Allowance("load", frozenset([thing_id]))
     try:
-        with only_touching(world, grip.arm, grip.object_id, (), grip.contents):
-            control.move(cell.planner(grip.arm).fastest(down))
+        with only_touching(world, grip.arm, grip.object_id, [may], grip.contents):
+            # The way ends between two steps of the world: recorders saw each step once.
+            for _ in control.follow(cell.planner(grip.arm).fastest(down)):
+                world.step()
+                if _touches(world, grip.object_id, thing_id):
+                    break
+            else:
+                raise TaskFailed("place", f"{tool} touches nothing where {thing} should be")
+            control.stop()
+            world.step(round(SETTINGS.rests_s * PHYSICS_HZ))
     except Touched as touched:
-        control.stop()
-        if (touched.by, touched.other) != ("load", thing_id):
-            mine = tool if touched.by == "load" else f"the {grip.arm} arm"
-            raise TaskFailed("place", f"{mine} touches {touched.other} instead of hitting {thing}") from touched
-    else:
-        raise TaskFailed("place", f"{tool} touches nothing where {thing} should be")
-    world.step(round(SETTINGS.rests_s * PHYSICS_HZ))
+        mine = tool if touched.by == "load" else f"the {grip.arm} arm"
+        raise TaskFailed("place", f"{mine} touches {touched.other} when {tool} hits {thing}") from touched
     return world.state()
+
+
+def _touches(world: World, tool_id: str, thing_id: str) -> bool:
+    """True where a tool has pressed on an object in the last step."""
+    presses = ((other.partition("/")[0], impulse) for _, other, impulse in world.presses({tool_id}))
+    return any(other == thing_id and impulse * PHYSICS_HZ >= TOUCHING.least_force_n for other, impulse in presses)

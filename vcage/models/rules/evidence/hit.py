@@ -15,9 +15,9 @@ from vcage.models.rules.drawings import refined
 from vcage.models.rules.evidence.in_use import SETTINGS as IN_USE
 from vcage.models.rules.evidence.in_use import InUse, shifted
 from vcage.models.rules.evidence.judgement import LEFT_SHARE, Judged, decided, refused, unseen
-from vcage.models.rules.pixels import grown
+from vcage.models.rules.pixels import grown, share_of
 from vcage.models.rules.standing import SETTINGS as STANDING
-from vcage.models.rules.standing import Standing
+from vcage.models.rules.standing import Sought, Standing
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal
 
@@ -29,13 +29,18 @@ class HitSettings:
     Args:
         beside_m, directions: distances and directions of the head beside the middle of the object.
         over_m: heights of the head over the object.
+        held_share: share of its drawing that must be found at the moment: hand and arm hide more of a tool that is held
+            at its middle than of a scanner, up to 57 % of a hammer.
         seen_m: a place is seen with this error.
+        changed_share: share of the outline of an object that changes where that is moved.
     """
 
-    beside_m: tuple[float, ...] = (0.045, 0.07, 0.1)
-    directions: int = 8
+    beside_m: tuple[float, ...] = (0.055, 0.09)
+    directions: int = 6
     over_m: tuple[float, ...] = (0.05, 0.09)
+    held_share: float = 0.4
     seen_m: float = 0.01
+    changed_share: float = 0.15
 
 
 SETTINGS = HitSettings()
@@ -68,27 +73,42 @@ class Struck:
         use = InUse(view, tool, thing, held, stands)
         if use.left < LEFT_SHARE or view.question.strikes is None:
             return cls(use.left, 0.0, 0.0, 0.0)
-        found = [(use.unseen(pose), pose) for pose in view.question.strikes(tool, held.pose, thing, stands.pose)]
-        _, pose = min(found, key=lambda one: one[0], default=(1.0, held.pose))
-        ways = product(SETTINGS.beside_m, np.linspace(0, 2 * np.pi, SETTINGS.directions, endpoint=False))
-        beside = [shifted(pose, [far * np.cos(way), far * np.sin(way), 0.0]) for far, way in ways]
-        over = [Pose(pose.p + [0.0, 0.0, up], pose.q) for up in SETTINGS.over_m]
-        return cls(use.left, *(1 - _least(use, poses) for poses in ([pose], beside, over)))
+        on = [*view.question.strikes(tool, held.pose, thing, stands.pose)]
+        # Of a tool beside it, a drawing on it at another heading may be seen best: each heading has alternatives.
+        directions = np.linspace(0, 2 * np.pi, SETTINGS.directions, endpoint=False)
+        beside = [
+            shifted(pose, [far * np.cos(way), far * np.sin(way), 0.0])
+            for pose, far, way in product(on, SETTINGS.beside_m, directions)
+        ]
+        (hits, likeliest), (misses, _) = _least(use, on), _least(use, beside)
+        over, _ = _least(use, [Pose(likeliest.p + [0.0, 0.0, up], likeliest.q) for up in SETTINGS.over_m])
+        return cls(use.left, 1 - hits, 1 - misses, 1 - over)
 
     def verdict(self, tool: str, thing: str) -> Verdict:
         """Judge if the tool was on the object."""
         if self.left < LEFT_SHARE:
             return refused(f"the {tool} lies where it was at the moment of the hit", 1 - self.left, "lost")
-        accepted = self.seen >= max(IN_USE.held_share, self.beside, self.over)
+        accepted = self.seen >= max(SETTINGS.held_share, self.beside, self.over)
         seen = f"{100 * self.seen:.0f} % of the {tool} is seen with its head on the {thing}"
         others = f"{100 * self.beside:.0f} % beside it and {100 * self.over:.0f} % over it"
-        return decided(accepted, f"{seen}, {others}", 0.5 + abs(self.seen - IN_USE.held_share), "astray")
+        return decided(accepted, f"{seen}, {others}", 0.5 + abs(self.seen - SETTINGS.held_share), "astray")
 
 
-def _least(use: InUse, poses: Sequence[Pose]) -> float:
-    """The least evidence against a tool near the likeliest of some poses."""
+def _moved(view: CriticView, thing: Sought, stands: Standing) -> str | None:
+    """How an object is seen not to stand where it stood; None where nothing changed there, or it is found there."""
+    if share_of(view.change.things, stands.covered) < SETTINGS.changed_share:
+        return None
+    now = thing.found(view.after)
+    if now is None or now.unlike > STANDING.unlike_lab:
+        return "not found"
+    moved = float(np.linalg.norm(now.pose.p - stands.pose.p))
+    return f"seen {100 * moved:.0f} cm from" if moved > THRESHOLDS.hit_moved_m + SETTINGS.seen_m else None
+
+
+def _least(use: InUse, poses: Sequence[Pose]) -> tuple[float, Pose]:
+    """The least evidence against a tool near the likeliest of some poses, and that pose."""
     least, pose = min(((use.unseen(pose), pose) for pose in poses), key=lambda one: one[0])
-    return refined(np.zeros(3), least, lambda shift: use.unseen(shifted(pose, shift)))[0]
+    return refined(np.zeros(3), least, lambda shift: use.unseen(shifted(pose, shift)))[0], pose
 
 
 def judge_hit(view: CriticView, goal: Goal) -> Judged:
@@ -109,11 +129,7 @@ def _judged(view: CriticView, tool: str, thing: str) -> Judged:
         missing = (one if held is None else other).look.phrase
         return Judged(refused(f"the {missing} is not found", 0.5), view.nowhere)
     explained = grown(held.covered, IN_USE.put_back_px)
-    now = other.found(view.after)
-    if now is None or now.unlike > STANDING.unlike_lab:
-        return Judged(refused(f"the {other.look.phrase} is not found after the hit", 0.6, "disturbed"), explained)
-    moved = float(np.linalg.norm(now.pose.p - stands.pose.p))
-    if moved > THRESHOLDS.hit_moved_m + SETTINGS.seen_m:
-        why = f"the {other.look.phrase} is seen {100 * moved:.0f} cm from where it stood before the hit"
+    if away := _moved(view, other, stands):
+        why = f"the {other.look.phrase} is {away} where it stood before the hit"
         return Judged(refused(why, 0.8, "disturbed"), explained)
     return Judged(Struck.gather(view, tool, thing, held, stands).verdict(one.look.phrase, other.look.phrase), explained)
