@@ -96,7 +96,7 @@ class Struck:
 
 def _moved(view: CriticView, thing: Sought, stands: Standing) -> str | None:
     """How an object is seen not to stand where it stood; None where nothing changed there, or it is found there."""
-    if share_of(view.change.things, stands.covered) < SETTINGS.changed_share:
+    if share_of(view.change.all, stands.covered) < SETTINGS.changed_share:
         return None
     now = thing.found(view.after)
     if now is None or now.unlike > STANDING.unlike_lab:
