@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -23,10 +25,13 @@ from vcage.schema.plan import TABLE
 from vcage.schema.subtasks import Grasp, Subtask
 from vcage.sim.bodies import Body
 from vcage.sim.world import World
+from vcage.tasks import rehearsal
 from vcage.tasks.rehearsal import Rehearsal, examined, rehearsed, require_chain
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import find_subtasks
 from vcage.tasks.slots import Slot
+from vcage.tasks.templates import TEMPLATES
+from vcage.tasks.workcell import TaskFailed
 
 BLOCK, PLATE, BOWL = thing("block", (-0.1, -0.1)), thing("plate", (0.15, 0.0)), thing("bowl", (-0.3, 0.1))
 OBJECTS: list[SceneObject] = [BLOCK, PLATE, BOWL]
@@ -133,3 +138,17 @@ def test_contents_go_along_with_their_container():
     task.place("tray")
     np.testing.assert_allclose(world.object_pose("block").p[:2], world.object_pose("mug").p[:2], atol=1e-6)
     assert np.linalg.norm(world.object_pose("mug").p[:2] - tray.pose.p[:2]) < 0.01
+
+
+def test_what_has_no_way_to_where_a_code_is_read_is_said_to_have_none_before_the_scanner(monkeypatch):
+    box, scanner = thing("cookie_box", (0.1, 0.05), np.pi / 2), thing("barcode_scanner", (-0.15, 0.0))
+    objects = {o.id: o for o in (box, scanner)}
+    world = World(template().table, {o.id: Body(o.asset.model, o.pose) for o in objects.values()}, robot())
+    (proposal,), _ = TEMPLATES["scan"].proposals([box, scanner], ())
+    subtask, _ = proposal.examine(workplace([box, scanner]))
+    assert subtask is not None
+    moved = subtask.grasped or subtask.object
+    still = next(name for name in objects if name != moved)
+    monkeypatch.setattr(rehearsal, "LIMITS", replace(rehearsal.LIMITS, ways_past_arms=0))
+    with pytest.raises(TaskFailed, match=f"{moved} cannot be brought before {still}"):
+        Rehearsal(world, objects, {}).show(moved, still, [(grasp.contact, grasp.arm) for grasp in subtask.grasps])

@@ -78,7 +78,7 @@ class Rehearsal(Task):
     def show(self, object_id: str, other_id: str, grasps: Sequence[tuple[int, str]]) -> None:
         """Plan it, with the way to the first group of poses; the object is put back."""
         self._picked, hover, groups = self._choose_showing(object_id, other_id, grasps, tight=False)
-        self._carry(hover, next(groups))
+        self._carry(hover, next(groups), f"before {other_id}")
 
     def hit(self, tool_id: str, thing_id: str, grasps: Sequence[tuple[int, str]]) -> None:
         """Plan it; the tool is put back."""
@@ -129,7 +129,7 @@ class Rehearsal(Task):
         if self.slot is not None:
             if self._keeping:  # an arm that holds something up is more in the way than one at home
                 around = Surroundings.of(self._cell, self._picked.target.id, self.slot.receptacle, self.slot.point)
-                self._carry(around, self.slot.poses(self._cell.objects()))
+                self._carry(around, self.slot.poses(self._cell.objects()), f"to {around.receptacle}")
             plan, arm = self._picked, self._cell.planner(self._picked.arm).kinematics
             held = plan.target.pose.inverse() * plan.way.grasp
             poses = self.slot.poses(self._cell.objects())
@@ -138,8 +138,13 @@ class Rehearsal(Task):
             for name in (plan.target.id, *self._cell.contents(plan.target.id)):
                 self.world.set_object_pose(name, way * self.world.object_pose(name))
 
-    def _carry(self, around: Surroundings, poses: Sequence[Pose]) -> None:
+    def _carry(self, around: Surroundings, poses: Sequence[Pose], where: str) -> None:
         """Plan the way of the lifted object, past the other arms, to one of some poses.
+
+        Args:
+            around: its surroundings there.
+            poses: of the object, in the world.
+            where: they are, in words.
 
         Raises:
             TaskFailed: there is none.
@@ -156,7 +161,7 @@ class Rehearsal(Task):
                     return
                 except MotionFailed as error:
                     reasons.append(error.message)
-        raise TaskFailed("plan", f"{thing.id} cannot be brought to {around.receptacle}: {first_reasons(reasons)}")
+        raise TaskFailed("plan", f"{thing.id} cannot be brought {where}: {first_reasons(reasons)}")
 
     def push(self, object_id: str, arms: Sequence[str] = ()) -> None:
         """Plan it; the object is where it is pushed to."""
