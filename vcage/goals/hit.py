@@ -20,15 +20,17 @@ def _meaning(limits: Thresholds) -> str:
 def _happens(goal: Stated, state: State, notes: set[str]) -> bool:
     """True from the touch on, for as long as the thing stays.
 
-    ``notes`` keeps one line: ``hit`` or ``free``, and where the thing stood before the touch.
+    ``notes`` keeps one line: ``hit``; ``free``; or ``pushed`` while the head is on a thing that did not stay, which is
+    no new hit; and where the thing stood before the touch.
     """
-    thing = state.thing(goal.subject)
+    thing, touched = state.thing(goal.subject), state.is_hit(goal.subject)
     before, _, stood = next(iter(notes), "").partition(" ")
-    hit = before == "hit" or (before == "free" and state.is_hit(goal.subject))
+    hit = before == "hit" or (before == "free" and touched)
     if not hit or not _stays(thing, np.array(stood.split(), float)):
         hit, stood = False, " ".join(map(str, _standing(thing).tolist()))
+    now = "hit" if hit else "pushed" if touched else "free"
     notes.clear()
-    notes.add(f"{'hit' if hit else 'free'} {stood}")
+    notes.add(f"{now} {stood}")
     return hit
 
 
