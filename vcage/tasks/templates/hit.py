@@ -60,8 +60,8 @@ class Hitting(Proposal):
         tool, thing = self.tool, self.thing
         others = tuple(workplace.others(tool.id))
         poses, in_the_way = free_hitting_poses(tool, thing, [o for o in others if o.id != thing.id])
-        if not poses:
-            met = "" if in_the_way is None else in_the_way.record.phrase
+        if in_the_way is not None:
+            met = in_the_way.record.phrase
             return None, [self.refusal(f"{tool.record.phrase} would touch {met} over {thing.record.phrase}")]
         where, contacts = f"its place over {thing.record.phrase}", tool.asset.annotation.carrying_points
         transfers = {c.id: Transfer(tool, c, where, poses, [], (), others) for c in contacts}

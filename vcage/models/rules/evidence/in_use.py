@@ -24,14 +24,12 @@ class InUseSettings:
         alike_lab: colour distance below which a pixel is like the drawing of an object.
         hidden_weight: weight against a drawing of a pixel that shows something else, such as the hand.
         in_front_m: an object nearer to the camera by less than this hides nothing.
-        held_share: share of its drawing that must be found at the moment; the hand hides some.
         put_back_px: a held object this near to its old place was put back.
     """
 
     alike_lab: float = 14.0
     hidden_weight: float = 0.4
     in_front_m: float = 0.005
-    held_share: float = 0.55
     put_back_px: float = 12.0
 
 
@@ -49,7 +47,8 @@ class InUse:
 
     def __init__(self, view: CriticView, moved: str, still: str, held: Standing, stands: Standing):
         before, moment = view.before, view.moment
-        self._held, (self._draw, draw_still) = held, (view.sought(name, upon=True).draw for name in (moved, still))
+        self._held, self._draw = held, view.sought(moved, upon=True).draw
+        draw_still = view.sought(still, upon=True).draw
         cameras = sorted(before.keys() & moment.keys())
         self._sights = [_Sight.of(before[name], moment[name], stands, draw_still) for name in cameras]
 

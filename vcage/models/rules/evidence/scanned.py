@@ -19,15 +19,17 @@ from vcage.schema.goals import Goal
 
 @dataclass(frozen=True)
 class ScanSettings:
-    """Alternatives at which no code is read, and the object may be seen instead.
+    """Alternatives at which no code is read, and the object may be seen instead; and the limit for a yes.
 
     Args:
-        away_m, directions, headings: their distances, directions and headings.
+        away_m, directions, headings: distances, directions and headings of the alternatives.
+        held_share: share of its drawing that must be found at the moment; the hand hides some.
     """
 
     away_m: tuple[float, ...] = (0.1, 0.16)
     directions: int = 8
     headings: int = 4
+    held_share: float = 0.55
 
 
 SETTINGS = ScanSettings()
@@ -72,7 +74,7 @@ class Shown:
         if self.left < LEFT_SHARE:
             return refused(f"the {moved} lies where it was at the moment of the scan", 1 - self.left, "lost")
         seen = f"{100 * self.seen:.0f} % of the {moved} is seen before the {still} at the moment of the scan"
-        accepted, sure = self.seen >= max(IN_USE.held_share, self.elsewhere), abs(self.seen - IN_USE.held_share)
+        accepted, sure = self.seen >= max(SETTINGS.held_share, self.elsewhere), abs(self.seen - SETTINGS.held_share)
         return decided(accepted, f"{seen}, {100 * self.elsewhere:.0f} % farther away", 0.5 + sure)
 
 
