@@ -95,8 +95,8 @@ class Training:
         press_frames: frames in which a gripper without anything between its fingers reaches its target.
         progress_noise_m: standard deviation of objects in learning which sub-tasks are done: a policy puts them less
             exactly than demonstrations do.
-        progress_turns: share of frames in which a moved object is somehow turned in learning this: what has fallen over
-            is in its place, too.
+        progress_turns: share of frames in which a moved object is turned at random in learning this: what has fallen
+            over may be in its place, too.
         progress_share: time to learn which sub-tasks are done, as a share of that of the policy.
         device: of torch.
     """
@@ -194,8 +194,8 @@ def turned(objects: ObjectPoses, which: torch.Tensor, share: float) -> ObjectPos
 
     Args:
         objects: N times.
-        which: (O,) those that may be.
-        share: of the frames in which each of them is.
+        which: (O,) bool, those that may be turned.
+        share: of the frames in which each of them is turned.
     """
     count, number, axes, _ = objects.axes.shape
     if not axes:
