@@ -42,7 +42,7 @@ class AttemptLimits:
         zone_draws: poses in each zone of the table.
         ground_rounds: times that poses are drawn in all zones of the table, until an arm reaches one.
         unclear_ways: ways to operate a part at which the hand touches it, until no others are looked for.
-        ways_past_arms: ways of a lifted object past other arms: to look for one in vain takes long.
+        ways_past_arms: ways past other arms that are tried for a lifted object: a search in vain takes long.
         home_halvings: times that an arm's start beside home is moved nearer to it while it touches something; at last
             the arm is at home.
     """

@@ -181,8 +181,8 @@ class Choices:
     def _choose_showing(
         self, object_id: str, other_id: str, grasps: Sequence[tuple[int, str]], tight: bool
     ) -> tuple[PickPlan, Surroundings, Iterator[list[Pose]]]:
-        """The first grasp that can hold an object before another, its surroundings, and groups of poses there: first
-        one to which the grasp leads.
+        """The first grasp that can hold an object before another, its surroundings, and the groups of poses there, from
+        the one on to which the grasp leads.
 
         Args:
             object_id, other_id, grasps: see :meth:`vcage.tasks.task.Task.show`.
@@ -213,13 +213,14 @@ class Choices:
     def _choose_using(
         self, target: SceneObject, groups: Iterator[list[Pose]], grasps: Sequence[tuple[int, str]], where: str
     ) -> tuple[PickPlan, Surroundings, Iterator[list[Pose]]]:
-        """The first grasp that brings an object to a pose in the air, and back; as of the callers.
+        """The first grasp that brings an object to a pose in the air, and back; its surroundings there, and the groups
+        of poses from the one on to which the grasp leads.
 
         Args:
             target: the object.
-            groups: of poses there, in the order in which they are tried.
+            groups: of poses in the air, in the order in which they are tried.
             grasps: see :meth:`vcage.tasks.task.Task.show`.
-            where: that is, in words.
+            where: the poses are, in words.
         """
         # Where it came from the hand has room, and in the air it lets go of nothing: no obstacle raises it, and held
         # higher it would read or reach nothing.

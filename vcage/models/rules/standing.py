@@ -37,7 +37,7 @@ class StandingSettings:
         candidates, refined: number of drawn places, and of refined poses.
         headings_deg: further headings tried at an occupied place where nothing fits at first.
         near_px: search radius around occupied or changed places.
-        taken_share: share of a place that another object takes, from which on this one is not there.
+        taken_share: share of a place taken by another object, above which this one is not there.
         clearly_lab: margin by which another place must match better than the planned one.
         surely_lab: an object this similar at its place is not searched elsewhere.
         gone_share: share of what tells an object from the bare table below which it is not there; more of it may lie in
