@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import TypeVar
@@ -21,7 +21,7 @@ AROUND_PX = 8.0
 """Margin around an outline that belongs to it."""
 
 ALIKE_SHARE = 0.2
-"""Most by which the sides of objects differ, in shares of a side, for one to be taken for the other."""
+"""Most by which the sides of objects differ, in shares of the longer, for one to be taken for the other."""
 
 Found = TypeVar("Found")
 
@@ -117,12 +117,17 @@ class CriticView:
 
     def _alike(self, name: str) -> list[str]:
         """The other planned objects that are about as large: one of another colour may be taken for it."""
-        size = np.sort(self.look(name).size)
         others = [other for other in self.question.planned if other != name]
-        return [other for other in others if np.allclose(np.sort(self.look(other).size), size, rtol=ALIKE_SHARE)]
+        return [other for other in others if _as_large(self.look(name).size, self.look(other).size)]
 
     def once(self, key: Hashable, find: Callable[[], Found]) -> Found:
         """Return the result of ``find``, called once for a key: several goals may be about one object."""
         if key not in self._found:
             self._found[key] = find()
         return self._found[key]  # pyrefly: ignore[bad-return]
+
+
+def _as_large(one: Sequence[float], other: Sequence[float]) -> bool:
+    """True where the sorted sides of two boxes differ by no more than a share of the longer."""
+    sides = np.sort([one, other])
+    return bool((np.ptp(sides, axis=0) <= ALIKE_SHARE * sides.max(axis=0)).all())
