@@ -227,6 +227,7 @@ def test_verbs_that_no_goal_states_are_refused_by_name(sentence: str) -> None:
         "Use the hammer to strike the red block",
         "Use the arm to grab the hammer and beat the red block",
         "Pick up the hammer and hit the red block with it",
+        "Lift the hammer and hit the red block with it",
     ],
 )
 def test_a_tool_with_a_head_hits_a_thing(sentence: str) -> None:
@@ -245,11 +246,48 @@ def test_the_arm_that_takes_the_tool_is_the_arm_of_the_hit() -> None:
         ("Hit the red block with the cup", "cup_white has no head to hit with"),
         ("Pick up the cup and hit the red block", "cup_white has no head to hit with"),
         ("Hit the red block", "say what to hit it with"),
+        ("Tap the red block", "say what to hit it with"),
+        ("Hit the red block with the hammer and the cup", "it does not fit any form"),
+        ("Hit the red block on the hammer", "it does not fit any form"),
+        ("Pick up the hammer and put it in the cup, then hit the red block", "say what to hit it with"),
+        ("Hold up the hammer and hit the red block with it", "leave out that it is held"),
+        (
+            "Use the left arm to grab the hammer and use the right arm to hit the red block",
+            "the left arm has hammer_red",
+        ),
     ],
 )
 def test_what_has_no_head_hits_nothing(sentence: str, why: str) -> None:
     with pytest.raises(UnreadInstruction, match=why):
         in_scene(sentence, "block/red", "hammer/red", "cup/white")
+
+
+def test_one_tool_hits_and_which_of_several_is_not_said() -> None:
+    for tools, why in {"two hammers": "one tool such as", "the left hammer": "which of hammer_1, hammer_2"}.items():
+        things = scene("block/red", "hammer/red")
+        two = {"block_red": things["block_red"], **dict.fromkeys(("hammer_1", "hammer_2"), things["hammer_red"])}
+        with pytest.raises(UnreadInstruction, match=why):
+            read_goals(f"Hit the red block with {tools}", two)
+
+
+def test_neither_a_part_nor_the_table_is_hit() -> None:
+    with pytest.raises(UnreadInstruction, match="a part of a thing is hit"):
+        in_scene("Hit the door of the microwave with the hammer", "microwave/red", "hammer/red")
+    with pytest.raises(UnreadInstruction, match="the table itself stays as it is"):
+        read("Hit the table with the hammer")
+
+
+def test_it_may_be_the_tool_in_the_hand_after_a_hit() -> None:
+    things = ("block/red", "hammer/red", "packaging_box/brown")
+    with pytest.raises(UnreadInstruction, match="it can mean two things"):
+        in_scene("Take the hammer, hit the red block with it and put it in the box", *things)
+    assert in_scene("Hit the red block with the hammer and put it in the box", *things)[1].startswith("2: block_red in")
+
+
+def test_a_hit_and_what_else_is_done_with_its_tool_are_done_as_said() -> None:
+    things = ("block/red", "hammer/red", "packaging_box/brown")
+    found = in_scene("Hit the red block with the hammer and put the hammer in the box", *things)
+    assert [goal[:2] for goal in found] == ["1:", "2:"]
 
 
 def test_two_things_change_places_and_not_three() -> None:

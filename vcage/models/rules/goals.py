@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from vcage.base.errors import NoAssetFits
+from vcage.base.text import listed
 from vcage.models.rules.meanings import Meanings, Things
 from vcage.models.rules.nouns import Conflict, Doubt, Noun
 from vcage.models.rules.sentence import ONE_ARM, OTHER_ARM, Command, not_read, parse
@@ -169,7 +170,7 @@ def _places(*commands: Command) -> list[Noun]:
 
 
 def _referents(pronoun: Noun, done: tuple[Command, ...], verb: str) -> list[tuple[Noun, ...]]:
-    """Meanings of a pronoun: "it" is the object of the command before, its place, or a part to close.
+    """Meanings of a pronoun: "it" is the object of the command before, its place, a tool in hand, or a part to close.
 
     "Them" are the things of the command before, or, where that is one, of all commands.
     """
@@ -177,6 +178,8 @@ def _referents(pronoun: Noun, done: tuple[Command, ...], verb: str) -> list[tupl
     if pronoun.pronoun == "them":
         return _several(things, done)
     nouns = [*things, *_places(*done[-1:])] if len(things) == 1 else []
+    if nouns and done[-1].verb == "hit":  # the tool that was picked up for it is still in the hand
+        nouns += [noun for command in done if command.verb in ("pick", "lift") for noun in command.things]
     if verb == "close":
         closed = [noun for command in done if command.verb == "close" for noun in command.things]
         nouns += [n for command in done if command.verb == "open" for n in command.things if n not in closed]
@@ -202,6 +205,7 @@ class Goals:
     _picked: dict[str, Command] = field(default_factory=dict)
     _arms: dict[str, str] = field(default_factory=dict)
     _moved: set[str] = field(default_factory=set)
+    _hit_with: set[str] = field(default_factory=set)
 
     def read(self) -> Reading:
         """The goals in their order: commands of one group in any, unless one of them needs another.
@@ -240,6 +244,7 @@ class Goals:
         if complaints:
             raise Conflict("", "; ".join(complaints))
         ordered = any(_needs(before, after) for before, after in itertools.combinations(added, 2))
+        ordered |= not self._hit_with.isdisjoint(asked.goal.subject for asked in goals)
         steps = enumerate(filter(None, added))
         return [a.model_copy(update={"step": first + number * ordered}) for number, several in steps for a in several]
 
@@ -279,9 +284,11 @@ class Goals:
         self._event(command)
 
     def _is_brought_later(self, command: Command) -> bool:
-        """True where a later command brings a thing of this one somewhere."""
+        """True where a later command brings a thing of this one somewhere, or hits with it."""
         later = self.commands[self.commands.index(command) + 1 :]
-        brought = {(noun.name, noun.colour) for c in later if c.verb in _BRINGING for noun in c.things}
+        nouns = [noun for c in later if c.verb in _BRINGING for noun in c.things]
+        nouns += [c.place for c in later if c.verb == "hit" and c.place is not None]
+        brought = {(noun.name, noun.colour) for noun in nouns}
         return bool(brought & {(noun.name, noun.colour) for noun in command.things})
 
     def _put(self, command: Command, most: int | None = None) -> None:
@@ -347,15 +354,24 @@ class Goals:
 
     def _hit(self, command: Command) -> None:
         """Hitting takes a tool with a head: the one that is named, or that was picked up for it."""
-        tools = list(self._picked) if command.place is None else self._meanings.objects(command.place)
-        if not tools:
-            raise Doubt(command.words, "say what to hit it with, such as the hammer")
-        for name in tools:
-            if not self.things[name].hits:
-                raise Doubt(command.words, f"{name} has no head to hit with")
-            taken = self._picked.pop(name, command)
-            command = replace(command, arm=command.arm or self._arms.get(name), words=_joined(taken, command))
-        self._event(command)
+        if part := next((noun for noun in command.things if noun.of_part(self.things.values())), None):
+            raise Doubt(part.text, "no goal says that a part of a thing is hit; name the thing")
+        held = [name for name in self._picked if name not in self._moved]
+        tools = held if command.place is None else self._meanings.objects(command.place)
+        if len(tools) != 1:
+            raise Doubt(command.words, "say what to hit it with, one tool such as the hammer")
+        (tool,) = tools
+        if not self.things[tool].hits:
+            raise Doubt(command.words, f"{tool} has no head to hit with")
+        arm, taken = self._arms.get(tool), self._picked.pop(tool, command)
+        if arm is not None and command.arm not in (None, arm):
+            raise Doubt(command.words, f"the {arm} arm has {tool}; hand it to the {command.arm} arm before")
+        self._hit_with.add(tool)
+        self._event(replace(command, arm=command.arm or arm, words=_joined(taken, command)))
+        hit = [asked.goal.subject for asked in self._added]
+        alike = [name for name, entry in self.things.items() if entry.hits and name not in hit]
+        if len(alike) > 1 and command.place is not None and command.place.definite:
+            raise Doubt(command.place.text, f"no goal says which of {listed(alike)} it is hit with")
 
     def _event(self, command: Command) -> None:
         """Add the goal of an act on a part of a thing, or on a thing with a tool."""

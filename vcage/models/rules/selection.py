@@ -103,6 +103,8 @@ class _Selector:
         role, good = _role_and_test(command)
         place = _part_of(command.place, self._of.get(command.place)) if command.place is not None else None
         for noun in command.things:
+            if noun.of_table and not self._kinds(noun):
+                raise Doubt(noun.text, "the table itself stays as it is; name a thing on it")
             sources = noun.relations or ([("to", command.source)] if command.source is not None else [])
             for how, source in (one for one in sources if not one[1].of_table):
                 self._take(source, "context", lambda e, how=how: how in BESIDE or bool(e.functional_points))
