@@ -167,9 +167,9 @@ def _question(context: StageContext, scene: Scene, asking: Asking) -> CriticQues
         looks=_part_looks(goals, scene, context, opened),
         draw=draw,
         readings=readings,
-        readers=[o.id for o in objects.values() if o.asset.annotation.faces_of("reader")],
+        readers=_with_face("reader", objects),
         strikes=strikes,
-        hitters=[o.id for o in objects.values() if o.asset.annotation.faces_of("head")],
+        hitters=_with_face("head", objects),
         table_height=scene.table.height,
         tops=_tops(objects.values(), scene.table.height),
         towards_customer=tuple(TOWARDS_CUSTOMER.tolist()),
@@ -177,6 +177,11 @@ def _question(context: StageContext, scene: Scene, asking: Asking) -> CriticQues
         grasped=asking.grasped,
         statements=list(asking.statements),
     )
+
+
+def _with_face(kind: str, objects: Mapping[str, SceneObject]) -> list[str]:
+    """Ids of the objects with a face of a kind."""
+    return [name for name, one in objects.items() if one.asset.annotation.faces_of(kind)]
 
 
 def _views(when: str, seen: Seen, taken_by: Mapping[str, Camera]) -> dict[str, View]:

@@ -14,7 +14,7 @@ from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose
 from vcage.schema.plan import TABLE
 from vcage.schema.subtasks import Grasp, Subtask
-from vcage.tasks.feasibility import Transfer, examine
+from vcage.tasks.feasibility import examine, transfers
 from vcage.tasks.grasps import GraspPose
 from vcage.tasks.hand_poses import hand_poses
 from vcage.tasks.primitives.place_way import SET_DOWN, place_way
@@ -183,13 +183,10 @@ class _Filling:
         """True if an arm that can take an object brings it to one of its poses with some grasp of it."""
         if subtask.hand_to is not None:
             return True
-        workplace, holder = self.workplace.with_arms(subtask.arm), self.receptacle
+        workplace = self.workplace.with_arms(subtask.arm)
         others = [self.objects[o.id] for o in self.workplace.objects if o.id != target.id]
-        point = holder.asset.annotation.functional_point(self.point)
-        return any(
-            examine(Transfer.into(target, contact, holder, point, goals, others), workplace).feasible
-            for contact in target.asset.annotation.carrying_points
-        )
+        ways = transfers(target, self.receptacle, self.point, goals, others)
+        return any(examine(way, workplace).feasible for way in ways.values())
 
 
 def _holds(grasp: Grasp, target: SceneObject, workplace: Workplace) -> Sequence[GraspPose]:
@@ -260,7 +257,5 @@ class _OnTable:
     def _feasible(self, subtask: Subtask, thing: SceneObject, pose: Pose, others: Sequence[SceneObject]) -> bool:
         """True if an arm that can take an object can bring it to a place on the table."""
         workplace = self.workplace.with_arms(subtask.arm)
-        return subtask.hand_to is not None or any(
-            examine(Transfer.onto_table(thing, contact, [pose], others), workplace).feasible
-            for contact in thing.asset.annotation.carrying_points
-        )
+        ways = transfers(thing, None, None, [pose], others)
+        return subtask.hand_to is not None or any(examine(way, workplace).feasible for way in ways.values())

@@ -178,6 +178,26 @@ class Transfer:
         return Obstacles(self.around)
 
 
+def transfers(
+    target: SceneObject,
+    receptacle: SceneObject | None,
+    point: int | None,
+    poses: Sequence[Pose],
+    others: Sequence[SceneObject],
+) -> dict[int, Transfer]:
+    """The transfers of an object to a place, by the id of each contact point by which it can be carried.
+
+    Args:
+        target, poses, others: as of a transfer.
+        receptacle, point: where it goes; None for the table.
+    """
+    contacts = target.asset.annotation.carrying_points
+    if receptacle is None or point is None:
+        return {c.id: Transfer.onto_table(target, c, poses, others) for c in contacts}
+    there = receptacle.asset.annotation.functional_point(point)
+    return {c.id: Transfer.into(target, c, receptacle, there, poses, others) for c in contacts}
+
+
 def fits(target: SceneObject, receptacle: SceneObject, point: FunctionalPoint) -> Check:
     """Check that the object's footprint goes into the opening, straight or turned by a quarter, or that it nests.
 

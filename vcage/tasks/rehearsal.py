@@ -24,7 +24,7 @@ from vcage.sim.world import World
 from vcage.tasks.asked_arms import asked_arms, bound_to
 from vcage.tasks.chain_slots import slots_for_chain
 from vcage.tasks.choosing import as_chosen, preferred_first
-from vcage.tasks.feasibility import Transfer, examine
+from vcage.tasks.feasibility import examine, transfers
 from vcage.tasks.findings import best_first
 from vcage.tasks.grasps import command_of
 from vcage.tasks.primitives.hold_with_both import plan_with_both
@@ -282,15 +282,9 @@ class _Stage:
             return subtask
         now = {o.id: o for o in self._now()}
         thing, others = now[subtask.object], [o for o in now.values() if o.id != subtask.object]
-        contacts, poses = thing.asset.annotation.carrying_points, slot.poses(now)
-        if slot.point is None:
-            transfers = [Transfer.onto_table(thing, contact, poses, others) for contact in contacts]
-        else:
-            holder = now[slot.receptacle]
-            point = holder.asset.annotation.functional_point(slot.point)
-            transfers = [Transfer.into(thing, contact, holder, point, poses, others) for contact in contacts]
+        ways = transfers(thing, now.get(slot.receptacle), slot.point, slot.poses(now), others)
         workplace = self._workplace.with_objects([*now.values()]).with_arms(subtask.arm)
-        findings = [found for found in (examine(one, workplace) for one in transfers) if found.feasible]
+        findings = [found for found in (examine(way, workplace) for way in ways.values()) if found.feasible]
         if not findings:
             return subtask
         grasps, _ = best_first(findings)

@@ -7,7 +7,7 @@ import time
 import pytest
 
 from vcage.base.errors import UnreadInstruction
-from vcage.models.rules.goals import resolved
+from vcage.models.rules.pronouns import resolved
 from vcage.models.rules.sentence import parse
 
 

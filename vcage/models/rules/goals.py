@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 from vcage.base.errors import NoAssetFits
 from vcage.base.text import listed
 from vcage.models.rules.meanings import Meanings, Things
-from vcage.models.rules.nouns import Conflict, Doubt, Noun
+from vcage.models.rules.nouns import Conflict, Doubt
+from vcage.models.rules.pronouns import resolved
 from vcage.models.rules.sentence import ONE_ARM, OTHER_ARM, Command, not_read, parse
 from vcage.objects.names import names_of
 from vcage.plans.actions import HOLDING
@@ -88,110 +89,6 @@ def in_words(reading: Reading) -> str:
     texts = [f"{goal}{f' by the {arm} arm' if arm else ''}" for _, goal, arm in goals]
     texts += [f"{one} at the start" for one in sorted(map(str, reading.descriptions))]
     return ", ".join([*texts, *(f"{name} left alone" for name in sorted(reading.untouched))])
-
-
-def resolved(commands: tuple[Command, ...], done: tuple[Command, ...] = ()) -> Iterator[tuple[Command, ...]]:
-    """Every way in which pronouns and "the red one" can refer to earlier nouns.
-
-    Args:
-        commands: the remaining ones.
-        done: the resolved commands before them.
-    """
-    if not commands:
-        yield done
-        return
-    command, *later = commands
-    things = (_things_for(noun, done, command) for noun in command.things)
-    for chosen, place in itertools.product(itertools.product(*things), _places_for(command, done)):
-        named = tuple(noun for nouns in chosen for noun in nouns)
-        yield from resolved(tuple(later), (*done, replace(command, things=named, place=place)))
-
-
-def _things_for(noun: Noun, done: tuple[Command, ...], command: Command) -> list[tuple[Noun, ...]]:
-    """Referents of a noun for things: itself, those of a pronoun, or of the kind meant by "the red one"."""
-    if noun.pronoun:
-        return [tuple(o.without(noun.but) for o in nouns) for nouns in _referents(noun, done, command.verb)]
-    return _of_kind_meant(noun, _heads((*done, command))) if noun.headless else [(noun,)]
-
-
-def _of_kind_meant(noun: Noun, heads: Sequence[Noun]) -> list[tuple[Noun, ...]]:
-    """Referents of "the red one" or "the small one" among nouns that name a kind."""
-    if not heads:
-        return [(noun,)]
-    if noun.size and (alike := _sized_like(heads)):
-        return [(one,) for one in _of_size(noun.size, alike) or [noun]]
-    after = heads[-1] if heads[-1].at > noun.at else None
-    return [] if after is not None and _is_one_thing_with(after, noun) else [(noun.like(heads[-1]),)]
-
-
-_BY_SIZE = ("small", "medium", "large")
-
-
-def _sized_like(heads: Sequence[Noun]) -> list[Noun]:
-    """The nouns that "the small one" is one of: the last if it means several, or those that differ in size alone."""
-    alike = {noun.size: noun for noun in heads if noun.words == heads[-1].words}
-    return list(alike.values()) if len(alike) > 1 or heads[-1].several else []
-
-
-def _of_size(size: str, alike: Sequence[Noun]) -> list[Noun]:
-    """The smallest, middle or largest of some nouns, if it is plain; one that says no size is of medium size."""
-    if size not in _BY_SIZE or any(noun.several or (noun.size or "medium") not in _BY_SIZE for noun in alike):
-        return []
-    order = sorted(alike, key=lambda noun: _BY_SIZE.index(noun.size or "medium"))
-    return [order[0] if size == "small" else order[-1]] if size != "medium" else order[1:-1]
-
-
-def _is_one_thing_with(after: Noun, noun: Noun) -> bool:
-    """True where a colour before a name is no thing of its own.
-
-    In "the red and blue mugs" the number of red ones is open, and "the red and blue mug" is one.
-    """
-    return not noun.several if after.several else not after.quantifier
-
-
-def _places_for(command: Command, done: tuple[Command, ...]) -> list[Noun | None]:
-    """Referents of a noun for a place: for a pronoun the last one named, for "the blue one" a kind."""
-    place = command.place
-    if place is None or not (place.pronoun or place.headless):
-        return [place]
-    if place.pronoun:
-        meant = [nouns[0] for nouns in _referents(place, done, command.verb) if len(nouns) == 1] or [place]
-        return [noun.owner if command.how == "on" else noun for noun in meant]
-    heads = [noun for noun in _places(*done) if not noun.of_table][-1:] + _heads((*done, command))[-1:]
-    return [place.like(head) for head in heads] or [place]
-
-
-def _heads(commands: tuple[Command, ...]) -> list[Noun]:
-    return [noun for c in commands for noun in c.things if not noun.headless and not noun.pronoun]
-
-
-def _places(*commands: Command) -> list[Noun]:
-    return [command.place for command in commands if command.place is not None and command.how]
-
-
-def _referents(pronoun: Noun, done: tuple[Command, ...], verb: str) -> list[tuple[Noun, ...]]:
-    """Meanings of a pronoun: "it" is the object of the command before, its place, a tool in hand, or a part to close.
-
-    "Them" are the things of the command before, or, where that is one, of all commands.
-    """
-    things = done[-1].things if done else ()
-    if pronoun.pronoun == "them":
-        return _several(things, done)
-    nouns = [*things, *_places(*done[-1:])] if len(things) == 1 else []
-    if nouns and done[-1].verb == "hit":  # the tool that was picked up for it is still in the hand
-        nouns += [noun for command in done if command.verb in ("pick", "lift") for noun in command.things]
-    if verb == "close":
-        closed = [noun for command in done if command.verb == "close" for noun in command.things]
-        nouns += [n for command in done if command.verb == "open" for n in command.things if n not in closed]
-    return [(noun,) for noun in dict.fromkeys(nouns) if not noun.several]
-
-
-def _several(things: tuple[Noun, ...], done: tuple[Command, ...]) -> list[tuple[Noun, ...]]:
-    if done and done[-1].verb == "tower" and done[-1].place is not None:
-        return [(done[-1].place,)]  # where the lowest goes, all of the stack goes
-    if len(things) == 1 and not things[0].several:
-        things = tuple(dict.fromkeys(noun for command in done for noun in command.things))
-    return [things] if len(things) > 1 or any(noun.several for noun in things) else []
 
 
 @dataclass
@@ -353,16 +250,10 @@ class Goals:
             self._arms[name] = command.how
 
     def _hit(self, command: Command) -> None:
-        """Hitting takes a tool with a head: the one that is named, or that was picked up for it."""
+        """Hitting takes a tool with a head, which keeps the arm that took it."""
         if part := next((noun for noun in command.things if noun.of_part(self.things.values())), None):
             raise Doubt(part.text, "no goal says that a part of a thing is hit; name the thing")
-        held = [name for name in self._picked if name not in self._moved]
-        tools = held if command.place is None else self._meanings.objects(command.place)
-        if len(tools) != 1:
-            raise Doubt(command.words, "say what to hit it with, one tool such as the hammer")
-        (tool,) = tools
-        if not self.things[tool].hits:
-            raise Doubt(command.words, f"{tool} has no head to hit with")
+        tool = self._hitter(command)
         arm, taken = self._arms.get(tool), self._picked.pop(tool, command)
         if arm is not None and command.arm not in (None, arm):
             raise Doubt(command.words, f"the {arm} arm has {tool}; hand it to the {command.arm} arm before")
@@ -372,6 +263,16 @@ class Goals:
         alike = [name for name, entry in self.things.items() if entry.hits and name not in hit]
         if len(alike) > 1 and command.place is not None and command.place.definite:
             raise Doubt(command.place.text, f"no goal says which of {listed(alike)} it is hit with")
+
+    def _hitter(self, command: Command) -> str:
+        """The tool with which a command hits: the one that it names, or that was picked up for it."""
+        held = [name for name in self._picked if name not in self._moved]
+        tools = held if command.place is None else self._meanings.objects(command.place)
+        if len(tools) != 1:
+            raise Doubt(command.words, "say what to hit it with, one tool such as the hammer")
+        if not self.things[tools[0]].hits:
+            raise Doubt(command.words, f"{tools[0]} has no head to hit with")
+        return tools[0]
 
     def _event(self, command: Command) -> None:
         """Add the goal of an act on a part of a thing, or on a thing with a tool."""

@@ -105,11 +105,15 @@ class _Selector:
         for noun in command.things:
             if noun.of_table and not self._kinds(noun):
                 raise Doubt(noun.text, "the table itself stays as it is; name a thing on it")
-            sources = noun.relations or ([("to", command.source)] if command.source is not None else [])
-            for how, source in (one for one in sources if not one[1].of_table):
-                self._take(source, "context", lambda e, how=how: how in BESIDE or bool(e.functional_points))
+            self._take_sources(noun, command)
             sign = command.verb == "show" and all(entry.words.category == "sign" for entry, _ in self._kinds(noun))
             self._take(noun, "tool" if sign else role, good, place)
+
+    def _take_sources(self, noun: Noun, command: Command) -> None:
+        """Choose what a thing lies on, in or beside at the start."""
+        sources = noun.relations or ([("to", command.source)] if command.source is not None else [])
+        for how, source in (one for one in sources if not one[1].of_table):
+            self._take(source, "context", lambda e, how=how: how in BESIDE or bool(e.functional_points))
 
     def _place(self, command: Command) -> None:
         """Choose the target, the neighbour, or the tool of a command."""

@@ -19,7 +19,7 @@ from vcage.schema.asset import FunctionalPoint
 from vcage.schema.goals import Goal, part_words
 from vcage.schema.subtasks import Check, PairQuestion, Refusal, Subtask, TemplateName
 from vcage.tasks.access import access, open_to_a_hand
-from vcage.tasks.feasibility import Transfer, examine, fits
+from vcage.tasks.feasibility import Transfer, examine, fits, transfers
 from vcage.tasks.findings import Feasibility, best_first
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import (
@@ -253,12 +253,9 @@ class Pair(Proposal):
             drawn = allocate(self._opened, self.point.id, [self.thing], workplace.rng, present, headings)
             slot = slot_in(self._opened, self.point.id, drawn[self.thing.id], self.goals)
             poses = slot.poses({self.receptacle.id: self._opened})
-            transfers = {
-                c.id: Transfer.into(thing, c, self._opened, self.point, poses, others)
-                for c in thing.asset.annotation.carrying_points
-            }
-            found = {c: examine(t, workplace) for c, t in transfers.items()}
-            tried = _AtSlot(transfers, *self.judged(found))
+            ways = transfers(thing, self._opened, self.point.id, poses, others)
+            found = {contact: examine(way, workplace) for contact, way in ways.items()}
+            tried = _AtSlot(ways, *self.judged(found))
             enough = self.goal not in self.asked and number + 1 >= slots_out_of_reach
             far = enough and all(map(_out_of_reach, tried.refused))
             if tried.feasible or far or not any(map(_elsewhere, tried.refused)):

@@ -10,7 +10,7 @@ from vcage.base.attempts import LIMITS
 from vcage.schema.goals import Goal
 from vcage.schema.plan import TABLE
 from vcage.schema.subtasks import Refusal, Subtask, TemplateName
-from vcage.tasks.feasibility import Transfer, examine
+from vcage.tasks.feasibility import Transfer, examine, transfers
 from vcage.tasks.findings import Feasibility, best_first
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.stowing import reached
@@ -87,9 +87,8 @@ class Move(Proposal):
         poses = list(islice(workplace.ground.poses(thing, self.goal, others, workplace.rng), LIMITS.table_places))
         if not poses:
             return None, [self.refusal(f"there is no room in reach on the table {self._wanted}")]
-        contacts = thing.asset.annotation.carrying_points
-        transfers = {c.id: Transfer.onto_table(thing, c, poses, others) for c in contacts}
-        findings, refused = self.judged({c: self._finding(t, workplace) for c, t in transfers.items()})
+        ways = transfers(thing, None, None, poses, others)
+        findings, refused = self.judged({contact: self._finding(way, workplace) for contact, way in ways.items()})
         if not findings:
             return None, refused
         grasps, checks = best_first(findings)
