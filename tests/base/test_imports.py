@@ -50,7 +50,7 @@ def test_loaded_modules_are_found_first():
 
 
 def test_planning_a_motion_loads_no_plotting():
-    code = "import json, sys, vcage.sim.trajectory; print(json.dumps(sorted(sys.modules)))"
+    code = "import json, sys, vcage.sim.speed_profile; print(json.dumps(sorted(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     loaded = json.loads(done.stdout)
     assert "toppra.algorithm" in loaded

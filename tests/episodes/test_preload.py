@@ -4,7 +4,7 @@ import json
 import subprocess
 import sys
 
-NEEDED = ["sapien", "vcage.datasets.packing.clips", "vcage.sim.trajectory"]
+NEEDED = ["sapien", "vcage.datasets.packing.clips", "vcage.sim.speed_profile"]
 
 
 def test_modules_for_collecting_and_compressing_are_preloaded_and_missing_ones_left_to_their_users():

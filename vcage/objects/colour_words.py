@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import colorsys
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vcage.objects.modelling.parts import Part
+if TYPE_CHECKING:
+    from vcage.objects.modelling.parts import Part
 
 HUES = ((15, "red"), (42, "orange"), (70, "yellow"), (165, "green"), (195, "cyan"), (260, "blue"), (300, "purple"))
 """Upper end of each hue in degrees; larger hues are pink, then red again."""

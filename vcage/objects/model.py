@@ -10,10 +10,9 @@ import contextlib
 import reprlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import trimesh
 from PIL import Image
 from pydantic import Field, ValidationError
 
@@ -22,6 +21,9 @@ from vcage.base.files import read_json, write_bytes, write_json, write_text
 from vcage.objects.modelling.parts import BuiltObject, MovingPart, Part
 from vcage.schema.asset import Joint, MovingLink, PhysicalModel
 from vcage.schema.base import Finite, Identifier, Point3, Record
+
+if TYPE_CHECKING:
+    import trimesh
 
 DESCRIPTION = "model.json"
 
@@ -131,6 +133,8 @@ def _hull_name(index: int) -> str:
 
 
 def _glb(parts: Sequence[Part], origin: np.ndarray) -> bytes:
+    import trimesh  # slow, and only needed where a model is built
+
     scene = trimesh.Scene()
     for i, part in enumerate(parts):
         material = trimesh.visual.material.PBRMaterial(

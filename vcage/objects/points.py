@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike
 from vcage.base.errors import DamagedFile, SchemaMismatch, mismatch
 from vcage.base.placeholders import require_fetched
 from vcage.objects.asset import Asset
-from vcage.objects.mesh_files import report_unseen_textures
 from vcage.schema.asset import IMPORTED, Annotation
 
 logger = logging.getLogger(__name__)
@@ -89,6 +88,8 @@ def check_meshes(asset: Asset) -> None:
         if not whole:
             raise _broken(visual, "expected a whole binary glTF file")
         if asset.annotation.source in IMPORTED:
+            from vcage.objects.mesh_files import report_unseen_textures  # imports trimesh, which is slow
+
             report_unseen_textures(Path(visual), logger.warning)
     for link in (None, *(link.name for link in asset.model.links)):
         asset.pieces_of(link)  # reads them

@@ -70,7 +70,7 @@ FileName = Annotated[str, _stays(name_complaint)]
 class Record(BaseModel):
     """A typed, frozen piece of JSON; unknown fields are refused."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, ser_json_inf_nan="constants")
+    model_config = ConfigDict(extra="forbid", frozen=True, ser_json_inf_nan="constants", defer_build=True)
 
 
 R = TypeVar("R", bound=Record)

@@ -20,7 +20,8 @@ from vcage.base.geometry import Pose
 from vcage.sim.collision import CollisionScene, Contact
 from vcage.sim.paths import OPEN_HAND, JointPath, Leg, Load, stretches
 from vcage.sim.rrt import connect
-from vcage.sim.trajectory import Trajectory, time_optimal
+from vcage.sim.speed_profile import time_optimal
+from vcage.sim.trajectory import Trajectory
 from vcage.sim.world import PHYSICS_HZ
 
 

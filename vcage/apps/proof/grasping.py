@@ -19,7 +19,7 @@ from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.paths import Load
 from vcage.sim.poses import to_sapien
 from vcage.sim.shapes import box_shape, model_shapes
-from vcage.sim.trajectory import time_optimal
+from vcage.sim.speed_profile import time_optimal
 from vcage.sim.world import PHYSICS_HZ, World
 from vcage.tasks.grasps import GRASPING, approach_opening, grasp_poses, hand_boxes
 from vcage.tasks.task import Task, TaskFailed

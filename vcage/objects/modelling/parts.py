@@ -9,12 +9,15 @@ from __future__ import annotations
 import zlib
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
-import trimesh
 from scipy.sparse import csr_matrix
 
 from vcage.schema.asset import Joint
+
+if TYPE_CHECKING:
+    import trimesh
 
 Mapping = Callable[[np.ndarray, np.ndarray], np.ndarray]
 """From corners (m, 3, 3) in metres and face normals (m, 3) to texture coordinates (m, 3, 2), v upwards."""

@@ -13,8 +13,9 @@ from vcage.sim.kinematics import kinematics_of
 from vcage.sim.motion import SETTINGS as MOTION
 from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.paths import JointPath, Load
+from vcage.sim.speed_profile import ArmsTogether, time_optimal
 from vcage.sim.state import WorldState
-from vcage.sim.trajectory import ArmsTogether, Trajectory, time_optimal
+from vcage.sim.trajectory import Trajectory
 from vcage.sim.world import PHYSICS_HZ
 from vcage.tasks.grasps import approach_opening, command_of
 from vcage.tasks.holding import SETTINGS as HOLDING

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from vcage.sim.robots import load_robot
-from vcage.sim.trajectory import time_optimal
+from vcage.sim.speed_profile import time_optimal
 
 HZ = 250
 ARM = load_robot("dual_panda").arms["left"]
