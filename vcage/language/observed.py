@@ -52,11 +52,15 @@ class ObservedEpisode:
 
     def at(self, frame: int) -> dict[str, SceneObject]:
         """Return object id → object, where it is at a frame."""
-        episode, found = self.recorded.episode, {}
-        for name, thing in self.things.items():
-            row, joints = episode.object_poses[name][frame], episode.object_joints.get(name)
-            found[name] = thing.moved(Pose(row[:3], row[3:]), None if joints is None else tuple(joints[frame].tolist()))
-        return found
+        return {name: self.thing_at(name, frame) for name in self.things}
+
+    def thing_at(self, name: str, frame: int) -> SceneObject:
+        """Return an object where it is at a frame."""
+        episode = self.recorded.episode
+        row, joints = episode.object_poses[name][frame], episode.object_joints.get(name)
+        return self.things[name].moved(
+            Pose(row[:3], row[3:]), None if joints is None else tuple(joints[frame].tolist())
+        )
 
     def gripper_path(self, arm: str) -> NDArray[np.float64]:
         """(T, 3) point between the finger tips of an arm in the world, metres."""

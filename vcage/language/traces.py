@@ -67,7 +67,7 @@ def _part_path(observed: ObservedEpisode, name: str, part: str | None, contact: 
     grasped = [one for one in asset.annotation.contact_points if one.id == contact and one.link == part]
     if part is not None and grasped:
         point = np.array(grasped[0].position)
-    return np.array([observed.at(frame)[name].part_pose(part).apply(point) for frame in range(observed.frames)])
+    return np.array([observed.thing_at(name, frame).part_pose(part).apply(point) for frame in range(observed.frames)])
 
 
 def _onset(path: NDArray[np.float64]) -> int:
