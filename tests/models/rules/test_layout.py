@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from tests.example_scenes import library, scene_of, thing
-from vcage.models.rules.layout import MAX_ROW, plan_scene
+from vcage.models.rules.layout import MAX_ROW, plan_layout, plan_scene
 from vcage.plans.check import plan_complaints
+from vcage.schema.goals import AskedGoal, Goal
 from vcage.schema.plan import LayoutPlan, Relation
 from vcage.schema.scene import Role, Scene
 
@@ -80,3 +81,18 @@ def test_a_scanner_stands_before_a_receptacle_that_does_not_open_where_every_arm
     planned = plan(laid(["cash_drawer", "shopping_basket"], [*CONTENTS, "barcode_scanner"]))
     assert places(planned, "in_front_of")["barcode_scanner"] == "shopping_basket"
     assert "barcode_scanner" not in {*places(planned, "near"), *places(planned, "near").values()}
+
+
+def test_things_start_around_the_receptacle_that_they_go_to():
+    found = laid(["plate", "bowl"], ["apple", "banana", "pear", "stapler"])
+    wanted = {"apple": "bowl", "banana": "bowl", "pear": "bowl", "stapler": "plate"}
+    goals = [AskedGoal(goal=Goal(subject=a, relation="on", reference=b), step=0, words="x") for a, b in wanted.items()]
+    planned = plan_layout(found.model_copy(update={"goals": goals}), library().entries(), np.random.default_rng(0))
+    around = {r.subject: r.reference for r in planned.relations if r.subject in wanted and r.relation != "near"}
+    assert around == wanted
+
+
+def test_things_that_go_to_no_receptacle_are_shared_out():
+    planned = plan_layout(laid(["plate", "bowl"], CONTENTS), library().entries(), np.random.default_rng(0))
+    around = [r.reference for r in planned.relations if r.subject in CONTENTS and r.relation != "near"]
+    assert sorted(around) == ["bowl"] * 3 + ["plate"] * 3

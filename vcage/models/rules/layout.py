@@ -44,8 +44,7 @@ def plan_layout(scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.rando
     anchors, contents, context = _groups(scene, {holder.id for _, holder in carried}, rng)
     carried = [(o, holder) for o, holder in carried if o.container_part is None]
     relations = _anchor_relations(anchors)
-    asked = {(a.goal.subject, a.goal.reference): a.goal.relation for a in scene.goals}
-    relations += _around(contents, anchors, asked)
+    relations += _around(contents, anchors, scene)
     relations += _out_of_the_way(context, anchors, relations, scene)
     relations += [relation(o, _containment_word(o, holder, catalogue), holder) for o, holder in carried]
     relations = _as_described(relations, scene)
@@ -115,18 +114,22 @@ def _anchor_relations(anchors: Sequence[ObjectRecord]) -> list[Relation]:
     return first + [relation(b, "right_of", a) for a, b in itertools.pairwise(anchors)]
 
 
-def _around(
-    contents: Sequence[ObjectRecord], anchors: Sequence[ObjectRecord], asked: Mapping[tuple[str, str | None], str]
-) -> list[Relation]:
-    """Contents in turn to the left, to the right and in front; later ones next to the one before them there.
+def _around(contents: Sequence[ObjectRecord], anchors: Sequence[ObjectRecord], scene: Scene) -> list[Relation]:
+    """Contents around the receptacle that they go to; in turn to the left, to the right and in front.
 
-    An object to be brought to one side, as in ``asked``, starts on another.
+    Contents that go to none are dealt out to all. Later ones stand next to the one before them there. An object to be
+    brought to one side starts on another.
     """
+    asked = {(a.goal.subject, a.goal.reference): a.goal.relation for a in scene.goals}
     relations = []
     last: dict[tuple[str, str], ObjectRecord] = {}
-    for index, item in enumerate(contents):
-        anchor = anchors[index % len(anchors)]
-        place = _PLACES[(index // len(anchors)) % len(_PLACES)]
+    around: dict[str, int] = {a.id: 0 for a in anchors}
+    for item in contents:
+        anchor = next((a for a in anchors if (item.id, a.id) in asked), None) or min(
+            anchors, key=lambda a: around[a.id]
+        )
+        place = _PLACES[around[anchor.id] % len(_PLACES)]
+        around[anchor.id] += 1
         if len(anchors) > 1:
             place = "left_of" if anchor is anchors[0] else "right_of" if anchor is anchors[-1] else "in_front_of"
         if asked.get((item.id, anchor.id)) == place:
