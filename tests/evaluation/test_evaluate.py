@@ -91,6 +91,25 @@ def test_another_evaluation_in_the_same_folder_is_refused(finished: Finished, tm
     assert len(evaluate(replace(still, execute=1), Amount(episodes=1), tmp_path, force=True).rollouts) == 1
 
 
+def test_a_named_policy_goes_on_at_another_address(finished: Finished, capsys, tmp_path: Path) -> None:
+    options = ["--unproven", "--no-pictures", "--max-steps", "3", "--out", tmp_path, "--name"]
+    for episodes in (1, 2):
+        with policy_server(Still().infer) as address:
+            still = ["--policy", address, "--episodes", str(episodes)]
+            done = command(capsys, "evaluate", finished.run.root, *still, *options, "still ones")
+            assert done.code == 0, done.error
+    record = Evaluation.read(tmp_path / RECORD)
+    assert (record.policy, len(record.rollouts)) == ("still ones", 2)
+    done = command(capsys, "evaluate", finished.run.root, *still, *options, "another")
+    assert "its policy is still ones, not another" in done.error["message"]
+    assert "or --name 'still ones' if this is the same policy" in done.error["hint"]
+
+
+def test_a_name_has_a_letter_that_a_folder_can_keep(finished: Finished, capsys) -> None:
+    done = command(capsys, "evaluate", finished.run.root, "--policy", "expert", "--name", "..")
+    assert done.code == 2 and "'..' is no name" in done.stderr
+
+
 @pytest.mark.parametrize(
     ("policy", "kind", "complaint"),
     [

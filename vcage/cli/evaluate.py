@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from tyro.conf import arg
 
-from vcage.base.options import FOLDER, NATURAL, POSITIVE, UNSAID, Flag, several
+from vcage.base.options import FOLDER, NATURAL, POSITIVE, UNSAID, Flag, several, value
 from vcage.cli.environment_command import EnvironmentCommand
 from vcage.cli.output import Result
 from vcage.cli.progress import progress
@@ -24,6 +24,13 @@ if TYPE_CHECKING:
     from vcage.schema.evaluation import Evaluation
 
 logger = logging.getLogger(__name__)
+
+
+def _name(text: str) -> str:
+    """A name that a folder may have."""
+    if not any(letter.isascii() and letter.isalnum() for letter in text):
+        raise ValueError(f"{text!r} is no name: it needs a letter or a digit of ASCII")
+    return text
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,8 +51,10 @@ class Evaluate(EnvironmentCommand):
 
     policy: Annotated[str, arg(metavar="POLICY")]
     """ws://HOST:PORT, MODULE:FACTORY, replay or expert"""
+    name: Annotated[str | None, value(_name, "NAME"), UNSAID] = None
+    """of the policy, in its record and folder (default: POLICY): under one name a server may move to another port"""
     out: Annotated[Path | None, FOLDER, UNSAID] = None
-    """folder of evaluation.json (default: RUN/evaluations/<policy>)"""
+    """folder of evaluation.json (default: RUN/evaluations/<name>)"""
     episodes: Annotated[int, POSITIVE] = 50
     """episodes to count"""
     first_seed: Annotated[int, NATURAL] = 100_000
@@ -78,7 +87,7 @@ class Evaluate(EnvironmentCommand):
         orders, amount = self._orders(), Amount(self.episodes, self.first_seed)
         other = None if self.against is None else read_other(self.against)
         _require_possible(orders.values(), amount, other)
-        out = self.out or self.run / "evaluations" / re.sub(r"[^A-Za-z0-9.]+", "-", self.policy)
+        out = self.out or self.run / "evaluations" / re.sub(r"[^A-Za-z0-9.]+", "-", self.name or self.policy)
         folders = {"": out, **{name: out / f"vary-{name}" for name in self.vary}}
         records, videos = {}, {}
         for name, order in orders.items():
@@ -93,7 +102,7 @@ class Evaluate(EnvironmentCommand):
             write_page(folders[name], records[name], videos[name])
         write_page(out, record, videos[""], comparisons, {name: f"vary-{name}/{PAGE}" for name in self.vary})
         facts = record.facts()
-        logger.info("%s: %s of %s episodes succeed", self.policy, facts["n_success"], facts["n_episodes"])
+        logger.info("%s: %s of %s episodes succeed", record.policy, facts["n_success"], facts["n_episodes"])
         facts |= {"compared": [comparison.facts() for comparison in comparisons], "page": str(out / PAGE)}
         return Result(output=out / RECORD, schema=record.SCHEMA, summary=facts)
 
@@ -102,7 +111,8 @@ class Evaluate(EnvironmentCommand):
         from vcage.evaluation.rollouts import Order
 
         environment = self.environment()
-        order = Order(self.run, self.policy, environment, self.payload, self.actions, solvable=not self.unproven)
+        counted = not self.unproven
+        order = Order(self.run, self.policy, environment, self.payload, self.actions, counted, self.name)
         varied = {name: replace(order, environment=replace(environment, vary=name)) for name in self.vary}
         return {"": order, **varied}
 

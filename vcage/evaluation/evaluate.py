@@ -6,6 +6,7 @@ The actions of each rollout are kept beside the record: from them it can be simu
 from __future__ import annotations
 
 import logging
+import shlex
 import shutil
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
@@ -110,7 +111,7 @@ def planned(order: Order, amount: Amount) -> Evaluation:
     env, options = rollouts(order).env, asdict(order.environment)
     observed = {name: options.pop(name) for name in ("pictures", "cameras", "environment_state")}
     return Evaluation(
-        policy=order.policy,
+        policy=order.name or order.policy,
         run=str(order.run),
         task=env.task_description,
         seeds=SeedSplit(scene=env.scene_seed, stream=EVALUATION_STREAM, first=amount.first_seed),
@@ -150,9 +151,12 @@ def _begun(out: Path, wanted: Evaluation, force: bool) -> Evaluation:
     )
     for key in sorted({*ours, *theirs}):
         if ours.get(key) != theirs.get(key):
+            ways = ["give another --out", "--force to replace it"]
+            if key == "policy":
+                ways.append(f"--name {shlex.quote(record.policy)} if this is the same policy elsewhere")
             raise StaleStage(
                 f"{path} holds another evaluation: its {key} is {theirs.get(key)}, not {ours.get(key)}",
-                hint="give another --out, or --force to replace it",
+                hint=f"{', '.join(ways[:-1])}, or {ways[-1]}",
             )
     return record
 

@@ -41,6 +41,7 @@ class Order:
         payload: words of the observations that are sent.
         execute: actions of an answer that are carried out before the policy is asked again.
         solvable: count only starts from which the expert does the task.
+        name: of the policy in the record; None for ``policy``.
     """
 
     run: Path
@@ -49,6 +50,7 @@ class Order:
     payload: Payload = "generic"
     execute: int = 8
     solvable: bool = True
+    name: str | None = None
 
 
 @dataclass(frozen=True)

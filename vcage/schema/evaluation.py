@@ -51,7 +51,7 @@ class Evaluation(Document):
 
     SCHEMA: ClassVar[str] = "vcage.evaluation/1"
 
-    policy: str = Field(description="as it was named: an address, a factory, 'replay' or 'expert'")
+    policy: str = Field(description="its name; by default the address, the factory, 'replay' or 'expert'")
     run: str
     task: str = Field(description="the instruction")
     seeds: SeedSplit
