@@ -14,7 +14,8 @@ a process of its own, and evaluated through the command as any policy of a lab w
 All are evaluated on the same drawn layouts. Rows on pictures are compared with ``raw`` start by start (McNemar), and
 ``checked`` with ``unchecked``.
 
-Episodes and weights are kept in ``--data``: an interrupted run collects and trains nothing twice, and evaluates anew.
+Episodes, weights and evaluations are kept in ``--data``: an interrupted run collects, trains and evaluates nothing
+twice.
 """
 
 from __future__ import annotations
@@ -41,7 +42,7 @@ from benchmarks._policy.localiser import LocaliserTraining, trained_localiser, v
 from benchmarks._policy.pictures import Format, shrunk_pictures
 from benchmarks._policy.policy import Policy
 from benchmarks._policy.training import Noise, Training, trained
-from vcage.base.errors import UsageError, VcageError
+from vcage.base.errors import StaleStage, UsageError, VcageError
 from vcage.base.files import RunFolder, atomic_path, cache_dir
 from vcage.base.workers import cores
 from vcage.evaluation.evaluate import RECORD
@@ -61,9 +62,6 @@ PLAYED = ("unchecked", "checked")
 
 ROWS = (*LAYOUTS, *PLAYED, *FORMATS)
 
-ACTIONS = 4
-"""Actions that are carried out between two looks."""
-
 RIVALS = {"compressed": "raw", "lerobot": "raw", "checked": "unchecked"}
 """Rows, and the one that each is compared with."""
 
@@ -77,6 +75,7 @@ class Plan:
         seeds: trainings of each row.
         minutes: of each training of a network, CPU time of one core; of a localiser, too.
         rollouts: of each policy.
+        actions: of an answer that are carried out between two looks.
         object_noise_m: standard deviation of the objects' places in training, where a localiser will find them.
     """
 
@@ -84,6 +83,7 @@ class Plan:
     seeds: int = 1
     minutes: float = 10.0
     rollouts: int = 100
+    actions: int = 4
     object_noise_m: float = 0.004
 
 
@@ -199,12 +199,15 @@ class _Bench:
         with served(weights) as address:
             command = [sys.executable, "-m", "vcage.cli.main", "evaluate", str(run.root), "--policy", address]
             command += ["--episodes", str(self.plan.rollouts), "--workers", str(self.task.workers or 1)]
-            command += ["--actions", str(ACTIONS), "--out", str(out), "--force"]
+            command += ["--actions", str(self.plan.actions), "--out", str(out), "--name", weights.stem]
             command += [] if pictures else ["--no-pictures", "--environment-state"]
             if name in RIVALS and (rival / RECORD).exists():
                 command += ["--against", str(rival)]
             begun = time.perf_counter()
             done = subprocess.run(command, stdout=subprocess.PIPE, text=True)
+            if done.returncode == StaleStage.exit_code:
+                logger.info("%s: the evaluation of other weights is replaced", weights.stem)
+                done = subprocess.run([*command, "--force"], stdout=subprocess.PIPE, text=True)
         if done.returncode != 0:
             raise VcageError(f"vcage evaluate ended with {done.returncode}: {done.stdout[-500:]}")
         facts = json.loads(done.stdout.splitlines()[-1])["summary"]

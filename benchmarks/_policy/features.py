@@ -21,8 +21,23 @@ POSE = 9
 TARGET = POSE + 1
 """Numbers of a target of a hand: its pose, and the opening of the gripper."""
 
-NEAR_M = 0.01
-"""Farther away, positions are told on a logarithmic scale, too: a grasp needs millimetres, the way to it decimetres."""
+
+@dataclass(frozen=True)
+class FeatureSettings:
+    """Scales of what the networks see.
+
+    Args:
+        near_m: farther away, positions are told on a logarithmic scale, too: a grasp needs millimetres, the way to it
+            decimetres.
+        smallest_deviation: of a number, by which it is divided: what never changes in demonstrations, as a part that
+            nobody moves, may be touched by a policy.
+    """
+
+    near_m: float = 0.01
+    smallest_deviation: float = 0.01
+
+
+SETTINGS = FeatureSettings()
 
 
 @dataclass(frozen=True)
@@ -106,20 +121,18 @@ def seen_by(hands: HandPoses, objects: ObjectPoses, first: int) -> Seen:
             positions are seen.
     """
     count, number = hands.opening.shape
-    inverse = hands.rotation.transpose(-1, -2)
-    away = objects.position[:, None] - hands.position[:, :, None]
-    places = torch.einsum("nhij,nhoj->nhoi", inverse, away)
+    inverse, places = hands.rotation.transpose(-1, -2), hands.places(objects.position)
     axes = torch.einsum("nhij,noaj->nhoai", inverse, objects.axes[:, :first])
     rows = [
         hands.opening,
         hands.position[..., 2],
         hands.rotation[..., 2, :],
         places,
-        torch.asinh(places[:, :, :first] / NEAR_M),
+        torch.asinh(places[:, :, :first] / SETTINGS.near_m),
         axes,
         objects.parts,
         around := _around(objects, first - 1),
-        torch.asinh(around / NEAR_M),
+        torch.asinh(around / SETTINGS.near_m),
     ]
     for shift in range(1, number):
         rows.append((inverse @ (hands.position.roll(shift, 1) - hands.position)[..., None])[..., 0])
@@ -132,36 +145,44 @@ def aimed(seen: Seen, aims: torch.Tensor) -> torch.Tensor:
     """(N, F') features of what is seen, and of the poses (N, A, :data:`TARGET`) that the hands aim at."""
     place = aims[..., :3]
     return torch.cat(
-        [seen.features, place.flatten(1), torch.asinh(place / NEAR_M).flatten(1), aims[..., 3:].flatten(1)], 1
+        [seen.features, place.flatten(1), torch.asinh(place / SETTINGS.near_m).flatten(1), aims[..., 3:].flatten(1)], 1
     )
+
+
+def deviations(numbers: torch.Tensor) -> torch.Tensor:
+    """(F,) standard deviations of (…, F) numbers, none of them too small to divide by."""
+    return numbers.flatten(0, -2).std(dim=0).clip(SETTINGS.smallest_deviation)
+
+
+def frames(axes: torch.Tensor) -> torch.Tensor:
+    """(…, 3, 3) rotations from the world into objects with these axes (…, V, 3); none where V is 0."""
+    if not axes.shape[-2]:
+        return torch.eye(3, device=axes.device).expand(*axes.shape[:-2], 3, 3)
+    return torch.cat([axes, torch.linalg.cross(axes[..., 0, :], axes[..., 1, :])[..., None, :]], dim=-2)
 
 
 def _around(objects: ObjectPoses, place: int) -> torch.Tensor:
     """(N, O, 3) where the objects lie as one of them sees them: which part of a plate is free."""
     away = objects.position - objects.position[:, place, None]
-    axes = objects.axes[:, place]
-    if not axes.shape[1]:
-        return away
-    frame = torch.cat([axes, torch.linalg.cross(axes[:, 0], axes[:, 1])[:, None]], dim=1)
-    return torch.einsum("nij,noj->noi", frame, away)
+    return torch.einsum("nij,noj->noi", frames(objects.axes[:, place]), away)
 
 
-def led_by(targets: torch.Tensor, weights: torch.Tensor, seen: Seen) -> torch.Tensor:
-    """Targets that objects lead: where one moves or turns as the hand sees it, they do.
+def moved_with_objects(targets: torch.Tensor, weights: torch.Tensor, seen: Seen) -> torch.Tensor:
+    """Targets that move and turn with objects, as the hand sees them.
 
     A hand grasps a block wherever it is in the same place of the block. To add the block's position to such a target is
     exact; to learn that sum takes many demonstrations.
 
     Args:
         targets: (N, W, K, A, :data:`TARGET`) without objects.
-        weights: (N, W, K, A, O + 3 V) of places, of axes for the position in :data:`NEAR_M`, and of axes for
+        weights: (N, W, K, A, O + 3 V) of places, of axes for the position in units of ``near_m``, and of axes for
             both columns of the rotation.
         seen: N times.
     """
     number, turns = seen.places.shape[2], seen.axes.shape[2]
     to_places, to_axes, columns = weights.split([number, turns, 2 * turns], dim=-1)
     position = torch.einsum("nwkao,naoi->nwkai", to_places, seen.places)
-    position = position + NEAR_M * torch.einsum("nwkav,navi->nwkai", to_axes, seen.axes)
+    position = position + SETTINGS.near_m * torch.einsum("nwkav,navi->nwkai", to_axes, seen.axes)
     turned = torch.einsum("nwkacv,navi->nwkaic", columns.unflatten(-1, (2, turns)), seen.axes)
     return targets + torch.cat([position, turned.flatten(-2), torch.zeros_like(targets[..., :1])], dim=-1)
 

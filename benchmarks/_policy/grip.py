@@ -40,7 +40,7 @@ def held(hands: HandPoses, objects: ObjectPoses, following: torch.Tensor, may: t
         following: (N,) the next frame of each.
         may: (N, A, O) objects that may be held.
     """
-    places = _places(hands, objects)
+    places = hands.places(objects.position)
     shifts = places[following] - places
     found = may & (places.norm(dim=-1) < SETTINGS.reach_m) & (shifts.norm(dim=-1) < SETTINGS.rigid_m)
     return found & (found.sum(dim=1, keepdim=True) == 1)
@@ -57,7 +57,7 @@ def carried(
         before, after: the hands before and after they move.
         slips: (N, A, 3) shifts of objects in their hand, in its frame.
     """
-    places = _places(before, objects) + slips[:, :, None]
+    places = before.places(objects.position) + slips[:, :, None]
     position = torch.einsum("naij,naoj->naoi", after.rotation, places) + after.position[:, :, None]
     turns = after.rotation @ before.rotation.transpose(-1, -2)
     axes = torch.einsum("naij,novj->naovi", turns, objects.axes)
@@ -69,13 +69,7 @@ def carried(
     )
 
 
-def made_up(future: HandPoses, slips: torch.Tensor) -> HandPoses:
+def compensated(future: HandPoses, slips: torch.Tensor) -> HandPoses:
     """Poses (N, K, A) of hands that bring objects shifted in them by (N, A, 3) to the same places."""
     shift = torch.einsum("nkaij,naj->nkai", future.rotation, slips)
     return HandPoses(future.position - shift, future.rotation, future.opening)
-
-
-def _places(hands: HandPoses, objects: ObjectPoses) -> torch.Tensor:
-    """(N, A, O, 3) positions of objects in the frame of each hand."""
-    away = objects.position[:, None] - hands.position[:, :, None]
-    return torch.einsum("naji,naoj->naoi", hands.rotation, away)

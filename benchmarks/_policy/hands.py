@@ -20,14 +20,14 @@ class InverseSettings:
 
     Args:
         iterations: Gauss-Newton steps for a pose.
-        arrived: error in metres and radians below which no further step is taken.
+        tolerance: error in metres and radians below which no further step is taken.
         damping: of a step, in metres and radians.
         difference_rad: for the Jacobian by finite differences.
         margin_rad: distance from the joint limits.
     """
 
     iterations: int = 4
-    arrived: float = 2e-5
+    tolerance: float = 2e-5
     damping: float = 0.01
     difference_rad: float = 1e-5
     margin_rad: float = 0.01
@@ -57,6 +57,11 @@ class HandPoses:
     def to(self, device: str) -> HandPoses:
         """Those on a device of torch."""
         return HandPoses(self.position.to(device), self.rotation.to(device), self.opening.to(device))
+
+    def places(self, positions: torch.Tensor) -> torch.Tensor:
+        """(N, A, O, 3) positions (N, O, 3) in the frame of each hand."""
+        away = positions[:, None] - self.position[:, :, None]
+        return torch.einsum("naji,naoj->naoi", self.rotation, away)
 
 
 class Hands:
@@ -118,7 +123,7 @@ def _brought_to(
 
     for _ in range(SETTINGS.iterations):
         off, step = error(joints), SETTINGS.difference_rad
-        if np.abs(off).max() < SETTINGS.arrived:
+        if np.abs(off).max() < SETTINGS.tolerance:
             break
         jacobian = np.stack([(off - error(joints + step * unit)) / step for unit in np.eye(len(joints))], axis=1)
         damped = jacobian @ jacobian.T + SETTINGS.damping**2 * np.eye(len(off))

@@ -20,8 +20,24 @@ from benchmarks._policy.fitting import fit
 from benchmarks._policy.hands import HandPoses
 from vcage.sim.robots import load_robot
 
-METRES = 0.1
-"""Unit of the networks' answers: objects are a few of these away from the middle."""
+
+@dataclass(frozen=True)
+class LocaliserSettings:
+    """Size of the networks of a localiser.
+
+    Args:
+        unit_m: of their answers: objects are a few of these away from the middle.
+        fixed_points, carried_points: that are found in a picture of a fixed camera, and of one that a hand carries.
+        width: of the hidden layers behind the points.
+    """
+
+    unit_m: float = 0.1
+    fixed_points: int = 16
+    carried_points: int = 12
+    width: int = 128
+
+
+SETTINGS = LocaliserSettings()
 
 
 @dataclass(frozen=True)
@@ -65,7 +81,7 @@ class LocaliserTraining:
         rate: highest learning rate; it falls to none along a cosine.
         decay: of the weights.
         brightness: standard deviation of a change of gain and of offset, of a picture between -1 and 1.
-        each: share of the loss of each camera's own answer.
+        own: share of the loss of each camera's own answer.
         seed: of weights and order.
     """
 
@@ -74,7 +90,7 @@ class LocaliserTraining:
     rate: float = 2e-3
     decay: float = 1e-3
     brightness: float = 0.1
-    each: float = 0.2
+    own: float = 0.2
     seed: int = 0
 
 
@@ -105,7 +121,11 @@ class CameraNetwork(nn.Module):
         )
         self.sharpness = nn.Parameter(torch.full((points,), 2.0))
         self.head = nn.Sequential(
-            nn.Linear(3 * points + known, 128), nn.GELU(), nn.Linear(128, 128), nn.GELU(), nn.Linear(128, 4 * objects)
+            nn.Linear(3 * points + known, SETTINGS.width),
+            nn.GELU(),
+            nn.Linear(SETTINGS.width, SETTINGS.width),
+            nn.GELU(),
+            nn.Linear(SETTINGS.width, 4 * objects),
         )
 
     def forward(self, pictures: torch.Tensor, known: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
@@ -117,7 +137,7 @@ class CameraNetwork(nn.Module):
         down = (share.sum(3) * torch.linspace(-1, 1, rows)).sum(-1)
         found = torch.cat([across, down, share.flatten(2).amax(-1), known], dim=1)
         told = self.head(found).unflatten(1, (-1, 4))
-        return told[..., :3] * METRES, told[..., 3]
+        return told[..., :3] * SETTINGS.unit_m, told[..., 3]
 
 
 class Localiser(nn.Module):
@@ -132,8 +152,10 @@ class Localiser(nn.Module):
         super().__init__()
         self.views = list(views)
         self.middle = nn.Parameter(torch.zeros(objects, 3), requires_grad=False)
-        self.fixed = nn.ModuleDict({view.camera: CameraNetwork(16, objects, 0) for view in views if view.hand is None})
-        self.carried = CameraNetwork(12, objects, 6) if any(view.hand is not None for view in views) else None
+        fixed = [view.camera for view in views if view.hand is None]
+        some_carried = len(fixed) < len(views)
+        self.fixed = nn.ModuleDict({name: CameraNetwork(SETTINGS.fixed_points, objects, 0) for name in fixed})
+        self.carried = CameraNetwork(SETTINGS.carried_points, objects, 6) if some_carried else None
 
     def forward(
         self, pictures: Mapping[str, torch.Tensor], hands: HandPoses
@@ -193,7 +215,7 @@ def trained_localiser(
         found, each, weights = localiser(seen, hands[frames])
         error = (found - positions[frames]).abs().mean()
         own = (weights[..., None] * (each - positions[frames][:, None]).abs()).sum(dim=1).mean()
-        return (error + training.each * own) / METRES
+        return (error + training.own * own) / SETTINGS.unit_m
 
     fit(localiser, loss, name="localiser", minutes=training.minutes, rate=training.rate, decay=training.decay)
     return localiser

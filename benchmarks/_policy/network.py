@@ -16,6 +16,22 @@ from torch.nn.functional import cross_entropy
 
 
 @dataclass(frozen=True)
+class LossSettings:
+    """Shares of the loss beside the error of the nearest alternative.
+
+    Args:
+        all_ways: of the mean error of all alternatives, which keeps each of them near the demonstrations.
+        classifier: of the classifier.
+    """
+
+    all_ways: float = 0.05
+    classifier: float = 0.1
+
+
+SETTINGS = LossSettings()
+
+
+@dataclass(frozen=True)
 class Size:
     """Size of a policy.
 
@@ -61,15 +77,14 @@ class ChunkPolicy(nn.Module):
         return self.chunks(hidden).view(-1, self.size.ways, self.size.chunk, self.numbers), self.scores(hidden)
 
 
-def loss_of(given: tuple[torch.Tensor, torch.Tensor], wanted: torch.Tensor, share: float = 0.05) -> torch.Tensor:
+def loss_of(given: tuple[torch.Tensor, torch.Tensor], wanted: torch.Tensor) -> torch.Tensor:
     """Mean error of the nearest alternative, a small share of the mean over all, and the error of the classifier.
 
     Args:
         given: (N, ways, chunk, …) alternatives, and the score (N, ways) of each.
         wanted: (N, chunk, …) numbers.
-        share: of all alternatives, which keeps each of them near the demonstrations.
     """
     chunks, scores = given
     errors = (chunks - wanted[:, None]).abs().flatten(2).mean(dim=2)
     nearest, which = errors.min(dim=1)
-    return nearest.mean() + share * errors.mean() + 0.1 * cross_entropy(scores, which)
+    return nearest.mean() + SETTINGS.all_ways * errors.mean() + SETTINGS.classifier * cross_entropy(scores, which)

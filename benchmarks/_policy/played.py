@@ -37,10 +37,21 @@ from vcage.tasks.synthesis import script_of
 
 logger = logging.getLogger(__name__)
 
-FPS = 10
 
-MOST_PLAYED = 3
-"""Episodes that are played, at most, for each that is wanted."""
+@dataclass(frozen=True)
+class PlayedSettings:
+    """Settings of played episodes.
+
+    Args:
+        fps: frames per second, as collecting records them.
+        most_played: episodes that are played, at most, for each that is wanted.
+    """
+
+    fps: int = 10
+    most_played: int = 3
+
+
+SETTINGS = PlayedSettings()
 
 
 @dataclass(frozen=True)
@@ -92,7 +103,7 @@ def demonstrations(run: RunFolder, episodes: int, verified: bool, folder: Path, 
     while len(found) < episodes:
         numbers = range(numbers.stop, numbers.stop + episodes - len(found))
         found += [one for one in played(run, numbers, folder, workers) if one.success or not verified]
-        if numbers.stop > MOST_PLAYED * episodes:
+        if numbers.stop > SETTINGS.most_played * episodes:
             raise TooFewVerified(f"of {numbers.stop} episodes that were played, {len(found)} can be used")
     return joined(run, found, StageContext("offline"))
 
@@ -152,7 +163,7 @@ def _episode(beginnings: Beginnings, number: int, seed: int) -> EpisodeRun:
     for subtask, script in chain:
         script.try_grasps(start.grasps[subtask.id])
     build = partial(World.of_scene, start.scene, start.models, beginnings.robot)
-    setting = unwatched(build, start.objects, start.slots, FPS, start.world.start)
+    setting = unwatched(build, start.objects, start.slots, SETTINGS.fps, start.world.start)
     return run_episode(replace(setting, accept="critic"), chain, number, beginnings.goals)
 
 

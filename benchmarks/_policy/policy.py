@@ -17,7 +17,8 @@ from benchmarks._policy.features import (
     Objects,
     Seen,
     aimed,
-    led_by,
+    deviations,
+    moved_with_objects,
     only_positions,
     poses_of,
 )
@@ -33,11 +34,11 @@ class AimSettings:
 
     Args:
         same_aim_m: aims that lie nearer than about this are the same.
-        faith: logarithm of the factor by which the aim of the last look is preferred.
+        preference: logarithm of the factor by which the aim of the last look is preferred.
     """
 
     same_aim_m: float = 0.03
-    faith: float = 3.0
+    preference: float = 3.0
 
 
 SETTINGS = AimSettings()
@@ -55,9 +56,9 @@ class Scale:
     @classmethod
     def of(cls, inputs: torch.Tensor, targets: torch.Tensor) -> Scale:
         """The scale of (N, F) inputs and (N, K, A, :data:`TARGET`) targets; one for all directions in space."""
-        deviation = targets.std(dim=(0, 1, 2)).clip(1e-3)
+        deviation = deviations(targets)
         deviation[:3], deviation[3:-1] = deviation[:3].mean(), deviation[3:-1].mean()
-        return cls(inputs.mean(dim=0), inputs.std(dim=0).clip(1e-3), targets.mean(dim=(0, 1, 2)), deviation)
+        return cls(inputs.mean(dim=0), deviations(inputs), targets.mean(dim=(0, 1, 2)), deviation)
 
     def to(self, device: str) -> Scale:
         """This scale, on a device of torch."""
@@ -71,7 +72,7 @@ class Scale:
         """Targets with mean 0 and deviation 1."""
         return (targets - self.target_mean) / self.target_deviation
 
-    def told(self, targets: torch.Tensor) -> torch.Tensor:
+    def unscaled(self, targets: torch.Tensor) -> torch.Tensor:
         """The inverse of :meth:`targets`."""
         return targets * self.target_deviation + self.target_mean
 
@@ -138,7 +139,7 @@ class Policy:
         numbers = len(self.hands) * (TARGET + self._weights)
         self.network = ChunkPolicy(len(scale.input_mean), numbers, size)
         self.aiming = ChunkPolicy(len(aim_scale.input_mean), numbers, size.of_aims())
-        self._begin_unled()
+        self._begin_without_objects()
         self._aim: torch.Tensor | None = None
 
     def infer(self, observation: Mapping[str, Any]) -> dict[str, NDArray[np.float64]]:
@@ -162,7 +163,7 @@ class Policy:
         score = scores[0].log_softmax(0)
         if self._aim is not None:
             away = (places - self._aim).norm(dim=-1).amax(dim=-1)
-            score = score + SETTINGS.faith * torch.exp(-((away / SETTINGS.same_aim_m) ** 2))
+            score = score + SETTINGS.preference * torch.exp(-((away / SETTINGS.same_aim_m) ** 2))
         best = int(score.argmax())
         self._aim = places[best]
         chunks, scores = self.chunks(seen, aims[:, best])
@@ -175,23 +176,24 @@ class Policy:
     def aims(self, seen: Seen) -> tuple[torch.Tensor, torch.Tensor]:
         """(N, aims, A, :data:`TARGET`) alternative aims, and the score (N, aims) of each."""
         told, scores = self.aiming(self.aim_scale.inputs(seen.features))
-        return self._led(self.aim_scale, told, seen)[:, :, 0], scores
+        return self._unscaled(self.aim_scale, told, seen)[:, :, 0], scores
 
     def chunks(self, seen: Seen, aims: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
         """(N, ways, K, A, :data:`TARGET`) alternative chunks on the way to aims (N, A, :data:`TARGET`), and the score
         (N, ways) of each."""
         told, scores = self.network(self.scale.inputs(aimed(seen, aims)))
-        return self._led(self.scale, told, seen), scores
+        return self._unscaled(self.scale, told, seen), scores
 
-    def _begin_unled(self) -> None:
+    def _begin_without_objects(self) -> None:
         """Begin without weights of objects: far ones would lead the hands anywhere."""
         for network in (self.network, self.aiming):
             for numbers in (network.chunks.weight.data, network.chunks.bias.data):
                 numbers.view(-1, TARGET + self._weights, *numbers.shape[1:])[:, TARGET:] = 0.0
 
-    def _led(self, scale: Scale, told: torch.Tensor, seen: Seen) -> torch.Tensor:
+    def _unscaled(self, scale: Scale, told: torch.Tensor, seen: Seen) -> torch.Tensor:
+        """Targets in metres, moved with objects, for the numbers that a network tells."""
         told = told.unflatten(-1, (len(self.hands), TARGET + self._weights))
-        return led_by(scale.told(told[..., :TARGET]), told[..., TARGET:], seen)
+        return moved_with_objects(scale.unscaled(told[..., :TARGET]), told[..., TARGET:], seen)
 
     def _objects(self, observation: Mapping[str, Any], hands: HandPoses) -> ObjectPoses:
         if self.localiser is None:

@@ -14,7 +14,7 @@ import torch
 from torch import nn
 from torch.nn.functional import one_hot
 
-from benchmarks._policy.features import ObjectPoses, Objects, Seen, seen_by
+from benchmarks._policy.features import ObjectPoses, Objects, Seen, deviations, frames, seen_by
 from benchmarks._policy.hands import HandPoses
 
 
@@ -40,7 +40,7 @@ class Steps:
         return len(self._order)
 
     def weights(self, objects: Objects) -> int:
-        """Number of weights of a target: see :func:`~benchmarks._policy.features.led_by`."""
+        """Number of weights of a target: see :func:`~benchmarks._policy.features.moved_with_objects`."""
         return self._first * (1 + 3 * objects.axes)
 
     def seen(self, hands: HandPoses, objects: ObjectPoses, step: torch.Tensor) -> Seen:
@@ -56,8 +56,8 @@ class Steps:
         """(N, O) the object that each of the sub-tasks (N,) moves."""
         return one_hot(self._moved.to(step.device)[step], self._others.shape[1]).bool()
 
-    def carried(self) -> torch.Tensor:
-        """(O,) objects that are moved, and on which none is put."""
+    def only_moved(self) -> torch.Tensor:
+        """(O,) objects that are moved, and are no place of another."""
         numbers = torch.arange(self._others.shape[1])
         return torch.isin(numbers, self._moved) & ~torch.isin(numbers, self._place)
 
@@ -68,19 +68,13 @@ class Steps:
     def relations(self, hands: HandPoses, objects: ObjectPoses) -> torch.Tensor:
         """(N, K, R) the object of each sub-task as its place and as the hands see it, and the moving parts."""
         count, number = len(objects.position), len(self)
-        away = objects.position[:, self._moved] - objects.position[:, self._place]
-        axes = objects.axes[:, self._place]
-        if axes.shape[2]:
-            frame = torch.cat([axes, torch.linalg.cross(axes[:, :, 0], axes[:, :, 1])[:, :, None]], dim=2)
-            turned = torch.einsum("nkij,nkaj->nkai", frame, objects.axes[:, self._moved]).flatten(2)
-            seen = torch.cat([torch.einsum("nkij,nkj->nki", frame, away), turned], dim=2)
-        else:
-            seen = away
-        reach = objects.position[:, self._moved][:, :, None] - hands.position[:, None]
-        reach = torch.einsum("naji,nkaj->nkai", hands.rotation, reach).flatten(2)
+        moved, frame = objects.position[:, self._moved], frames(objects.axes[:, self._place])
+        place = torch.einsum("nkij,nkj->nki", frame, moved - objects.position[:, self._place])
+        axes = torch.einsum("nkij,nkaj->nkai", frame, objects.axes[:, self._moved]).flatten(2)
+        reach = hands.places(moved).transpose(1, 2).flatten(2)
         shared = torch.cat([hands.opening, objects.parts], dim=1)[:, None].expand(count, number, -1)
-        names = torch.eye(number, device=seen.device).expand(count, -1, -1)
-        return torch.cat([seen, reach, shared, names], dim=2)
+        names = torch.eye(number, device=moved.device).expand(count, -1, -1)
+        return torch.cat([place, axes, reach, shared, names], dim=2)
 
     def next_of(self, progress: Progress | None, hands: HandPoses, objects: ObjectPoses) -> torch.Tensor:
         """(N,) the next sub-task; the first where nothing tells."""
@@ -111,7 +105,7 @@ class Progress(nn.Module):
     def scaled_by(self, relations: torch.Tensor) -> None:
         """Take the scale of (N, K, R) relations."""
         self.mean.copy_(relations.mean(dim=(0, 1)))
-        self.deviation.copy_(relations.std(dim=(0, 1)).clip(1e-3))
+        self.deviation.copy_(deviations(relations))
 
     def forward(self, relations: torch.Tensor) -> torch.Tensor:
         """(N, K) logits of (N, K, R)."""

@@ -12,7 +12,7 @@ from torch.nn.functional import binary_cross_entropy_with_logits
 from benchmarks._policy.demonstrations import Demonstrations
 from benchmarks._policy.features import ObjectPoses, Seen, aimed, targets_of
 from benchmarks._policy.fitting import fit
-from benchmarks._policy.grip import carried, held, made_up
+from benchmarks._policy.grip import carried, compensated, held
 from benchmarks._policy.hands import HandPoses
 from benchmarks._policy.network import Size, loss_of
 from benchmarks._policy.policy import Meaning, Policy, Scale
@@ -30,7 +30,7 @@ class Noise:
         other_m: of those that the sub-task under way is not about: they tell little about it.
         spread: of the logarithm of a factor by which a frame's noise is larger or smaller.
         share: of the frames that get any.
-        any_opening: share of the frames in which a gripper is somehow open: so a grasp that missed is tried again.
+        random_opening: share of the frames in which a gripper is open at random: so a grasp that missed is tried again.
     """
 
     position_m: float = 0.006
@@ -41,7 +41,7 @@ class Noise:
     other_m: float = 0.03
     spread: float = 0.5
     share: float = 0.8
-    any_opening: float = 0.05
+    random_opening: float = 0.05
 
     def added(self, hands: HandPoses) -> HandPoses:
         """Displaced hands."""
@@ -53,7 +53,7 @@ class Noise:
             hands.position + torch.randn_like(hands.position) * self.position_m * factor,
             hands.rotation @ torch.linalg.matrix_exp(skew),
             torch.where(
-                torch.rand_like(hands.opening) < self.any_opening,
+                torch.rand_like(hands.opening) < self.random_opening,
                 torch.rand_like(hands.opening),
                 (hands.opening + torch.randn_like(hands.opening) * self.opening).clip(0, 1),
             ),
@@ -90,7 +90,7 @@ class Training:
         noise: on the hands.
         size: of the network.
         presses: opening by which a gripper stays above its target where it presses on something, 0 closed to 1 open.
-        turn: change of the target of a gripper from which on it opens or closes: an aim.
+        gripper_change: of the target of a gripper from one frame to the next, from which on it opens or closes: an aim.
         aim_noise_m: standard deviation of the aims that the policy is led by: the objects tell them better.
         press_frames: frames in which a gripper without anything between its fingers reaches its target.
         progress_noise_m: standard deviation of objects in learning which sub-tasks are done: a policy puts them less
@@ -110,7 +110,7 @@ class Training:
     size: Size = field(default_factory=Size)
     presses: float = 0.05
     press_frames: int = 5
-    turn: float = 0.3
+    gripper_change: float = 0.3
     aim_noise_m: float = 0.005
     progress_noise_m: float = 0.02
     progress_turns: float = 0.3
@@ -138,12 +138,12 @@ class Batches:
         later = demonstrations.next_frames(training.press_frames + 1)[:, -1]
         stopped = measured.opening[torch.from_numpy(later)]
         presses = future.opening < stopped - training.presses
-        back = np.arange(len(later)) > demonstrations.releases(presses.any(dim=1).numpy())
+        released = np.arange(len(later)) > demonstrations.releases(presses.any(dim=1).numpy())
         opening = future.opening.numpy()
-        turns = np.abs(np.diff(opening, axis=0, prepend=opening[:1])).max(axis=1) > training.turn
-        turns[demonstrations.ends[:-1]] = False  # the first frame of an episode follows none of it
+        switches = np.abs(np.diff(opening, axis=0, prepend=opening[:1])).max(axis=1) > training.gripper_change
+        switches[demonstrations.ends[:-1]] = False  # the first frame of an episode follows none of it
         device = self._device = training.device
-        self._aim = torch.from_numpy(demonstrations.next_of(turns)).to(device)
+        self._aim = torch.from_numpy(demonstrations.next_of(switches)).to(device)
         self._hands, self._future = measured.to(device), future.to(device)
         self._objects = meaning.seen_objects().poses(demonstrations.objects).to(device)
         closed = (measured.opening < stopped + training.presses).to(device) & presses.to(device)
@@ -152,7 +152,7 @@ class Batches:
         moved = self._sequence.moved(torch.from_numpy(demonstrations.steps).to(device))
         self._held = held(self._hands, self._objects, following, moved[:, None] & closed[..., None])
         self._next = torch.from_numpy(demonstrations.next_frames(training.size.chunk)).to(device)
-        self._next_step = torch.from_numpy(demonstrations.steps + back).to(device)
+        self._next_step = torch.from_numpy(demonstrations.steps + released).to(device)
         self.progress: Progress | None = None
 
     def __len__(self) -> int:
@@ -168,8 +168,8 @@ class Batches:
         hands, objects, slips = self._noisy(frames, self._noise)
         step = self._sequence.next_of(self.progress, hands, objects)
         seen = self._sequence.seen(hands, self._noise.blurred(objects, self._sequence.others(step)), step)
-        aims = targets_of(hands, made_up(self._future[self._aim[frames][:, None]], slips))[:, 0]
-        return seen, aims, targets_of(hands, made_up(self._future[self._next[frames]], slips))
+        aims = targets_of(hands, compensated(self._future[self._aim[frames][:, None]], slips))[:, 0]
+        return seen, aims, targets_of(hands, compensated(self._future[self._next[frames]], slips))
 
     def relations(self, frames: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
         """(N, K, R) relations of the sub-tasks with fresh noise, and (N, K) 1 where these are done.
@@ -177,7 +177,7 @@ class Batches:
         A sub-task is done when its object is released: so the way back of the hand belongs to the next.
         """
         hands, objects, _ = self._noisy(frames, self._progress_noise)
-        objects = turned(objects, self._sequence.carried().to(self._device), self._progress_turns)
+        objects = turned(objects, self._sequence.only_moved().to(self._device), self._progress_turns)
         done = self._next_step[frames][:, None] > torch.arange(len(self._sequence), device=self._device)
         return self._sequence.relations(hands, objects), done.float()
 

@@ -9,8 +9,8 @@ import numpy as np
 import torch
 
 from benchmarks._policy.demonstrations import Demonstrations
-from benchmarks._policy.features import ObjectPoses, Objects, led_by, poses_of, seen_by, targets_of
-from benchmarks._policy.grip import carried, held, made_up
+from benchmarks._policy.features import ObjectPoses, Objects, Seen, moved_with_objects, poses_of, seen_by, targets_of
+from benchmarks._policy.grip import carried, compensated, held
 from benchmarks._policy.hands import HandPoses, Hands
 from benchmarks._policy.localiser import LocaliserTraining, View, trained_localiser
 from benchmarks._policy.network import Size
@@ -109,7 +109,7 @@ def test_what_a_hand_sees_does_not_depend_on_where_both_are() -> None:
     assert torch.allclose(there.places, here.places, atol=1e-5) and torch.allclose(there.axes, here.axes, atol=1e-5)
 
 
-def test_a_target_that_an_object_leads_lies_and_turns_as_the_object_does() -> None:
+def test_a_target_moves_and_turns_with_an_object() -> None:
     hands = hands_of(state_near_home(np.random.default_rng(6))[None])
     block = ObjectPoses(torch.tensor([[[0.1, 0.2, 0.75]]]), torch.eye(3)[None, None, :2], torch.zeros(1, 0))
     seen = seen_by(hands, block, 1)
@@ -117,7 +117,7 @@ def test_a_target_that_an_object_leads_lies_and_turns_as_the_object_does() -> No
     weights[..., 0] = 1  # of the place; then two of axes for the position, and two for each column of the rotation
     weights[..., 1] = 2
     weights[..., 3] = weights[..., 6] = 1
-    target = poses_of(led_by(torch.zeros(1, 1, 1, 2, 10), weights, seen)[0, 0], hands)
+    target = poses_of(moved_with_objects(torch.zeros(1, 1, 1, 2, 10), weights, seen)[0, 0], hands)
     assert torch.allclose(target.position, torch.tensor([0.12, 0.2, 0.75]).expand(1, 2, 3), atol=1e-5)
     assert torch.allclose(target.rotation, torch.eye(3).expand(1, 2, 3, 3), atol=1e-5)
 
@@ -135,9 +135,14 @@ def test_a_policy_stays_with_its_aim_where_another_is_as_good() -> None:
     left, right = torch.zeros(2, 10), torch.zeros(2, 10)
     left[:, 0], right[:, 0] = -0.1, 0.1
     scores = torch.tensor([[0.0, 1.0]])
-    led = []
+    went = []
     policy.aims = lambda _: (torch.stack([left, right])[None], scores)  # type: ignore[method-assign]
-    policy.chunks = lambda _, aims: (led.append(float(aims[0, 0, 0])) or torch.zeros(1, 1, 2, 2, 10), torch.zeros(1, 1))  # type: ignore[method-assign]
+
+    def chunks(_seen: Seen, aims: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+        went.append(float(aims[0, 0, 0]))
+        return torch.zeros(1, 1, 2, 2, 10), torch.zeros(1, 1)
+
+    policy.chunks = chunks  # type: ignore[method-assign]
     hands, seen = (
         hands_of(data.states[:1]),
         seen_by(hands_of(data.states[:1]), policy.objects.poses(data.objects[:1]), 1),
@@ -147,7 +152,7 @@ def test_a_policy_stays_with_its_aim_where_another_is_as_good() -> None:
     policy.chosen(hands, seen)
     policy.reset()
     policy.chosen(hands, seen)
-    assert np.allclose(led, [0.1, 0.1, -0.1])
+    assert np.allclose(went, [0.1, 0.1, -0.1])
 
 
 def test_objects_that_the_task_is_not_about_are_not_seen() -> None:
@@ -161,7 +166,7 @@ def test_objects_that_the_task_is_not_about_are_not_seen() -> None:
 def test_noise_moves_a_share_of_the_hands_and_keeps_rotations() -> None:
     torch.manual_seed(0)
     hands = hands_of(np.tile(state_near_home(np.random.default_rng(5)), (2000, 1)))
-    noisy = Noise(share=0.5, any_opening=0.0).added(hands)
+    noisy = Noise(share=0.5, random_opening=0.0).added(hands)
     moved = (noisy.position - hands.position).abs().amax(dim=(1, 2)) > 0
     assert 0.45 < float(moved.float().mean()) < 0.55
     unit = noisy.rotation @ noisy.rotation.transpose(-1, -2)
@@ -192,7 +197,7 @@ def test_a_share_of_the_chosen_objects_is_turned() -> None:
 
 def test_what_is_put_somewhere_may_be_turned_but_no_place_may() -> None:
     steps = Steps((("block", "box"), ("box", "shelf"), ("lid",)), ("block", "box", "lid", "shelf"))
-    assert steps.carried().tolist() == [True, False, False, False]
+    assert steps.only_moved().tolist() == [True, False, False, False]
 
 
 def test_a_held_object_moves_with_the_noise_of_its_hand_and_comes_to_the_same_place() -> None:
@@ -212,7 +217,7 @@ def test_a_held_object_moves_with_the_noise_of_its_hand_and_comes_to_the_same_pl
         return torch.einsum("nij,nvj->nvi", turn, vectors) + to.position[:, 0, :1] * torch.tensor([[1.0], [0], [0]])
 
     wanted = brought(before, objects, future)
-    assert torch.allclose(brought(after, moved, made_up(future, slips)), wanted, atol=1e-5)
+    assert torch.allclose(brought(after, moved, compensated(future, slips)), wanted, atol=1e-5)
     assert not torch.allclose(brought(after, moved, future), wanted, atol=1e-3)
     assert torch.equal(moved.position[:, 1], objects.position[:, 1])
 
@@ -277,7 +282,7 @@ def test_a_trained_policy_follows_its_demonstrations_and_can_be_stored(tmp_path:
     data = demonstrations()
     size = Size(chunk=4, width=64, layers=2, ways=1, aims=1)
     meaning = Meaning(ROBOT, data.names, data.object_names, (("block",),))
-    still = Noise(share=0.0, opening=0.0, any_opening=0.0)
+    still = Noise(share=0.0, opening=0.0, random_opening=0.0)
     policy = trained(data, meaning, Training(minutes=0.06, batch=32, noise=still, aim_noise_m=0.0, size=size))
     seen = {"observation/state": data.states[3], "observation/environment_state": data.objects[3]}
     told = policy.infer(seen)["actions"]
