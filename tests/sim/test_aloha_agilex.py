@@ -12,7 +12,7 @@ from vcage.base.geometry import Pose
 from vcage.schema.robot import Robot
 from vcage.sim import collision
 from vcage.sim.cameras import robot_cameras
-from vcage.sim.collision import CollisionScene
+from vcage.sim.collision import CollisionScene, CollisionSettings
 from vcage.sim.kinematics import ArmKinematics, kinematics_of
 from vcage.sim.motion import MotionPlanner
 from vcage.sim.paths import OPEN_HAND
@@ -159,14 +159,14 @@ def test_the_front_camera_sees_the_whole_table_and_both_hands(world):
 def test_an_arm_keeps_its_distance_from_the_other(world, monkeypatch):
     home = np.array(world.arms["left"].arm.home)
     assert CollisionScene.of_world(world, "left").first_contact(home) is None
-    monkeypatch.setattr(collision, "CLEARANCE_M", 0.5)  # the hands at home are 0.44 m apart
+    monkeypatch.setattr(collision, "SETTINGS", CollisionSettings(clearance_m=0.5))  # the hands at home are 0.44 m apart
     contact = CollisionScene.of_world(world, "left").first_contact(home)
     assert contact is not None and contact.other.startswith("right/")
 
 
 def test_a_hand_keeps_its_distance_from_what_its_fingers_may_not_touch(world, monkeypatch):
     home = np.array(world.arms["left"].arm.home)
-    monkeypatch.setattr(collision, "HAND_CLEARANCE_M", 0.5)  # the table is nearer
+    monkeypatch.setattr(collision, "SETTINGS", CollisionSettings(hand_clearance_m=0.5))  # the table is nearer
     scene = CollisionScene.of_world(world, "left")
     contact = scene.first_contact(home)
     assert contact is not None and contact.moving not in scene.kinematics.finger_links

@@ -28,16 +28,26 @@ if TYPE_CHECKING:
 
     from vcage.sim.world import World
 
-TOLERANCE = 0.002
-"""Allowed overlap, metres: objects rest on each other, and fingers lie against the held object."""
 
-CLEARANCE_M = 0.005
-"""Least distance from the other arms, and on free ways from objects, metres: on ``aloha_agilex`` a hand in motion is
-4 mm behind its target."""
+@dataclass(frozen=True)
+class CollisionSettings:
+    """Distances that count as a collision.
 
-HAND_CLEARANCE_M = 0.003
-"""Least distance of links other than fingers from all that they may not touch, metres: where fingers close on a thing,
-the palm stays off what lies beside it. It may be nearer to the thing itself, which short fingers hold deep."""
+    Args:
+        overlap_m: allowed overlap: objects rest on each other, and fingers lie against the held object.
+        clearance_m: least distance from the other arms, and on free ways from objects: on ``aloha_agilex`` a hand in
+            motion is 4 mm behind its target.
+        hand_clearance_m: least distance of links other than fingers from all that they may not touch: where fingers
+            close on a thing, the palm stays off what lies beside it. It may be nearer to the thing itself, which short
+            fingers hold deep.
+    """
+
+    overlap_m: float = 0.002
+    clearance_m: float = 0.005
+    hand_clearance_m: float = 0.003
+
+
+SETTINGS = CollisionSettings()
 
 
 @dataclass(frozen=True)
@@ -148,7 +158,7 @@ class CollisionScene:
                 items += _links_of(other, kinematics_of(record), (joints or {}).get(other))
         self._obstacles = _Solids((name, shape, self._to_base * pose) for name, shape, pose in items)
         self._of_arms = np.arange(len(items)) >= standing
-        self._obstacles.radii += max(CLEARANCE_M, HAND_CLEARANCE_M)
+        self._obstacles.radii += max(SETTINGS.clearance_m, SETTINGS.hand_clearance_m)
         links = {name for name, _ in self.kinematics.link_shapes}
         self._other_links = links - self.kinematics.finger_links
 
@@ -179,10 +189,10 @@ class CollisionScene:
         fingers_may_touch: Collection[str] = (),
         beside: Collection[str] | None = None,
     ) -> Contact | None:
-        """The first overlap of more than :data:`TOLERANCE` with the arm at ``q``, or None.
+        """The first overlap of more than ``overlap_m`` with the arm at ``q``, or None.
 
-        Of other arms, links nearer than :data:`CLEARANCE_M` count; and so do links other than fingers that are nearer
-        than :data:`HAND_CLEARANCE_M` to anything but what the fingers may touch.
+        Of other arms, links nearer than ``clearance_m`` count; and so do links other than fingers that are nearer
+        than ``hand_clearance_m`` to anything but what the fingers may touch.
 
         Args:
             q: (n,) arm joints, rad.
@@ -198,7 +208,7 @@ class CollisionScene:
         return self._with_obstacles(moving, ranks, skip, fingers_may_touch, beside) or self._with_itself(moving, ranks)
 
     def beside(self, q: np.ndarray, opening: float = 1.0, held: Held | None = None) -> frozenset[str]:
-        """Names of the obstacles nearer than :data:`CLEARANCE_M` to the arm or what it holds.
+        """Names of the obstacles nearer than ``clearance_m`` to the arm or what it holds.
 
         Args:
             q, opening, held: as of :meth:`first_contact`.
@@ -208,7 +218,7 @@ class CollisionScene:
         return frozenset(
             self._obstacles.names[j]
             for i, j in np.argwhere(close).tolist()
-            if near_to(moving.object(i), self._obstacles.object(j))
+            if near_to(moving.object(i), self._obstacles.object(j), SETTINGS.clearance_m)
         )
 
     def _moving(self, q: np.ndarray, opening: float, held: Held | None) -> tuple[_Solids, np.ndarray]:
@@ -246,7 +256,7 @@ class CollisionScene:
                 continue
             kept_off = self._of_arms[j] or (beside is not None and name not in beside)
             keeps_clear = not taken and moving.names[i] in self._other_links
-            clearance = CLEARANCE_M if kept_off else HAND_CLEARANCE_M if keeps_clear else None
+            clearance = SETTINGS.clearance_m if kept_off else SETTINGS.hand_clearance_m if keeps_clear else None
             one, other = moving.object(i), self._obstacles.object(j)
             if overlap(one, other) if clearance is None else near_to(one, other, clearance):
                 return Contact(moving.names[i], name)
@@ -262,7 +272,7 @@ class CollisionScene:
 
 
 def overlapping(bodies: Mapping[str, Body]) -> list[tuple[str, str]]:
-    """Pairs of objects that overlap by more than :data:`TOLERANCE`, in the order given.
+    """Pairs of objects that overlap by more than ``overlap_m``, in the order given.
 
     Args:
         bodies: objects by id.
@@ -298,7 +308,7 @@ def _solids_of(name: str, body: Body) -> _Solids:
 
 
 def meets_box(body: Body, size: Iterable[float], at: Pose) -> bool:
-    """True if an object overlaps a box by more than :data:`TOLERANCE`.
+    """True if an object overlaps a box by more than ``overlap_m``.
 
     Args:
         body: the object.
@@ -314,14 +324,14 @@ def _meet(a: _Solids, b: _Solids, meets: Callable[[fcl.CollisionObject, fcl.Coll
 
 
 def overlap(a: fcl.CollisionObject, b: fcl.CollisionObject) -> bool:
-    """True if two solids overlap by more than :data:`TOLERANCE`."""
+    """True if two solids overlap by more than ``overlap_m``."""
     from mplib.pymp.collision_detection import fcl
 
     result = fcl.collide(a, b, _first_contact_only())
-    return result.is_collision() and abs(result.get_contact(0).penetration_depth) > TOLERANCE
+    return result.is_collision() and abs(result.get_contact(0).penetration_depth) > SETTINGS.overlap_m
 
 
-def near_to(a: fcl.CollisionObject, b: fcl.CollisionObject, distance: float = CLEARANCE_M) -> bool:
+def near_to(a: fcl.CollisionObject, b: fcl.CollisionObject, distance: float) -> bool:
     """True if two solids are nearer to each other than a distance, metres."""
     from mplib.pymp.collision_detection import fcl
 
