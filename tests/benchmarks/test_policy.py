@@ -14,7 +14,7 @@ from benchmarks._policy.grip import carried, compensated, held
 from benchmarks._policy.hands import HandPoses, Hands
 from benchmarks._policy.localiser import LocaliserTraining, View, trained_localiser
 from benchmarks._policy.network import Size
-from benchmarks._policy.policy import Meaning, Policy
+from benchmarks._policy.policy import Meaning, Policy, Scale
 from benchmarks._policy.steps import Progress, Steps
 from benchmarks._policy.training import Noise, Training, trained, turned
 from vcage.sim.kinematics import kinematics_of
@@ -276,6 +276,12 @@ def test_a_sub_task_ends_at_its_last_press() -> None:
     presses = np.zeros(20, bool)
     presses[[3, 5, 7, 8, 18]] = True
     assert data.releases(presses).tolist() == [3] * 5 + [8] * 5 + [14] * 5 + [18] * 5  # the third presses on nothing
+
+
+def test_a_number_that_never_changes_in_demonstrations_is_not_magnified() -> None:
+    still, wide = torch.zeros(20, 1), torch.linspace(-1, 1, 20)[:, None]
+    scale = Scale.of(torch.cat([still, wide], dim=1), torch.randn(20, 1, 2, 10))
+    assert torch.allclose(scale.inputs(torch.tensor([[0.005, 0.0]])), torch.tensor([[0.5, 0.0]]), atol=1e-6)
 
 
 def test_a_trained_policy_follows_its_demonstrations_and_can_be_stored(tmp_path: Path) -> None:
