@@ -31,10 +31,12 @@ class FeatureSettings:
             decimetres.
         smallest_deviation: of a number, by which it is divided: what never changes in demonstrations, as a part that
             nobody moves, may be touched by a policy.
+        most_deviations: from the mean, at which a number is clipped.
     """
 
     near_m: float = 0.01
     smallest_deviation: float = 0.01
+    most_deviations: float = 5.0
 
 
 SETTINGS = FeatureSettings()
@@ -152,6 +154,11 @@ def aimed(seen: Seen, aims: torch.Tensor) -> torch.Tensor:
 def deviations(numbers: torch.Tensor) -> torch.Tensor:
     """(F,) standard deviations of (…, F) numbers, none of them too small to divide by."""
     return numbers.flatten(0, -2).std(dim=0).clip(SETTINGS.smallest_deviation)
+
+
+def standardised(numbers: torch.Tensor, mean: torch.Tensor, deviation: torch.Tensor) -> torch.Tensor:
+    """Numbers with mean 0 and deviation 1; far ones are clipped."""
+    return ((numbers - mean) / deviation).clip(-SETTINGS.most_deviations, SETTINGS.most_deviations)
 
 
 def frames(axes: torch.Tensor) -> torch.Tensor:

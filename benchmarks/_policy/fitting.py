@@ -5,12 +5,31 @@ from __future__ import annotations
 import logging
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 import torch
 from torch import nn
 
 logger = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class FittingSettings:
+    """Settings of the descent.
+
+    Args:
+        warm_up: steps until the learning rate is highest.
+        most_gradient: norm of a gradient, to which longer ones are cut.
+        logged: steps between two lines of the log.
+    """
+
+    warm_up: int = 100
+    most_gradient: float = 1.0
+    logged: int = 200
+
+
+SETTINGS = FittingSettings()
 
 
 def fit(
@@ -23,7 +42,7 @@ def fit(
         loss: of the next batch.
         name: for the log.
         minutes: of CPU time of this process.
-        rate: highest learning rate, reached after a hundred steps.
+        rate: highest learning rate, reached after a warm-up.
         decay: of the weights.
     """
     optimiser = torch.optim.AdamW(network.parameters(), lr=rate, weight_decay=decay)
@@ -31,13 +50,13 @@ def fit(
     network.train()
     while (spent := time.process_time() - begun) < length:
         for group in optimiser.param_groups:
-            group["lr"] = rate * min(1.0, (step + 1) / 100) * 0.5 * (1 + np.cos(np.pi * spent / length))
+            group["lr"] = rate * min(1.0, (step + 1) / SETTINGS.warm_up) * 0.5 * (1 + np.cos(np.pi * spent / length))
         found = loss()
         optimiser.zero_grad()
         found.backward()
-        nn.utils.clip_grad_norm_(network.parameters(), 1.0)
+        nn.utils.clip_grad_norm_(network.parameters(), SETTINGS.most_gradient)
         optimiser.step()
         step, mean = step + 1, 0.98 * mean + 0.02 * float(found.detach())
-        if step % 200 == 0:
+        if step % SETTINGS.logged == 0:
             logger.info("%s: step %d, loss %.4f, %.0f of %.0f s", name, step, mean, spent, length)
     network.eval()

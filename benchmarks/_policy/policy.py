@@ -21,6 +21,7 @@ from benchmarks._policy.features import (
     moved_with_objects,
     only_positions,
     poses_of,
+    standardised,
 )
 from benchmarks._policy.hands import HandPoses, Hands
 from benchmarks._policy.localiser import Localiser, View
@@ -66,7 +67,7 @@ class Scale:
 
     def inputs(self, inputs: torch.Tensor) -> torch.Tensor:
         """Inputs with mean 0 and deviation 1."""
-        return ((inputs - self.input_mean) / self.input_deviation).clip(-5, 5)
+        return standardised(inputs, self.input_mean, self.input_deviation)
 
     def targets(self, targets: torch.Tensor) -> torch.Tensor:
         """Targets with mean 0 and deviation 1."""
@@ -112,7 +113,7 @@ class Policy:
     """Networks that answer observations of states, or of pictures with a localiser.
 
     The first aims: it tells where the hands will be when a gripper opens or closes next. The second leads there. Where
-    several aims are as good, the policy stays with the one that it had.
+    several aims are as good, the policy stays with the one that it had: each episode needs a copy of its own.
 
     Args:
         meaning: of its numbers.
@@ -168,10 +169,6 @@ class Policy:
         self._aim = places[best]
         chunks, scores = self.chunks(seen, aims[:, best])
         return chunks[0, int(scores[0].argmax())]
-
-    def reset(self) -> None:
-        """Forget the aim."""
-        self._aim = None
 
     def aims(self, seen: Seen) -> tuple[torch.Tensor, torch.Tensor]:
         """(N, aims, A, :data:`TARGET`) alternative aims, and the score (N, aims) of each."""

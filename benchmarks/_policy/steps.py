@@ -14,7 +14,7 @@ import torch
 from torch import nn
 from torch.nn.functional import one_hot
 
-from benchmarks._policy.features import ObjectPoses, Objects, Seen, deviations, frames, seen_by
+from benchmarks._policy.features import ObjectPoses, Objects, Seen, deviations, frames, seen_by, standardised
 from benchmarks._policy.hands import HandPoses
 
 
@@ -109,7 +109,7 @@ class Progress(nn.Module):
 
     def forward(self, relations: torch.Tensor) -> torch.Tensor:
         """(N, K) logits of (N, K, R)."""
-        return self.body(((relations - self.mean) / self.deviation).clip(-5, 5))[..., 0]
+        return self.body(standardised(relations, self.mean, self.deviation))[..., 0]
 
     def next_step(self, relations: torch.Tensor) -> torch.Tensor:
         """(N,) the sub-task behind the last that is done, or the last of all.
