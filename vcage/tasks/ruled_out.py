@@ -92,16 +92,19 @@ def _no_place(goal: Goal, by_id: Mapping[str, SceneObject]) -> list[str]:
     return [f"nothing is put {word} the {phrase}: {there}"]
 
 
+_MISSING = {
+    "reads_codes": "no scanner stands there",
+    "weighs": "no scale stands there",
+    "hits": "no tool with a head to hit with stands there",
+}
+"""Property of a tool → the reason where no object has it."""
+
+
 def _no_tool(goal: Goal, objects: Sequence[SceneObject]) -> list[str]:
     """The reason why a thing cannot be scanned, weighed or hit: nothing stands there to do it with."""
-    kinds = [o.asset.annotation for o in objects if o.id != goal.subject]
-    if goal.relation == "scanned" and not any(kind.faces_of("reader") for kind in kinds):
-        return ["no scanner stands there"]
-    if goal.relation == "weighed" and not any(point.weighs for kind in kinds for point in kind.functional_points):
-        return ["no scale stands there"]
-    if goal.relation == "hit" and not any(kind.faces_of("head") for kind in kinds):
-        return ["no tool with a head to hit with stands there"]
-    return []
+    tool = goal.kind.tool
+    there = tool is None or any(getattr(o.kind(), tool) for o in objects if o.id != goal.subject)
+    return [] if there else [_MISSING[str(tool)]]
 
 
 def _with_reasons(alike: Sequence[_RuledOut]) -> str:

@@ -225,6 +225,7 @@ def test_verbs_that_no_goal_states_are_refused_by_name(sentence: str) -> None:
         "Hit the red block with the hammer",
         "Tap the red block with the hammer",
         "Use the hammer to strike the red block",
+        "With the hammer, hit the red block",
         "Use the arm to grab the hammer and beat the red block",
         "Pick up the hammer and hit the red block with it",
         "Lift the hammer and hit the red block with it",
@@ -251,6 +252,7 @@ def test_the_arm_that_takes_the_tool_is_the_arm_of_the_hit() -> None:
         ("Hit the red block on the hammer", "it does not fit any form"),
         ("Pick up the hammer and put it in the cup, then hit the red block", "say what to hit it with"),
         ("Hold up the hammer and hit the red block with it", "leave out that it is held"),
+        ("Hold up the red block and hit it with the hammer", "block_red is held up, and only what stands there is hit"),
         (
             "Use the left arm to grab the hammer and use the right arm to hit the red block",
             "the left arm has hammer_red",
@@ -268,6 +270,16 @@ def test_one_tool_hits_and_which_of_several_is_not_said() -> None:
         two = {"block_red": things["block_red"], **dict.fromkeys(("hammer_1", "hammer_2"), things["hammer_red"])}
         with pytest.raises(UnreadInstruction, match=why):
             read_goals(f"Hit the red block with {tools}", two)
+
+
+def test_a_tool_of_another_kind_than_the_named_one_may_not_do_it_instead() -> None:
+    things = scene("block/red", "hammer/red")
+    words = things["hammer_red"].words.model_copy(update={"name": "mallet", "plural": "mallets", "synonyms": []})
+    mallet = things["hammer_red"].model_copy(update={"name": "mallet", "words": words})
+    for sentence in ("Hit the red block with a hammer", "Pick up a hammer and hit the red block with it"):
+        assert read_goals(sentence, things)
+        with pytest.raises(UnreadInstruction, match="which of hammer_red, mallet_red it is hit with"):
+            read_goals(sentence, {**things, "mallet_red": mallet})
 
 
 def test_neither_a_part_nor_the_table_is_hit() -> None:

@@ -23,6 +23,13 @@ def test_bad_input_is_refused_at_once(typed: str) -> None:
     assert len(refused.value.message) < 600 and time.monotonic() - begun < 5
 
 
+@pytest.mark.parametrize("verb", ["Beat", "Strike", "Tap"])
+def test_the_form_to_follow_has_the_verb_that_is_meant(verb: str) -> None:
+    with pytest.raises(UnreadInstruction, match="not understood") as caught:
+        parse(f"{verb} the white block by means of the tool that lies there")
+    assert caught.value.details["form"] == "Hit the block with the hammer"
+
+
 def test_the_first_word_that_does_not_fit_is_named_with_the_nearest_form() -> None:
     with pytest.raises(UnreadInstruction) as refused:
         parse("Put the apple in the bowl and juggle the lemons")

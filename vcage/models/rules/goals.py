@@ -103,6 +103,7 @@ class Goals:
     _arms: dict[str, str] = field(default_factory=dict)
     _moved: set[str] = field(default_factory=set)
     _hit_with: set[str] = field(default_factory=set)
+    _held: set[str] = field(default_factory=set)
 
     def read(self) -> Reading:
         """The goals in their order: commands of one group in any, unless one of them needs another.
@@ -179,6 +180,7 @@ class Goals:
         if self._is_brought_later(command):
             raise Conflict(command.words, "what a hand holds up stays in it to the end; leave out that it is held")
         self._event(command)
+        self._held |= {asked.goal.subject for asked in self._added}
 
     def _is_brought_later(self, command: Command) -> bool:
         """True where a later command brings a thing of this one somewhere, or hits with it."""
@@ -255,14 +257,17 @@ class Goals:
             raise Doubt(part.text, "no goal says that a part of a thing is hit; name the thing")
         tool = self._hitter(command)
         arm, taken = self._arms.get(tool), self._picked.pop(tool, command)
+        named = command.place or taken.things[0]
         if arm is not None and command.arm not in (None, arm):
             raise Doubt(command.words, f"the {arm} arm has {tool}; hand it to the {command.arm} arm before")
         self._hit_with.add(tool)
         self._event(replace(command, arm=command.arm or arm, words=_joined(taken, command)))
         hit = [asked.goal.subject for asked in self._added]
-        alike = [name for name, entry in self.things.items() if entry.hits and name not in hit]
-        if len(alike) > 1 and command.place is not None and command.place.definite:
-            raise Doubt(command.place.text, f"no goal says which of {listed(alike)} it is hit with")
+        if held := next((name for name in hit if name in self._held), None):
+            raise Doubt(command.words, f"{held} is held up, and only what stands there is hit")
+        hitters = {name: entry for name, entry in self.things.items() if entry.hits and name not in hit}
+        if len(hitters) > 1 and (named.definite or hitters.keys() != named.named(hitters, short=True).keys()):
+            raise Doubt(named.text, f"no goal says which of {listed(hitters)} it is hit with")
 
     def _hitter(self, command: Command) -> str:
         """The tool with which a command hits: the one that it names, or that was picked up for it."""

@@ -131,7 +131,8 @@ def parse(instruction: str) -> list[tuple[Command, ...]]:
 
 def not_read(instruction: str, words: str, why: str) -> UnreadInstruction:
     """The error for unread words: the nearest known form, and the models that can read them."""
-    same = [form for form in FORMS if form.split()[0].lower() in instruction.lower()] or FORMS
+    verbs = _verbs(instruction)
+    same = [form for form in FORMS if not verbs.isdisjoint(_verbs(form))] or FORMS
     near, *_ = difflib.get_close_matches(instruction, same, n=1, cutoff=0)
     words = words or instruction
     return UnreadInstruction(
@@ -140,6 +141,14 @@ def not_read(instruction: str, words: str, why: str) -> UnreadInstruction:
         "--models agent, gemini, openai, anthropic or ollama",
         details={"unread": words, "understood": [], "form": near},
     )
+
+
+def _verbs(text: str) -> set[str]:
+    """The verbs in a text, by the names of the terminals that a form of sentence begins with."""
+    begin = {t.name: re.compile(t.pattern.to_regexp()) for t in _grammar().terminals if t.name not in ("WORD", "_AND")}
+    first = {name for name, verb in begin.items() for form in FORMS if verb.match(form.lower())}
+    starts = [word.start() for word in re.finditer(r"\b[a-z]", text.lower())]
+    return {name for name in first for at in starts if begin[name].match(text.lower(), at)}
 
 
 def _joined(found: re.Match[str]) -> str:

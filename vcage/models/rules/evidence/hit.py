@@ -13,7 +13,7 @@ from vcage.goals.thresholds import THRESHOLDS
 from vcage.models.rules.critic_view import CriticView
 from vcage.models.rules.drawings import refined
 from vcage.models.rules.evidence.in_use import SETTINGS as IN_USE
-from vcage.models.rules.evidence.in_use import InUse, shifted
+from vcage.models.rules.evidence.in_use import Found, InUse, shifted
 from vcage.models.rules.evidence.judgement import LEFT_SHARE, Judged, decided, refused, unseen
 from vcage.models.rules.pixels import grown, share_of
 from vcage.models.rules.standing import SETTINGS as STANDING
@@ -123,13 +123,12 @@ def judge_hit(view: CriticView, goal: Goal) -> Judged:
 
 
 def _judged(view: CriticView, tool: str, thing: str) -> Judged:
-    one, other = (view.sought(name, upon=True) for name in (tool, thing))
-    held, stands = one.found(view.before), other.found(view.before)
-    if held is None or stands is None:
-        missing = (one if held is None else other).look.phrase
-        return Judged(refused(f"the {missing} is not found", 0.5), view.nowhere)
-    explained = grown(held.covered, IN_USE.put_back_px)
-    if away := _moved(view, other, stands):
-        why = f"the {other.look.phrase} is {away} where it stood before the hit"
+    found = Found.of(view, tool, thing)
+    if isinstance(found, Judged):
+        return found
+    explained, called = grown(found.held.covered, IN_USE.put_back_px), found.still.look.phrase
+    if away := _moved(view, found.still, found.stands):
+        why = f"the {called} is {away} where it stood before the hit"
         return Judged(refused(why, 0.8, "disturbed"), explained)
-    return Judged(Struck.gather(view, tool, thing, held, stands).verdict(one.look.phrase, other.look.phrase), explained)
+    struck = Struck.gather(view, tool, thing, found.held, found.stands)
+    return Judged(struck.verdict(found.moved.look.phrase, called), explained)

@@ -10,8 +10,9 @@ import numpy as np
 from vcage.base.geometry import Camera, Pose
 from vcage.models.rules.critic_view import CriticView
 from vcage.models.rules.drawings import Draw, as_bright, cut, drawn_whole, inside, window_around
+from vcage.models.rules.evidence.judgement import Judged, refused
 from vcage.models.rules.pixels import changed_between, share_of
-from vcage.models.rules.standing import Standing
+from vcage.models.rules.standing import Sought, Standing
 from vcage.vision.colour import distance, smoothed, to_lab
 from vcage.vision.protocols import View
 
@@ -34,6 +35,31 @@ class InUseSettings:
 
 
 SETTINGS = InUseSettings()
+
+
+@dataclass(frozen=True)
+class Found:
+    """The object in a hand at the moment, and the one that stays, as both were found before.
+
+    Args:
+        moved, still: the two.
+        held, stands: where they stood.
+    """
+
+    moved: Sought
+    still: Sought
+    held: Standing
+    stands: Standing
+
+    @classmethod
+    def of(cls, view: CriticView, moved: str, still: str) -> Found | Judged:
+        """Find two objects by their ids; the verdict where one is not found."""
+        one, other = (view.sought(name, upon=True) for name in (moved, still))
+        held, stands = one.found(view.before), other.found(view.before)
+        if held is None or stands is None:
+            missing = (one if held is None else other).look.phrase
+            return Judged(refused(f"the {missing} is not found", 0.5), view.nowhere)
+        return cls(one, other, held, stands)
 
 
 class InUse:

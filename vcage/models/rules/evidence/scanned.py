@@ -9,7 +9,7 @@ import numpy as np
 from vcage.models.rules.critic_view import CriticView
 from vcage.models.rules.drawings import refined
 from vcage.models.rules.evidence.in_use import SETTINGS as IN_USE
-from vcage.models.rules.evidence.in_use import InUse, shifted
+from vcage.models.rules.evidence.in_use import Found, InUse, shifted
 from vcage.models.rules.evidence.judgement import LEFT_SHARE, Judged, decided, refused, unseen
 from vcage.models.rules.pixels import grown
 from vcage.models.rules.standing import Standing
@@ -91,13 +91,12 @@ def judge_scanned(view: CriticView, goal: Goal) -> Judged:
 
 
 def _judged(view: CriticView, moved: str, still: str) -> Judged:
-    one, other = (view.sought(name, upon=True) for name in (moved, still))
-    held, stands = one.found(view.before), other.found(view.before)
-    if held is None or stands is None:
-        missing = (one if held is None else other).look.phrase
-        return Judged(refused(f"the {missing} is not found", 0.5), view.nowhere)
-    verdict = Shown.gather(view, moved, still, held, stands).verdict(one.look.phrase, other.look.phrase)
-    return Judged(verdict, grown(held.covered, IN_USE.put_back_px))
+    found = Found.of(view, moved, still)
+    if isinstance(found, Judged):
+        return found
+    shown = Shown.gather(view, moved, still, found.held, found.stands)
+    verdict = shown.verdict(found.moved.look.phrase, found.still.look.phrase)
+    return Judged(verdict, grown(found.held.covered, IN_USE.put_back_px))
 
 
 _TURNS = np.linspace(0, 2 * np.pi, SETTINGS.headings, endpoint=False)
