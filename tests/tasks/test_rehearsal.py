@@ -24,6 +24,7 @@ from vcage.schema.goals import AskedGoal, Goal
 from vcage.schema.plan import TABLE
 from vcage.schema.subtasks import Grasp, Subtask
 from vcage.sim.bodies import Body
+from vcage.sim.motion import MotionFailed
 from vcage.sim.world import World
 from vcage.tasks import rehearsal
 from vcage.tasks.rehearsal import Rehearsal, examined, rehearsed, require_chain
@@ -140,15 +141,61 @@ def test_contents_go_along_with_their_container():
     assert np.linalg.norm(world.object_pose("mug").p[:2] - tray.pose.p[:2]) < 0.01
 
 
-def test_what_has_no_way_to_where_a_code_is_read_is_said_to_have_none_before_the_scanner(monkeypatch):
+def rehearsal_of(*things: SceneObject) -> Rehearsal:
+    """A rehearsal among some objects."""
+    objects = {o.id: o for o in things}
+    world = World(template().table, {o.id: Body(o.asset.model, o.pose) for o in things}, robot())
+    return Rehearsal(world, objects, {})
+
+
+HIT_BLOCK, HAMMER = thing("block", (0.05, 0.05)), thing("hammer", (-0.2, -0.05), 0.6)
+HELD_AT = [(1, "left"), (0, "left")]
+
+
+def test_a_hit_is_planned_with_the_way_down(monkeypatch):
+    rehearsal_of(HIT_BLOCK, HAMMER).hit(HAMMER.id, HIT_BLOCK.id, HELD_AT)
+
+    def none(*_, **__):
+        raise MotionFailed("there is no way down")
+
+    monkeypatch.setattr(rehearsal, "way_down", none)
+    with pytest.raises(TaskFailed, match="hammer cannot be brought over block: there is no way down"):
+        rehearsal_of(HIT_BLOCK, HAMMER).hit(HAMMER.id, HIT_BLOCK.id, HELD_AT)
+
+
+def test_a_hit_among_what_is_in_the_way_is_not_planned():
+    ring = [
+        thing("cereal_box", (0.05 + 0.13 * np.cos(a), 0.05 + 0.13 * np.sin(a)), a + np.pi / 2, id=f"box_{number}")
+        for number, a in enumerate(np.linspace(0, 2 * np.pi, 5, endpoint=False).tolist())
+    ]
+    with pytest.raises(TaskFailed, match="hammer cannot be held over block"):
+        rehearsal_of(HIT_BLOCK, HAMMER, *ring).hit(HAMMER.id, HIT_BLOCK.id, HELD_AT)
+
+
+def test_a_scan_without_a_way_to_some_poses_is_planned_to_others(monkeypatch):
     box, scanner = thing("cookie_box", (0.1, 0.05), np.pi / 2), thing("barcode_scanner", (-0.15, 0.0))
-    objects = {o.id: o for o in (box, scanner)}
-    world = World(template().table, {o.id: Body(o.asset.model, o.pose) for o in objects.values()}, robot())
     (proposal,), _ = TEMPLATES["scan"].proposals([box, scanner], ())
     subtask, _ = proposal.examine(workplace([box, scanner]))
     assert subtask is not None
     moved = subtask.grasped or subtask.object
-    still = next(name for name in objects if name != moved)
+    (still,) = {box.id, scanner.id} - {moved}
+    task, chosen = rehearsal_of(box, scanner), Rehearsal._choose_showing
+
+    def after_far_ones(*args, **more):
+        plan, hover, groups = chosen(task, *args, **more)
+        return plan, hover, iter([[Pose([3.0, 0.0, TABLE_TOP])], *groups])
+
+    monkeypatch.setattr(task, "_choose_showing", after_far_ones)
+    task.show(moved, still, [(grasp.contact, grasp.arm) for grasp in subtask.grasps])
+
+
+def test_what_has_no_way_to_where_a_code_is_read_is_said_to_have_none_before_the_scanner(monkeypatch):
+    box, scanner = thing("cookie_box", (0.1, 0.05), np.pi / 2), thing("barcode_scanner", (-0.15, 0.0))
+    (proposal,), _ = TEMPLATES["scan"].proposals([box, scanner], ())
+    subtask, _ = proposal.examine(workplace([box, scanner]))
+    assert subtask is not None
+    moved = subtask.grasped or subtask.object
+    (still,) = {box.id, scanner.id} - {moved}
     monkeypatch.setattr(rehearsal, "LIMITS", replace(rehearsal.LIMITS, ways_past_arms=0))
     with pytest.raises(TaskFailed, match=f"{moved} cannot be brought before {still}"):
-        Rehearsal(world, objects, {}).show(moved, still, [(grasp.contact, grasp.arm) for grasp in subtask.grasps])
+        rehearsal_of(box, scanner).show(moved, still, [(grasp.contact, grasp.arm) for grasp in subtask.grasps])

@@ -10,6 +10,7 @@ from tests.example_scenes import TABLE_TOP, thing, world_of
 from vcage.base.geometry import Pose
 from vcage.schema.goals import Goal
 from vcage.sim.world import PHYSICS_HZ, World
+from vcage.tasks.hitting import hitting_poses
 from vcage.tasks.reading import reading_poses
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.state import Watch
@@ -79,3 +80,15 @@ def test_events_after_the_end_of_a_watch_are_not_seen() -> None:
     on_scale(world, BAR)
     world.step(2 * PHYSICS_HZ)
     assert watch.lasted_s(WEIGHED) == 0
+
+
+@pytest.mark.parametrize("held", [True, False])
+def test_only_a_tool_between_the_fingers_hits(held: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    block, hammer = thing("block"), thing("hammer", (-0.3, 0.0))
+    over = hammer.moved(next(hitting_poses(hammer, block, above_m=0.0)))
+    _, watch = watched([block], Goal(subject="block", relation="hit"))
+    monkeypatch.setattr(watch, "thing", {"block": block, "hammer": over}.__getitem__)
+    monkeypatch.setattr(watch, "objects", {"block": block, "hammer": over})
+    monkeypatch.setattr(watch, "touching", {"block": {"hammer"}, "hammer": {"block", "left"}}.__getitem__)
+    monkeypatch.setattr(watch, "holds", lambda arm, name: held and (arm, name) == ("left", "hammer"))
+    assert watch.is_hit("block") is held

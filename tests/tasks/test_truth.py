@@ -155,6 +155,23 @@ def test_an_object_outside_a_subtask_stays_in_place(shift: float, stays: bool) -
     assert stays or found.reason == "block was moved by 8 cm on the way"
 
 
+@pytest.mark.parametrize(
+    ("name", "shift", "stays"), [("block", 0.01, True), ("block", 0.03, False), ("hammer", 0.2, True)]
+)
+def test_what_is_hit_is_where_it_was_when_the_subtask_ends(name: str, shift: float, stays: bool) -> None:
+    objects = [thing("block"), thing("hammer", (-0.2, 0.1))]
+    world = world_of(objects)
+    watch = Watch(world, {o.id: o for o in objects})
+    was = world.object_pose(name)
+    world.set_object_pose(name, Pose(was.p + [shift, 0, 0], was.q))
+    hit = Subtask(
+        id="block-hit-with-hammer", template="hit", text="Hit the block.", object="block", tool="hammer",
+        grasped="hammer", grasps=[Grasp(contact=0, arm="left", score=1.0)],
+        goals=[Goal(subject="block", relation="hit")], script="subtasks/x.py", checks=[],
+    )  # fmt: skip
+    assert others_stay(hit, watch).success is stays
+
+
 def test_contents_of_the_moved_object_go_along() -> None:
     plate, block = thing("plate"), thing("block")
     world = world_of([plate, block.moved(Pose(plate.pose.p + [0, 0, 0.02]))])

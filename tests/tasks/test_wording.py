@@ -32,6 +32,12 @@ def test_a_goal_has_at_least_ten_wordings(goal: tuple[str | None, ...], first: s
     assert all(PHRASES[goal[0] or ""] in sentence and sentence[-1] in ".?" for sentence in found)
 
 
+def test_a_hit_names_the_tool_that_it_is_done_with() -> None:
+    goal, phrases = goal_of(("pen", "hit")), {"pen": "red pen", "mallet": "wooden mallet"}
+    assert all("the wooden mallet" in text for text in wordings(goal, phrases, tool="mallet"))
+    assert wordings(goal, phrases)[0] == "Hit the red pen with a tool."
+
+
 OPEN = ["Open the drawer.", "Please open the drawer.", "Pull the drawer open.", "The drawer should be open."]
 PUT = ["Put the red cup into the drawer.", "Place the red cup in the drawer."]
 WEIGH = ["Weigh the apple."]

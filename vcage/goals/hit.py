@@ -64,12 +64,13 @@ HIT = GoalKind(
     evidence="hit",
     shown=Shown(customer=True, moment=True),
     tool="hits",
+    stays_m=THRESHOLDS.hit_moved_m,
     says="hit hits beat beats strike strikes tap taps",
     claims="beat beats strike strikes",
     gloss=" (with a tool)",
     plain="{thing} was hit with a tool",
-    commands="Hit {0} with the hammer.|Beat {0} with the hammer.|Tap {0} with the hammer.|Use the hammer to hit {0}."
-    "|Take the hammer and hit {0} with it.|Strike {0} with the hammer.|Please hit {0} with the hammer."
-    "|Could you hit {0} with the hammer?|Give {0} a tap with the hammer.|Have {0} hit with the hammer."
-    "|With the hammer, hit {0}.|{1} must be hit with the hammer.",
+    commands="Hit {0} with {tool}.|Beat {0} with {tool}.|Tap {0} with {tool}.|Use {tool} to hit {0}."
+    "|Take {tool} and hit {0} with it.|Strike {0} with {tool}.|Please hit {0} with {tool}."
+    "|Could you hit {0} with {tool}?|Give {0} a tap with {tool}.|Have {0} hit with {tool}."
+    "|With {tool}, hit {0}.|{1} must be hit with {tool}.",
 )

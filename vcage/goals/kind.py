@@ -134,7 +134,7 @@ class GoalKind:
         meaning: exact meaning, by its limits, for the prompt of a critic that is a model; line ends are kept,
             indentation is not.
         commands: sentences that ask for it, the plainest first: {0} is the object, {1} the same at the beginning of
-            a sentence, {2} the reference; ten and more.
+            a sentence, {2} the reference, {tool} the tool; ten and more.
         prepositions: instead of commands, for goals about an object's place: words after its verb.
         plain: a goal as a statement; {thing} with its part, {where} the relation to the reference, {reference}.
         says: words, one of which a sentence that asks for it must contain.
@@ -152,6 +152,8 @@ class GoalKind:
         opposite: word of the goal that is true where this one is false.
         happens: True while its event goes on; ``notes`` stores earlier observations.
         arms: number of arms that it takes at the same time.
+        stays_m: its subject, which no hand takes, is within this of its old place when the sub-task ends; None where
+            the limit for all that a sub-task leaves alone holds.
         tool: property of an object without which it cannot be done (:class:`vcage.schema.asset.CatalogueEntry`).
         shown: pictures that the critic needs.
     """
@@ -176,6 +178,7 @@ class GoalKind:
     fleeting: bool = False
     opposite: str | None = None
     arms: int = 1
+    stays_m: float | None = None
     happens: Callable[[Stated, State, set[str]], bool] | None = None
     tool: Literal["reads_codes", "weighs", "hits"] | None = None
     shown: Shown = field(default_factory=Shown)

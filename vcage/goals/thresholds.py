@@ -28,7 +28,7 @@ class Thresholds:
         shaken_rad, shaken_times: least lean to each side of what is shaken, and the number of leans.
         hit_off_m: the middle of a head is at most this far from the middle of what it hits, seen from above.
         hit_slant_rad: and it faces down to within this.
-        hit_moved_m: what is hit stays within this of where it stood, for ``hit_s`` from the touch on.
+        hit_moved_m: what is hit stays within this of where it stood, from the touch on to the end of the sub-task.
         still_m_per_s: an object that moves more slowly lies still.
         code_away_m, code_aside_m: a scanner reads a code that is at most this far before its window, and this far
             beside the window's axis.

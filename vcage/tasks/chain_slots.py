@@ -14,7 +14,7 @@ from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose
 from vcage.schema.plan import TABLE
 from vcage.schema.subtasks import Grasp, Subtask
-from vcage.tasks.feasibility import examine, transfers
+from vcage.tasks.feasibility import Transfer, feasible, transfers
 from vcage.tasks.grasps import GraspPose
 from vcage.tasks.hand_poses import hand_poses
 from vcage.tasks.primitives.place_way import SET_DOWN, place_way
@@ -181,12 +181,14 @@ class _Filling:
 
     def _reached(self, subtask: Subtask, target: SceneObject, goals: Sequence[Pose]) -> bool:
         """True if an arm that can take an object brings it to one of its poses with some grasp of it."""
-        if subtask.hand_to is not None:
-            return True
-        workplace = self.workplace.with_arms(subtask.arm)
         others = [self.objects[o.id] for o in self.workplace.objects if o.id != target.id]
-        ways = transfers(target, self.receptacle, self.point, goals, others)
-        return any(examine(way, workplace).feasible for way in ways.values())
+        return _reached(subtask, transfers(target, self.receptacle, self.point, goals, others), self.workplace)
+
+
+def _reached(subtask: Subtask, ways: Mapping[int, Transfer], workplace: Workplace) -> bool:
+    """True where an arm that can take an object can do one of some transfers of it; what changes hands is not
+    examined."""
+    return subtask.hand_to is not None or any(True for _ in feasible(ways, workplace.with_arms(subtask.arm)))
 
 
 def _holds(grasp: Grasp, target: SceneObject, workplace: Workplace) -> Sequence[GraspPose]:
@@ -251,11 +253,6 @@ class _OnTable:
         taken = [start.aabb[:, :2], *(self.objects[s.object].aabb[:, :2] for s in self.chain)]
         free = ground.poses(start, subtask.goals[0], others, self.workplace.rng, taken)
         poses = list(islice(free, LIMITS.table_places))
-        works = next((pose for pose in poses if self._feasible(subtask, thing, pose, others)), None)
+        ways = ((pose, transfers(thing, None, None, [pose], others)) for pose in poses)
+        works = next((pose for pose, way in ways if _reached(subtask, way, self.workplace)), None)
         return poses if works is None else [works, *(pose for pose in poses if pose is not works)]
-
-    def _feasible(self, subtask: Subtask, thing: SceneObject, pose: Pose, others: Sequence[SceneObject]) -> bool:
-        """True if an arm that can take an object can bring it to a place on the table."""
-        workplace = self.workplace.with_arms(subtask.arm)
-        ways = transfers(thing, None, None, [pose], others)
-        return subtask.hand_to is not None or any(examine(way, workplace).feasible for way in ways.values())

@@ -198,16 +198,20 @@ class Choices:
         return self._choose_using(target, groups, grasps, f"before {other_id}")
 
     def _choose_hitting(
-        self, tool_id: str, thing_id: str, grasps: Sequence[tuple[int, str]]
+        self, tool_id: str, thing_id: str, grasps: Sequence[tuple[int, str]], tight: bool
     ) -> tuple[PickPlan, Surroundings, list[Pose]]:
-        """The first grasp that can hold a tool over an object, its surroundings, and its poses there."""
+        """The first grasp that can hold a tool over an object, its surroundings, and its poses there.
+
+        Args:
+            tool_id, thing_id, grasps: see :meth:`vcage.tasks.task.Task.hit`.
+            tight: True to take poses without room around them where there are no others: things may have been put
+                down some millimetres beside their places, and the planner finds what is free then.
+        """
         tool, cell = self._cell.object(tool_id), self._cell
         thing, others = cell.object(thing_id), cell.objects_but(tool_id, thing_id, *cell.contents(tool_id))
         free, _ = free_hitting_poses(tool, thing, others)
-        # Things may have been put down some millimetres beside their places: the planner finds what is free then.
-        plan, hover, groups = self._choose_using(
-            tool, iter([free or [*hitting_poses(tool, thing)]]), grasps, f"over {thing_id}"
-        )
+        poses = free or (list(hitting_poses(tool, thing)) if tight else [])
+        plan, hover, groups = self._choose_using(tool, iter([poses]), grasps, f"over {thing_id}")
         return plan, hover, next(groups)
 
     def _choose_using(
@@ -224,7 +228,9 @@ class Choices:
         """
         # Where it came from the hand has room, and in the air it lets go of nothing: no obstacle raises it, and held
         # higher it would read or reach nothing.
-        hover = replace(Surroundings.of(self._cell, target.id, TABLE, None), obstacles=Obstacles([]), raises=())
+        hover = replace(
+            Surroundings.of(self._cell, target.id, TABLE, None), obstacles=Obstacles([]), raises=(), hovers=where
+        )
         in_turn = [grasp for _, some in self._retry.choices(grasps, [None]) for grasp in some]
         failures, known = list[TaskFailed](), KnownPaths()
         for poses in filter(None, groups):

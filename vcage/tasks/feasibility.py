@@ -6,7 +6,7 @@ a measurement with its limit, in a readable sentence.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
@@ -264,6 +264,16 @@ def examine(transfer: Transfer, workplace: Workplace) -> Feasibility:
     height = workplace.ground.height
     reports = {arm: _examine_arm(transfer, arm, k, height) for arm, k in workplace.kinematics.items()}
     return Feasibility.of_arms(transfer.contact.id, [wide], reports)
+
+
+def feasible(ways: Mapping[int, Transfer], workplace: Workplace) -> Iterator[Feasibility]:
+    """Yield the findings of those transfers that an arm can do.
+
+    Args:
+        ways: by contact point.
+        workplace: with the arms that may do it.
+    """
+    return filter(lambda found: found.feasible, (examine(way, workplace) for way in ways.values()))
 
 
 def _examine_arm(transfer: Transfer, arm: str, kinematics: ArmKinematics, table_height: float) -> Report:

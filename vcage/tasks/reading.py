@@ -100,9 +100,9 @@ def in_the_way(
 
     Args: as of :func:`free_reading_poses`.
     """
-    bodies, raised = {o.id: Body(o.asset.model, o.pose, o.joints) for o in others}, SETTINGS.raises_m[-1]
-    poses = reading_poses(mover, still, support, raised)
-    near = [_near(mover, pose, bodies, SETTINGS.clearances_m[-1]) for pose in poses]
+    bodies = {o.id: Body(o.asset.model, o.pose, o.joints) for o in others}
+    poses = [pose for rise in SETTINGS.raises_m for pose in reading_poses(mover, still, support, rise)]
+    near = {_near(mover, pose, bodies, SETTINGS.clearances_m[-1]) for pose in poses}
     return next((o for o in others if o.id in near), None)
 
 

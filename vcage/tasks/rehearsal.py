@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import product
@@ -17,16 +17,17 @@ from vcage.schema.plan import TABLE
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask
 from vcage.sim.bodies import Body
-from vcage.sim.motion import MotionFailed
+from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.paths import Load
 from vcage.sim.robots import load_robot
 from vcage.sim.world import World
 from vcage.tasks.asked_arms import asked_arms, bound_to
 from vcage.tasks.chain_slots import slots_for_chain
 from vcage.tasks.choosing import as_chosen, preferred_first
-from vcage.tasks.feasibility import examine, transfers
+from vcage.tasks.feasibility import feasible, transfers
 from vcage.tasks.findings import best_first
 from vcage.tasks.grasps import command_of
+from vcage.tasks.primitives.hit import way_down
 from vcage.tasks.primitives.hold_with_both import plan_with_both
 from vcage.tasks.primitives.place import Surroundings
 from vcage.tasks.primitives.shake import plan_shake
@@ -40,6 +41,9 @@ from vcage.tasks.workcell import TaskFailed, failing_at, first_reasons
 from vcage.tasks.workplace import Workplace
 
 ANOTHER = "another --seed gives another layout"
+
+_GoesOn = Callable[[MotionPlanner, np.ndarray, Load], object]
+"""Plans a motion of an arm from (n,) joints on, with a load; raises :class:`MotionFailed` where there is none."""
 
 
 class _NotWithTheseSlots(NoFeasibleTask):
@@ -76,13 +80,14 @@ class Rehearsal(Task):
         """Nothing: :meth:`pick` has looked."""
 
     def show(self, object_id: str, other_id: str, grasps: Sequence[tuple[int, str]]) -> None:
-        """Plan it, with the way to the first group of poses; the object is put back."""
+        """Plan it, with the way to a pose there; the object is put back."""
         self._picked, hover, groups = self._choose_showing(object_id, other_id, grasps, tight=False)
-        self._carry(hover, next(groups), f"before {other_id}")
+        self._carry(hover, groups)
 
     def hit(self, tool_id: str, thing_id: str, grasps: Sequence[tuple[int, str]]) -> None:
-        """Plan it; the tool is put back."""
-        self._choose_hitting(tool_id, thing_id, grasps)
+        """Plan it, with the way down; the tool is put back."""
+        self._picked, hover, poses = self._choose_hitting(tool_id, thing_id, grasps, tight=False)
+        self._carry(hover, [poses], partial(way_down, thing=self._cell.parts(thing_id)))
 
     def wait(self, seconds: float) -> None:
         """Nothing."""
@@ -129,7 +134,7 @@ class Rehearsal(Task):
         if self.slot is not None:
             if self._keeping:  # an arm that holds something up is more in the way than one at home
                 around = Surroundings.of(self._cell, self._picked.target.id, self.slot.receptacle, self.slot.point)
-                self._carry(around, self.slot.poses(self._cell.objects()), f"to {around.receptacle}")
+                self._carry(around, [self.slot.poses(self._cell.objects())])
             plan, arm = self._picked, self._cell.planner(self._picked.arm).kinematics
             held = plan.target.pose.inverse() * plan.way.grasp
             poses = self.slot.poses(self._cell.objects())
@@ -138,13 +143,13 @@ class Rehearsal(Task):
             for name in (plan.target.id, *self._cell.contents(plan.target.id)):
                 self.world.set_object_pose(name, way * self.world.object_pose(name))
 
-    def _carry(self, around: Surroundings, poses: Sequence[Pose], where: str) -> None:
+    def _carry(self, around: Surroundings, groups: Iterable[Sequence[Pose]], then: _GoesOn | None = None) -> None:
         """Plan the way of the lifted object, past the other arms, to one of some poses.
 
         Args:
             around: its surroundings there.
-            poses: of the object, in the world.
-            where: they are, in words.
+            groups: poses of the object, in the world; those to try first come first.
+            then: plans how it goes on from there.
 
         Raises:
             TaskFailed: there is none.
@@ -153,15 +158,22 @@ class Rehearsal(Task):
         thing, planner = self._picked.target, cell.planner(self._picked.arm)
         held, width = thing.pose.inverse() * self._picked.way.grasp, thing.asset.grasp_width(self._contact)
         reasons: list[str] = []
-        with failing_at("plan"):
-            for way in around.ways(planner.kinematics, held, width, poses, up)[: LIMITS.ways_past_arms]:
+        for poses in filter(None, groups):
+            try:
+                ways = around.ways(planner.kinematics, held, width, poses, up)[: LIMITS.ways_past_arms]
+            except MotionFailed as error:
+                reasons.append(error.message)
+                continue
+            for way in ways:
                 try:
                     carry = planner.move(up, way.above, load, then=[way.release, way.after])
-                    planner.line(carry.end, way.release, load)
+                    there = planner.line(carry.end, way.release, load).end
+                    if then is not None:
+                        then(planner, there, load)
                     return
                 except MotionFailed as error:
                     reasons.append(error.message)
-        raise TaskFailed("plan", f"{thing.id} cannot be brought {where}: {first_reasons(reasons)}")
+        raise TaskFailed("plan", f"{thing.id} cannot be brought {around.where}: {first_reasons(reasons)}")
 
     def push(self, object_id: str, arms: Sequence[str] = ()) -> None:
         """Plan it; the object is where it is pushed to."""
@@ -284,13 +296,13 @@ class _Stage:
         thing, others = now[subtask.object], [o for o in now.values() if o.id != subtask.object]
         ways = transfers(thing, now.get(slot.receptacle), slot.point, slot.poses(now), others)
         workplace = self._workplace.with_objects([*now.values()]).with_arms(subtask.arm)
-        findings = [found for found in (examine(way, workplace) for way in ways.values()) if found.feasible]
+        findings = [*feasible(ways, workplace)]
         if not findings:
             return subtask
-        grasps, _ = best_first(findings)
+        grasps, checks = best_first(findings)
         known = {(grasp.contact, grasp.arm) for grasp in grasps}
         grasps += [grasp for grasp in subtask.grasps if (grasp.contact, grasp.arm) not in known]
-        return subtask.model_copy(update={"grasps": preferred_first(grasps, subtask.prefers)})
+        return subtask.model_copy(update={"grasps": preferred_first(grasps, subtask.prefers), "checks": checks})
 
     def _now(self) -> list[SceneObject]:
         """The objects as they are in the world."""

@@ -176,7 +176,8 @@ class Watch(StillState):
 
     def is_hit(self, name: str) -> bool:
         """True where the head of a tool in a hand presses on the middle of an object's top."""
-        tools = [tool for tool in self.touching(name) & self.objects.keys() if self.touching(tool) & {*self.arms}]
+        touching = self.touching(name) & self.objects.keys()
+        tools = [tool for tool in touching if any(self.holds(arm, tool) for arm in self.arms)]
         return any(hits(self.thing(tool), self.thing(name)) for tool in tools)
 
     def holds(self, arm: str, name: str) -> bool:

@@ -134,7 +134,7 @@ class Task(Choices):
             UnknownName: there is no such object, contact point or arm.
         """
         cell = self._cell
-        plan, hover, poses = self._choose_hitting(tool_id, thing_id, grasps)
+        plan, hover, poses = self._choose_hitting(tool_id, thing_id, grasps, tight=True)
         grip = carry_out_pick(cell, plan)
         self._lift(grip)
         over, _ = plan_place(cell, grip, hover, [(None, poses)])
@@ -163,7 +163,7 @@ class Task(Choices):
         with failing_at("place"):
             rise = cell.planner(grip.arm).line(cell.begun(grip.arm).end, shown.way.above, up)
         cell.put_off(grip.arm, rise, [may])
-        put, _ = plan_place(cell, grip, replace(hover, raises=SETTINGS.raises_m), [(None, [stood.pose])])
+        put, _ = plan_place(cell, grip, replace(hover, raises=SETTINGS.raises_m, hovers=None), [(None, [stood.pose])])
         carry_out_place(cell, put)
 
     def wait(self, seconds: float) -> None:

@@ -74,28 +74,29 @@ def _arm_complaint(subtask: Subtask, watch: Watch) -> str | None:
 def others_stay(subtask: Subtask, watch: Watch) -> Truth:
     """Judge if all objects outside a sub-task stand at their old places.
 
-    Contents of its objects move along.
+    Contents of what the hand takes move along; what it only touches with that, to hit or to scan it, stays too.
 
     Args:
         subtask: that was done.
         watch: since it began.
     """
-    handled = [watch.began[name] for name in (subtask.object, subtask.tool, subtask.grasped) if name is not None]
+    handled = watch.began[subtask.grasped or subtask.object]
+    limits = {goal.subject: goal.kind.stays_m for goal in subtask.goals}
     for name, thing in watch.began.items():
-        if any(thing is other or _is_below(other, thing) for other in handled):
+        if thing is handled or _is_below(handled, thing):
             continue
-        complaint = _moved(name, watch)
+        complaint = _moved(name, watch, limits.get(name) or THRESHOLDS.disturbed_m)
         if complaint is not None:
             return Truth(success=False, reason=f"{complaint} on the way")
     return Truth(success=True, reason="nothing else was moved")
 
 
-def _moved(name: str, watch: Watch) -> str | None:
+def _moved(name: str, watch: Watch, most_m: float = THRESHOLDS.disturbed_m) -> str | None:
     """Say by how much an object was moved or tipped since a watch began; None where it was not."""
     was, now = watch.began[name].pose, watch.world.object_pose(name)
     moved = float(np.linalg.norm(now.p - was.p))
     tilt = float(np.arccos(np.clip(now.rotation()[:, 2] @ was.rotation()[:, 2], -1, 1)))
-    if moved > THRESHOLDS.disturbed_m:
+    if moved > most_m:
         return f"{name} was moved by {100 * moved:.0f} cm"
     return f"{name} was tipped by {np.degrees(tilt):.0f}°" if tilt > THRESHOLDS.tipped_rad else None
 

@@ -14,17 +14,21 @@ from vcage.schema.plan import TABLE
 
 _MOVES = ("Put", "Place", "Set", "Move", "Bring", "Transfer")
 _PUSHES = ("Push", "Slide", "Shove", "Shift")
+A_TOOL = "a tool"
+"""Stands for a tool that has no clear name."""
 
 
-def wordings(goal: Goal, phrases: Mapping[str, str], pushed: bool = False) -> list[str]:
+def wordings(goal: Goal, phrases: Mapping[str, str], pushed: bool = False, tool: str | None = None) -> list[str]:
     """Sentences that ask for a goal, ten and more, the plainest first.
 
     Args:
         goal: of the closed vocabulary.
         phrases: what to call each object, by id.
         pushed: True if a push achieves it.
+        tool: id of the tool that it is done with.
     """
-    return worded(goal, *_named(goal, phrases), pushed=pushed)
+    called = A_TOOL if tool is None else f"the {phrases[tool]}"
+    return worded(goal, *_named(goal, phrases), pushed=pushed, tool=called)
 
 
 class Source(NamedTuple):
@@ -35,7 +39,14 @@ class Source(NamedTuple):
 
 
 def worded(
-    goal: Goal, thing: str, place: str, *, several: bool = False, pushed: bool = False, source: Source | None = None
+    goal: Goal,
+    thing: str,
+    place: str,
+    *,
+    several: bool = False,
+    pushed: bool = False,
+    source: Source | None = None,
+    tool: str = A_TOOL,
 ) -> list[str]:
     """Sentences that ask for a goal of something, the plainest first.
 
@@ -45,11 +56,12 @@ def worded(
         several: the subject is more than one object.
         pushed: True if a push achieves it.
         source: the subject's source, if it is to be named.
+        tool: what to call the tool that it is done with, with its article.
     """
     whole = thing if source is None else f"{thing} from {source.holder}"
     preps = goal.kind.prepositions
     if not preps:
-        return _commands(goal, _part(goal.part, whole))
+        return _commands(goal, _part(goal.part, whole), tool)
     place = _part(goal.part, place)
     if pushed:
         return _pushed(whole, preps, place)
@@ -68,9 +80,9 @@ def worded(
     ]
 
 
-def _commands(goal: Goal, thing: str) -> list[str]:
+def _commands(goal: Goal, thing: str, tool: str) -> list[str]:
     capital = thing[0].upper() + thing[1:]
-    return [pattern.format(thing, capital, goal.reference) for pattern in goal.kind.commands.split("|")]
+    return [pattern.format(thing, capital, goal.reference, tool=tool) for pattern in goal.kind.commands.split("|")]
 
 
 def _pushed(thing: str, preps: Sequence[str], place: str) -> list[str]:
@@ -172,8 +184,17 @@ def _part_wordings(task: TaskToWord, part: Sequence[AskedGoal], short: bool, pus
         return []
     by_push = all(asked.goal in pushed for asked in part)
     source = Source("out of" if start.relation == "inside" else "off", holder) if start else None
-    texts = worded(goal, thing, place, several=len(part) > 1, pushed=by_push, source=source)
+    tool, several = _tool(task, goal, short), len(part) > 1
+    texts = worded(goal, thing, place, several=several, pushed=by_push, source=source, tool=tool)
     return by_arm(texts, arm) if arm is not None else texts
+
+
+def _tool(task: TaskToWord, goal: Goal, short: bool) -> str:
+    """Name the tool that a goal takes; :data:`A_TOOL` where that is not clear."""
+    kind = goal.kind.tool
+    used = dict.fromkeys(name for name in task.tools if name in task.things)
+    tools = [name for name in used if kind is not None and getattr(task.things[name], kind)]
+    return (_thing(task, tools, short) if len(tools) == 1 else None) or A_TOOL
 
 
 def _thing(task: TaskToWord, ids: Sequence[str], short: bool) -> str | None:

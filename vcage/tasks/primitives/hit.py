@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Collection
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from vcage.base.geometry import Pose
+from vcage.sim.motion import MotionPlanner
 from vcage.sim.paths import JointPath, Load
 from vcage.sim.state import WorldState
 from vcage.sim.world import PHYSICS_HZ, World
@@ -39,13 +43,27 @@ def plan_hit(cell: Workcell, grip: Grip, thing_id: str) -> JointPath:
     Raises:
         TaskFailed: the arm cannot go there.
     """
-    planner, start = cell.planner(grip.arm), cell.begun(grip.arm).end
+    held = cell.held(grip.object_id, cell.world.arms[grip.arm].tool_pose)
+    with failing_at("plan"):
+        start, load = cell.begun(grip.arm).end, Load(grip.load.opening, held)
+        return way_down(cell.planner(grip.arm), start, load, cell.parts(thing_id))
+
+
+def way_down(planner: MotionPlanner, start: np.ndarray, load: Load, thing: Collection[str]) -> JointPath:
+    """The way straight down with a tool that is held over an object.
+
+    Args:
+        planner: of the arm.
+        start: (n,) joints over it, rad.
+        load: the tool in the hand.
+        thing: names of the object and its parts.
+
+    Raises:
+        MotionFailed: the arm cannot go there.
+    """
     over = planner.kinematics.fk(start)
     down = Pose(over.p - [0.0, 0.0, HITTING.above_m + SETTINGS.farther_m], over.q)
-    held = cell.held(grip.object_id, cell.world.arms[grip.arm].tool_pose)
-    load = Load(grip.load.opening, held, ignore=cell.parts(thing_id), speed=SETTINGS.speed)
-    with failing_at("plan"):
-        return planner.line(start, down, load)
+    return planner.line(start, down, replace(load, ignore=[*thing], speed=SETTINGS.speed))
 
 
 def carry_out_hit(cell: Workcell, grip: Grip, thing_id: str, down: JointPath) -> WorldState:

@@ -103,7 +103,7 @@ def plan_place(
                     return PlacePlan(grip, around.receptacle, way, begun.then(carry).then(lower)), choice
                 except MotionFailed as error:
                     reasons.append(error.message)
-    raise TaskFailed("plan", f"{grip.object_id} cannot be brought to {around.receptacle}: {first_reasons(reasons)}")
+    raise TaskFailed("plan", f"{grip.object_id} cannot be brought {around.where}: {first_reasons(reasons)}")
 
 
 def _holds(cell: Workcell, grip: Grip, around: Surroundings) -> Iterator[tuple[Held, Surroundings]]:
@@ -125,12 +125,19 @@ class Surroundings:
         obstacles: its walls and contents, and the neighbours.
         heights: z's that the object's bottom may keep on the way, the highest first, metres.
         raises: how much higher it may come to where the hand meets something, metres.
+        hovers: where it is held in the air, in words; None where it is put down.
     """
 
     receptacle: str
     obstacles: Obstacles
     heights: tuple[float, ...]
     raises: tuple[float, ...] = SETTINGS.raises_m
+    hovers: str | None = None
+
+    @property
+    def where(self) -> str:
+        """The place in words."""
+        return self.hovers or f"to {self.receptacle}"
 
     @classmethod
     def of(cls, cell: Workcell, object_id: str, receptacle: str, point: int | None) -> Surroundings:

@@ -113,7 +113,7 @@ class Proposal(ABC):
             objects: all of the scene.
             slots: fields of the sub-task, in place of the usual ones.
         """
-        text, *others = wordings(self.goal, {o.id: o.record.phrase for o in objects})
+        text, *others = wordings(self.goal, {o.id: o.record.phrase for o in objects}, tool=slots.get("tool"))
         usual: dict[str, Any] = {"template": self.name, "text": text, "texts": others, "goals": [self.goal]}
         return Subtask(id=identifier, object=self.thing.id, script=f"subtasks/{identifier}.py", **(usual | slots))
 
