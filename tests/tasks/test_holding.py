@@ -7,8 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from tests.example_scenes import robot, scene_of, thing, world_of
+from tests.example_scenes import TABLE_TOP, robot, scene_of, thing, world_of
 from vcage.base.errors import NoFeasibleTask
+from vcage.goals.thresholds import THRESHOLDS
 from vcage.schema.goals import AskedGoal, Goal, goal_of
 from vcage.schema.subtasks import Subtask
 from vcage.sim.kinematics import kinematics_of
@@ -76,6 +77,13 @@ def test_a_thing_is_lifted_with_what_was_put_into_it():
     objects = [CADDY, BLOCK]
     chain, slots = planned(objects, ["block", "inside", "toolbox_tray"], ["toolbox_tray", "held_up"])
     assert holds(played(objects, chain, slots), objects, *(step.goals[0] for step in chain))
+
+
+def test_a_thing_that_hangs_low_from_its_handle_is_lifted_on_until_all_of_it_is_in_the_air():
+    pan = thing("frying_pan", (-0.2, -0.05), 0.0)
+    chain, slots = planned([pan], ["frying_pan", "held_up"])
+    world = played([pan], chain, slots)
+    assert pan.moved(world.object_pose(pan.id)).lowest >= TABLE_TOP + THRESHOLDS.lifted_m
 
 
 def test_what_a_hand_holds_is_not_put_down_again():

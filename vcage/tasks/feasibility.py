@@ -26,7 +26,7 @@ from vcage.tasks.findings import Feasibility, Report, hand_check, reach_check, t
 from vcage.tasks.grasps import GRASPING, GraspPose, approach_opening, hand_boxes
 from vcage.tasks.hand_poses import hand_poses
 from vcage.tasks.primitives.pick import lift_heights, reached_lift, transfer_heights
-from vcage.tasks.primitives.place_way import MAX_DROP, place_way, reached_place
+from vcage.tasks.primitives.place_way import DROP, largest_drop, place_way, reached_place
 from vcage.tasks.scene_objects import REMEMBERED, Obstacles, SceneObject, SolidBox, first_met
 from vcage.tasks.slots import nested_bottom
 from vcage.tasks.state import resting_point
@@ -124,6 +124,7 @@ class Transfer:
         around: boxes in reach of the hand there.
         over: heights that the object must clear on its way there, z in metres.
         others: all other objects, with their parts open as needed then.
+        drop_m: how far it may fall there.
     """
 
     target: SceneObject
@@ -133,6 +134,7 @@ class Transfer:
     around: Sequence[SolidBox]
     over: Sequence[float]
     others: tuple[SceneObject, ...]
+    drop_m: float = DROP.most_m
 
     @classmethod
     def into(
@@ -154,7 +156,7 @@ class Transfer:
         neighbours = [box for o in others if o.id != receptacle.id for box in o.boxes]
         around = [*receptacle.around(point.id), *neighbours]
         where, over = f"{point.name!r} of {receptacle.record.phrase}", [receptacle.rim(point.id)]
-        return cls(target, contact, where, poses, around, over, tuple(others))
+        return cls(target, contact, where, poses, around, over, tuple(others), largest_drop(receptacle, point.id))
 
     @classmethod
     def onto_table(
@@ -301,8 +303,8 @@ def _examine_place(
     if not goals:
         return [*pick.checks, reach_check("reach_place", transfer.where, False, arm)], None
     drop, path = _best_place(transfer, kinematics, held, goals, heights, pick.path[-1])
-    checks = [*pick.checks, _drop_check(transfer.target.record.phrase, transfer.where, drop)]
-    if drop > MAX_DROP:
+    checks = [*pick.checks, _drop_check(transfer, drop)]
+    if drop > transfer.drop_m:
         return checks, None
     checks.append(reach_check("reach_place", transfer.where, path is not None, arm))
     if path is None:
@@ -325,14 +327,14 @@ def _best_place(
     for height, goal in product(heights, goals):
         way = place_way(held, goal, transfer.obstacles, kinematics.arm.gripper, width, height)
         drops.append(way.drop)
-        reached = reached_place(kinematics, way, start) if way.drop <= MAX_DROP else None
+        reached = reached_place(kinematics, way, start) if way.drop <= transfer.drop_m else None
         if reached is not None:
             return way.drop, reached[1]
     return min(drops), None
 
 
-def _drop_check(phrase: str, where: str, drop: float) -> Check:
-    passed = drop <= MAX_DROP
+def _drop_check(transfer: Transfer, drop: float) -> Check:
+    phrase, passed = transfer.target.record.phrase, drop <= transfer.drop_m
     how = "is let go" if passed else "can only be let go"
-    message = f"{phrase} {how} {drop * 100:.1f} cm above {where}"
-    return Check(name="drop", passed=passed, value=drop, limit=MAX_DROP, message=message)
+    message = f"{phrase} {how} {drop * 100:.1f} cm above {transfer.where}"
+    return Check(name="drop", passed=passed, value=drop, limit=transfer.drop_m, message=message)

@@ -11,10 +11,12 @@ class HoldingSettings:
 
     Args:
         lift_m: height over its place to which an object is lifted.
+        clear_m: least height over the table of what one arm holds, also where it turns between the fingers.
         held_s: time for which it is then watched, seconds.
     """
 
     lift_m: float = 0.1
+    clear_m: float = 0.06
     held_s: float = 0.5
 
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from vcage.base.errors import UnknownName
+from vcage.base.geometry import Pose
 from vcage.schema.goals import Goal, goal_of
 from vcage.schema.plan import TABLE
 from vcage.sim.paths import JointPath
@@ -18,7 +19,7 @@ from vcage.sim.state import WorldState
 from vcage.sim.world import PHYSICS_HZ, World
 from vcage.tasks.choices import Choices, Retry
 from vcage.tasks.holding import SETTINGS as HOLDING
-from vcage.tasks.primitives.grip import Grip, feel, minding
+from vcage.tasks.primitives.grip import Grip, feel, hangs_below, minding
 from vcage.tasks.primitives.hit import carry_out_hit, plan_hit
 from vcage.tasks.primitives.hold_with_both import carry_out_with_both, plan_with_both
 from vcage.tasks.primitives.pick import carry_out_pick
@@ -174,6 +175,7 @@ class Task(Choices):
         """
         if self._grip is not None:
             self._lift(self._grip)
+            self._lift_on(self._grip)
         self.moment = self.world.state()
         self.world.step(round(seconds * PHYSICS_HZ))
 
@@ -218,6 +220,19 @@ class Task(Choices):
         feel(self._cell, grip)
         with minding(self._cell, grip):
             self._cell.carry_out(grip.arm, self._cell.begun(grip.arm))
+
+    def _lift_on(self, grip: Grip) -> None:
+        """Lift an object that turns between the fingers so high that all of it stays in the air while it does."""
+        cell, arm = self._cell, self.world.arms[grip.arm]
+        below = hangs_below(cell.object(grip.object_id), arm.tool_pose.p)
+        short = HOLDING.clear_m + below - (arm.tool_pose.p[2] - self.world.table.height)
+        if short <= 0:
+            return
+        with failing_at("place"):
+            higher = Pose(arm.tool_pose.p + [0.0, 0.0, short], arm.tool_pose.q)
+            path = cell.planner(grip.arm).line(cell.begun(grip.arm).end, higher, grip.carrying)
+        with minding(cell, grip):
+            cell.carry_out(grip.arm, path)
 
     def place(self, receptacle_id: str = TABLE, point: int | None = None) -> None:
         """Carry the held object to its slot in the receptacle or on the table, or to another free one, and let it go.

@@ -17,7 +17,7 @@ from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.robots import load_robot
 from vcage.tasks.grasps import GraspPose, approach_opening, grasp_poses, hand_boxes
 from vcage.tasks.primitives.place import SETTINGS, Surroundings
-from vcage.tasks.primitives.place_way import SET_DOWN, PlaceWay, place_way, reached_place
+from vcage.tasks.primitives.place_way import SET_DOWN, PlaceWay, largest_drop, place_way, reached_place
 from vcage.tasks.scene_objects import Obstacles, SceneObject, SolidBox
 
 GRIPPER = robot().arms["left"].gripper
@@ -95,6 +95,11 @@ def test_an_object_with_a_height_limit_has_no_higher_paths(raises):
     held = grasps_of(block)[0].in_object
     drops = {round(way.drop - SET_DOWN, 6) for way in around.ways(arm, held, 0.04, [block.pose], arm.home)}
     assert drops == {0.0, *raises}
+
+
+@pytest.mark.parametrize(("name", "drop_m"), [("dustbin", 0.105), ("bowl", 0.075), ("plate", 0.075)])
+def test_a_thing_may_fall_farther_between_the_walls_of_a_deep_receptacle(name, drop_m):
+    assert largest_drop(thing(name), 0) == pytest.approx(drop_m, abs=0.002)
 
 
 def test_a_place_at_the_very_end_of_an_arms_reach_is_not_enough():

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from vcage.base.geometry import box_corners
 from vcage.schema.asset import ContactPoint
 from vcage.sim.collision import Held
 from vcage.sim.paths import Load
@@ -72,6 +73,16 @@ def lever(target: SceneObject, at: np.ndarray) -> float:
     """Distance of the middle of an object from a point (3,) where it is held, metres; 0 where it hardly turns."""
     distance = float(np.linalg.norm((target.aabb.mean(axis=0) - at)[:2]))
     return distance if distance > SETTINGS.swing_lever_m else 0.0
+
+
+def hangs_below(target: SceneObject, at: np.ndarray) -> float:
+    """Depth of the lowest point of an object below where it is held (3,), metres; of one that turns between the
+    fingers, when it has turned farthest."""
+    if not lever(target, at):
+        return float(at[2] - target.lowest)
+    lower, upper = target.asset.bounds
+    corners = target.pose.apply(box_corners(lower, upper))
+    return float(np.linalg.norm(corners - at, axis=1).max())
 
 
 def sag(target: SceneObject, contact: ContactPoint) -> float:

@@ -107,7 +107,7 @@ def _planned(cell: Workcell, target: SceneObject, hands: Hands) -> PlanWithBoth:
     for name, one in ((first, second), (second, first)):
         around = cell.planner_among(name, {one: lifts[one][-1]}, lifted)
         gripper = around.kinematics.arm.gripper
-        around.check(lifts[name][-1], Load(command_of(hands[name].width, gripper), ignore=parts))
+        around.check(lifts[name][-1], Load(command_of(hands[name].width, gripper), fingers_may_touch=parts))
     return PlanWithBoth(target, hands, reaches, lifts)
 
 
@@ -115,7 +115,7 @@ def _reach(planner: MotionPlanner, begun: JointPath, hand: OneHand, parts: list[
     """The way of an arm to its hold."""
     opening = command_of(approach_opening(hand.width, planner.kinematics.arm.gripper), planner.kinematics.arm.gripper)
     reach = planner.move(begun.end, hand.way.before, Load(opening), then=[hand.way.grasp, hand.way.lifted])
-    near = Load(opening, ignore=parts, speed=CAREFUL_SPEED_SHARE)
+    near = Load(opening, fingers_may_touch=parts, speed=CAREFUL_SPEED_SHARE)
     return begun.then(reach).then(planner.line(reach.end, hand.way.grasp, near))
 
 

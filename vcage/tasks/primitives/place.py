@@ -17,7 +17,7 @@ from vcage.sim.paths import JointPath, Load
 from vcage.tasks.grasps import approach_opening, command_of
 from vcage.tasks.primitives.grip import Grip, feel, minding
 from vcage.tasks.primitives.pick import transfer_heights
-from vcage.tasks.primitives.place_way import MAX_DROP, PlaceWay, place_way, reached_place
+from vcage.tasks.primitives.place_way import DROP, PlaceWay, largest_drop, place_way, reached_place
 from vcage.tasks.scene_objects import Obstacles
 from vcage.tasks.touching import at_rest
 from vcage.tasks.workcell import CAREFUL_SPEED_SHARE, TaskFailed, Workcell, failing_at, first_reasons
@@ -126,6 +126,7 @@ class Surroundings:
         heights: z's that the object's bottom may keep on the way, the highest first, metres.
         raises: how much higher it may come to where the hand meets something, metres.
         hovers: where it is held in the air, in words; None where it is put down.
+        drop_m: how far it may fall.
     """
 
     receptacle: str
@@ -133,6 +134,7 @@ class Surroundings:
     heights: tuple[float, ...]
     raises: tuple[float, ...] = SETTINGS.raises_m
     hovers: str | None = None
+    drop_m: float = DROP.most_m
 
     @property
     def where(self) -> str:
@@ -150,12 +152,13 @@ class Surroundings:
             point: id of the receptacle's functional point; None on the table.
         """
         others = cell.objects_but(object_id, receptacle, *cell.contents(object_id))
-        boxes, over = [box for o in others for box in o.boxes], list[float]()
+        boxes, over, drop = [box for o in others for box in o.boxes], list[float](), DROP.most_m
         if point is not None:
             holder = cell.object(receptacle)
-            boxes, over = [*holder.around(point), *boxes], [holder.rim(point)]
+            boxes, over, drop = [*holder.around(point), *boxes], [holder.rim(point)], largest_drop(holder, point)
             others.append(holder)
-        return cls(receptacle, Obstacles(boxes), transfer_heights(others, cell.world.table.height, over))
+        heights = transfer_heights(others, cell.world.table.height, over)
+        return cls(receptacle, Obstacles(boxes), heights, drop_m=drop)
 
     def ways(
         self, kinematics: ArmKinematics, held: Pose, width: float, poses: Sequence[Pose], start: np.ndarray
@@ -180,14 +183,14 @@ class Surroundings:
         for height in self.heights:
             ways = [place_way(held, pose, self.obstacles, gripper, width, height) for pose in poses]
             least = min(least, *(way.drop for way in ways))
-            new = [w for w in ways if w.drop <= MAX_DROP and all(w.release != there.release for there in near)]
+            new = [w for w in ways if w.drop <= self.drop_m and all(w.release != there.release for there in near)]
             found = [reached[0] for way in new if (reached := reached_place(kinematics, way, start))]
             near += sorted(found, key=lambda way: kinematics.distance(start, way.above))
-        if least > MAX_DROP:
+        if least > self.drop_m:
             raise MotionFailed(f"it would fall {least * 100:.1f} cm")
         if not near:
             raise MotionFailed("its place is out of reach")
-        return [*near, *(way.raised(x) for way in near for x in self.raises if way.drop + x <= MAX_DROP)]
+        return [*near, *(way.raised(x) for way in near for x in self.raises if way.drop + x <= self.drop_m)]
 
     def check(self, planner: MotionPlanner, start: np.ndarray, held: Held, width: float, poses: Sequence[Pose]) -> None:
         """Check that a hold leads to a place: the arm comes down to it, the fingers can open, and the hand gets away.

@@ -11,13 +11,35 @@ from vcage.base.geometry import Pose
 from vcage.schema.robot import Gripper
 from vcage.sim.kinematics import ArmKinematics, follow
 from vcage.tasks.grasps import approach_opening, hand_boxes
-from vcage.tasks.scene_objects import Obstacles, SolidBox
+from vcage.tasks.scene_objects import Obstacles, SceneObject, SolidBox
 
 SET_DOWN = 0.004
 """Metres above its support at which an object is let go when nothing is in the way."""
 
-MAX_DROP = 0.075
-"""An object may fall this far into a receptacle whose rim keeps the hand out, metres."""
+
+@dataclass(frozen=True)
+class DropSettings:
+    """How far an object may fall when it is let go.
+
+    Args:
+        most_m: into a receptacle whose rim keeps the hand out.
+        deep_m: into one that is so deep that its walls are around the object before it is let go.
+        sunk_m: depth of the object's bottom below the rim then.
+    """
+
+    most_m: float = 0.075
+    deep_m: float = 0.12
+    sunk_m: float = 0.03
+
+
+DROP = DropSettings()
+
+
+def largest_drop(receptacle: SceneObject, point: int) -> float:
+    """How far an object may fall to a functional point, metres."""
+    annotated = receptacle.asset.annotation.functional_point(point)
+    depth = receptacle.asset.opening(annotated).depth if annotated.holds == "in" else 0.0
+    return max(DROP.most_m, min(DROP.deep_m, depth - DROP.sunk_m))
 
 
 @dataclass(frozen=True)

@@ -90,8 +90,8 @@ def _brings(transfer: Transfer, taker: ArmKinematics, heights: tuple[float, ...]
     """
 
     def suits(hold: Hold) -> None:
-        around, home = Surroundings(transfer.where, transfer.obstacles, heights), taker.home
-        around.ways(taker, hold.in_object, hold.width, transfer.poses, home)
+        around = Surroundings(transfer.where, transfer.obstacles, heights, drop_m=transfer.drop_m)
+        around.ways(taker, hold.in_object, hold.width, transfer.poses, taker.home)
 
     return suits
 
