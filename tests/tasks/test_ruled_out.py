@@ -94,3 +94,15 @@ def test_a_bowl_emptied_before_its_move_is_not_refused(goals: list[tuple[str, st
 def test_a_cup_held_by_its_middle_is_carried_with_its_contents():
     objects = [thing("lipstick"), thing("cup", (-0.2, 0.0)), thing("plate", (0.2, 0.0))]
     require_level(asked(("lipstick", "inside", "cup"), ("cup", "on", "plate")), objects)
+
+
+def test_nothing_is_put_into_what_tips_in_the_hand_that_holds_it_up():
+    held = AskedGoal(goal=Goal(subject="bowl", relation="held_up"), step=1, words="hold up the bowl")
+    (put,) = asked(("apple", "inside", "bowl"))
+    with pytest.raises(NoFeasibleTask, match="apple cannot be put into the white bowl while that is held up"):
+        require_level([held, put.model_copy(update={"step": 2})], BOWL)
+
+
+def test_a_filled_bowl_that_is_hit_stays_where_it_is():
+    hit = AskedGoal(goal=Goal(subject="bowl", relation="hit"), step=2, words="hit the bowl")
+    require_level([*asked(("apple", "inside", "bowl")), hit], BOWL)

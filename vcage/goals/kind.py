@@ -189,6 +189,11 @@ class GoalKind:
         return self.acts_on is None and self.happens is None and not self.fleeting and not self.shown.start
 
     @property
+    def moves(self) -> bool:
+        """True for a goal for which its subject is taken from its place."""
+        return self.acts_on is None and self.stays_m is None
+
+    @property
     def form(self) -> str:
         """The form in which a person states such a goal; {} is the word."""
         part = "/PART" if self.acts_on else ""

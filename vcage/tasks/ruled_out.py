@@ -131,7 +131,7 @@ def require_fronts(goals: Sequence[AskedGoal], objects: Sequence[SceneObject]) -
 
 
 def require_level(goals: Sequence[AskedGoal], objects: Sequence[SceneObject]) -> None:
-    """Refuse to move an object that was filled before, if it tips when it is carried.
+    """Refuse to move an object that was filled before, or to fill one that is held up, if it tips in a hand.
 
     Args:
         goals: that are asked for.
@@ -140,15 +140,20 @@ def require_level(goals: Sequence[AskedGoal], objects: Sequence[SceneObject]) ->
     Raises:
         NoFeasibleTask: names the container, its contents, and a possible order.
     """
-    by_id, lies = {o.id: o for o in objects}, dict[str, str]()
+    by_id, lies, tipped = {o.id: o for o in objects}, dict[str, str](), set[str]()
     words = {one.goal: one.words for one in goals}
     for step in in_steps(goals):
-        moved = {goal.subject: goal for goal in sorted(step, key=str) if goal.kind.acts_on is None}
+        if poured := next((g for g in sorted(step, key=str) if g.relation in HOLDING and g.reference in tipped), None):
+            raise _pours(by_id[str(poured.reference)], by_id[poured.subject], poured, words[poured])
+        moved = {goal.subject: goal for goal in sorted(step, key=str) if goal.kind.moves}
         for name, content in _filled(moved, lies):
             if not stays_level(by_id[name]) and moved[name].kind.arms == 1:
                 raise _tips(by_id[name], by_id[content], moved[name], words[moved[name]])
         put = {g.subject: str(g.reference) for g in step if g.relation == "inside" and g.part is None}
         lies = {name: holder for name, holder in lies.items() if name not in moved} | put
+        tipped |= {
+            g.subject for g in step if g.kind.fleeting and g.kind.arms == 1 and not stays_level(by_id[g.subject])
+        }
 
 
 def _filled(moved: Collection[str], lies: Mapping[str, str]) -> list[tuple[str, str]]:
@@ -163,5 +168,16 @@ def _tips(thing: SceneObject, content: SceneObject, goal: Goal, words: str) -> N
         f"the {name} cannot be carried with the {other} in it ({words!r}): the gripper "
         "holds it only by its edge, where it tips",
         hint=f"ask to move the {name} first, and then to put the {other} into it",
+        details={"missing": [str(goal)]},
+    )
+
+
+def _pours(thing: SceneObject, content: SceneObject, goal: Goal, words: str) -> NoFeasibleTask:
+    """The error about an object that is held up and tips in the hand, so that nothing stays in it."""
+    name, other = thing.record.phrase, content.record.phrase
+    return NoFeasibleTask(
+        f"the {other} cannot be put into the {name} while that is held up ({words!r}): the gripper "
+        "holds it only by its edge or handle, where it tips",
+        hint=f"ask to put the {other} into the {name} where it stands",
         details={"missing": [str(goal)]},
     )

@@ -241,6 +241,19 @@ def test_the_arm_that_takes_the_tool_is_the_arm_of_the_hit() -> None:
     assert [(str(asked.goal), asked.arm) for asked in reading.goals] == [("block_red hit", "left")]
 
 
+def test_what_one_arm_picked_up_no_other_arm_puts_down() -> None:
+    things = ("apple/red", "bowl/white")
+    with pytest.raises(UnreadInstruction, match="the left arm has apple_red; hand it to the right arm before"):
+        in_scene("Pick up the apple with the left arm and put it in the bowl with the right arm", *things)
+    sentence = "Pick up the apple with the left arm and put it in the bowl"
+    reading = read_goals(sentence, scene(*things))
+    assert [asked.arm for asked in reading.goals] == ["left"]
+    with pytest.raises(UnreadInstruction, match="the right arm has apple_red"):
+        in_scene(
+            "Hand the apple to the right arm with the left arm, then put it in the bowl with the left arm", *things
+        )
+
+
 @pytest.mark.parametrize(
     ("sentence", "why"),
     [

@@ -147,6 +147,8 @@ class Goals:
         return [a.model_copy(update={"step": first + number * ordered}) for number, several in steps for a in several]
 
     def _add(self, command: Command, subject: str, relation: str, *rest: str | None, arm: str | None = None) -> None:
+        if arm is None and subject not in self._moved:
+            self._require_holder(command, subject)
         goal, arm = goal_of([subject, relation, *rest]), arm or command.arm or self._arms.get(subject)
         if goal.reference in self._meanings.excepted:
             raise Doubt(command.words, f"{goal.reference} is excepted")
@@ -156,6 +158,16 @@ class Goals:
             picked = self._picked.get(subject)
             words = f"{picked.words} {command.words}" if picked else command.words
             self._added.append(AskedGoal(goal=goal, step=1, words=words, arm=arm))
+
+    def _require_holder(self, command: Command, name: str) -> None:
+        """Refuse to use a thing with another arm than that which has it, if one does.
+
+        Raises:
+            Conflict: names both arms.
+        """
+        if (holder := self._arms.get(name)) is not None and command.arm not in (None, holder):
+            why = f"the {holder} arm has {name}; hand it to the {command.arm} arm before"
+            raise Conflict(command.words, why)
 
     def _named(self, command: Command, besides: Collection[str] = (), least: int = 1) -> list[str]:
         """The objects of a command's nouns for things, and where they are taken from."""
@@ -256,10 +268,9 @@ class Goals:
         if part := next((noun for noun in command.things if noun.of_part(self.things.values())), None):
             raise Doubt(part.text, "no goal says that a part of a thing is hit; name the thing")
         tool = self._hitter(command)
+        self._require_holder(command, tool)
         arm, taken = self._arms.get(tool), self._picked.pop(tool, command)
         named = command.place or taken.things[0]
-        if arm is not None and command.arm not in (None, arm):
-            raise Doubt(command.words, f"the {arm} arm has {tool}; hand it to the {command.arm} arm before")
         self._hit_with.add(tool)
         self._event(replace(command, arm=command.arm or arm, words=_joined(taken, command)))
         hit = [asked.goal.subject for asked in self._added]
