@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import ast
 
+import numpy as np
 import pytest
 
+from tests.example_scenes import scene_of, thing
 from tests.run_folders import OPTIONS, copied
+from vcage.base.attempts import LIMITS
 from vcage.base.errors import NoFeasibleTask, SchemaMismatch
 from vcage.base.files import read_json, write_json
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
 from vcage.stages import search_subtasks
+from vcage.tasks.search import judging
 from vcage.tasks.synthesis import load_script
 
 
@@ -70,3 +74,19 @@ def test_the_judge_of_pairs_sees_the_instruction(finished, tmp_path, monkeypatch
     monkeypatch.setattr(reasoner, "judge_pairs", noted, raising=False)
     search_subtasks.execute(run, OPTIONS, finished.context)
     assert shown == [OPTIONS.instruction]
+
+
+@pytest.mark.parametrize(("reasons", "searches"), [("abcd", LIMITS.searches), ("aaaa", LIMITS.same_searches)])
+def test_a_search_in_vain_is_repeated_until_it_fails_for_the_same_reason(
+    reasons: str, searches: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said = iter(reasons)
+
+    def none(*_: object) -> None:
+        raise NoFeasibleTask(f"no chain, because of {next(said)}")
+
+    monkeypatch.setattr(search_subtasks, "find_subtasks", none)
+    scene = scene_of([thing("block")])
+    with pytest.raises(NoFeasibleTask, match=f"because of {reasons[searches - 1]}"):
+        search_subtasks._search(scene, [thing("block")], judging(False), np.random.default_rng(0))
+    assert "".join(said) == reasons[searches:]

@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.example_scenes import GROUND, TABLE_TOP, thing
+from vcage.base.attempts import LIMITS
 from vcage.base.geometry import Pose, boxes_overlap
 from vcage.goals.in_place_of import off_place
 from vcage.goals.presented import TOWARDS_CUSTOMER, faces, on_customers_half
@@ -21,6 +22,7 @@ from vcage.schema.plan import TABLE
 from vcage.sim.kinematics import kinematics_of
 from vcage.sim.robots import load_robot
 from vcage.tasks.grasps import grasp_poses
+from vcage.tasks.ground import Ground
 
 PLATE = thing("plate", (0.0, 0.05))
 WORDS = ["left_of", "right_of", "in_front_of", "behind", "beside", "near"]
@@ -116,3 +118,20 @@ def test_a_place_that_a_third_thing_has_taken_is_not_free() -> None:
     gone = PLATE.moved(Pose([0.3, 0.1, TABLE_TOP]))
     ground = replace(GROUND, starts={PLATE.id: PLATE.aabb})
     assert not list(ground.poses(block, goal("in_place_of", PLATE.id), [gone, mug], np.random.default_rng(0)))
+
+
+@pytest.mark.parametrize("fruitless", [0, 1, LIMITS.ground_rounds - 1, LIMITS.ground_rounds])
+def test_places_are_drawn_in_a_few_rounds_until_one_is_in_reach(
+    fruitless: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    block, rounds = thing("block", (-0.3, -0.1)), list[int]()
+
+    def drawn(*_: object) -> list[Pose]:
+        rounds.append(len(rounds))
+        return [PLATE.pose]
+
+    monkeypatch.setattr(Ground, "_free_poses", drawn)
+    monkeypatch.setattr(Ground, "_reached", lambda *_: len(rounds) > fruitless)
+    found = list(GROUND.poses(block, goal("on", TABLE), [], np.random.default_rng(0)))
+    assert len(rounds) == min(fruitless + 1, LIMITS.ground_rounds)
+    assert len(found) == (fruitless < LIMITS.ground_rounds)

@@ -25,7 +25,8 @@ from vcage.schema.goals import Goal, Reading
 from vcage.schema.plan import TABLE
 from vcage.schema.scene import ObjectRecord, Scene
 from vcage.sim.bodies import Body
-from vcage.sim.collision import SETTINGS, overlapping
+from vcage.sim.collision import SETTINGS as COLLISION
+from vcage.sim.collision import overlapping
 from vcage.sim.robots import load_robot, load_template
 from vcage.sim.state import SettleReport
 from vcage.sim.world import World
@@ -209,7 +210,7 @@ def _misplaced(scene: Scene, objects: Sequence[SceneObject]) -> Iterator[Complai
             wanted = f"all of it from {tuple(lower.tolist())} to {tuple(upper.tolist())}"
             yield fields[o.id], f"{o.id} reaches {100 * beyond:.1f} cm beyond the table's edge", wanted
     for first, second in overlapping({o.id: Body(o.asset.model, o.pose, o.joints) for o in objects}):
-        found = f"{second} overlaps {first} by more than {1000 * SETTINGS.overlap_m:.0f} mm"
+        found = f"{second} overlaps {first} by more than {1000 * COLLISION.overlap_m:.0f} mm"
         yield fields[second], found, "a pose that is free"
 
 

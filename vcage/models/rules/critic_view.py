@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TypeVar
 
@@ -17,11 +17,22 @@ from vcage.models.rules.pixels import Change, grown, salience
 from vcage.models.rules.standing import Sought, Standing
 from vcage.vision.protocols import Reference
 
-AROUND_PX = 8.0
-"""Margin around an outline that belongs to it."""
 
-ALIKE_SHARE = 0.2
-"""Most by which the sides of objects differ, in shares of the longer, for one to be taken for the other."""
+@dataclass(frozen=True)
+class ViewSettings:
+    """Limits shared by the judgements.
+
+    Args:
+        around_px: margin around an outline that belongs to it.
+        alike_share: most by which the sides of objects differ, in shares of the longer, for one to be taken for the
+            other.
+    """
+
+    around_px: float = 8.0
+    alike_share: float = 0.2
+
+
+VIEW = ViewSettings()
 
 Found = TypeVar("Found")
 
@@ -78,7 +89,7 @@ class CriticView:
     def around(self, *standing: Standing | None) -> np.ndarray:
         """(H, W) bool, where some things stand, and a little around them."""
         masks = [one.covered for one in standing if one is not None]
-        return grown(np.any(masks, axis=0), AROUND_PX) if masks else self.nowhere
+        return grown(np.any(masks, axis=0), VIEW.around_px) if masks else self.nowhere
 
     def look(self, name: str) -> Reference:
         """The reference picture of an object.
@@ -130,4 +141,4 @@ class CriticView:
 def _as_large(one: Sequence[float], other: Sequence[float]) -> bool:
     """True where the sorted sides of two boxes differ by no more than a share of the longer."""
     sides = np.sort([one, other])
-    return bool((np.ptp(sides, axis=0) <= ALIKE_SHARE * sides.max(axis=0)).all())
+    return bool((np.ptp(sides, axis=0) <= VIEW.alike_share * sides.max(axis=0)).all())

@@ -15,7 +15,7 @@ import numpy as np
 
 from vcage.base.errors import InputFileError
 from vcage.base.geometry import Camera, Pose
-from vcage.models.rules.critic_view import AROUND_PX, CriticView
+from vcage.models.rules.critic_view import VIEW, CriticView
 from vcage.models.rules.drawings import Draw, brightness, drawn_whole
 from vcage.models.rules.evidence.judgement import Judged, decided, refused
 from vcage.models.rules.pixels import changed, grown
@@ -167,7 +167,7 @@ def _judged(view: CriticView, goal: Goal, decide: Callable[[PartEvidence, Goal, 
     phrase = view.question.looks[goal.subject].phrase
     if evidence is None:
         return Judged(refused(f"the {phrase} is not found", 0.5), view.nowhere)
-    return Judged(decide(evidence, goal, phrase), grown(evidence.covered, AROUND_PX))
+    return Judged(decide(evidence, goal, phrase), grown(evidence.covered, VIEW.around_px))
 
 
 def _touched(sight: _Sight, view: CriticView) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 from vcage.base.errors import InputFileError
 from vcage.base.geometry import Pose
 from vcage.models.protocols import THIN_SUPPORT_M
-from vcage.models.rules.critic_view import AROUND_PX, CriticView
+from vcage.models.rules.critic_view import VIEW, CriticView
 from vcage.models.rules.drawings import Draw
 from vcage.models.rules.evidence.judgement import LEFT_SHARE, LOOKS_SHARE, Judged, decided, refused, unseen
 from vcage.models.rules.evidence.places import SETTINGS, Places, about, came_to, covered_by, margin_of, reaching
@@ -198,7 +198,7 @@ class _Putting:
             alike=like,
             beside=float(near.sum()) / area,
             margin=margin_of(alike & here, self.rooms, now.pose, before.camera),
-            explained=grown(old.covered, AROUND_PX) | wide | grown(hangs_out, AROUND_PX),
+            explained=grown(old.covered, VIEW.around_px) | wide | grown(hangs_out, VIEW.around_px),
             support_seen=places.support.seen or self.place.look.size[2] < THIN_SUPPORT_M,
             plain=not doubtful or (places.drawn is not None and places.drawn.seen),
             aloft=None if lies is None else lies.aloft,

@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 
 from vcage.base.geometry import Camera, Pose
-from vcage.models.rules.critic_view import AROUND_PX
+from vcage.models.rules.critic_view import VIEW
 from vcage.models.rules.evidence.support import Lying, Support, faintly_changed
 from vcage.models.rules.pixels import Change, changed, grown, looks_like
 from vcage.models.rules.standing import Sought, Standing
@@ -104,7 +104,7 @@ class Places:
     @cached_property
     def wide(self) -> np.ndarray:
         """(H, W) bool, the receptacle before and after, and its surroundings."""
-        return grown(self.room | self.stands.covered | self.now.covered, AROUND_PX)
+        return grown(self.room | self.stands.covered | self.now.covered, VIEW.around_px)
 
     @property
     def area(self) -> int:
@@ -116,7 +116,7 @@ def came_to(places: Places, before: View, after: View, thing: Sought) -> tuple[n
     """Divide the newly visible area around a receptacle into look-alikes of an object and other changes:
     (H, W) bool each."""
     change, here = places.change, places.here
-    came = change.things & ~grown(places.old.covered, AROUND_PX) & places.wide
+    came = change.things & ~grown(places.old.covered, VIEW.around_px) & places.wide
     alike = np.zeros_like(came)
     alike[came] = looks_like(thing.look, smoothed(after.picture)[came])
     stirred = came & ~grown(alike, SETTINGS.border_px)

@@ -14,7 +14,7 @@ import numpy as np
 
 from vcage.base.geometry import Pose
 from vcage.goals.thresholds import THRESHOLDS
-from vcage.models.rules.critic_view import AROUND_PX, CriticView
+from vcage.models.rules.critic_view import VIEW, CriticView
 from vcage.models.rules.drawings import as_bright, drawn_whole
 from vcage.models.rules.evidence.handed import REACH, arms_out
 from vcage.models.rules.evidence.judgement import LEFT_SHARE, Judged, Judgement, decided, refused, unseen
@@ -214,7 +214,7 @@ def _arm_seen(view: CriticView) -> np.ndarray:
     _, labels = cv2.connectedComponents(grown(view.change.all, SETTINGS.joined_px).astype(np.uint8))
     edge = np.concatenate([labels[-1], labels[0], labels[:, 0], labels[:, -1]])  # an arm may leave the picture, too
     arm = np.isin(labels, np.setdiff1d(edge, 0))
-    return grown(arm, AROUND_PX)
+    return grown(arm, VIEW.around_px)
 
 
 def judge_held_by_both(view: CriticView, goal: Goal) -> Judged:
