@@ -34,6 +34,7 @@ from pathlib import Path
 from typing import Any, get_args
 
 import numpy as np
+import torch
 
 from benchmarks._policy import played
 from benchmarks._policy.collected import Layout, Task, exported, meaning_of
@@ -135,16 +136,30 @@ def run(
         chosen: fields of :class:`Plan`.
 
     Raises:
-        UsageError: a row that is none.
+        UsageError: a row that is none, or a device that torch does not have.
     """
     plan = replace(QUICK if quick else Plan(), **{k: v for k, v in chosen.items() if v is not None})
     chosen_rows = [row for row in ROWS if row in rows.split(",")]
     if wrong := {*rows.split(",")} - {*ROWS}:
         raise UsageError(f"--rows knows {', '.join(ROWS)}, not {', '.join(sorted(wrong))}")
+    _require_device(device)
     folder = (data or cache_dir("benchmarks", "policy")) / robot / "-".join(instruction.lower().split())
     bench = _Bench(Task(instruction, robot, folder, workers), plan, device)
     found = [bench.row(row, seed) for seed in range(plan.seeds) for row in chosen_rows]
     return {"instruction": instruction, "robot": robot, "plan": asdict(plan), "rows": found}
+
+
+def _require_device(device: str) -> None:
+    """Check that torch trains on a device, before anything is collected for it.
+
+    Raises:
+        UsageError: it does not.
+    """
+    try:
+        torch.zeros(1, device=device)
+    except (RuntimeError, AssertionError) as error:  # torch without CUDA asserts
+        why = str(error).splitlines()[0]
+        raise UsageError(f"--device {device!r} is none that torch has here: {why}", hint="leave it out: cpu") from error
 
 
 @dataclass(frozen=True)

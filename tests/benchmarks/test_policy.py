@@ -7,8 +7,10 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pytest
 import torch
 
+from benchmarks import policy
 from benchmarks._policy.demonstrations import Demonstrations
 from benchmarks._policy.features import ObjectPoses, Objects, Seen, moved_with_objects, poses_of, seen_by, targets_of
 from benchmarks._policy.grip import carried, compensated, held
@@ -18,6 +20,7 @@ from benchmarks._policy.network import Size
 from benchmarks._policy.policy import Meaning, Policy, Scale
 from benchmarks._policy.steps import Progress, Steps
 from benchmarks._policy.training import Noise, Training, trained, turned
+from vcage.base.errors import UsageError
 from vcage.sim.kinematics import kinematics_of
 from vcage.sim.robots import load_robot
 
@@ -324,3 +327,9 @@ def test_a_localiser_finds_a_square_in_pictures() -> None:
     localiser = trained_localiser({"cam_high": pictures}, hands, places, [view], training)
     found = localiser.positions({"cam_high": pictures[7]}, hands[torch.tensor([7])])
     assert float((found[0] - places[7]).abs().max()) < 0.25 * float(places.std(dim=0).max())
+
+
+def test_a_device_that_torch_does_not_have_is_refused_before_anything_is_collected(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="--device 'gpu' is none that torch has here"):
+        policy.run(quick=True, data=tmp_path, device="gpu")
+    assert not list(tmp_path.iterdir())
