@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from types import ModuleType
 from typing import Literal
 
 from benchmarks._policy.demonstrations import Demonstrations
 from benchmarks._policy.policy import Meaning
-from vcage.base.errors import TooFewVerified, UsageError
+from vcage.base.errors import StaleStage, TooFewVerified, UsageError
 from vcage.base.files import RunFolder
 from vcage.base.progress import Progress
 from vcage.runs.accepted import accepted_episodes
 from vcage.runs.context import StageContext
+from vcage.runs.stage import StageOptions
 from vcage.schema.subtasks import Subtasks
 from vcage.stages import collect, compress, export, inpaint_plan, match, optimize, search_subtasks, select_place, verify
 from vcage.stages.chain import ChainOptions
@@ -64,13 +66,13 @@ class Task:
         if (found := len(accepted_episodes(run))) < episodes:
             raise TooFewVerified(f"{run.root} has {found} episodes, {episodes} are wanted")
         asked = export.Options(formats=(FORMAT,), no_videos=True, environment_state=True)
-        export.execute(run, asked, context, _said(f"{layout}: export"))
+        _renewed(export, run, asked, context, f"{layout}: export")
         return run
 
     def compressed(self, run: RunFolder) -> None:
         """Compress the videos of a run, and keep the raw pictures."""
         options = compress.Options(keep_raw=True, workers=self.workers)
-        compress.execute(run, options, StageContext("offline"), _said("compress"))
+        _renewed(compress, run, options, StageContext("offline"), "compress")
 
 
 def exported(run: RunFolder) -> Path:
@@ -95,6 +97,14 @@ def meaning_of(run: RunFolder, demonstrations: Demonstrations, robot: str, turne
     if not all(steps):
         raise UsageError(f"a sub-task of {run.root} is about no object", hint="give another --instruction")
     return Meaning(robot, demonstrations.names, demonstrations.object_names, tuple(steps), turned)
+
+
+def _renewed(stage: ModuleType, run: RunFolder, options: StageOptions, context: StageContext, name: str) -> None:
+    """Carry a stage out; where it was of fewer episodes, again."""
+    try:
+        stage.execute(run, options, context, _said(name))
+    except StaleStage:
+        stage.execute(run, replace(options, force=True), context, _said(name))
 
 
 def _said(what: str) -> Progress:
