@@ -6,6 +6,7 @@ A task knows the state of its world, as an expert does; whether the sub-task was
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,6 +15,7 @@ from vcage.base.errors import UnknownName
 from vcage.base.geometry import Pose
 from vcage.schema.goals import Goal, goal_of
 from vcage.schema.plan import TABLE
+from vcage.sim.motion import MotionFailed
 from vcage.sim.paths import JointPath
 from vcage.sim.state import WorldState
 from vcage.sim.world import PHYSICS_HZ, World
@@ -222,17 +224,22 @@ class Task(Choices):
             self._cell.carry_out(grip.arm, self._cell.begun(grip.arm))
 
     def _lift_on(self, grip: Grip) -> None:
-        """Lift an object that turns between the fingers so high that all of it stays in the air while it does."""
+        """Lift an object that turns between the fingers so high that all of it stays in the air while it does.
+
+        Where the arm does not reach so high it stays where it is: the object may be high enough.
+        """
         cell, arm = self._cell, self.world.arms[grip.arm]
         below = hangs_below(cell.object(grip.object_id), arm.tool_pose.p)
         short = HOLDING.clear_m + below - (arm.tool_pose.p[2] - self.world.table.height)
         if short <= 0:
             return
-        with failing_at("place"):
-            higher = Pose(arm.tool_pose.p + [0.0, 0.0, short], arm.tool_pose.q)
+        higher = Pose(arm.tool_pose.p + [0.0, 0.0, short], arm.tool_pose.q)
+        with suppress(MotionFailed):
             path = cell.planner(grip.arm).line(cell.begun(grip.arm).end, higher, grip.carrying)
-        with minding(cell, grip):
-            cell.carry_out(grip.arm, path)
+            with minding(cell, grip):
+                cell.carry_out(grip.arm, path)
+            now = cell.held(grip.object_id, arm.tool_pose)
+            self._grip = replace(grip, load=replace(grip.load, held=now))
 
     def place(self, receptacle_id: str = TABLE, point: int | None = None) -> None:
         """Carry the held object to its slot in the receptacle or on the table, or to another free one, and let it go.
