@@ -6,13 +6,13 @@ from collections.abc import Sequence
 
 import pytest
 
-from tests.example_scenes import thing
+from tests.example_scenes import robot, thing
 from vcage.base.errors import NoFeasibleTask
 from vcage.schema.goals import AskedGoal, Goal, goal_of
 from vcage.tasks.ruled_out import require_level, require_way
 from vcage.tasks.scene_objects import SceneObject
 
-ARMS = ("left", "right")
+ARMS = robot().arms
 
 
 def wanting(goal: Goal, objects: Sequence[SceneObject]) -> None:
@@ -76,7 +76,7 @@ def asked(*goals: tuple[str, str, str]) -> list[AskedGoal]:
 def test_a_filled_bowl_is_not_carried_and_the_error_offers_alternatives():
     goals = asked(("apple", "inside", "bowl"), ("bowl", "on", "tray"))
     with pytest.raises(NoFeasibleTask, match=r"bowl cannot be carried with the .* apple in it \('step 1'\)") as caught:
-        require_level(goals, BOWL)
+        require_level(goals, BOWL, ARMS.values())
     assert "move the white bowl first" in caught.value.hint
 
 
@@ -88,21 +88,21 @@ def test_a_filled_bowl_is_not_carried_and_the_error_offers_alternatives():
     ],
 )
 def test_a_bowl_emptied_before_its_move_is_not_refused(goals: list[tuple[str, str, str]]):
-    require_level(asked(*goals), BOWL)
+    require_level(asked(*goals), BOWL, ARMS.values())
 
 
 def test_a_cup_held_by_its_middle_is_carried_with_its_contents():
     objects = [thing("lipstick"), thing("cup", (-0.2, 0.0)), thing("plate", (0.2, 0.0))]
-    require_level(asked(("lipstick", "inside", "cup"), ("cup", "on", "plate")), objects)
+    require_level(asked(("lipstick", "inside", "cup"), ("cup", "on", "plate")), objects, ARMS.values())
 
 
 def test_nothing_is_put_into_what_tips_in_the_hand_that_holds_it_up():
     held = AskedGoal(goal=Goal(subject="bowl", relation="held_up"), step=1, words="hold up the bowl")
     (put,) = asked(("apple", "inside", "bowl"))
     with pytest.raises(NoFeasibleTask, match="apple cannot be put into the white bowl while that is held up"):
-        require_level([held, put.model_copy(update={"step": 2})], BOWL)
+        require_level([held, put.model_copy(update={"step": 2})], BOWL, ARMS.values())
 
 
 def test_a_filled_bowl_that_is_hit_stays_where_it_is():
     hit = AskedGoal(goal=Goal(subject="bowl", relation="hit"), step=2, words="hit the bowl")
-    require_level([*asked(("apple", "inside", "bowl")), hit], BOWL)
+    require_level([*asked(("apple", "inside", "bowl")), hit], BOWL, ARMS.values())

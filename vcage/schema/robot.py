@@ -17,6 +17,10 @@ DEFAULT_ROBOT = "dual_panda"
 """The robot where neither the request nor the scene template names one."""
 
 
+FIRM_N_PER_M = 10_000.0
+"""Least stiffness of firm fingers."""
+
+
 class Gripper(Record):
     """A parallel gripper; its frame has z along the approach, y along the closing, the origin between the tips."""
 
@@ -25,6 +29,12 @@ class Gripper(Record):
     closed: Finite
     max_width: Finite = Field(gt=0, description="opening between the fingers, metres")
     force: Finite = Field(gt=0, description="force limit of each finger joint, newtons")
+    stiffness: Finite | None = Field(
+        default=None, gt=0, description="of each finger joint's drive, N/m: else the arm's"
+    )
+    damping: Finite | None = Field(
+        default=None, gt=0, description="of each finger joint's drive, N s/m: else the arm's"
+    )
     tip_depth: Finite = Field(gt=0, description="how far the finger tips reach beyond the frame's origin, metres")
     finger_length: Finite = Field(gt=0, description="free finger length from the palm to the frame's origin, metres")
     palm_size: tuple[Finite, Finite] = Field(description="palm size along x and y of the gripper frame, metres")
@@ -35,6 +45,14 @@ class Gripper(Record):
     friction_patch: Finite = Field(default=0.1, ge=0, description="radius of the torsional friction patch, metres")
     empty_width: Finite = Field(default=0.0015, gt=0, description="fingers closer than this hold nothing, metres")
     approach: Finite = Field(default=0.09, gt=0, description="straight way of the hand before a grasp, metres")
+
+    @property
+    def firm(self) -> bool:
+        """True if what is held far from its middle stays level, also by a thin wall.
+
+        At 10,000 N/m the fingers press with 35 N on a wall of 7 mm, and hold a basket by it that tips by 29° at 1000.
+        """
+        return self.stiffness is not None and self.stiffness >= FIRM_N_PER_M
 
 
 class Arm(Record):

@@ -130,8 +130,10 @@ class ArmControl:
         self._tool = articulation.find_link_by_name(arm.tool_link)
         self._offset = arm.tool_offset.pose() if arm.tool_offset else Pose()
         for joint in articulation.active_joints:
-            force = arm.gripper.force if joint.name in arm.gripper.joints else arm.force
-            joint.set_drive_properties(arm.stiffness, arm.damping, force_limit=force, mode="force")
+            stiffness, damping, force = arm.stiffness, arm.damping, arm.force
+            if joint.name in (fingers := arm.gripper).joints:
+                stiffness, damping, force = fingers.stiffness or stiffness, fingers.damping or damping, fingers.force
+            joint.set_drive_properties(stiffness, damping, force_limit=force, mode="force")
         self.layout = DriveLayout(len(arm.joints), articulation.dof)
         self.drives = np.zeros(self.layout.size)
         self._sent = np.full(self.layout.size, np.nan)

@@ -13,6 +13,7 @@ from vcage.base.errors import NoFeasibleTask
 from vcage.base.text import listed
 from vcage.plans.actions import HOLDING
 from vcage.schema.goals import AskedGoal, Goal, in_steps, part_words
+from vcage.schema.robot import Arm
 from vcage.tasks.asked_arms import require_arms
 from vcage.tasks.primitives.grip import stays_level
 from vcage.tasks.scene_objects import SceneObject
@@ -20,20 +21,20 @@ from vcage.tasks.search import SMALLER, is_about, judging, sensible
 from vcage.tasks.slots import HEADING
 
 
-def require_way(goals: Sequence[AskedGoal], objects: Sequence[SceneObject], arms: Collection[str]) -> None:
+def require_way(goals: Sequence[AskedGoal], objects: Sequence[SceneObject], arms: Mapping[str, Arm]) -> None:
     """Refuse goals that sizes rule out at any layout, or that lack a place or a tool.
 
     Args:
         goals: the requested ones.
         objects: of the scene; their places do not matter.
-        arms: of the robot.
+        arms: of the robot, by name.
 
     Raises:
         NoFeasibleTask: names each such goal with its words and the reason; also objects that would be carried with
             loose contents, those that have no front to turn to the robot, and goals that are asked of an unknown arm.
     """
     require_arms(goals, arms)
-    require_level(goals, objects)
+    require_level(goals, objects, arms.values())
     require_fronts(goals, objects)
     if ruled_out := _ruled_out(goals, objects):
         raise NoFeasibleTask(
@@ -130,12 +131,13 @@ def require_fronts(goals: Sequence[AskedGoal], objects: Sequence[SceneObject]) -
             )
 
 
-def require_level(goals: Sequence[AskedGoal], objects: Sequence[SceneObject]) -> None:
+def require_level(goals: Sequence[AskedGoal], objects: Sequence[SceneObject], arms: Collection[Arm]) -> None:
     """Refuse to move an object that was filled before, or to fill one that is held up, if it tips in a hand.
 
     Args:
         goals: that are asked for.
         objects: of the scene.
+        arms: of the robot.
 
     Raises:
         NoFeasibleTask: names the container, its contents, and a possible order.
@@ -147,12 +149,12 @@ def require_level(goals: Sequence[AskedGoal], objects: Sequence[SceneObject]) ->
             raise _pours(by_id[str(poured.reference)], by_id[poured.subject], poured, words[poured])
         moved = {goal.subject: goal for goal in sorted(step, key=str) if goal.kind.moves}
         for name, content in _filled(moved, lies):
-            if not stays_level(by_id[name]) and moved[name].kind.arms == 1:
+            if not stays_level(by_id[name], arms) and moved[name].kind.arms == 1:
                 raise _tips(by_id[name], by_id[content], moved[name], words[moved[name]])
         put = {g.subject: str(g.reference) for g in step if g.relation == "inside" and g.part is None}
         lies = {name: holder for name, holder in lies.items() if name not in moved} | put
         tipped |= {
-            g.subject for g in step if g.kind.fleeting and g.kind.arms == 1 and not stays_level(by_id[g.subject])
+            g.subject for g in step if g.kind.fleeting and g.kind.arms == 1 and not stays_level(by_id[g.subject], arms)
         }
 
 

@@ -17,6 +17,7 @@ from vcage.plans.actions import AT_START, Action
 from vcage.plans.planner import Task, complaints, find_chain
 from vcage.schema.goals import AskedGoal, Goal, in_steps, part_that
 from vcage.schema.plan import TABLE
+from vcage.schema.robot import Arm
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Chain, PairAnswer, PairQuestion, Refusal, Subtask, TemplateName
 from vcage.sim.joints import joint_positions
@@ -174,22 +175,22 @@ def actions_of(subtasks: Iterable[Subtask], objects: Sequence[SceneObject], scen
         objects: of the scene.
         scene: with its robot.
     """
-    by_id, arms = {o.id: o for o in objects}, len(load_robot(scene.robot).arms)
+    by_id, arms = {o.id: o for o in objects}, load_robot(scene.robot).arms
     return {subtask.id: _action_of(subtask, by_id[subtask.object], arms) for subtask in subtasks}
 
 
-def _action_of(subtask: Subtask, thing: SceneObject, arms: int) -> Action:
+def _action_of(subtask: Subtask, thing: SceneObject, arms: Mapping[str, Arm]) -> Action:
     """A sub-task as the planner sees it.
 
     Args:
         subtask: which.
         thing: its object.
-        arms: number of the robot's; those that it does not take may hold something up.
+        arms: of the robot; those that it does not take may hold something up.
     """
     moves = subtask.object if subtask.receptacle is not None or subtask.template in ENDS_IN_HAND else None
     alone = subtask.receptacle if subtask.template == "weigh" else None
     takes = max(1 + (subtask.hand_to is not None), *(goal.kind.arms for goal in subtask.goals))
-    along = subtask.template in FILLED and (takes > 1 or stays_level(thing))
+    along = subtask.template in FILLED and (takes > 1 or stays_level(thing, arms.values()))
     return Action(
         subtask.id,
         frozenset(subtask.requires),
@@ -199,7 +200,7 @@ def _action_of(subtask: Subtask, thing: SceneObject, arms: int) -> Action:
         along,
         subtask.object,
         vacant=next((goal.reference for goal in subtask.goals if goal.relation == "in_place_of"), None),
-        spare=arms - takes,
+        spare=len(arms) - takes,
     )
 
 

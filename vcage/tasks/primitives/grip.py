@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from vcage.base.geometry import box_corners
 from vcage.schema.asset import ContactPoint
+from vcage.schema.robot import Arm, Gripper
 from vcage.sim.collision import Held
 from vcage.sim.paths import Load
 from vcage.sim.world import World
@@ -69,30 +70,32 @@ class Grip:
         return replace(self, load=load, grasped=self.load.held)
 
 
-def lever(target: SceneObject, at: np.ndarray) -> float:
+def lever(target: SceneObject, at: np.ndarray, gripper: Gripper) -> float:
     """Distance of the middle of an object from a point (3,) where it is held, metres; 0 where it hardly turns."""
     distance = float(np.linalg.norm((target.aabb.mean(axis=0) - at)[:2]))
-    return distance if distance > SETTINGS.swing_lever_m else 0.0
+    return 0.0 if gripper.firm or distance <= SETTINGS.swing_lever_m else distance
 
 
-def hangs_below(target: SceneObject, at: np.ndarray) -> float:
+def hangs_below(target: SceneObject, at: np.ndarray, gripper: Gripper) -> float:
     """Depth of the lowest point of an object below where it is held (3,), metres; of one that turns between the
     fingers, when it has turned farthest."""
-    if not lever(target, at):
+    if not lever(target, at, gripper):
         return float(at[2] - target.lowest)
     lower, upper = target.asset.bounds
     corners = target.pose.apply(box_corners(lower, upper))
     return float(np.linalg.norm(corners - at, axis=1).max())
 
 
-def sag(target: SceneObject, contact: ContactPoint) -> float:
+def sag(target: SceneObject, contact: ContactPoint, gripper: Gripper) -> float:
     """Sag of an object lifted at a contact point, metres."""
-    return SETTINGS.sag_share * lever(target, target.pose.apply([contact.position])[0])
+    return SETTINGS.sag_share * lever(target, target.pose.apply([contact.position])[0], gripper)
 
 
-def stays_level(target: SceneObject) -> bool:
-    """Check if an object can be held without turning between the fingers, so that its contents stay in it."""
-    return any(sag(target, contact) == 0 for contact in target.asset.annotation.carrying_points)
+def stays_level(target: SceneObject, arms: Iterable[Arm]) -> bool:
+    """Check if one of some arms holds an object without its turning between the fingers, so that its contents stay in
+    it."""
+    contacts = target.asset.annotation.carrying_points
+    return any(sag(target, contact, arm.gripper) == 0 for arm in arms for contact in contacts)
 
 
 def feel(cell: Workcell, grip: Grip) -> None:

@@ -203,7 +203,7 @@ def _plans(
         yield f"{contact.name!r} is on a moving part: {target.record.phrase} is not carried by it"
         return
     gripper = cell.world.arms[arm].arm.gripper
-    contents, hangs_lower = cell.contents(target.id), sag(target, contact)
+    contents, hangs_lower = cell.contents(target.id), sag(target, contact, gripper)
     if contents and hangs_lower:
         yield f"held at {contact.name!r}, {target.record.phrase} tips with what lies in it"
         return
@@ -275,7 +275,7 @@ def carry_out_pick(cell: Workcell, plan: PickPlan) -> Grip:
     grip = Grip(plan.arm, target.id, Load(control.opening, held), contents=cell.contents(target.id))
     with failing_at("grasp"):
         cell.put_off(plan.arm, cell.planner(plan.arm).line(plan.path.end, plan.way.lifted, lift), allowed)
-    return _hanging(cell, grip) if lever(target, plan.way.grasp.p) else grip
+    return _hanging(cell, grip) if lever(target, plan.way.grasp.p, control.arm.gripper) else grip
 
 
 def _hanging(cell: Workcell, grip: Grip) -> Grip:
