@@ -7,9 +7,11 @@ import pytest
 
 from tests.example_scenes import TABLE_TOP, kinematics, robot, thing
 from vcage.base.geometry import Pose
+from vcage.sim.kinematics import kinematics_of
 from vcage.sim.motion import MotionFailed
+from vcage.sim.robots import load_robot
 from vcage.tasks.grasps import grasp_poses
-from vcage.tasks.meeting import Hold, NoMeeting, holds_beside, meetings
+from vcage.tasks.meeting import Hold, NoMeeting, holds_beside, meeting_height, meetings
 from vcage.tasks.scene_objects import SceneObject
 
 GRIPPER = robot().arms["left"].gripper
@@ -85,6 +87,41 @@ def test_each_arm_holds_its_own_side():
     target = thing("rolling_pin")
     meeting = next(meetings(target, first_hold(target), ARMS, HEIGHT, any_hold))
     assert meeting.giver.p[0] < (meeting.pose * meeting.taken.in_object).p[0]
+
+
+@pytest.mark.parametrize("flipped", [0, 1])
+def test_arms_that_reach_down_only_near_their_bases_meet_there(flipped: int):
+    target, arms = thing("hammer"), load_robot("aloha_agilex").arms
+    contact = target.asset.annotation.carrying_points[0]
+    grasp = list(grasp_poses(Pose(), contact, arms["left"].gripper, 0.0))[flipped]
+    given, both = Hold(grasp.in_object, target.asset.grasp_width(contact)), (arms["left"], arms["right"])
+    left, right = map(kinematics_of, both)
+    meeting = next(meetings(target, given, (left, right), TABLE_TOP + 0.1, any_hold))
+    for arm, joints, hold in ((left, meeting.giving, given), (right, meeting.taking, meeting.taken)):
+        np.testing.assert_allclose(arm.fk(joints).p, (meeting.pose * hold.in_object).p, atol=1e-3)
+
+
+def test_meetings_where_something_is_in_the_way_are_left_out():
+    target = thing("hammer")
+    found = list(meetings(target, first_hold(target), ARMS, HEIGHT, any_hold))
+    rest = list(
+        meetings(target, first_hold(target), ARMS, HEIGHT, any_hold, lambda meeting: meeting.pose != found[0].pose)
+    )
+    assert rest
+    assert all(meeting.pose != found[0].pose for meeting in rest)
+
+
+def test_an_object_keeps_its_attitude_to_where_it_changes_hands():
+    hangs = thing("hammer").moved(Pose([0, 0, 1.0], [np.cos(0.15), 0, np.sin(0.15), 0]))
+    meeting = next(meetings(hangs, first_hold(hangs), ARMS, HEIGHT, any_hold))
+    assert meeting.pose.rotation()[2, 2] == pytest.approx(hangs.pose.rotation()[2, 2])
+
+
+def test_a_hand_is_as_high_above_all_others_as_what_hangs_from_it_needs():
+    target = thing("hammer")
+    given = first_hold(target)
+    alone, beside = (meeting_height(target, given, others, TABLE_TOP) for others in ([], [thing("bottle", (0.3, 0.0))]))
+    assert TABLE_TOP + given.in_object.p[2] < alone < beside
 
 
 def test_an_object_that_cannot_be_carried_on_is_not_handed_over():

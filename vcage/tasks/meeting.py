@@ -21,6 +21,8 @@ from vcage.schema.robot import Gripper
 from vcage.sim.kinematics import ArmKinematics
 from vcage.sim.motion import MotionFailed
 from vcage.tasks.grasps import GRASPING, approach_opening, hand_boxes
+from vcage.tasks.primitives.grip import SETTINGS as CARRYING
+from vcage.tasks.primitives.grip import lever
 from vcage.tasks.primitives.pick import transfer_height
 from vcage.tasks.scene_objects import REMEMBERED, SceneObject, SolidBox
 
@@ -38,9 +40,11 @@ class MeetingSettings:
         apart_m: between two hands on one object.
         wrist_m: from the finger tips back to the wrist.
         holds: of the second hand that are examined.
-        meetings: places for each hold.
-        ahead_m, above_m: places of the object before the middle between the arms' bases, and above it.
-        turned_deg: headings of the object off the line from one base to the other.
+        meetings: places for each hold at which nothing is in the way.
+        ahead_m, above_m: places of the first hand before the middle between the arms' bases, and above it. Arms with
+            short wrists meet near their bases and low: there their hands point down.
+        turned_deg: headings off the line from one base to the other of the line from the first hand to the second.
+            Where wrists turn little, hands meet one behind the other.
     """
 
     step_m: float = 0.015
@@ -52,9 +56,9 @@ class MeetingSettings:
     wrist_m: float = 0.18
     holds: int = 16
     meetings: int = 3
-    ahead_m: tuple[float, ...] = (0.5, 0.42, 0.58)
-    above_m: tuple[float, ...] = (0.3, 0.4, 0.22)
-    turned_deg: tuple[float, ...] = (0.0, 30.0, -30.0, 60.0, -60.0)
+    ahead_m: tuple[float, ...] = (0.5, 0.42, 0.58, 0.3, 0.2)
+    above_m: tuple[float, ...] = (0.3, 0.4, 0.22, 0.14, 0.08)
+    turned_deg: tuple[float, ...] = (0.0, 30.0, -30.0, 60.0, -60.0, 90.0, -90.0, 120.0, -120.0, 150.0, -150.0, 180.0)
 
 
 SETTINGS = MeetingSettings()
@@ -93,15 +97,18 @@ class Meeting:
 
     Args:
         pose: of the object in the world.
-        taken: how the second hand holds it.
+        given, taken: how the first and the second hand hold it.
         giver: gripper frame of the first hand in the world.
-        giving, taking: (n,) joints of the first and the second arm, rad.
+        giving: (n,) joints of the first arm, rad.
+        before, taking: (n,) joints of the second arm before its hold and at it, rad.
     """
 
     pose: Pose
+    given: Hold
     taken: Hold
     giver: Pose
     giving: np.ndarray
+    before: np.ndarray
     taking: np.ndarray
 
 
@@ -178,44 +185,59 @@ def places_along(asset: Asset, contacts: Sequence[ContactPoint], gripper: Grippe
             yield there
 
 
-def meeting_height(thing: SceneObject, others: Sequence[SceneObject], table_height: float) -> float:
-    """z of the hands from which on an object hangs above all others, however it is turned, metres."""
-    return transfer_height(others, table_height) + float(max(thing.asset.size)) / 2
+def meeting_height(thing: SceneObject, given: Hold, others: Sequence[SceneObject], table_height: float) -> float:
+    """z of the hand on an object from which on it hangs above all others, also where it sags, metres."""
+    hand = (thing.pose * given.in_object).p
+    return (
+        transfer_height(others, table_height)
+        + float(hand[2])
+        - thing.box.bottom
+        + CARRYING.sag_share * lever(thing, hand)
+    )
 
 
 Suits = Callable[[Hold], None]
 """Raises MotionFailed where an object that is taken by a hold cannot be brought to where it is to go."""
 
+Free = Callable[[Meeting], bool]
+"""True if nothing is in the way of the arms where they meet."""
+
 
 def meetings(
-    thing: SceneObject, given: Hold, arms: tuple[ArmKinematics, ArmKinematics], height: float, suits: Suits
+    thing: SceneObject,
+    given: Hold,
+    arms: tuple[ArmKinematics, ArmKinematics],
+    height: float,
+    suits: Suits,
+    free: Free = lambda _meeting: True,
 ) -> Iterator[Meeting]:
     """Yield the places where an object can change hands; at least one.
 
     Args:
-        thing: the handed-over object.
+        thing: the handed-over object; it is only turned about the vertical.
         given: the hand holding it.
         arms: the giving and the taking arm.
         height: least z of the hands, metres.
         suits: raises where a hold does not suit what comes next.
+        free: False for meetings to leave out.
 
     Raises:
         NoMeeting: there is none.
     """
-    giver, taker = arms
+    taker = arms[1]
     holds = _holds(thing, given, taker.arm.gripper)
     if not holds:
         long, thick = (100 * x for x in (max(thing.asset.size), taker.arm.gripper.palm_size[0]))
         room = f"it is {long:.1f} cm long, and each is {thick:.1f} cm thick"
         raise NoMeeting("room_for_hands", f"two hands have no room side by side on {thing.record.phrase}: {room}")
-    found, reasons = False, []
+    found, reasons, giver = False, [], _Giver(thing.pose, given, arms, height)
     for hold in holds[: SETTINGS.holds]:
         try:
             suits(hold)
         except MotionFailed as error:
             reasons.append(error.message)
             continue
-        for meeting in islice(_between(given, hold, giver, taker, height), SETTINGS.meetings):
+        for meeting in islice(filter(free, _between(given, hold, giver, taker)), SETTINGS.meetings):
             found = True
             yield meeting
     if not found and len(reasons) == min(len(holds), SETTINGS.holds):
@@ -224,28 +246,50 @@ def meetings(
         raise NoMeeting("reach_meeting", f"the two arms do not both reach {thing.record.phrase} between them")
 
 
-def _between(given: Hold, hold: Hold, giver: ArmKinematics, taker: ArmKinematics, height: float) -> Iterator[Meeting]:
+class _Giver:
+    """The arm that gives an object: the places to which it brings its hand, worked out once for all second hands.
+
+    Args:
+        attitude: of the object, which it keeps: as it stands, or as it hangs in the hand.
+        given: the arm's hand on the object.
+        arms: the giving and the taking arm.
+        height: least z of the hand, metres.
+    """
+
+    def __init__(self, attitude: Pose, given: Hold, arms: tuple[ArmKinematics, ArmKinematics], height: float):
+        self._attitude, self._given, (self._arm, _) = Pose(q=attitude.q), given, arms
+        bases = [arm.arm.base.pose() for arm in arms]
+        across, forward, middle = bases[1].p - bases[0].p, bases[0].rotation()[:, 0], (bases[0].p + bases[1].p) / 2
+        self._across = float(np.arctan2(across[1], across[0]))
+        choices = product(*(enumerate(x) for x in (SETTINGS.turned_deg, SETTINGS.above_m, SETTINGS.ahead_m)))
+        found: dict[tuple[float, ...], None] = {}
+        for (_, turned), (_, above), (_, ahead) in sorted(choices, key=lambda choice: sum(i for i, _ in choice)):
+            at = middle + ahead * forward + [0.0, 0.0, above]
+            found[(float(np.radians(turned)), *at[:2].tolist(), max(float(at[2]), height))] = None
+        self._places = list(found)
+        self._known: dict[tuple[float, ...], np.ndarray | None] = {}
+
+    def brings(self, hold: Hold) -> Iterator[tuple[Pose, np.ndarray]]:
+        """The object's poses that the arm reaches, and its joints: first those with a second hand on its own side."""
+        lean = self._attitude.apply(hold.wrist - self._given.wrist)
+        if np.linalg.norm(lean[:2]) < 1e-3:
+            return
+        own_side = round(self._across - float(np.arctan2(lean[1], lean[0])), 3)
+        for turned, *at in self._places:
+            turn = Pose.from_yaw([0, 0, 0], own_side + turned) * self._attitude
+            pose, key = Pose(at - turn.apply(self._given.in_object.p), turn.q), (own_side, turned, *at)
+            if key not in self._known:
+                self._known[key] = self._arm.ik(pose * self._given.in_object)
+            joints = self._known[key]
+            if joints is not None:
+                yield pose, joints
+
+
+def _between(given: Hold, hold: Hold, giver: _Giver, taker: ArmKinematics) -> Iterator[Meeting]:
     """Places between two arms where both reach an object, each by its hold."""
-    bases = [arm.arm.base.pose() for arm in (giver, taker)]
-    across, lean = bases[1].p - bases[0].p, hold.wrist - given.wrist
-    if np.linalg.norm(lean[:2]) < 1e-3:
-        return
-    forward, turn = bases[0].rotation()[:, 0], np.arctan2(across[1], across[0]) - np.arctan2(lean[1], lean[0])
-    middle = (hold.in_object.p + given.in_object.p) / 2
-    choices = product(
-        *(list(enumerate(values)) for values in (SETTINGS.turned_deg, SETTINGS.above_m, SETTINGS.ahead_m))
-    )
-    for (_, turned), (_, above), (_, ahead) in sorted(choices, key=lambda choice: sum(i for i, _ in choice)):
-        at = (bases[0].p + bases[1].p) / 2 + ahead * forward + [0.0, 0.0, above]
-        at[2] = max(at[2], height)
-        upright = Pose.from_yaw([0, 0, 0], float(turn + np.radians(turned)))
-        found = _meeting(Pose(at - upright.apply(middle), upright.q), given, hold, giver, taker)
-        if found is not None:
-            yield found
-
-
-def _meeting(pose: Pose, given: Hold, hold: Hold, giver: ArmKinematics, taker: ArmKinematics) -> Meeting | None:
-    mine, other = pose * given.in_object, pose * hold.in_object
-    giving, before = giver.ik(mine), taker.ik(other * Pose([0.0, 0.0, -taker.arm.gripper.approach]))
-    taking = None if before is None else taker.ik(other, before, attempts=0)
-    return None if giving is None or taking is None else Meeting(pose, hold, mine, giving, taking)
+    for pose, giving in giver.brings(hold):
+        other = pose * hold.in_object
+        before = taker.ik(other * Pose([0.0, 0.0, -taker.arm.gripper.approach]))
+        taking = None if before is None else taker.ik(other, before, attempts=0)
+        if before is not None and taking is not None:
+            yield Meeting(pose, given, hold, pose * given.in_object, giving, before, taking)

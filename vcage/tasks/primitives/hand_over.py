@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import islice
 
 import numpy as np
@@ -18,7 +19,8 @@ from vcage.sim.state import WorldState
 from vcage.tasks.grasps import approach_opening, command_of
 from vcage.tasks.meeting import SETTINGS as MEETING
 from vcage.tasks.meeting import Hold, Meeting, Suits, holds_beside, meeting_height, meetings
-from vcage.tasks.primitives.grip import Grip, feel
+from vcage.tasks.primitives.grip import SETTINGS as CARRYING
+from vcage.tasks.primitives.grip import Grip, feel, lever
 from vcage.tasks.primitives.pick import PickWay
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.touching import Allowance
@@ -26,6 +28,9 @@ from vcage.tasks.workcell import CAREFUL_SPEED_SHARE, TaskFailed, Workcell, fail
 
 TRIED = 16
 """Meetings for which every motion is planned before there is none."""
+
+CARRIED = 3
+"""Meetings to which it is carried: it turns between the fingers on its way, and may not be reached as it hangs then."""
 
 
 @dataclass(frozen=True)
@@ -61,11 +66,8 @@ class HandOver:
             TaskFailed: no way can be planned, the fingers close on nothing, or the object is lost.
         """
         cell, taker = self.cell, self.cell.world.arms[self.to]
-        planned, carry = self._plan(grip)
         meeting = [Allowance("hand", frozenset([self.object_id, *cell.world.arms]))]
-        cell.carry_out(grip.arm, carry)
-        feel(cell, grip)
-        taken, reach = self._as_it_hangs(grip.arm, planned)
+        taken, reach = self._bring(grip)
         taker.command_gripper(_opened(taken.width, taker.arm.gripper))
         cell.carry_out(self.to, reach, meeting)
         taker.grip(0.0)
@@ -75,9 +77,28 @@ class HandOver:
         self._let_go(grip.arm, meeting)
         now = cell.object(self.object_id)
         held = cell.held(now.id, taker.tool_pose)
-        grip = Grip(self.to, now.id, Load(opening=taker.opening, held=held), contents=grip.contents)
+        speed = CARRYING.hanging_speed if lever(now, taker.tool_pose.p) else 1.0
+        grip = Grip(self.to, now.id, Load(opening=taker.opening, held=held, speed=speed), contents=grip.contents)
         feel(cell, grip)
         return grip, moment
+
+    def _bring(self, grip: Grip) -> tuple[Hold, JointPath]:
+        """Carry it to where the second arm takes it as it hangs then: the hold, and the way there.
+
+        Raises:
+            TaskFailed: nowhere, or it is lost.
+        """
+        carried = 0
+        while True:
+            planned, carry = self._plan(grip)
+            self.cell.carry_out(grip.arm, carry)
+            feel(self.cell, grip)
+            carried += 1
+            try:
+                return self._as_it_hangs(grip.arm, planned)
+            except TaskFailed:
+                if carried == CARRIED:
+                    raise
 
     # --- planning ---
 
@@ -87,12 +108,45 @@ class HandOver:
         Raises:
             NoMeeting: nowhere.
         """
-        height = meeting_height(target, self.cell.objects_but(target.id), self.cell.world.table.height)
-        taker = kinematics_of(self.cell.world.arms[self.to].arm)
-        return meetings(target, given, (giver, taker), height, self.suits)
+        height = meeting_height(target, given, self.cell.objects_but(target.id), self.cell.world.table.height)
+        arms = self.cell.world.arms
+        name = next(name for name, control in arms.items() if kinematics_of(control.arm) is giver)
+        return meetings(
+            target, given, (giver, kinematics_of(arms[self.to].arm)), height, self.suits, partial(self._free, name)
+        )
 
-    def _plan(self, grip: Grip) -> tuple[Hold, JointPath]:
-        """The hold of the first meeting at which every motion is free, and the giving arm's way to it."""
+    def _free(self, giver: str, meeting: Meeting) -> bool:
+        """True if nothing is in the way at the second arm's hold, nor of the first arm when it draws back from there.
+
+        A quick test before ways through the room are planned.
+        """
+        try:
+            there = self._taker_at(giver, meeting)
+            opening = _opened(meeting.taken.width, there.kinematics.arm.gripper)
+            there.check(meeting.before, Load(opening))
+            there.check(meeting.taking, Load(opening, fingers_may_touch=self.cell.parts(self.object_id)))
+            self._gets_away(giver, meeting)
+        except MotionFailed:
+            return False
+        return True
+
+    def _taker_at(self, giver: str, meeting: Meeting) -> MotionPlanner:
+        """A planner of the second arm where the first holds the object for it."""
+        there = replace(self.cell.world.body(self.object_id), pose=meeting.pose)
+        return self.cell.planner_among(self.to, {giver: meeting.giving}, {self.object_id: there})
+
+    def _gets_away(self, giver: str, meeting: Meeting) -> None:
+        """Check that the first arm can draw back where the second has taken the object.
+
+        Raises:
+            MotionFailed: it cannot.
+        """
+        there = replace(self.cell.world.body(self.object_id), pose=meeting.pose)
+        leaving = self.cell.planner_among(giver, {self.to: meeting.taking}, {self.object_id: there})
+        self._draw_back(leaving, meeting.giving, _opened(meeting.given.width, leaving.kinematics.arm.gripper))
+
+    def _plan(self, grip: Grip) -> tuple[Meeting, JointPath]:
+        """The first meeting at which every motion is free, and the giving arm's way to it."""
         cell, control = self.cell, self.cell.world.arms[grip.arm]
         target, begun, planner = cell.object(self.object_id), cell.begun(grip.arm), cell.planner(grip.arm)
         given = Hold(target.pose.inverse() * control.tool_pose, control.finger_width)
@@ -100,9 +154,9 @@ class HandOver:
         try:
             for meeting in islice(self._meetings(target, given, planner.kinematics), TRIED):
                 try:
-                    carry = planner.move(begun.end, meeting.giver, replace(grip.load, speed=CAREFUL_SPEED_SHARE))
-                    self._check(grip.arm, meeting, carry.end, given)
-                    return meeting.taken, begun.then(carry)
+                    carry = planner.move(begun.end, meeting.giving, replace(grip.load, speed=CAREFUL_SPEED_SHARE))
+                    self._reach(self._taker_at(grip.arm, meeting), meeting, meeting.taken, meeting.pose)
+                    return meeting, begun.then(carry)
                 except MotionFailed as error:
                     reasons.append(error.message)
         except MotionFailed as error:
@@ -110,17 +164,17 @@ class HandOver:
         message = f"the {target.record.phrase} cannot be handed to the {self.to} arm: {first_reasons(reasons)}"
         raise TaskFailed("plan", message)
 
-    def _as_it_hangs(self, giver: str, planned: Hold) -> tuple[Hold, JointPath]:
+    def _as_it_hangs(self, giver: str, planned: Meeting) -> tuple[Hold, JointPath]:
         """The second arm's hold and its way there: an object may have turned in the first hand while it was carried."""
         cell, control = self.cell, self.cell.world.arms[giver]
         target, planner = cell.object(self.object_id), cell.planner(self.to)
         given = Hold(target.pose.inverse() * control.tool_pose, control.finger_width)
         reasons: list[str] = []
         contacts, gripper = target.asset.annotation.carrying_points, planner.kinematics.arm.gripper
-        for taken in [planned, *holds_beside(target.asset, given, contacts, gripper)][: 1 + MEETING.holds]:
+        for taken in [planned.taken, *holds_beside(target.asset, given, contacts, gripper)][: 1 + MEETING.holds]:
             try:
                 self.suits(taken)
-                reach = self._reach(planner, target.pose, taken)
+                reach = self._reach(planner, planned, taken, target.pose)
                 leaving = cell.planner_among(giver, {self.to: reach.end}, {})
                 self._leave(leaving, cell.begun(giver).end, _opened(control.finger_width, control.arm.gripper))
                 return taken, reach
@@ -129,25 +183,14 @@ class HandOver:
         message = f"the {self.to} arm cannot take the {target.record.phrase} as it hangs: {first_reasons(reasons)}"
         raise TaskFailed("plan", message)
 
-    def _check(self, giver: str, meeting: Meeting, giving: np.ndarray, given: Hold) -> None:
-        """Check that the second arm reaches the object, and the first, holding it at joints ``giving`` (n,), gets away.
-
-        Raises:
-            MotionFailed: it does not.
-        """
-        there = replace(self.cell.world.body(self.object_id), pose=meeting.pose)
-        planner = self.cell.planner_among(self.to, {giver: giving}, {self.object_id: there})
-        reach = self._reach(planner, meeting.pose, meeting.taken)
-        leaving = self.cell.planner_among(giver, {self.to: reach.end}, {self.object_id: there})
-        self._draw_back(leaving, giving, _opened(given.width, leaving.kinematics.arm.gripper))
-
-    def _reach(self, planner: MotionPlanner, pose: Pose, taken: Hold) -> JointPath:
-        """The second arm's way to its hold on the object at ``pose``, at the end straight on."""
+    def _reach(self, planner: MotionPlanner, planned: Meeting, taken: Hold, pose: Pose) -> JointPath:
+        """The second arm's way to its hold on the object at ``pose``, at the end straight on, about as planned."""
         gripper, begun = planner.kinematics.arm.gripper, self.cell.begun(self.to)
         opening, hand = _opened(taken.width, gripper), pose * taken.in_object
         before = hand * Pose([0.0, 0.0, -gripper.approach])
+        joints = planner.kinematics.ik(before, planned.before, attempts=0)
         near = Load(opening, fingers_may_touch=self.cell.parts(self.object_id), speed=CAREFUL_SPEED_SHARE)
-        reach = planner.move(begun.end, before, Load(opening), then=[hand])
+        reach = planner.move(begun.end, before if joints is None else joints, Load(opening), then=[hand])
         return begun.then(reach).then(planner.line(reach.end, hand, near))
 
     def _draw_back(self, planner: MotionPlanner, joints: np.ndarray, opening: float) -> JointPath:

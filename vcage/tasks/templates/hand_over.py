@@ -62,13 +62,13 @@ def _examine_giver(transfer: Transfer, arm: str, to: str, workplace: Workplace) 
     target, table_height = transfer.target, workplace.ground.height
     giver, taker = workplace.kinematics[arm], workplace.kinematics[to]
     width = target.asset.grasp_width(transfer.contact)
-    meet_at = meeting_height(target, transfer.others, table_height)
     suits, furthest = _brings(transfer, taker, transfer.heights(table_height)), list[Check]()
     for pick in picks(target, transfer.contact.id, tuple(transfer.others), arm, giver, table_height):
         checks, picked = list(pick.checks), pick.path
         if picked is not None:
             try:
                 given = Hold(pick.grasp.in_object, width)
+                meet_at = meeting_height(target, given, transfer.others, table_height)
                 found = next(meetings(target, given, (giver, taker), meet_at, suits))
             except NoMeeting as error:
                 checks.append(Check(name=error.check, passed=False, message=error.message))
