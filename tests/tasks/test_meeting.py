@@ -119,8 +119,9 @@ def test_an_object_keeps_its_attitude_to_where_it_changes_hands():
 
 def test_a_hand_is_as_high_above_all_others_as_what_hangs_from_it_needs():
     target = thing("hammer")
-    given = first_hold(target)
-    alone, beside = (meeting_height(target, given, others, TABLE_TOP) for others in ([], [thing("bottle", (0.3, 0.0))]))
+    given, gripper = first_hold(target), ARMS[0].arm.gripper
+    alone = meeting_height(target, given, gripper, [], TABLE_TOP)
+    beside = meeting_height(target, given, gripper, [thing("bottle", (0.3, 0.0))], TABLE_TOP)
     assert TABLE_TOP + given.in_object.p[2] < alone < beside
 
 

@@ -185,14 +185,16 @@ def places_along(asset: Asset, contacts: Sequence[ContactPoint], gripper: Grippe
             yield there
 
 
-def meeting_height(thing: SceneObject, given: Hold, others: Sequence[SceneObject], table_height: float) -> float:
+def meeting_height(
+    thing: SceneObject, given: Hold, gripper: Gripper, others: Sequence[SceneObject], table_height: float
+) -> float:
     """z of the hand on an object from which on it hangs above all others, also where it sags, metres."""
     hand = (thing.pose * given.in_object).p
     return (
         transfer_height(others, table_height)
         + float(hand[2])
         - thing.box.bottom
-        + CARRYING.sag_share * lever(thing, hand)
+        + CARRYING.sag_share * lever(thing, hand, gripper)
     )
 
 

@@ -77,7 +77,7 @@ class HandOver:
         self._let_go(grip.arm, meeting)
         now = cell.object(self.object_id)
         held = cell.held(now.id, taker.tool_pose)
-        speed = CARRYING.hanging_speed if lever(now, taker.tool_pose.p) else 1.0
+        speed = CARRYING.hanging_speed if lever(now, taker.tool_pose.p, taker.arm.gripper) else 1.0
         grip = Grip(self.to, now.id, Load(opening=taker.opening, held=held, speed=speed), contents=grip.contents)
         feel(cell, grip)
         return grip, moment
@@ -108,8 +108,8 @@ class HandOver:
         Raises:
             NoMeeting: nowhere.
         """
-        height = meeting_height(target, given, self.cell.objects_but(target.id), self.cell.world.table.height)
-        arms = self.cell.world.arms
+        arms, table_height = self.cell.world.arms, self.cell.world.table.height
+        height = meeting_height(target, given, giver.arm.gripper, self.cell.objects_but(target.id), table_height)
         name = next(name for name, control in arms.items() if kinematics_of(control.arm) is giver)
         return meetings(
             target, given, (giver, kinematics_of(arms[self.to].arm)), height, self.suits, partial(self._free, name)

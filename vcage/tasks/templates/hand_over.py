@@ -68,7 +68,7 @@ def _examine_giver(transfer: Transfer, arm: str, to: str, workplace: Workplace) 
         if picked is not None:
             try:
                 given = Hold(pick.grasp.in_object, width)
-                meet_at = meeting_height(target, given, transfer.others, table_height)
+                meet_at = meeting_height(target, given, giver.arm.gripper, transfer.others, table_height)
                 found = next(meetings(target, given, (giver, taker), meet_at, suits))
             except NoMeeting as error:
                 checks.append(Check(name=error.check, passed=False, message=error.message))
