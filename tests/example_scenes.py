@@ -53,6 +53,16 @@ def robot() -> Robot:
     return load_robot(template().robot)
 
 
+def with_fingers(stiffness: float | None) -> Robot:
+    """The same robot with fingers of a stiffness, N/m; as soft as the arm's joints where none is given."""
+    change = {"stiffness": stiffness, "damping": stiffness and 300.0}
+    arms = {
+        name: arm.model_copy(update={"gripper": arm.gripper.model_copy(update=change)})
+        for name, arm in robot().arms.items()
+    }
+    return robot().model_copy(update={"arms": arms})
+
+
 @functools.cache
 def kinematics() -> Mapping[str, ArmKinematics]:
     return {name: kinematics_of(arm) for name, arm in robot().arms.items()}
@@ -95,9 +105,9 @@ def block_and_plate() -> list[SceneObject]:
     return [thing("block", (-0.2, -0.05), 0.3, "content"), thing("plate", (0.05, 0.05), 0.0, "receptacle")]
 
 
-def world_of(objects: Sequence[SceneObject]) -> World:
+def world_of(objects: Sequence[SceneObject], who: Robot | None = None) -> World:
     """A fresh world, physics only, robot at home."""
-    return World(template().table, {o.id: Body(o.asset.model, o.pose) for o in objects}, robot())
+    return World(template().table, {o.id: Body(o.asset.model, o.pose) for o in objects}, who or robot())
 
 
 def scene_of(objects: Sequence[SceneObject], instruction: str = "Put the block on the plate") -> Scene:

@@ -6,13 +6,13 @@ from collections.abc import Sequence
 
 import pytest
 
-from tests.example_scenes import robot, thing
+from tests.example_scenes import thing, with_fingers
 from vcage.base.errors import NoFeasibleTask
 from vcage.schema.goals import AskedGoal, Goal, goal_of
 from vcage.tasks.ruled_out import require_level, require_way
 from vcage.tasks.scene_objects import SceneObject
 
-ARMS = robot().arms
+ARMS = with_fingers(None).arms
 
 
 def wanting(goal: Goal, objects: Sequence[SceneObject]) -> None:

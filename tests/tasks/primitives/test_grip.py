@@ -5,11 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.example_scenes import TABLE_TOP, robot, template, thing, world_of
+from tests.example_scenes import TABLE_TOP, thing, with_fingers, world_of
 from vcage.base.geometry import Pose
 from vcage.schema.robot import FIRM_N_PER_M, Robot
-from vcage.sim.bodies import Body
-from vcage.sim.world import World
 from vcage.tasks.primitives.grip import stays_level
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import Slot
@@ -25,9 +23,9 @@ def filled(content: str, holder: SceneObject) -> list[SceneObject]:
     return [holder, thing(content, xy, height=TABLE_TOP + floor + 0.002, container=holder.id)]
 
 
-def task_with(objects: list[SceneObject], moved: str, to: SceneObject) -> Task:
+def task_with(objects: list[SceneObject], moved: str, to: SceneObject, who: Robot | None = None) -> Task:
     """A task in a settled world that brings an object to the middle of another."""
-    world = world_of([*objects, to])
+    world = world_of([*objects, to], who)
     world.settle()
     opening = to.asset.opening(to.asset.annotation.functional_points[0])
     slot = Slot(to.id, to.asset.annotation.functional_points[0].id, Pose([*opening.centre, opening.floor]))
@@ -46,28 +44,18 @@ def test_a_mug_is_carried_with_its_contents():
     assert cell.contents("mug") == {"block"}
 
 
-def test_a_bowl_with_something_in_it_is_not_taken_by_its_rim():
-    bowl = thing("bowl", (-0.2, 0.0))
-    assert not stays_level(bowl, robot().arms.values())
-    task = task_with(filled("apple", bowl), "bowl", thing("tray", (0.2, 0.05)))
+def test_soft_fingers_do_not_take_a_bowl_with_something_in_it_by_its_rim():
+    bowl, hands = thing("bowl", (-0.2, 0.0)), with_fingers(None)
+    assert not stays_level(bowl, hands.arms.values())
+    task = task_with(filled("apple", bowl), "bowl", thing("tray", (0.2, 0.05)), hands)
     with pytest.raises(TaskFailed, match="held at 'front rim', white bowl tips with what lies in it"):
         task.pick("bowl", [(0, "left")])
 
 
-def firm(robot: Robot) -> Robot:
-    """The same robot with firm fingers."""
-    change = {"stiffness": FIRM_N_PER_M, "damping": 300.0}
-    arms = {
-        name: arm.model_copy(update={"gripper": arm.gripper.model_copy(update=change)})
-        for name, arm in robot.arms.items()
-    }
-    return robot.model_copy(update={"arms": arms})
-
-
 def test_firm_fingers_hold_a_laden_basket_level_by_its_wall():
-    objects, hands = filled("toy_car", thing("basket", (-0.15, -0.05), 0.0)), firm(robot())
+    objects, hands = filled("toy_car", thing("basket", (-0.15, -0.05), 0.0)), with_fingers(FIRM_N_PER_M)
     assert stays_level(objects[0], hands.arms.values())
-    world = World(template().table, {o.id: Body(o.asset.model, o.pose) for o in objects}, hands)
+    world = world_of(objects, hands)
     world.settle()
     task = Task(world, {o.id: o for o in objects}, {})
     task.pick("basket", [(0, "left"), (1, "left")])
