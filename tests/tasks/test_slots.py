@@ -85,6 +85,7 @@ def test_objects_that_do_not_fit_together_are_refused_by_name():
     with pytest.raises(InfeasibleScene) as caught:
         allocate(thing("packaging_box"), 0, pens, rng(0))
     assert set(caught.value.details["objects"]) <= {o.id for o in pens}
+    assert "the opening of packaging_box" in caught.value.message
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -94,7 +94,7 @@ def allocate(
             return {content.id: _nested(content, bottom, receptacle, opening, [*contents, *present])}
     inside, taken = _free(receptacle, functional_point, contents, present)
     items = [_item(o, headings.get(o.id)) for o in contents]
-    places = place(items, inside, rng, margin=CONTENT_GAP_M, obstacles=taken)
+    places = place(items, inside, rng, margin=CONTENT_GAP_M, obstacles=taken, container=receptacle.id)
     return {
         key: Pose.from_yaw([at.x, at.y, opening.floor], at.yaw + headings.get(key, 0.0)) for key, at in places.items()
     }

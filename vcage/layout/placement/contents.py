@@ -42,7 +42,7 @@ def content_plane(container: TableItem, contents: Sequence[TableItem]) -> Plane:
     plain = [replace(item, allowed=None, within=None) for item in contents]
     bounds = np.stack([centre - half, centre + half])
     plane = make_plane(plain, bounds, CONTENT_MARGIN_M, np.empty((0, 2, 2)), lambda _item, _yaw: ())
-    return replace(plane, container=container)
+    return replace(plane, container=container.id)
 
 
 class Carried:

@@ -116,7 +116,7 @@ def _infeasible(
             "available_area_m2": round(plane.available, 6),
             "drop": dropped,
             "enlarge_m": None if enlarge is None else [round(float(value), 3) for value in enlarge],
-            "container": plane.container.id if plane.container else None,
+            "container": plane.container,
         },
     )
 
@@ -126,9 +126,9 @@ def _hint(dropped: Sequence[str], enlarge: np.ndarray | None, plane: Plane) -> s
     proof = {0: "", 1: " (the other one fits)"}.get(rest, f" (the other {rest} fit)")
     ways = [f"drop {', '.join(dropped)}{proof}"]
     if container:
-        ways.append(f"place them beside {container.id}")
+        ways.append(f"place them beside {container}")
     if enlarge is not None:
-        room = f"take a {container.id} whose opening is" if container else "make the workspace"
+        room = f"take a {container} whose opening is" if container else "make the workspace"
         ways.append(f"{room} {_metres(enlarge)} larger (then all fit)")
     return ", or ".join([*ways, "take smaller objects"])
 

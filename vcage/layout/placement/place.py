@@ -8,6 +8,7 @@ unions of rectangles of the same calculation. :mod:`~vcage.layout.placement.sear
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -30,6 +31,7 @@ def place(
     margin: float = 0.01,
     obstacles: ArrayLike = (),
     relations: Sequence[Relation] = (),
+    container: str | None = None,
 ) -> dict[str, Placement]:
     """Place every item so that no two axis-aligned boxes come closer than ``margin``.
 
@@ -44,6 +46,7 @@ def place(
         obstacles: (n, 2, 2) occupied rectangles.
         relations: to satisfy, between the items and to the table; those of contents are kept between
             their containers.
+        container: id of the object whose opening the workspace is, for the error; None for the table.
 
     Returns:
         Placement by id, in the order of ``items``.
@@ -59,7 +62,7 @@ def place(
         spots = _solved(plane, rng)
         local |= {plane.items[k].id: Local(spot.centre, spot.yaw) for k, spot in spots.items()}
     carried = Carried(items, local)
-    plane = _table(contents_of(items, None), workspace, margin, obstacles, carried)
+    plane = replace(_table(contents_of(items, None), workspace, margin, obstacles, carried), container=container)
     if relations:
         plane = _related(plane, Related(relations, items, carried, plane.bounds), carried)
     placed: dict[str, Placement] = {}

@@ -57,7 +57,7 @@ class Plane:
         margin: smallest gap between two rectangles, metres.
         obstacles: (m, 2, 2) rectangles that are taken.
         related: relations between the items that are kept; None for none.
-        container: whose opening it is; None for the table.
+        container: id of the object whose opening it is; None for the table.
     """
 
     items: Sequence[TableItem]
@@ -66,12 +66,12 @@ class Plane:
     margin: float
     obstacles: np.ndarray
     related: Related | None = None
-    container: TableItem | None = None
+    container: str | None = None
 
     @property
     def where(self) -> str:
         """The plane in words."""
-        return f"the opening of {self.container.id}" if self.container else "the workspace"
+        return f"the opening of {self.container}" if self.container else "the workspace"
 
     @cached_property
     def areas(self) -> np.ndarray:
