@@ -42,6 +42,9 @@ from vcage.tasks.workplace import Workplace
 
 logger = logging.getLogger(__name__)
 
+ROBOT = "dual_panda"
+"""The wrist cameras of the clips (:data:`benchmarks._compression_clips.VIEWS`) are those of its arms that do more."""
+
 VERSION = 2
 """Of the episodes in the cache; a higher one makes them again."""
 
@@ -126,7 +129,11 @@ class _Making:
         with tempfile.TemporaryDirectory() as folder:
             run = RunFolder(folder)
             options = chain.ChainOptions(
-                instruction=recipe.instruction, template=recipe.template, seed=recipe.seed, models="offline"
+                instruction=recipe.instruction,
+                template=recipe.template,
+                robot=ROBOT,
+                seed=recipe.seed,
+                models="offline",
             )
             for stage in STAGES:
                 stage.execute(run, options, context)

@@ -27,6 +27,7 @@ from vcage.campaigns.folder import CampaignFolder
 from vcage.campaigns.record import JobRecord
 from vcage.runs.by_products import read_timings
 from vcage.schema.compression import Compression
+from vcage.schema.robot import DEFAULT_ROBOT
 
 logger = logging.getLogger(__name__)
 
@@ -49,6 +50,7 @@ WORKERS = (1, 2)
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The options of this benchmark."""
+    parser.add_argument("--robot", default=DEFAULT_ROBOT, help="which one (default: %(default)s)")
     parser.add_argument("--jobs", type=int, help=f"of a campaign; 0: none (default: {SIZES[0]}; quick: {QUICK[0]})")
     parser.add_argument(
         "--episodes", type=int, help=f"episodes of a job (default: {SIZES[1]}; quick: {QUICK[1]})", metavar="N"
@@ -78,6 +80,7 @@ def run(
     workers: Sequence[int],
     memory_episodes: int | None,
     settled: int,
+    robot: str = DEFAULT_ROBOT,
 ) -> dict[str, Any]:
     """Run the same campaign, from its start to its end, by each driver with each number of workers.
 
@@ -107,6 +110,7 @@ def run(
         workers: numbers of them.
         memory_episodes: of the worker whose memory is measured; 0 for none.
         settled: jobs of a campaign that is only read, see :func:`benchmarks._campaign_settled.settled`; 0 for none.
+        robot: by name.
     """
     given = zip((jobs, episodes, memory_episodes), QUICK if quick else SIZES, strict=True)
     jobs, episodes, memory_episodes = (usual if size is None else size for size, usual in given)
@@ -114,14 +118,14 @@ def run(
     left_out = [] if importlib.util.find_spec("ray") else ["ray"]
     rows: list[dict[str, Any]] = []
     with tempfile.TemporaryDirectory() as work:
-        plan = _plan(Path(work), INSTRUCTION, jobs, episodes, options)
+        plan = _plan(Path(work), INSTRUCTION, robot, jobs, episodes, options)
         for count in workers if jobs else ():
             for driver in drivers:
                 if driver not in left_out:
                     rows.append(_row(plan, Path(work) / f"{driver}-{count}", driver, count))
                     logger.info("%s", rows[-1])
         read = _campaign_settled.settled(Path(work) / "settled", settled) if settled else None
-        memory = _memory(Path(work) / "memory", memory_episodes, episodes) if memory_episodes else None
+        memory = _memory(Path(work) / "memory", robot, memory_episodes, episodes) if memory_episodes else None
     overheads = ray_overheads(rows)
     return {
         "rows": rows,
@@ -130,6 +134,7 @@ def run(
         "memory": memory,
         "settled": read,
         "instruction": INSTRUCTION,
+        "robot": robot,
         "jobs": jobs,
         "episodes_per_job": episodes,
         "quick": quick,
@@ -149,19 +154,19 @@ def ray_overheads(rows: Sequence[Mapping[str, Any]]) -> dict[int, tuple[float, f
     return overheads
 
 
-def _plan(folder: Path, instruction: str, jobs: int, episodes: int, options: dict[str, Any]) -> Path:
+def _plan(folder: Path, instruction: str, robot: str, jobs: int, episodes: int, options: dict[str, Any]) -> Path:
     path = folder / "PLAN.yml"
-    keys = {"name": "benchmark", "tasks": [{"id": "blocks", "instruction": instruction}]}
+    keys = {"name": "benchmark", "tasks": [{"id": "blocks", "instruction": instruction}], "robots": [robot]}
     counts = {"episodes": jobs * episodes, "episodes_per_job": episodes, "options": options}
     path.write_text(yaml.safe_dump(keys | counts), encoding="utf-8")
     return path
 
 
-def _memory(folder: Path, episodes: int, per_job: int) -> dict[str, Any]:
+def _memory(folder: Path, robot: str, episodes: int, per_job: int) -> dict[str, Any]:
     folder.mkdir()
     per_job = max(1, min(per_job, episodes // 6))
     jobs = max(6, -(-episodes // per_job))
-    plan = _plan(folder, SHORT, jobs, per_job, {"models": "offline"} | CHEAP)
+    plan = _plan(folder, SHORT, robot, jobs, per_job, {"models": "offline"} | CHEAP)
     _, records = _finished(plan, folder / "campaign", "processes", 1)
     return growth(records)
 

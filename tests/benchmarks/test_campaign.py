@@ -13,6 +13,7 @@ from benchmarks import campaign as campaign_benchmark
 from benchmarks._campaign_memory import growth
 from benchmarks.campaign import ray_overheads
 from tests.campaigns.stubbed import begun
+from vcage.campaigns.plan import Plan
 from vcage.campaigns.record import JobRecord
 
 
@@ -43,6 +44,12 @@ def test_jobs_that_took_longer_with_ray_do_not_count_as_its_own():
     processes = {"driver": "processes", "workers": 1, "cpu_seconds": 200.0, "other_cpu_s": 8.0}
     ray = {"driver": "ray", "workers": 1, "cpu_seconds": 230.0, "other_cpu_s": 18.0}
     assert ray_overheads([processes, ray, ray | {"workers": 2}]) == {1: (10.0, 0.05)}
+
+
+def test_the_campaign_is_of_one_robot_whichever_is_the_default(tmp_path: Path):
+    path = campaign_benchmark._plan(tmp_path, campaign_benchmark.SHORT, "dual_panda", 2, 5, {"models": "offline"})
+    plan = Plan.load(path)
+    assert [cell.robot for cell in plan.cells] == ["dual_panda"] and len(plan.jobs()) == 2
 
 
 @pytest.mark.parametrize(
