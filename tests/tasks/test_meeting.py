@@ -80,13 +80,13 @@ def test_an_object_changes_hands_upright_above_the_least_height():
     target = thing("hammer")
     for meeting in meetings(target, first_hold(target), ARMS, HEIGHT + 0.1, any_hold):
         assert meeting.pose.rotation()[2, 2] == pytest.approx(1.0)
-        assert meeting.giver.p[2] > HEIGHT + 0.05
+        assert (meeting.pose * meeting.given.in_object).p[2] > HEIGHT + 0.05
 
 
 def test_each_arm_holds_its_own_side():
     target = thing("rolling_pin")
     meeting = next(meetings(target, first_hold(target), ARMS, HEIGHT, any_hold))
-    assert meeting.giver.p[0] < (meeting.pose * meeting.taken.in_object).p[0]
+    assert (meeting.pose * meeting.given.in_object).p[0] < (meeting.pose * meeting.taken.in_object).p[0]
 
 
 @pytest.mark.parametrize("flipped", [0, 1])

@@ -111,8 +111,9 @@ class Evaluate(EnvironmentCommand):
         from vcage.evaluation.rollouts import Order
 
         environment = self.environment()
-        counted = not self.unproven
-        order = Order(self.run, self.policy, environment, self.payload, self.actions, counted, self.name)
+        order = Order(
+            self.run, self.policy, environment, self.payload, self.actions, solvable=not self.unproven, name=self.name
+        )
         varied = {name: replace(order, environment=replace(environment, vary=name)) for name in self.vary}
         return {"": order, **varied}
 

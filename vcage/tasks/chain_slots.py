@@ -182,10 +182,10 @@ class _Filling:
     def _reached(self, subtask: Subtask, target: SceneObject, goals: Sequence[Pose]) -> bool:
         """True if an arm that can take an object brings it to one of its poses with some grasp of it."""
         others = [self.objects[o.id] for o in self.workplace.objects if o.id != target.id]
-        return _reached(subtask, transfers(target, self.receptacle, self.point, goals, others), self.workplace)
+        return _some_arm_brings(subtask, transfers(target, self.receptacle, self.point, goals, others), self.workplace)
 
 
-def _reached(subtask: Subtask, ways: Mapping[int, Transfer], workplace: Workplace) -> bool:
+def _some_arm_brings(subtask: Subtask, ways: Mapping[int, Transfer], workplace: Workplace) -> bool:
     """True where an arm that can take an object can do one of some transfers of it; what changes hands is not
     examined."""
     return subtask.hand_to is not None or any(True for _ in feasible(ways, workplace.with_arms(subtask.arm)))
@@ -254,5 +254,5 @@ class _OnTable:
         free = ground.poses(start, subtask.goals[0], others, self.workplace.rng, taken)
         poses = list(islice(free, LIMITS.table_places))
         ways = ((pose, transfers(thing, None, None, [pose], others)) for pose in poses)
-        works = next((pose for pose, way in ways if _reached(subtask, way, self.workplace)), None)
+        works = next((pose for pose, way in ways if _some_arm_brings(subtask, way, self.workplace)), None)
         return poses if works is None else [works, *(pose for pose in poses if pose is not works)]

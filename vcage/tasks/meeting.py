@@ -98,7 +98,6 @@ class Meeting:
     Args:
         pose: of the object in the world.
         given, taken: how the first and the second hand hold it.
-        giver: gripper frame of the first hand in the world.
         giving: (n,) joints of the first arm, rad.
         before, taking: (n,) joints of the second arm before its hold and at it, rad.
     """
@@ -106,7 +105,6 @@ class Meeting:
     pose: Pose
     given: Hold
     taken: Hold
-    giver: Pose
     giving: np.ndarray
     before: np.ndarray
     taking: np.ndarray
@@ -294,4 +292,4 @@ def _between(given: Hold, hold: Hold, giver: _Giver, taker: ArmKinematics) -> It
         before = taker.ik(other * Pose([0.0, 0.0, -taker.arm.gripper.approach]))
         taking = None if before is None else taker.ik(other, before, attempts=0)
         if before is not None and taking is not None:
-            yield Meeting(pose, given, hold, pose * given.in_object, giving, before, taking)
+            yield Meeting(pose, given, hold, giving, before, taking)

@@ -241,6 +241,14 @@ def test_the_arm_that_takes_the_tool_is_the_arm_of_the_hit() -> None:
     assert [(str(asked.goal), asked.arm) for asked in reading.goals] == [("block_red hit", "left")]
 
 
+@pytest.mark.parametrize(("holder", "giver"), [("left", "right"), ("right", "left")])
+def test_what_one_arm_picked_up_no_other_arm_hands_over(holder: str, giver: str) -> None:
+    with pytest.raises(UnreadInstruction, match=f"the {holder} arm has apple_red; hand it to the {giver} arm before"):
+        in_scene(
+            f"Pick up the apple with the {holder} arm and hand it from the {giver} arm to the {holder} arm", "apple/red"
+        )
+
+
 def test_what_one_arm_picked_up_no_other_arm_puts_down() -> None:
     things = ("apple/red", "bowl/white")
     with pytest.raises(UnreadInstruction, match="the left arm has apple_red; hand it to the right arm before"):

@@ -257,6 +257,8 @@ class Goals:
 
     def _hand(self, command: Command) -> None:
         for name in self._named(command):
+            if name not in self._moved:
+                self._require_holder(command, name)
             giver = command.arm or self._arms.get(name)
             if command.how in ("any", giver):
                 raise Doubt(command.words, "say which arm gets it: left or right")
