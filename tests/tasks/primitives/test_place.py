@@ -97,7 +97,9 @@ def test_an_object_with_a_height_limit_has_no_higher_paths(raises):
     assert drops == {0.0, *raises}
 
 
-@pytest.mark.parametrize(("name", "drop_m"), [("dustbin", 0.105), ("bowl", 0.075), ("plate", 0.075)])
+@pytest.mark.parametrize(
+    ("name", "drop_m"), [("dustbin", 0.105), ("tall_drawer_cabinet", 0.075), ("bowl", 0.075), ("plate", 0.075)]
+)
 def test_a_thing_may_fall_farther_between_the_walls_of_a_deep_receptacle(name, drop_m):
     assert largest_drop(thing(name), 0) == pytest.approx(drop_m, abs=0.002)
 

@@ -38,7 +38,8 @@ DROP = DropSettings()
 def largest_drop(receptacle: SceneObject, point: int) -> float:
     """How far an object may fall to a functional point, metres."""
     annotated = receptacle.asset.annotation.functional_point(point)
-    depth = receptacle.asset.opening(annotated).depth if annotated.holds == "in" else 0.0
+    walled = annotated.holds == "in" and annotated.link is None  # the rim of a drawer is its front: its walls are lower
+    depth = receptacle.asset.opening(annotated).depth if walled else 0.0
     return max(DROP.most_m, min(DROP.deep_m, depth - DROP.sunk_m))
 
 
