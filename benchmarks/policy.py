@@ -159,7 +159,8 @@ def _require_device(device: str) -> None:
         torch.zeros(1, device=device)
     except (RuntimeError, AssertionError) as error:  # torch without CUDA asserts
         why = str(error).splitlines()[0]
-        raise UsageError(f"--device {device!r} is none that torch has here: {why}", hint="leave it out: cpu") from error
+        hint = "leave --device out to train on the CPU"
+        raise UsageError(f"--device {device!r} is none that torch has here: {why}", hint=hint) from error
 
 
 @dataclass(frozen=True)

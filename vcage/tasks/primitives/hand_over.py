@@ -26,11 +26,22 @@ from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.touching import Allowance
 from vcage.tasks.workcell import CAREFUL_SPEED_SHARE, TaskFailed, Workcell, failing_at, first_reasons
 
-TRIED = 16
-"""Meetings for which every motion is planned before there is none."""
 
-CARRIED = 3
-"""Meetings to which it is carried: it turns between the fingers on its way, and may not be reached as it hangs then."""
+@dataclass(frozen=True)
+class HandOverSettings:
+    """Limits of the search for a meeting.
+
+    Args:
+        planned: meetings for which every motion is planned, at most.
+        carried: meetings to which the object is carried, at most: it turns between the fingers on its way, and may not
+            be reached as it hangs then.
+    """
+
+    planned: int = 16
+    carried: int = 3
+
+
+SETTINGS = HandOverSettings()
 
 
 @dataclass(frozen=True)
@@ -41,7 +52,7 @@ class HandOver:
         cell: in its present state.
         object_id: the handed-over object.
         to: the taking arm.
-        suits: True for a hold that suits the next step.
+        suits: raises MotionFailed where a hold does not suit the next step.
     """
 
     cell: Workcell
@@ -97,7 +108,7 @@ class HandOver:
             try:
                 return self._as_it_hangs(grip.arm, planned)
             except TaskFailed:
-                if carried == CARRIED:
+                if carried == SETTINGS.carried:
                     raise
 
     # --- planning ---
@@ -152,7 +163,7 @@ class HandOver:
         given = Hold(target.pose.inverse() * control.tool_pose, control.finger_width)
         reasons: list[str] = []
         try:
-            for meeting in islice(self._meetings(target, given, planner.kinematics), TRIED):
+            for meeting in islice(self._meetings(target, given, planner.kinematics), SETTINGS.planned):
                 try:
                     carry = planner.move(begun.end, meeting.giving, replace(grip.load, speed=CAREFUL_SPEED_SHARE))
                     self._reach(self._taker_at(grip.arm, meeting), meeting, meeting.taken, meeting.pose)
