@@ -87,7 +87,7 @@ class Evaluate(EnvironmentCommand):
         orders, amount = self._orders(), Amount(self.episodes, self.first_seed)
         other = None if self.against is None else read_other(self.against)
         _require_possible(orders.values(), amount, other)
-        out = self.out or self.run / "evaluations" / re.sub(r"[^A-Za-z0-9.]+", "-", self.name or self.policy)
+        out = self.out or self._usual_folder()
         folders = {"": out, **{name: out / f"vary-{name}" for name in self.vary}}
         records, videos = {}, {}
         for name, order in orders.items():
@@ -105,6 +105,9 @@ class Evaluate(EnvironmentCommand):
         logger.info("%s: %s of %s episodes succeed", record.policy, facts["n_success"], facts["n_episodes"])
         facts |= {"compared": [comparison.facts() for comparison in comparisons], "page": str(out / PAGE)}
         return Result(output=out / RECORD, schema=record.SCHEMA, summary=facts)
+
+    def _usual_folder(self) -> Path:
+        return self.run / "evaluations" / re.sub(r"[^A-Za-z0-9.]+", "-", self.name or self.policy)
 
     def _orders(self) -> dict[str, Order]:
         """The evaluation, by an empty name, and one more for each factor that is varied."""

@@ -129,9 +129,10 @@ class ArmControl:
         self._joints = [articulation.active_joints[i] for i in self._arm_index]
         self._tool = articulation.find_link_by_name(arm.tool_link)
         self._offset = arm.tool_offset.pose() if arm.tool_offset else Pose()
+        fingers = arm.gripper
         for joint in articulation.active_joints:
             stiffness, damping, force = arm.stiffness, arm.damping, arm.force
-            if joint.name in (fingers := arm.gripper).joints:
+            if joint.name in fingers.joints:
                 stiffness, damping, force = fingers.stiffness or stiffness, fingers.damping or damping, fingers.force
             joint.set_drive_properties(stiffness, damping, force_limit=force, mode="force")
         self.layout = DriveLayout(len(arm.joints), articulation.dof)

@@ -209,7 +209,7 @@ def meetings(
     arms: tuple[ArmKinematics, ArmKinematics],
     height: float,
     suits: Suits,
-    free: Free = lambda _meeting: True,
+    free: Free | None = None,
 ) -> Iterator[Meeting]:
     """Yield the places where an object can change hands; at least one.
 
@@ -219,7 +219,7 @@ def meetings(
         arms: the giving and the taking arm.
         height: least z of the hands, metres.
         suits: raises where a hold does not suit what comes next.
-        free: False for meetings to leave out.
+        free: False for meetings to leave out; without it, all count.
 
     Raises:
         NoMeeting: there is none.
@@ -230,20 +230,31 @@ def meetings(
         long, thick = (100 * x for x in (max(thing.asset.size), taker.arm.gripper.palm_size[0]))
         room = f"it is {long:.1f} cm long, and each is {thick:.1f} cm thick"
         raise NoMeeting("room_for_hands", f"two hands have no room side by side on {thing.record.phrase}: {room}")
-    found, reasons, giver = False, [], _Giver(thing.pose, given, arms, height)
+    found, reached, reasons, giver = False, False, [], _Giver(thing.pose, given, arms, height)
+
+    def is_free(meeting: Meeting) -> bool:
+        nonlocal reached
+        reached = True
+        return free is None or free(meeting)
+
     for hold in holds[: SETTINGS.holds]:
         try:
             suits(hold)
         except MotionFailed as error:
             reasons.append(error.message)
             continue
-        for meeting in islice(filter(free, _between(given, hold, giver, taker)), SETTINGS.meetings):
+        for meeting in islice(filter(is_free, _between(given, hold, giver, taker)), SETTINGS.meetings):
             found = True
             yield meeting
     if not found and len(reasons) == min(len(holds), SETTINGS.holds):
         raise NoMeeting("reach_place", f"beside the other hand it cannot be held so that {reasons[0]}")
+    phrase = thing.record.phrase
+    if not found and reached:
+        raise NoMeeting(
+            "reach_meeting", f"where both arms reach {phrase}, one is in the way of the other, or a thing is"
+        )
     if not found:
-        raise NoMeeting("reach_meeting", f"the two arms do not both reach {thing.record.phrase} between them")
+        raise NoMeeting("reach_meeting", f"the two arms do not both reach {phrase} between them")
 
 
 class _Giver:

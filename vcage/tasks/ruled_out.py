@@ -7,6 +7,7 @@ Objects that are filled and then moved are carried with their contents, if they 
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from vcage.base.errors import NoFeasibleTask
@@ -104,8 +105,9 @@ _MISSING = {
 def _no_tool(goal: Goal, objects: Sequence[SceneObject]) -> list[str]:
     """The reason why a thing cannot be scanned, weighed or hit: nothing stands there to do it with."""
     tool = goal.kind.tool
-    there = tool is None or any(getattr(o.kind(), tool) for o in objects if o.id != goal.subject)
-    return [] if there else [_MISSING[str(tool)]]
+    if tool is None or any(getattr(o.kind(), tool) for o in objects if o.id != goal.subject):
+        return []
+    return [_MISSING[tool]]
 
 
 def _with_reasons(alike: Sequence[_RuledOut]) -> str:
@@ -134,6 +136,8 @@ def require_fronts(goals: Sequence[AskedGoal], objects: Sequence[SceneObject]) -
 def require_level(goals: Sequence[AskedGoal], objects: Sequence[SceneObject], arms: Collection[Arm]) -> None:
     """Refuse to move an object that was filled before, or to fill one that is held up, if it tips in a hand.
 
+    Steps are judged in order; in what order the goals of one step are done is left to the planner.
+
     Args:
         goals: that are asked for.
         objects: of the scene.
@@ -142,25 +146,53 @@ def require_level(goals: Sequence[AskedGoal], objects: Sequence[SceneObject], ar
     Raises:
         NoFeasibleTask: names the container, its contents, and a possible order.
     """
-    by_id, lies, tipped = {o.id: o for o in objects}, dict[str, str](), set[str]()
-    words = {one.goal: one.words for one in goals}
-    for step in in_steps(goals):
-        if poured := next((g for g in sorted(step, key=str) if g.relation in HOLDING and g.reference in tipped), None):
+    by_id, words = {o.id: o for o in objects}, {one.goal: one.words for one in goals}
+    loads = _Loads({name for name, thing in by_id.items() if not stays_level(thing, arms)})
+    for step in (sorted(goals_of_step, key=str) for goals_of_step in in_steps(goals)):
+        if (poured := loads.poured(step)) is not None:
             raise _pours(by_id[str(poured.reference)], by_id[poured.subject], poured, words[poured])
-        moved = {goal.subject: goal for goal in sorted(step, key=str) if goal.kind.moves}
-        for name, content in _filled(moved, lies):
-            if not stays_level(by_id[name], arms) and moved[name].kind.arms == 1:
-                raise _tips(by_id[name], by_id[content], moved[name], words[moved[name]])
-        put = {g.subject: str(g.reference) for g in step if g.relation == "inside" and g.part is None}
-        lies = {name: holder for name, holder in lies.items() if name not in moved} | put
-        tipped |= {
-            g.subject for g in step if g.kind.fleeting and g.kind.arms == 1 and not stays_level(by_id[g.subject], arms)
-        }
+        for goal, content in loads.tipped(step):
+            raise _tips(by_id[goal.subject], by_id[content], goal, words[goal])
+        loads.after(step)
 
 
-def _filled(moved: Collection[str], lies: Mapping[str, str]) -> list[tuple[str, str]]:
-    """Objects that are moved, each with an object that lies in it (``lies``: object → its holder) and is not."""
-    return sorted((holder, other) for other, holder in lies.items() if holder in moved and other not in moved)
+@dataclass
+class _Loads:
+    """What lies in objects, and which are held up, from step to step of a task.
+
+    Args:
+        tipping: ids of objects that tip when one hand carries them.
+        lies: object → the one in which it was put.
+        held: ids of objects that one arm holds up.
+    """
+
+    tipping: Collection[str]
+    lies: dict[str, str] = field(default_factory=dict)
+    held: set[str] = field(default_factory=set)
+
+    def poured(self, step: Sequence[Goal]) -> Goal | None:
+        """The first goal of a step that puts something into or onto what tips in the hand that holds it up."""
+        into = {name for name in self.held if name in self.tipping}
+        return next((goal for goal in step if goal.relation in HOLDING and goal.reference in into), None)
+
+    def tipped(self, step: Sequence[Goal]) -> list[tuple[Goal, str]]:
+        """Goals of a step for which one hand carries what tips, each with an object that lies in it and stays there."""
+        moved = _moved(step)
+        laden = sorted((holder, other) for other, holder in self.lies.items() if holder in moved and other not in moved)
+        carried = [(moved[name], content) for name, content in laden if name in self.tipping]
+        return [(goal, content) for goal, content in carried if goal.kind.arms == 1]
+
+    def after(self, step: Sequence[Goal]) -> None:
+        """Note where things are when a step is done."""
+        moved = _moved(step)
+        put = {goal.subject: str(goal.reference) for goal in step if goal.relation == "inside" and goal.part is None}
+        self.lies = {name: holder for name, holder in self.lies.items() if name not in moved} | put
+        self.held |= {goal.subject for goal in step if goal.kind.fleeting and goal.kind.arms == 1}
+
+
+def _moved(step: Sequence[Goal]) -> dict[str, Goal]:
+    """Object → the goal of a step for which it is taken from its place."""
+    return {goal.subject: goal for goal in step if goal.kind.moves}
 
 
 def _tips(thing: SceneObject, content: SceneObject, goal: Goal, words: str) -> NoFeasibleTask:

@@ -35,5 +35,5 @@ def test_three_finished_sub_tasks_make_one_sentence():
 
 @pytest.mark.parametrize("kind", [kind for kind in KINDS.values() if kind.commands], ids=lambda kind: kind.word)
 def test_the_sub_tasks_of_every_kind_of_goal_have_a_past(kind):
-    plainest = kind.commands.split("|")[0].format("the mug", "The mug", "left")
+    plainest = kind.commands.split("|")[0].format("the mug", "The mug", "left", tool="the hammer")
     assert in_past(plainest).split()[0] in PAST_VERBS

@@ -10,7 +10,7 @@ from typing import Any
 from vcage.base.errors import NoAssetFits
 from vcage.base.text import listed
 from vcage.models.rules.meanings import Meanings, Things
-from vcage.models.rules.nouns import Conflict, Doubt
+from vcage.models.rules.nouns import Conflict, Doubt, Noun
 from vcage.models.rules.pronouns import resolved
 from vcage.models.rules.sentence import ONE_ARM, OTHER_ARM, Command, not_read, parse
 from vcage.objects.names import names_of
@@ -278,6 +278,10 @@ class Goals:
         hit = [asked.goal.subject for asked in self._added]
         if held := next((name for name in hit if name in self._held), None):
             raise Doubt(command.words, f"{held} is held up, and only what stands there is hit")
+        self._require_one_hitter(named, hit)
+
+    def _require_one_hitter(self, named: Noun, hit: Collection[str]) -> None:
+        """Refuse a tool that is one of several, none of which is hit, unless any of these may be taken."""
         hitters = {name: entry for name, entry in self.things.items() if entry.hits and name not in hit}
         if len(hitters) > 1 and (named.definite or hitters.keys() != named.named(hitters, short=True).keys()):
             raise Doubt(named.text, f"no goal says which of {listed(hitters)} it is hit with")

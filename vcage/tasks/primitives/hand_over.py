@@ -104,6 +104,8 @@ class HandOver:
             planned, carry = self._plan(grip)
             self.cell.carry_out(grip.arm, carry)
             feel(self.cell, grip)
+            held = self.cell.held(self.object_id, self.cell.world.arms[grip.arm].tool_pose)  # it may have turned
+            grip = replace(grip, load=replace(grip.load, held=held))
             carried += 1
             try:
                 return self._as_it_hangs(grip.arm, planned)
