@@ -172,30 +172,31 @@ def test_a_hit_among_what_is_in_the_way_is_not_planned():
         rehearsal_of(HIT_BLOCK, HAMMER, *ring).hit(HAMMER.id, HIT_BLOCK.id, HELD_AT)
 
 
-def test_a_scan_without_a_way_to_some_poses_is_planned_to_others(monkeypatch):
+@pytest.fixture
+def scan():
+    """The rehearsal of a scan, and the arguments of :meth:`Rehearsal.show`."""
     box, scanner = thing("cookie_box", (0.1, 0.05), np.pi / 2), thing("barcode_scanner", (-0.15, 0.0))
     (proposal,), _ = TEMPLATES["scan"].proposals([box, scanner], ())
     subtask, _ = proposal.examine(workplace([box, scanner]))
     assert subtask is not None
     moved = subtask.grasped or subtask.object
     (still,) = {box.id, scanner.id} - {moved}
-    task, chosen = rehearsal_of(box, scanner), Rehearsal._choose_showing
+    return rehearsal_of(box, scanner), (moved, still, [(grasp.contact, grasp.arm) for grasp in subtask.grasps])
+
+
+def test_a_scan_without_a_way_to_some_poses_is_planned_to_others(scan, monkeypatch):
+    (task, asked), chosen = scan, Rehearsal._choose_showing
 
     def after_far_ones(*args, **more):
         plan, hover, groups = chosen(task, *args, **more)
         return plan, hover, iter([[Pose([3.0, 0.0, TABLE_TOP])], *groups])
 
     monkeypatch.setattr(task, "_choose_showing", after_far_ones)
-    task.show(moved, still, [(grasp.contact, grasp.arm) for grasp in subtask.grasps])
+    task.show(*asked)
 
 
-def test_what_has_no_way_to_where_a_code_is_read_is_said_to_have_none_before_the_scanner(monkeypatch):
-    box, scanner = thing("cookie_box", (0.1, 0.05), np.pi / 2), thing("barcode_scanner", (-0.15, 0.0))
-    (proposal,), _ = TEMPLATES["scan"].proposals([box, scanner], ())
-    subtask, _ = proposal.examine(workplace([box, scanner]))
-    assert subtask is not None
-    moved = subtask.grasped or subtask.object
-    (still,) = {box.id, scanner.id} - {moved}
+def test_what_has_no_way_to_where_a_code_is_read_is_said_to_have_none_before_the_scanner(scan, monkeypatch):
+    task, (moved, still, grasps) = scan
     monkeypatch.setattr(rehearsal, "LIMITS", replace(rehearsal.LIMITS, ways_past_arms=0))
     with pytest.raises(TaskFailed, match=f"{moved} cannot be brought before {still}"):
-        rehearsal_of(box, scanner).show(moved, still, [(grasp.contact, grasp.arm) for grasp in subtask.grasps])
+        task.show(moved, still, grasps)

@@ -224,12 +224,12 @@ def meetings(
     Raises:
         NoMeeting: there is none.
     """
-    taker = arms[1]
-    holds = _holds(thing, given, taker.arm.gripper)
+    taker, phrase = arms[1], thing.record.phrase
+    holds = _holds(thing, given, taker.arm.gripper)[: SETTINGS.holds]
     if not holds:
         long, thick = (100 * x for x in (max(thing.asset.size), taker.arm.gripper.palm_size[0]))
         room = f"it is {long:.1f} cm long, and each is {thick:.1f} cm thick"
-        raise NoMeeting("room_for_hands", f"two hands have no room side by side on {thing.record.phrase}: {room}")
+        raise NoMeeting("room_for_hands", f"two hands have no room side by side on {phrase}: {room}")
     found, reached, reasons, giver = False, False, [], _Giver(thing.pose, given, arms, height)
 
     def is_free(meeting: Meeting) -> bool:
@@ -237,7 +237,7 @@ def meetings(
         reached = True
         return free is None or free(meeting)
 
-    for hold in holds[: SETTINGS.holds]:
+    for hold in holds:
         try:
             suits(hold)
         except MotionFailed as error:
@@ -246,15 +246,14 @@ def meetings(
         for meeting in islice(filter(is_free, _between(given, hold, giver, taker)), SETTINGS.meetings):
             found = True
             yield meeting
-    if not found and len(reasons) == min(len(holds), SETTINGS.holds):
+    if found:
+        return
+    if len(reasons) == len(holds):
         raise NoMeeting("reach_place", f"beside the other hand it cannot be held so that {reasons[0]}")
-    phrase = thing.record.phrase
-    if not found and reached:
-        raise NoMeeting(
-            "reach_meeting", f"where both arms reach {phrase}, one is in the way of the other, or a thing is"
-        )
-    if not found:
-        raise NoMeeting("reach_meeting", f"the two arms do not both reach {phrase} between them")
+    why = f"the two arms do not both reach {phrase} between them"
+    if reached:
+        why = f"where both arms reach {phrase}, one is in the way of the other, or a thing is"
+    raise NoMeeting("reach_meeting", why)
 
 
 class _Giver:

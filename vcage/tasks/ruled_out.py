@@ -158,7 +158,7 @@ def require_level(goals: Sequence[AskedGoal], objects: Sequence[SceneObject], ar
 
 @dataclass
 class _Loads:
-    """What lies in objects, and which are held up, from step to step of a task.
+    """Contents of objects, and objects that are held up, from step to step of a task.
 
     Args:
         tipping: ids of objects that tip when one hand carries them.

@@ -123,11 +123,10 @@ def _around(contents: Sequence[ObjectRecord], anchors: Sequence[ObjectRecord], s
     asked = {(a.goal.subject, a.goal.reference): a.goal.relation for a in scene.goals}
     relations = []
     last: dict[tuple[str, str], ObjectRecord] = {}
-    around: dict[str, int] = {a.id: 0 for a in anchors}
+    around = {a.id: 0 for a in anchors}
     for item in contents:
-        anchor = next((a for a in anchors if (item.id, a.id) in asked), None) or min(
-            anchors, key=lambda a: around[a.id]
-        )
+        least = min(anchors, key=lambda a: around[a.id])
+        anchor = next((a for a in anchors if (item.id, a.id) in asked), least)
         place = _PLACES[around[anchor.id] % len(_PLACES)]
         around[anchor.id] += 1
         if len(anchors) > 1:

@@ -145,10 +145,15 @@ def not_read(instruction: str, words: str, why: str) -> UnreadInstruction:
 
 def _verbs(text: str) -> set[str]:
     """The verbs in a text, by the names of the terminals that a form of sentence begins with."""
-    begin = {t.name: re.compile(t.pattern.to_regexp()) for t in _grammar().terminals if t.name not in ("WORD", "_AND")}
-    first = {name for name, verb in begin.items() for form in FORMS if verb.match(form.lower())}
     starts = [word.start() for word in re.finditer(r"\b[a-z]", text.lower())]
-    return {name for name in first for at in starts if begin[name].match(text.lower(), at)}
+    return {name for name, verb in _first_verbs().items() for at in starts if verb.match(text.lower(), at)}
+
+
+@functools.cache
+def _first_verbs() -> dict[str, re.Pattern[str]]:
+    """The terminals that a form of sentence begins with, by name."""
+    begin = {t.name: re.compile(t.pattern.to_regexp()) for t in _grammar().terminals if t.name not in ("WORD", "_AND")}
+    return {name: verb for name, verb in begin.items() if any(verb.match(form.lower()) for form in FORMS)}
 
 
 def _joined(found: re.Match[str]) -> str:
