@@ -62,7 +62,7 @@ def unclear(read: CheckedReading) -> Iterator[str]:
 
 def _alike(noun: Noun, things: Mapping[str, CatalogueEntry], used: Collection[str | None]) -> list[str]:
     """The objects with the name of a noun, of kinds in use."""
-    named = [name for name in meant(noun, things, things) if [*noun.name] in names_of(things[name]).all]
+    named = [name for name in meant(noun, things, things) if noun.name in names_of(things[name]).all]
     kinds = {things[name].name for name in named if name in used}
     return [name for name in named if things[name].name in kinds]
 

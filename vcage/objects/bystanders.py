@@ -46,4 +46,4 @@ def _answers(word: str, entry: CatalogueEntry) -> bool:
     names = names_of(entry)
     known = {other for name in names.all for other in name} | {lemma(entry.words.category.lower())}
     heads = {name[-1] for name in names.all}
-    return word in known or is_of_kind(word, entry, names) or any(same_word(word, head) for head in heads)
+    return word in known or is_of_kind(word, entry) or any(same_word(word, head) for head in heads)

@@ -29,11 +29,8 @@ from vcage.base.words import (
     same_word,
     tokens,
 )
-from vcage.objects.names import head_may_mean, names_of, texts_of
+from vcage.objects.names import Name, head_may_mean, names_of, texts_of
 from vcage.schema.asset import CatalogueEntry
-
-Name = tuple[str, ...]
-"""The lemmas of a name, the head last."""
 
 _ADJECTIVES_BEFORE = 4
 _LONGEST_NAME = 10
@@ -80,7 +77,7 @@ class Noun:
             return True
         names, head = names_of(entry), self.name[-1]
         split = "".join(map(lemma, tokens(self.words)[-2:]))  # "sauce pan"
-        if any(_same(name, self.name) or name == [split] for name in names.all):
+        if any(_same(name, self.name) or name == (split,) for name in names.all):
             return True
         if len(self.name) == 1:
             return head_may_mean(head, entry)
@@ -104,7 +101,7 @@ def nouns(sentence: str, entries: Iterable[CatalogueEntry]) -> list[Noun]:
 
 def full_names(entries: Iterable[CatalogueEntry]) -> frozenset[Name]:
     """Return the names and synonyms that name a kind without more words."""
-    named = {tuple(name) for names in map(names_of, entries) for name in (names.words, *names.synonyms)}
+    named = {name for names in map(names_of, entries) for name in (names.words, *names.synonyms)}
     return frozenset(name for name in named if len(name) > 1 or name[0] not in NOT_NAMES)
 
 
@@ -163,7 +160,7 @@ def _vocabulary(entries: Iterable[CatalogueEntry]) -> frozenset[Name]:
     found: set[Name] = {(word,) for word in (*KINDS, *CATEGORIES)}
     for entry in entries:
         names = names_of(entry)
-        found |= {*map(tuple, names.all), (names.words[-1],), (lemma(entry.words.category),)}
+        found |= {*names.all, (names.words[-1],), (lemma(entry.words.category),)}
     no_nouns = FUNCTION_WORDS - {"can"}
     return frozenset(name for name in found if name[0] not in no_nouns and (name[-1] not in PARTS or len(name) > 1))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -46,38 +47,47 @@ _JOINTS = ("of", "with", "a", "an")
 _PLACE_CATEGORIES = frozenset(("container", "furniture", "fixture", "appliance", "mat"))
 """Categories that 'the objects' never are: things that others are put into, or that stay where they are."""
 
+Name = tuple[str, ...]
+"""Lemmas of a name, the head last."""
+
 
 class Names(NamedTuple):
     """Lemmas of an entry's names, the head of each name last. No name is empty: one without a
     Latin word is replaced by the entry's own name, and dropped as a synonym."""
 
-    words: list[str]
-    plural: list[str]
-    own: list[str]
-    synonyms: list[list[str]]
+    words: Name
+    plural: Name
+    own: Name
+    synonyms: tuple[Name, ...]
 
     @property
-    def all(self) -> list[list[str]]:
+    def all(self) -> tuple[Name, ...]:
         """Every name, synonyms last."""
-        return [self.words, self.plural, self.own, *self.synonyms]
+        return (self.words, self.plural, self.own, *self.synonyms)
 
 
 def names_of(entry: CatalogueEntry) -> Names:
     """Names of an entry, by its annotation and in the catalogue."""
-    words, own = entry.words, _name(entry.name) or [entry.name]
-    synonyms = [name for name in map(_name, words.synonyms) if name]
-    return Names(_name(words.name) or own, _name(words.plural) or own, own, synonyms)
+    words = entry.words
+    return _names(entry.name, words.name, words.plural, tuple(words.synonyms))
 
 
-def _name(text: str) -> list[str]:
+@functools.lru_cache(maxsize=10_000)
+def _names(entry: str, name: str, plural: str, synonyms: tuple[str, ...]) -> Names:
+    """:func:`names_of`, kept: choosing objects asks for the names of the whole catalogue, many times."""
+    own = _name(entry) or (entry,)
+    return Names(_name(name) or own, _name(plural) or own, own, tuple(name for name in map(_name, synonyms) if name))
+
+
+def _name(text: str) -> Name:
     """Lemmas of a name, its size in one spelling."""
-    return [SIZES.get(word, word) for word in lemmas(text)]
+    return tuple(SIZES.get(word, word) for word in lemmas(text))
 
 
 def sizes_of(entry: CatalogueEntry, words: Sequence[str]) -> list[str]:
     """The sizes by which an entry's names tell it from others of a name: "small" of the small block."""
     names = names_of(entry).all
-    return list(dict.fromkeys(name[0] for name in names if name[0] in SIZES and name[1:] == list(words)))
+    return list(dict.fromkeys(name[0] for name in names if name[0] in SIZES and name[1:] == tuple(words)))
 
 
 def best_looks(words: Sequence[str], colour: str | None, entry: CatalogueEntry) -> tuple[int, list[Variant]]:
@@ -90,7 +100,7 @@ def best_looks(words: Sequence[str], colour: str | None, entry: CatalogueEntry) 
     """
     looks = _looks_of(colour, entry)
     if len(words) == 1 and words[0] in ANYTHING:
-        return (KIND if looks and is_of_kind(words[0], entry, names_of(entry)) else 0), looks
+        return (KIND if looks and is_of_kind(words[0], entry) else 0), looks
     least = KIND
     if colour and not looks:  # "brown tape" is a name of packing tape
         words, least, looks = (colour, *words), SYNONYM, entry.variants
@@ -132,19 +142,29 @@ def name_match(words: Sequence[str], entry: CatalogueEntry, look: Variant) -> in
         entry: the kind.
         look: one of its variants.
     """
-    names = names_of(entry)
-    looks = {*lemmas(look.id), *lemmas(look.colour)} - COLOURS
-    made_of = {f"{word}{end}" for word in looks if len(word) > 3 for end in ("en", "y")}
-    made_of |= {"wooden", "wood"} if looks & _WOODS else set()
-    rest = [word for word in words if word not in looks | made_of]
-    forms = (words,) if len(rest) == len(words) else (words, rest)
-    level = max(_name_level(stated, name, names) for stated in forms for name in names.all)
-    if not level and len(words) == 1 and is_of_kind(words[0], entry, names):
+    names, describing = names_of(entry), _describing(look.id, look.colour)
+    rest = tuple(word for word in words if word not in describing)
+    level = max(_name_level(stated, names) for stated in {tuple(words), rest})
+    if not level and len(words) == 1 and is_of_kind(words[0], entry):
         return KIND
     return level
 
 
-def _name_level(words: Sequence[str], name: Sequence[str], names: Names) -> int:
+@functools.lru_cache(maxsize=10_000)
+def _describing(look: str, colour: str) -> frozenset[str]:
+    """Words that describe a look, its colours aside, and its material: corn, wooden."""
+    looks = {*lemmas(look), *lemmas(colour)} - COLOURS
+    made_of = {f"{word}{end}" for word in looks if len(word) > 3 for end in ("en", "y")}
+    return frozenset(looks | made_of | ({"wooden", "wood"} if looks & _WOODS else set()))
+
+
+@functools.lru_cache(maxsize=100_000)
+def _name_level(words: Name, names: Names) -> int:
+    """Rate words as one of an entry's names, kept: it is asked for every look of the catalogue."""
+    return max(_likeness(words, name, names) for name in names.all)
+
+
+def _likeness(words: Name, name: Name, names: Names) -> int:
     stated, own = ([word for word in several if word not in _JOINTS] for several in (words, name))
     if not stated or not own:
         return 0
@@ -154,11 +174,17 @@ def _name_level(words: Sequence[str], name: Sequence[str], names: Names) -> int:
     return HEAD if ends_alike and set(stated) <= set(own) else 0
 
 
-def is_of_kind(word: str, entry: CatalogueEntry, names: Names) -> bool:
+def is_of_kind(word: str, entry: CatalogueEntry) -> bool:
     """Check if a word for a kind of things covers the entry; a word for its very self does not count."""
     category = entry.words.category.lower()
     if word in ANYTHING:
         return entry.can_be_carried and category not in _PLACE_CATEGORIES
+    return _is_of_kind(word, category, names_of(entry))
+
+
+@functools.lru_cache(maxsize=100_000)
+def _is_of_kind(word: str, category: str, names: Names) -> bool:
+    """:func:`is_of_kind` of a word that is not for anything, kept as names are."""
     head = names.words[-1]
     if same_word(head, word):
         return word in KINDS
@@ -174,7 +200,7 @@ def is_of_kind(word: str, entry: CatalogueEntry, names: Names) -> bool:
 def head_may_mean(head: str, entry: CatalogueEntry) -> bool:
     """Check if a noun with this head may mean an object of the kind, whatever else the noun says."""
     names = names_of(entry)
-    return any(same_word(head, name[-1]) for name in names.all) or is_of_kind(head, entry, names)
+    return any(same_word(head, name[-1]) for name in names.all) or is_of_kind(head, entry)
 
 
 def texts_of(entry: CatalogueEntry) -> list[str]:

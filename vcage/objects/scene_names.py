@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 from vcage.base.words import ANYTHING, CATEGORIES, COLOURS, KINDS, NUMBERS, SIDES, is_plural, lemma, look_words, tokens
-from vcage.objects.mentions import NOT_NAMES, Name, is_verb, lemmas_of, longest_name, stated_count
-from vcage.objects.names import is_of_kind, names_of
+from vcage.objects.mentions import NOT_NAMES, is_verb, lemmas_of, longest_name, stated_count
+from vcage.objects.names import Name, is_of_kind, names_of
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import Description
 
@@ -173,9 +173,9 @@ def _called(entry: CatalogueEntry) -> Iterator[Name]:
     """Yield the names of a kind of objects: its own, their endings, and words for its categories."""
     names = names_of(entry)
     for name in names.all:
-        yield from _endings(tuple(name))
+        yield from _endings(name)
     words = {*ANYTHING, *KINDS, *CATEGORIES, lemma(entry.words.category)} - NOT_NAMES
-    yield from ((word,) for word in words if is_of_kind(word, entry, names))
+    yield from ((word,) for word in words if is_of_kind(word, entry))
 
 
 def _gathered(named: Iterable[tuple[Name, str]]) -> dict[Name, set[str]]:

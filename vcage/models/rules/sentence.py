@@ -108,8 +108,11 @@ FORMS = tuple(re.findall(r"^// > (.+)$", _GRAMMAR, re.MULTILINE))
 """One sentence of each form."""
 
 
-def parse(instruction: str) -> list[tuple[Command, ...]]:
+@functools.lru_cache(maxsize=100)
+def parse(instruction: str) -> tuple[tuple[Command, ...], ...]:
     """Every way in which a sentence can be read; pronouns and "one" are still to be resolved.
+
+    Kept, since objects are chosen for a sentence before its goals are read with them.
 
     Raises:
         UnreadInstruction: there is none; names the first word that does not fit and the nearest form that does.
@@ -126,7 +129,7 @@ def parse(instruction: str) -> list[tuple[Command, ...]]:
     if _readings(tree) > LIMITS.readings:
         raise not_read(typed, typed, f"there are more than {LIMITS.readings} ways to read it")
     ways = map(_located, CollapseAmbiguities().transform(tree))
-    return list(dict.fromkeys(_Commands(typed).transform(one) for one in ways))
+    return tuple(dict.fromkeys(_Commands(typed).transform(one) for one in ways))
 
 
 def not_read(instruction: str, words: str, why: str) -> UnreadInstruction:
