@@ -1,7 +1,8 @@
 # Everything is made inside the repository (.venv) and the user's cache; nothing needs root.
 #
 #   make demo     environment and Vulkan driver, then one instruction through the whole chain; says how long it took
-#   make test     the same environment, then lint and the tests
+#   make test     the same environment, then lint and the tests but for the slow ones
+#   make test-slow   the tests that `make test` leaves out: whole sentences, memory, runs that are killed; about 15 min
 #   make lint     ruff and the types (pyrefly)
 #   make skills   copy skills/vcage_environment.py, by which scripts find the environment, into every skill
 #   make dist     the wheel and the source archive, in dist/
@@ -75,7 +76,7 @@ CLIENT_PACKAGES := openclaw@2026.9.6 @anthropic-ai/claude-code@2.1.330 @openai/c
 DEMO := Pack the marker pens and the eraser into the box
 
 .DEFAULT_GOAL := help
-.PHONY: help venv vulkan assets setup demo skills lint test test-lerobot test-llm test-wheel test-ray test-policy test-containers test-clients dist docs \
+.PHONY: help venv vulkan assets setup demo skills lint test test-slow test-lerobot test-llm test-wheel test-ray test-policy test-containers test-clients dist docs \
   doctor clean
 
 help:
@@ -122,8 +123,13 @@ lint: venv
 
 # Two processes on two cores: threads of OpenMP in each would wait for those of the other. Compiled modules are kept,
 # whatever the shell says: tests start some hundred processes, and each would compile all that it imports.
+PYTEST := PYTHONDONTWRITEBYTECODE= OMP_NUM_THREADS=1 $(BIN)/python -m pytest -q -n 2 --dist loadfile --no-loadscope-reorder
+
 test: setup lint
-	PYTHONDONTWRITEBYTECODE= OMP_NUM_THREADS=1 $(BIN)/python -m pytest -q -n 2 --dist loadfile --no-loadscope-reorder
+	$(PYTEST) -m "not slow"
+
+test-slow: setup
+	$(PYTEST) -m slow
 
 # torchcodec looks for FFmpeg's libraries under their usual names; PyAV brings them under names of its own.
 $(LEROBOT_STAMP): $(wildcard $(LEROBOT_PACKAGES)*.txt) | $(STAMP)

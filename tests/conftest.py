@@ -19,14 +19,15 @@ settings.load_profile("any-machine")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Files with slow tests come first, so that no process is left with one of them when the others have ended.
+    """A file that makes the finished run comes first, and the others that need it last.
 
-    Tests that need the finished run come first; the others follow once it exists.
+    So the other processes have work until it exists.
     """
-    slow = {item.path: False for item in items if item.get_closest_marker("slow")}
-    slow |= {item.path: True for item in items if item.path in slow and "finished" in item.fixturenames}
-    maker = next((path for path, needs in slow.items() if needs), None)
-    items.sort(key=lambda item: (item.path != maker, item.path not in slow, slow.get(item.path, False)))
+    needs: dict[Path, bool] = {}
+    for item in items:
+        needs[item.path] = needs.get(item.path, False) or "finished" in item.fixturenames
+    maker = next((path for path, need in needs.items() if need), None)
+    items.sort(key=lambda item: (item.path != maker, needs[item.path]))
 
 
 @pytest.fixture(scope="session")

@@ -24,6 +24,8 @@ from vcage.runs.context import StageContext
 from vcage.runs.footage import WORKING
 from vcage.stages import compress, export
 
+pytestmark = pytest.mark.slow
+
 V3 = "lerobot-v3.0"
 
 

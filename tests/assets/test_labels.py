@@ -50,6 +50,7 @@ def test_every_product_has_a_unique_number() -> None:
     assert all(code.startswith("2") for code in codes)
 
 
+@pytest.mark.slow
 def test_the_bars_of_every_product_are_on_its_picture() -> None:
     without = []
     for name, variant in Library.load().variants([*PRODUCTS, "can", "milk_carton", "tea_box"]):

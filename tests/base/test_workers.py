@@ -18,8 +18,6 @@ from threadpoolctl import threadpool_info
 from vcage.base.errors import DamagedFile, PartlyDone
 from vcage.base.workers import Processes, cores, map_in_processes, one_blas_thread
 
-pytestmark = pytest.mark.slow
-
 WAIT = 20.0
 """Seconds after which a process that should have ended counts as left behind."""
 
@@ -181,6 +179,7 @@ def forked_from(_task: int) -> int:
     return os.getppid()
 
 
+@pytest.mark.slow
 def test_processes_start_again_after_the_fork_server_was_killed():
     [server] = answers(forked_from, [0], 1)
     assert server != os.getpid()

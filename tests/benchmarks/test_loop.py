@@ -96,6 +96,7 @@ def test_rows_are_measured_by_the_plainest_of_the_same_failures() -> None:
 # --- a chain that is carried out -----------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_step_whose_first_choices_are_bad_is_verified_by_the_first_good_ones() -> None:
     chain = Chain("Put the block in the packaging box", 1)
     many = (chain.carried_out("resample", "perfect", Causes(0.5, seed), 8, seed) for seed in range(20))

@@ -372,6 +372,7 @@ def test_one_run_cannot_be_split(made, out):
 # --- ends at any moment --------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", [DiskFull, OutputFolderError])
 def test_committed_episodes_stay_when_the_disk_is_full_or_becomes_read_only(made, out, monkeypatch, kind):
     monkeypatch.setattr(merging, "SETTINGS", MergeSettings(commit_episodes=2))

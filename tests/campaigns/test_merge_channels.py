@@ -20,6 +20,8 @@ from vcage.datasets.recordings.opening import open_recordings
 from vcage.runs.context import StageContext
 from vcage.stages import compress, export
 
+pytestmark = pytest.mark.slow
+
 FRAMES = 6
 SETTINGS = {"seed": 7, "workers": 1}
 

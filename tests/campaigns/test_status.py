@@ -179,6 +179,7 @@ def working(tmp_path: Path):
         process.kill()
 
 
+@pytest.mark.slow
 def test_a_job_is_running_while_its_process_lives_and_no_longer(working):
     folder, process = working
     status = status_of(folder)

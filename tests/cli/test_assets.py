@@ -37,6 +37,7 @@ def test_an_unknown_scene_error_lists_the_known_ones(capsys) -> None:
     assert code == 2 and "bathroom" in record["error"]["message"]
 
 
+@pytest.mark.slow
 def test_the_validation_ends_with_its_counts(capsys, tmp_path: Path) -> None:
     code, _, record = run(
         capsys, "assets", "validate", "soap_bar", "--quick", "--no-page", "--workers", 1, "--out", tmp_path
@@ -47,6 +48,7 @@ def test_the_validation_ends_with_its_counts(capsys, tmp_path: Path) -> None:
     assert record["objects"] == 1 and record["failed"] == [] and (tmp_path / "proof.json").is_file()
 
 
+@pytest.mark.slow
 def test_a_failed_validation_names_the_problem_and_exits_with_3(capsys, tmp_path: Path, monkeypatch) -> None:
     monkeypatch.setattr("vcage.apps.proof.mesh.LIMITS", MeshLimits(max_faces=10))
     code, _, record = run(

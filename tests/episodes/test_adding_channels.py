@@ -25,6 +25,8 @@ from vcage.runs.running import at_work, run_stage
 from vcage.sim.robots import load_randomisation
 from vcage.stages import collect, compress, export
 
+pytestmark = pytest.mark.slow
+
 FILE = "episodes/episode_000000.hdf5"
 CONTEXT = StageContext("offline")
 

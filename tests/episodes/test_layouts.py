@@ -28,6 +28,8 @@ from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask, Subtasks
 from vcage.stages import collect
 
+pytestmark = pytest.mark.slow
+
 SEEDS = 6
 
 

@@ -25,6 +25,8 @@ from vcage.schema.episodes import Render, Renders
 from vcage.schema.randomisation import Drawn
 from vcage.sim.robots import load_randomisation
 
+pytestmark = pytest.mark.slow
+
 FULL = load_randomisation("full")
 
 

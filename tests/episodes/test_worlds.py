@@ -17,6 +17,8 @@ from vcage.schema.randomisation import WorldDraw, WorldRanges
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
 
+pytestmark = pytest.mark.slow
+
 RANGES = WorldRanges(
     variants=True, clutter=(2, 6), table_height=(-0.03, 0.0), mass=(0.7, 1.4), friction=(0.7, 1.2), start=0.05
 )

@@ -33,6 +33,7 @@ def equal(one: dict[str, Any], other: dict[str, Any]) -> bool:
     return one.keys() == other.keys() and all(np.array_equal(one[name], other[name]) for name in one)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::UserWarning")
 def test_gymnasium_finds_no_fault_with_it_nor_with_its_pictures(finished: Finished) -> None:
     register()  # as Gymnasium does for an installed package

@@ -42,6 +42,7 @@ def order(finished: Finished, policy: str, **changes: Any) -> Order:
     return replace(Order(finished.run.root, policy, BLIND), **changes)
 
 
+@pytest.mark.slow
 def test_the_expert_succeeds_from_starts_that_are_drawn(finished: Finished, tmp_path: Path) -> None:
     patient = replace(BLIND, max_steps=80)
     record = evaluate(order(finished, "expert", environment=patient), Amount(episodes=1), tmp_path)
@@ -91,6 +92,7 @@ def test_another_evaluation_in_the_same_folder_is_refused(finished: Finished, tm
     assert len(evaluate(replace(still, execute=1), Amount(episodes=1), tmp_path, force=True).rollouts) == 1
 
 
+@pytest.mark.slow
 def test_a_named_policy_goes_on_at_another_address(finished: Finished, capsys, tmp_path: Path) -> None:
     options = ["--unproven", "--no-pictures", "--max-steps", "3", "--out", tmp_path, "--name"]
     for episodes in (1, 2):
@@ -212,6 +214,7 @@ def test_a_factor_of_the_look_changes_nothing_else(finished: Finished, factor: F
     assert begun[0].scene == begun[1].scene and begun[0].sentence == begun[1].sentence
 
 
+@pytest.mark.slow
 def test_factors_of_the_world_are_drawn_more_widely(finished: Finished) -> None:
     clutter = RunEnv(finished.run.root, replace(BLIND, vary="clutter"), finished.context)
     counts = []
@@ -285,6 +288,7 @@ def test_an_error_of_a_policy_is_told_with_its_traceback(finished: Finished, cap
     assert "Traceback" in done.error["details"]["traceback"]
 
 
+@pytest.mark.slow
 def test_starts_from_which_the_expert_fails_are_left_out_and_others_take_their_place(
     finished: Finished, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -316,6 +320,7 @@ def test_processes_count_the_same_starts_with_the_same_outcome(finished: Finishe
     assert one == two
 
 
+@pytest.mark.slow
 def test_the_actions_of_an_episode_give_it_again(finished: Finished, tmp_path: Path) -> None:
     patient = replace(BLIND, max_steps=80)
     done = evaluate(order(finished, "expert", environment=patient), Amount(episodes=1), tmp_path).rollouts[0]

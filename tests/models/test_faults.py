@@ -37,8 +37,6 @@ from vcage.models.transport import Transport, TransportLimits
 from vcage.schema.goals import Goal
 from vcage.schema.plan import LayoutPlan, Relation
 
-pytestmark = pytest.mark.slow
-
 SMALL = Camera(CAMERA.width // 2, CAMERA.height // 2, CAMERA.fovy, CAMERA.pose)
 
 

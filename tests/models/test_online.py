@@ -40,8 +40,6 @@ from vcage.schema.goals import AskedGoal, Goal
 from vcage.schema.plan import LayoutPlan, Relation
 from vcage.schema.subtasks import PairQuestion
 
-pytestmark = pytest.mark.slow
-
 RNG = np.random.default_rng(0)
 PROVIDERS = ("gemini", "openai", "openrouter")
 TEXT_PROVIDERS = ("gemini", "openai", "anthropic")

@@ -50,6 +50,7 @@ def test_a_ball_gets_a_flat_foot_to_stand_on() -> None:
     assert len(foot) >= 3 and np.ptp(foot[:, :2], axis=0).min() > 0.004
 
 
+@pytest.mark.slow
 def test_the_pieces_of_a_cup_stand_on_one_level() -> None:
     heights = np.concatenate([piece.vertices[:, 2] for piece in convex_pieces(np.asarray(cup().triangles))])
     lowest = heights.min()
@@ -101,6 +102,7 @@ def test_the_same_mesh_is_split_once(cache: Path, monkeypatch: pytest.MonkeyPatc
     assert kept and set((cache / "hulls").glob("*.npz")) == kept
 
 
+@pytest.mark.slow
 def test_splitting_twice_gives_the_same_pieces() -> None:
     foot, back = (trimesh.creation.box(extents=size) for size in ((0.06, 0.03, 0.01), (0.01, 0.03, 0.06)))
     corners = np.asarray(trimesh.boolean.union([foot, back], engine="manifold").triangles)

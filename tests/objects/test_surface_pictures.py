@@ -27,6 +27,7 @@ def painted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
     return names
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("where", "name"), [(where, name) for where in SURFACES for name in SURFACES[where]])
 def test_a_surface_is_a_picture_and_always_the_same(where: Where, name: str) -> None:
     first = surface_picture(where, name)

@@ -26,8 +26,6 @@ from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtasks
 from vcage.stages import chain, collect, compress, inpaint_plan, match, optimize, search_subtasks, select_place, verify
 
-pytestmark = pytest.mark.slow
-
 
 @pytest.fixture
 def run(finished: Finished, tmp_path: Path) -> RunFolder:
@@ -228,6 +226,7 @@ def test_a_whole_run_names_the_command_that_keeps_the_edit(run, capsys):
     assert answer.record["next"].endswith(" --force") and " run " not in answer.error["hint"].partition(": ")[2]
 
 
+@pytest.mark.slow
 def test_verdicts_that_were_changed_by_hand_are_kept_when_episodes_come(run, finished):
     edit(run.verdicts, lambda found: _first(found).update(accepted=False))
     done = chain.run_chain(run, replace(OPTIONS, episodes=2), finished.context)

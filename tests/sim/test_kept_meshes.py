@@ -6,6 +6,7 @@ import gc
 
 import numpy as np
 import psutil
+import pytest
 import trimesh
 from PIL import Image
 
@@ -34,6 +35,7 @@ def drawn(*models):
     return World(TABLE, {str(i): Body(model, PLACE) for i, model in enumerate(models)}, render=True)
 
 
+@pytest.mark.slow
 def test_the_memory_of_a_process_that_draws_ever_other_objects_does_not_grow(models, tmp_path):
     megabytes = []
     for number in range(60):

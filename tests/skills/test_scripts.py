@@ -50,7 +50,6 @@ def run_script(python: str, name: str, arguments: list[str], cwd: Path) -> Answe
     )
 
 
-@pytest.mark.slow
 def test_the_nine_scripts_give_the_same_files_as_the_chain_in_one_process(finished: Finished, python, tmp_path):
     own = {"collect": ["--episodes", "1", "--fps", str(FPS)], "compress": QUICK_VIDEOS}
     # The slow part is done before, and left alone by a script with the same request; that other processes

@@ -446,6 +446,7 @@ def test_ranges_that_need_layouts_are_refused_where_none_are_drawn(finished: Fin
         collect.job(finished.run, replace(OPTIONS, layout="fixed", randomise="full"), finished.context)
 
 
+@pytest.mark.slow
 def test_memory_does_not_grow_with_episodes(finished, tmp_path):
     runner = collect._runner(finished.run.root, options(), finished.context)
     held = []

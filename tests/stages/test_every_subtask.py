@@ -22,6 +22,8 @@ from vcage.schema.subtasks import Subtasks
 from vcage.stages import select_place
 from vcage.stages.chain import run_chain
 
+pytestmark = pytest.mark.slow
+
 CONTENTS = [{"assets": ["plate"], "role": "receptacle"}, {"assets": ["apple", "orange"], "count": 2}]
 
 

@@ -22,6 +22,7 @@ def proven(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Proof]:
     return folder, validate(["block", "soap_bar"], folder, QUICK)
 
 
+@pytest.mark.slow
 def test_the_counts_match_the_annotations(proven) -> None:
     _, proof = proven
     annotations = [Library.load().annotation(name) for name in ("block", "soap_bar")]

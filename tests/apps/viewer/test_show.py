@@ -77,6 +77,7 @@ view(Path(sys.argv[1]), save=Path(sys.argv[2]))
 """
 
 
+@pytest.mark.slow
 def test_a_full_disk_is_an_error_and_leaves_no_half_file(episode_file, tmp_path):
     program = [sys.executable, "-c", LIMITED, episode_file, tmp_path / "look.rrd"]
     done = subprocess.run(program, capture_output=True, text=True, check=False, env={"PYTHONPATH": ":".join(sys.path)})

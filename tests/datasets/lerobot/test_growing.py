@@ -66,6 +66,7 @@ def kill_at(monkeypatch: pytest.MonkeyPatch, calls: int, name: str, module: Any)
     return lambda: count >= calls
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("function", "module"), [("replace", os), ("_add_lines", growing), ("rmtree", shutil)])
 def test_a_commit_that_is_killed_at_any_step_is_ended_or_undone(
     version, begun, episodes, tmp_path, monkeypatch, function, module

@@ -11,8 +11,6 @@ from benchmarks._sentences.sources import REPOSITORY, of_libero, of_pages
 from tests.models.rules.scenes import read
 from vcage.models.rules.sentence import FORMS
 
-pytestmark = pytest.mark.slow
-
 PAGE = (REPOSITORY / "docs/instructions.md").read_text(encoding="utf-8")
 EXAMPLES = re.findall(r"^> (.+)$", PAGE, re.MULTILINE)
 DEMO = re.findall(r"^DEMO := (.+)$", Path(REPOSITORY / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)

@@ -89,6 +89,7 @@ def test_drawer_contents_come_along(task_with):
     assert moved[1] == pytest.approx(-TRAVEL, abs=0.03)
 
 
+@pytest.mark.slow
 def test_a_lid_is_opened_and_closed(task_with):
     task = task_with("chest")
     task.operate("chest", 0, LID_RANGE)
