@@ -16,15 +16,26 @@ ONE = np.eye(7)[0]
 """A turn of the first joint alone."""
 
 
-@settings(max_examples=30, deadline=None)
-@given(path=PATHS, speed=st.sampled_from([0.4, 0.85, 1.0]))
-def test_every_joint_keeps_its_own_limits_of_speed_acceleration_and_jerk(path, speed):
+def assert_limits_hold(path, speed):
     trajectory = time_optimal(path, HZ, ARM, speed)
     q = np.concatenate([path[:1], path[:1], trajectory.q, trajectory.q[-1:], trajectory.q[-1:]])
     velocity, acceleration, jerk = (np.diff(q, n, axis=0) * HZ**n for n in (1, 2, 3))
     assert np.all(np.abs(velocity) <= 1.01 * speed * np.array(ARM.speeds))
     assert np.all(np.abs(acceleration) <= 1.05 * speed**2 * np.array(ARM.accelerations))
     assert np.all(np.abs(jerk) <= 1.05 * speed**3 * np.array(ARM.jerks))
+
+
+@settings(max_examples=30, deadline=None)
+@given(path=PATHS, speed=st.sampled_from([0.4, 0.85, 1.0]))
+def test_every_joint_keeps_its_own_limits_of_speed_acceleration_and_jerk(path, speed):
+    assert_limits_hold(path, speed)
+
+
+@settings(max_examples=30, deadline=None)
+@given(path=PATHS, apart=st.sampled_from([1e-5, 1e-3, 5e-3]), speed=st.sampled_from([0.4, 1.0]))
+def test_points_that_are_hardly_apart_break_no_limit(path, apart, speed):
+    near = path + apart * np.random.default_rng(len(path)).uniform(-1, 1, path.shape)
+    assert_limits_hold(np.stack([path, near], axis=1).reshape(-1, path.shape[1]), speed)
 
 
 @settings(max_examples=30, deadline=None)
