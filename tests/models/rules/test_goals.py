@@ -241,6 +241,17 @@ def test_the_arm_that_takes_the_tool_is_the_arm_of_the_hit() -> None:
     assert [(str(asked.goal), asked.arm) for asked in reading.goals] == [("block_red hit", "left")]
 
 
+def test_another_arm_may_take_again_what_one_has_put_down() -> None:
+    sentence = (
+        "Put the hammer on the plate with the left arm, then hit the red block with the hammer with the right arm"
+    )
+    reading = read_goals(sentence, scene("block/red", "hammer/red", "plate/white"))
+    assert [(str(asked.goal), asked.arm) for asked in reading.goals] == [
+        ("hammer_red on plate_white", "left"),
+        ("block_red hit", "right"),
+    ]
+
+
 @pytest.mark.parametrize(("holder", "giver"), [("left", "right"), ("right", "left")])
 def test_what_one_arm_picked_up_no_other_arm_hands_over(holder: str, giver: str) -> None:
     with pytest.raises(UnreadInstruction, match=f"the {holder} arm has apple_red; hand it to the {giver} arm before"):
