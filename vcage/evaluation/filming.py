@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from vcage.apps.report.previews import browser_video
+from vcage.apps.report.previews import browser_video, side_by_side
 from vcage.base.errors import NoRenderer
 from vcage.base.files import RunFolder, write_bytes
 from vcage.base.progress import Progress, silent
@@ -89,11 +89,7 @@ class _Camera:
     def _frames(self, seed: int, actions: NDArray[np.float64]) -> Iterator[NDArray[np.uint8]]:
         env = self._rollouts.env
         seen = self._rollouts.begun(seed)
-        yield _side_by_side(seen["pixels"])
+        yield side_by_side([*seen["pixels"].values()])
         for action in actions:
             env.act(action)
-            yield _side_by_side(env.observe()["pixels"])
-
-
-def _side_by_side(pictures: dict[str, NDArray[np.uint8]]) -> NDArray[np.uint8]:
-    return np.concatenate(list(pictures.values()), axis=1)
+            yield side_by_side([*env.observe()["pixels"].values()])

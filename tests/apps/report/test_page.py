@@ -14,6 +14,7 @@ import pytest
 
 from tests.run_folders import INSTRUCTION, OPTIONS, STAGES, Finished, copied
 from vcage.apps.report.page import PageSettings, write_report
+from vcage.apps.report.previews import GAP_PX
 from vcage.base.errors import DamagedFile, MissingStage
 from vcage.base.files import RunFolder, read_json, write_json, write_text
 from vcage.base.pictures import read_picture
@@ -97,7 +98,7 @@ def test_every_accepted_episode_has_a_video_that_plays(finished, page, tmp_path)
     path.write_bytes(base64.b64decode(page.of("video")[0].removeprefix("data:video/mp4;base64,")))
     frames = decode(path)
     assert len(frames) == accepted[0].frames
-    assert frames[0].shape[1] == 3 * 320
+    assert frames[0].shape[1] == 3 * 320 + 2 * GAP_PX
 
 
 def test_a_rejected_episode_is_reported_without_a_video(finished, tmp_path):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.recordings import CAMERAS, FPS, HEIGHT, WIDTH, clip, written
-from vcage.apps.report.previews import previews
+from vcage.apps.report.previews import GAP_PX, previews
 from vcage.base.errors import DamagedFile
 from vcage.base.videos import decode, frame_rate
 
@@ -18,19 +18,21 @@ def video(url: str) -> bytes:
 
 
 def test_all_cameras_are_seen_side_by_side_as_fast_as_they_saw(tmp_path):
-    (url,) = previews([(written(tmp_path / "a.hdf5", 12), FPS)])
-    frames = decode(video(url))
-    assert frames.shape == (12, HEIGHT, len(CAMERAS) * WIDTH, 3)
-    assert frame_rate(video(url)) == FPS
+    (shown,) = previews([(written(tmp_path / "a.hdf5", 12), FPS)])
+    frames = decode(video(shown.url))
+    assert shown.cameras == list(CAMERAS)
+    assert frames.shape == (12, HEIGHT, len(CAMERAS) * (WIDTH + GAP_PX) - GAP_PX, 3)
+    assert frame_rate(video(shown.url)) == FPS
     for number in range(len(CAMERAS)):
-        seen = frames[:, :, number * WIDTH : (number + 1) * WIDTH].astype(float)
+        left = number * (WIDTH + GAP_PX)
+        seen = frames[:, :, left : left + WIDTH].astype(float)
         away = [np.abs(seen - clip(12, other)).mean() for other in range(len(CAMERAS))]
         assert min(away) == away[number] < 15
 
 
 def test_episodes_keep_their_order(tmp_path):
     files = [(written(tmp_path / f"{frames}.hdf5", frames), FPS) for frames in (9, 3, 6, 4)]
-    assert [len(decode(video(url))) for url in previews(files)] == [9, 3, 6, 4]
+    assert [len(decode(video(shown.url))) for shown in previews(files)] == [9, 3, 6, 4]
 
 
 def test_a_damaged_episode_is_named(tmp_path):

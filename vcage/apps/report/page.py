@@ -20,7 +20,7 @@ from pydantic import ValidationError
 from vcage.apps.asking import STAGE_OF_PROMPT
 from vcage.apps.channel_sheet import channel_sheet
 from vcage.apps.html import rendered
-from vcage.apps.report.previews import previews
+from vcage.apps.report.previews import Preview, previews
 from vcage.base.drawing import distinct_colours
 from vcage.base.errors import DamagedFile, InputFileError, MissingStage, StaleStage
 from vcage.base.files import RunFolder, write_bytes
@@ -202,8 +202,8 @@ def _episode_cards(run: RunFolder, episodes: Episodes | None) -> list[dict[str, 
     refused = _refused_by_verify(run)
     seen = [e for e in shown if e.accepted and e.file and e.file not in refused and run.file(e.file).is_file()]
     seen = seen[: SETTINGS.max_previews]
-    videos = previews([(run.file(str(e.file)), e.fps) for e in seen])
-    by_index = {e.index: video for e, video in zip(seen, videos, strict=True)}
+    shown_as = previews([(run.file(str(e.file)), e.fps) for e in seen])
+    by_index = {e.index: preview for e, preview in zip(seen, shown_as, strict=True)}
     return [_episode_card(run, e, by_index.get(e.index), refused.get(e.file or "")) for e in shown]
 
 
@@ -222,12 +222,12 @@ def _refused_by_verify(run: RunFolder) -> dict[str, str]:
         return {}
 
 
-def _episode_card(run: RunFolder, episode: Episode, video: str | None, refused: str | None) -> dict[str, Any]:
+def _episode_card(run: RunFolder, episode: Episode, preview: Preview | None, refused: str | None) -> dict[str, Any]:
     return {
         "episode": episode,
         "accepted": episode.accepted and refused is None,
         "why_not": refused if episode.accepted else episode.reason,
-        "video": video,
+        "preview": preview,
         "verdicts": [_verdict_card(run, verdict, subtask) for subtask, verdict in judged_steps(run, episode)],
     }
 

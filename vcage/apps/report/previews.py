@@ -9,6 +9,7 @@ import base64
 import io
 from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 
@@ -28,8 +29,25 @@ ENCODING: dict[str, object] = {
 0.6 of its time, and 1 dB less (654 frames of 960×240). Episodes are encoded side by side, so each by one thread."""
 
 
-def previews(episodes: Sequence[tuple[Path, float]]) -> list[str | None]:
-    """Show all cameras of each episode side by side, as data URLs; None for an episode without pictures.
+GAP_PX = 4
+"""White between the pictures of two cameras, which would else look like one."""
+
+
+@dataclass(frozen=True)
+class Preview:
+    """The pictures of an episode.
+
+    Args:
+        url: of the video, with its data.
+        cameras: that are seen in it, from left to right.
+    """
+
+    url: str
+    cameras: list[str]
+
+
+def previews(episodes: Sequence[tuple[Path, float]]) -> list[Preview | None]:
+    """Show all cameras of each episode side by side; None for an episode without pictures.
 
     Args:
         episodes: the file of each, and its frames per second.
@@ -41,12 +59,19 @@ def previews(episodes: Sequence[tuple[Path, float]]) -> list[str | None]:
         return list(pool.map(lambda one: _preview(*one), episodes))
 
 
-def _preview(path: Path, fps: float) -> str | None:
+def _preview(path: Path, fps: float) -> Preview | None:
     with EpisodeReader(path) as reader:
         if not reader.cameras:
             return None
         tracks = [reader.images(camera) for camera in reader.cameras]
-        return video_url(browser_video((np.concatenate(row, axis=1) for row in zip(*tracks, strict=True)), fps))
+        video = browser_video(map(side_by_side, zip(*tracks, strict=True)), fps)
+        return Preview(video_url(video), list(reader.cameras))
+
+
+def side_by_side(pictures: Sequence[np.ndarray]) -> np.ndarray:
+    """(H, W, 3) uint8 pictures of as many cameras as one, from left to right with :data:`GAP_PX` between them."""
+    gap = np.full((pictures[0].shape[0], GAP_PX, 3), 255, np.uint8)
+    return np.concatenate([part for picture in pictures for part in (gap, picture)][1:], axis=1)
 
 
 def video_url(video: bytes) -> str:
