@@ -24,10 +24,11 @@ import argparse
 import hashlib
 import json
 import logging
+import shlex
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -39,13 +40,12 @@ import torch
 from benchmarks._policy import played
 from benchmarks._policy.collected import Layout, Task, exported, meaning_of
 from benchmarks._policy.demonstrations import Demonstrations
-from benchmarks._policy.localiser import LocaliserTraining, trained_localiser, views_of
+from benchmarks._policy.localiser import Localiser, LocaliserTraining, trained_localiser, views_of
 from benchmarks._policy.pictures import Format, shrunk_pictures
-from benchmarks._policy.policy import Policy
+from benchmarks._policy.policy import Meaning
 from benchmarks._policy.training import Noise, Training, trained
 from vcage.base.errors import StaleStage, UsageError, VcageError
 from vcage.base.files import RunFolder, atomic_path, cache_dir
-from vcage.base.workers import cores
 from vcage.evaluation.evaluate import RECORD
 
 logger = logging.getLogger(__name__)
@@ -174,39 +174,42 @@ class _Bench:
         layout: Layout = "fixed" if name == "fixed" else "varied"
         source = self.task.collected(self.plan.episodes, layout)
         if name in PLAYED:
-            folder, workers = self.task.data / "played", self.task.workers or cores()
-            demonstrations = played.demonstrations(source, self.plan.episodes, name == "checked", folder, workers)
+            checked, folder = name == "checked", self.task.data / "played"
+            demonstrations = played.demonstrations(source, self.plan.episodes, checked, folder, self.task.workers)
         else:
             demonstrations = Demonstrations.read(exported(source), self.plan.episodes)
         stored = next((known for known in FORMATS if known == name), None)
         noise = Noise(object_m=0.0 if stored is None else self.plan.object_noise_m)
         training = Training(minutes=self.plan.minutes, seed=seed, noise=noise, device=self.device)
-        weights = self.task.data / f"{name}-seed{seed}-{_made_from(demonstrations, training)}.pt"
+        localising = None if stored is None else LocaliserTraining(self.plan.minutes, seed=seed)
+        weights = self.task.data / f"{name}-seed{seed}-{_made_from(demonstrations, training, localising)}.pt"
         if not weights.exists():
             logger.info("%s, seed %d: training for %g minutes", name, seed, self.plan.minutes)
-            policy = self._trained(source, demonstrations, stored, training)
+            policy = trained(demonstrations, meaning_of(source, demonstrations, self.task.robot, not stored), training)
+            if stored is not None and localising is not None:
+                policy.localiser = self._localiser(source, demonstrations, stored, policy.meaning, localising)
             with atomic_path(weights) as part:
                 policy.write(part)
         facts = self._evaluated(weights, name, seed, pictures=stored is not None)
         counts = {"episodes": len(demonstrations.ends), "frames": len(demonstrations.states)}
         return {"trained_on": name, "seed": seed, "minutes": self.plan.minutes, **counts, **facts}
 
-    def _trained(
-        self, source: RunFolder, demonstrations: Demonstrations, stored: Format | None, training: Training
-    ) -> Policy:
-        meaning = meaning_of(source, demonstrations, self.task.robot, turned=stored is None)
-        policy = trained(demonstrations, meaning, training)
-        if stored is not None:
-            if stored == "compressed":
-                self.task.compressed(source)
-            views = views_of(self.task.robot)
-            seen = shrunk_pictures(source, stored, views, self.plan.episodes, self.task.data / "lerobot")
-            hands = meaning.hands().poses(demonstrations.states)
-            places = meaning.seen_objects().poses(demonstrations.objects).position
-            policy.localiser = trained_localiser(
-                seen, hands, places, views, LocaliserTraining(training.minutes, seed=training.seed)
-            )
-        return policy
+    def _localiser(
+        self,
+        source: RunFolder,
+        demonstrations: Demonstrations,
+        stored: Format,
+        meaning: Meaning,
+        training: LocaliserTraining,
+    ) -> Localiser:
+        """Train a localiser on the pictures of a format."""
+        if stored == "compressed":
+            self.task.compressed(source)
+        views = views_of(self.task.robot)
+        seen = shrunk_pictures(source, stored, views, self.plan.episodes, self.task.data / "lerobot")
+        hands = meaning.hands().poses(demonstrations.states)
+        places = meaning.seen_objects().poses(demonstrations.objects).position
+        return trained_localiser(seen, hands, places, views, training)
 
     def _evaluated(self, weights: Path, name: str, seed: int, pictures: bool) -> dict[str, Any]:
         """Serve weights and evaluate them; the summary of ``vcage evaluate``."""
@@ -214,19 +217,19 @@ class _Bench:
         out, rival = (run.root / "evaluations" / f"{row}-seed{seed}" for row in (name, RIVALS.get(name, name)))
         with served(weights) as address:
             command = [sys.executable, "-m", "vcage.cli.main", "evaluate", str(run.root), "--policy", address]
-            command += ["--episodes", str(self.plan.rollouts), "--workers", str(self.task.workers or 1)]
+            command += ["--episodes", str(self.plan.rollouts), "--workers", str(self.task.workers)]
             command += ["--actions", str(self.plan.actions), "--out", str(out), "--name", weights.stem]
             command += [] if pictures else ["--no-pictures", "--environment-state"]
             if name in RIVALS and (rival / RECORD).exists():
                 command += ["--against", str(rival)]
             begun = time.perf_counter()
-            done = subprocess.run(command, stdout=subprocess.PIPE, text=True)
-            if done.returncode == StaleStage.exit_code:
-                logger.info("%s: the evaluation of other weights is replaced", weights.stem)
-                done = subprocess.run([*command, "--force"], stdout=subprocess.PIPE, text=True)
-        if done.returncode != 0:
-            raise VcageError(f"vcage evaluate ended with {done.returncode}: {done.stdout[-500:]}")
-        facts = json.loads(done.stdout.splitlines()[-1])["summary"]
+            answer = _answer(command)
+            if answer.get("error", {}).get("code") == StaleStage.code:
+                logger.info("%s: an earlier evaluation is replaced: %s", weights.stem, answer["error"]["message"])
+                answer = _answer([*command, "--force"])
+        if "error" in answer:
+            raise VcageError(f"vcage evaluate fails: {answer['error']['message']}")
+        facts = answer["summary"]
         spent = time.perf_counter() - begun
         logger.info("%s: %s of %s in %.0f s", weights.stem, facts["n_success"], self.plan.rollouts, spent)
         return facts
@@ -245,9 +248,22 @@ def served(weights: Path) -> Iterator[str]:
             server.terminate()
 
 
-def _made_from(demonstrations: Demonstrations, training: Training) -> str:
-    """A hash of all that weights depend on."""
-    made_from = hashlib.sha256(repr(training).encode())
-    for numbers in (demonstrations.states, demonstrations.objects, demonstrations.actions, demonstrations.steps):
-        made_from.update(np.ascontiguousarray(numbers).data)
+def _answer(command: Sequence[str]) -> dict[str, Any]:
+    """The last line on stdout of a command of the project: its result, or its error.
+
+    Raises:
+        VcageError: it ended without one.
+    """
+    done = subprocess.run(command, stdout=subprocess.PIPE, text=True)
+    try:
+        return json.loads(done.stdout.splitlines()[-1])
+    except (IndexError, ValueError) as error:
+        raise VcageError(f"{shlex.join(command)} ended with {done.returncode}, and without a result") from error
+
+
+def _made_from(demonstrations: Demonstrations, training: Training, localising: LocaliserTraining | None) -> str:
+    """A hash of the demonstrations that weights are trained on, and of the settings of that training."""
+    made_from = hashlib.sha256(repr((training, localising)).encode())
+    for numbers in vars(demonstrations).values():
+        made_from.update(np.asarray(numbers).tobytes())
     return made_from.hexdigest()[:12]

@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
-from types import ModuleType
 from typing import Literal
 
 from benchmarks._policy.demonstrations import Demonstrations
 from benchmarks._policy.policy import Meaning
-from vcage.base.errors import StaleStage, TooFewVerified, UsageError
+from vcage.base.errors import TooFewVerified, UsageError
 from vcage.base.files import RunFolder
 from vcage.base.progress import Progress
 from vcage.runs.accepted import accepted_episodes
 from vcage.runs.context import StageContext
-from vcage.runs.stage import StageOptions
+from vcage.runs.running import at_work
 from vcage.schema.subtasks import Subtasks
-from vcage.stages import collect, compress, export, inpaint_plan, match, optimize, search_subtasks, select_place, verify
-from vcage.stages.chain import ChainOptions
+from vcage.stages import compress, export
+from vcage.stages.chain import STAGES, ChainOptions, up_to_date
 
 logger = logging.getLogger(__name__)
 
@@ -26,7 +25,8 @@ FORMAT = "lerobot-v3.0"
 
 Layout = Literal["varied", "fixed"]
 
-STAGES = (select_place, inpaint_plan, match, optimize, search_subtasks, collect, verify)
+COLLECTING = ("select_place", "inpaint_plan", "match", "optimize", "search_subtasks", "collect", "verify")
+"""The stages of the chain that come before the export."""
 
 
 @dataclass(frozen=True)
@@ -37,13 +37,13 @@ class Task:
         instruction: in plain language.
         robot: name of the robot.
         data: folder with the runs, which a second benchmark reuses.
-        workers: processes that collect; None for as many as there are cores.
+        workers: processes that collect, compress and evaluate.
     """
 
     instruction: str
     robot: str
     data: Path
-    workers: int | None = None
+    workers: int
 
     def collected(self, episodes: int, layout: Layout) -> RunFolder:
         """The run with that many episodes, and its export of states; what exists is not made again.
@@ -61,18 +61,20 @@ class Task:
             workers=self.workers,
         )
         context = options.context(run)
-        for stage in STAGES:
-            stage.execute(run, options, context, _said(f"{layout}: {stage.__name__.rpartition('.')[2]}"))
-        if (found := len(accepted_episodes(run))) < episodes:
-            raise TooFewVerified(f"{run.root} has {found} episodes, {episodes} are wanted")
-        asked = export.Options(formats=(FORMAT,), no_videos=True, environment_state=True)
-        _renewed(export, run, asked, context, f"{layout}: export")
+        with at_work(run):
+            for name in COLLECTING:
+                up_to_date(name, STAGES[name], run, options, context, _said(f"{layout}: {name}"))
+            if (found := len(accepted_episodes(run))) < episodes:
+                raise TooFewVerified(f"{run.root} has {found} episodes, {episodes} are wanted")
+            asked = export.Options(formats=(FORMAT,), no_videos=True, environment_state=True)
+            up_to_date("export", export, run, asked, context, _said(f"{layout}: export"))
         return run
 
     def compressed(self, run: RunFolder) -> None:
         """Compress the videos of a run, and keep the raw pictures."""
         options = compress.Options(keep_raw=True, workers=self.workers)
-        _renewed(compress, run, options, StageContext("offline"), "compress")
+        with at_work(run):
+            up_to_date("compress", compress, run, options, StageContext("offline"), _said("compress"))
 
 
 def exported(run: RunFolder) -> Path:
@@ -97,14 +99,6 @@ def meaning_of(run: RunFolder, demonstrations: Demonstrations, robot: str, turne
     if not all(steps):
         raise UsageError(f"a sub-task of {run.root} is about no object", hint="give another --instruction")
     return Meaning(robot, demonstrations.names, demonstrations.object_names, tuple(steps), turned)
-
-
-def _renewed(stage: ModuleType, run: RunFolder, options: StageOptions, context: StageContext, name: str) -> None:
-    """Carry a stage out; where it was of fewer episodes, again."""
-    try:
-        stage.execute(run, options, context, _said(name))
-    except StaleStage:
-        stage.execute(run, replace(options, force=True), context, _said(name))
 
 
 def _said(what: str) -> Progress:

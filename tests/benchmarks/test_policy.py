@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from copy import copy
 from dataclasses import replace
 from pathlib import Path
@@ -20,7 +21,7 @@ from benchmarks._policy.network import Size
 from benchmarks._policy.policy import Meaning, Policy, Scale
 from benchmarks._policy.steps import Progress, Steps
 from benchmarks._policy.training import Noise, Training, trained, turned
-from vcage.base.errors import UsageError
+from vcage.base.errors import UsageError, VcageError
 from vcage.sim.kinematics import kinematics_of
 from vcage.sim.robots import load_robot
 
@@ -327,6 +328,26 @@ def test_a_localiser_finds_a_square_in_pictures() -> None:
     localiser = trained_localiser({"cam_high": pictures}, hands, places, [view], training)
     found = localiser.positions({"cam_high": pictures[7]}, hands[torch.tensor([7])])
     assert float((found[0] - places[7]).abs().max()) < 0.25 * float(places.std(dim=0).max())
+
+
+def test_weights_are_known_by_their_demonstrations_and_all_settings_of_their_training() -> None:
+    data, training, localising = demonstrations(), Training(), LocaliserTraining()
+    known = {
+        policy._made_from(data, training, None),
+        policy._made_from(data, training, localising),
+        policy._made_from(data, training, replace(localising, batch=8)),
+        policy._made_from(data, replace(training, aim_noise_m=0.0), localising),
+        policy._made_from(replace(data, ends=data.ends - [1, 0]), training, localising),
+    }
+    assert len(known) == 5
+    assert policy._made_from(demonstrations(), Training(), LocaliserTraining()) in known
+
+
+def test_an_answer_is_the_last_line_of_a_command() -> None:
+    said = 'print(\'so far\'); print(\'{"error": {"code": "stale_stage"}}\'); exit(3)'
+    assert policy._answer([sys.executable, "-c", said])["error"]["code"] == "stale_stage"
+    with pytest.raises(VcageError, match="ended with 9, and without a result"):
+        policy._answer([sys.executable, "-c", "exit(9)"])
 
 
 def test_a_device_that_torch_does_not_have_is_refused_before_anything_is_collected(tmp_path: Path) -> None:

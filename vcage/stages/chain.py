@@ -16,7 +16,7 @@ from vcage.base.progress import Progress, silent
 from vcage.base.workers import preload_module
 from vcage.runs.context import StageContext
 from vcage.runs.running import Stage, at_work, timed
-from vcage.runs.stage import StageResult
+from vcage.runs.stage import StageOptions, StageResult
 from vcage.runs.taken_crfs import crfs_of
 from vcage.stages import collect, compress, export, inpaint_plan, match, optimize, search_subtasks, select_place, verify
 
@@ -116,21 +116,33 @@ def run_chain(
         for name, stage in STAGES.items():
             with show(name) as progress:
                 own = export.Options(seed=options.seed, force=options.force) if name == "export" else options
-                done[name] = _up_to_date(name, stage, run, own, context, progress)
+                done[name] = up_to_date(name, stage, run, own, context, progress)
     return done
 
 
-def _up_to_date(
+def up_to_date(
     name: str,
     stage: Stage,
     run: RunFolder,
-    options: ChainOptions | export.Options,
+    options: StageOptions,
     context: StageContext,
     progress: Progress,
 ) -> StageResult[Any]:
     """Run a stage, and make it again where it was made from other files than there are now.
 
     Episodes and edited files are never lost that way, only by --force of the stage itself.
+
+    Args:
+        name: of the stage.
+        stage: its module.
+        run: the run folder, which this process holds.
+        options: the stage's.
+        context: shared by the stages.
+        progress: called at every step.
+
+    Raises:
+        StaleStage: it was made with other options, or to make it again would lose episodes or edits.
+        VcageError: raised by the stage.
     """
     try:
         return timed(stage, run, options, context, progress)
