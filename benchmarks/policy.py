@@ -9,7 +9,7 @@ a process of its own, and evaluated through the command as any policy of a lab w
 - ``unchecked``: states of episodes that are played without a critic or pictures, failures included; ``checked``: of
   those among them that the simulator's state accepts, as many;
 - ``raw``, ``compressed``, ``lerobot``: pictures of the varied episodes as recorded, as ``vcage compress`` stores them,
-  and as LeRobot's defaults do (AV1, CRF 30).
+  and as LeRobot's defaults do (AV1, CRF 30). These share the network that acts, and differ in the localiser.
 
 All are evaluated on the same drawn layouts. Rows on pictures are compared with ``raw`` start by start (McNemar), and
 ``checked`` with ``unchecked``.
@@ -40,9 +40,9 @@ import torch
 from benchmarks._policy import played
 from benchmarks._policy.collected import Layout, Task, exported, meaning_of
 from benchmarks._policy.demonstrations import Demonstrations
-from benchmarks._policy.localiser import Localiser, LocaliserTraining, trained_localiser, views_of
+from benchmarks._policy.localiser import LocaliserTraining, trained_localiser, views_of
 from benchmarks._policy.pictures import Format, shrunk_pictures
-from benchmarks._policy.policy import Meaning
+from benchmarks._policy.policy import Meaning, Policy
 from benchmarks._policy.training import Noise, Training, trained
 from vcage.base.errors import StaleStage, UsageError, VcageError
 from vcage.base.files import RunFolder, atomic_path, cache_dir
@@ -60,6 +60,9 @@ LAYOUTS: tuple[Layout, ...] = get_args(Layout)
 FORMATS: tuple[Format, ...] = get_args(Format)
 
 PLAYED = ("unchecked", "checked")
+
+POSITIONS = "positions"
+"""Name of the weights that all rows on pictures share: only what finds the objects is trained anew for each."""
 
 ROWS = (*LAYOUTS, *PLAYED, *FORMATS)
 
@@ -181,35 +184,42 @@ class _Bench:
         stored = next((known for known in FORMATS if known == name), None)
         noise = Noise(object_m=0.0 if stored is None else self.plan.object_noise_m)
         training = Training(minutes=self.plan.minutes, seed=seed, noise=noise, device=self.device)
-        localising = None if stored is None else LocaliserTraining(self.plan.minutes, seed=seed)
-        weights = self.task.data / f"{name}-seed{seed}-{_made_from(demonstrations, training, localising)}.pt"
-        if not weights.exists():
-            logger.info("%s, seed %d: training for %g minutes", name, seed, self.plan.minutes)
-            policy = trained(demonstrations, meaning_of(source, demonstrations, self.task.robot, not stored), training)
-            if stored is not None and localising is not None:
-                policy.localiser = self._localiser(source, demonstrations, stored, policy.meaning, localising)
-            with atomic_path(weights) as part:
-                policy.write(part)
+        meaning = meaning_of(source, demonstrations, self.task.robot, turned=stored is None)
+        weights = self._trained(POSITIONS if stored else name, demonstrations, meaning, training)
+        if stored is not None:
+            weights = self._localising(weights, stored, source, demonstrations, seed)
         facts = self._evaluated(weights, name, seed, pictures=stored is not None)
         counts = {"episodes": len(demonstrations.ends), "frames": len(demonstrations.states)}
         return {"trained_on": name, "seed": seed, "minutes": self.plan.minutes, **counts, **facts}
 
-    def _localiser(
-        self,
-        source: RunFolder,
-        demonstrations: Demonstrations,
-        stored: Format,
-        meaning: Meaning,
-        training: LocaliserTraining,
-    ) -> Localiser:
-        """Train a localiser on the pictures of a format."""
+    def _trained(self, name: str, demonstrations: Demonstrations, meaning: Meaning, training: Training) -> Path:
+        """Weights of a policy that is trained on states."""
+        path = self.task.data / f"{name}-seed{training.seed}-{_made_from(demonstrations, training)}.pt"
+        if not path.exists():
+            logger.info("%s, seed %d: training for %g minutes", name, training.seed, training.minutes)
+            with atomic_path(path) as part:
+                trained(demonstrations, meaning, training).write(part)
+        return path
+
+    def _localising(
+        self, positions: Path, stored: Format, source: RunFolder, demonstrations: Demonstrations, seed: int
+    ) -> Path:
+        """Weights of a policy with a localiser that is trained on pictures of a format."""
+        training = LocaliserTraining(self.plan.minutes, seed=seed)
+        made_from = hashlib.sha256(f"{positions.stem} {training}".encode()).hexdigest()[:12]
+        path = self.task.data / f"{stored}-seed{seed}-{made_from}.pt"
+        if path.exists():
+            return path
+        logger.info("%s, seed %d: training of a localiser for %g minutes", stored, seed, training.minutes)
         if stored == "compressed":
             self.task.compressed(source)
-        views = views_of(self.task.robot)
+        policy, views = Policy.read(positions), views_of(self.task.robot)
         seen = shrunk_pictures(source, stored, views, self.plan.episodes, self.task.data / "lerobot")
-        hands = meaning.hands().poses(demonstrations.states)
-        places = meaning.seen_objects().poses(demonstrations.objects).position
-        return trained_localiser(seen, hands, places, views, training)
+        hands, objects = policy.hands.poses(demonstrations.states), policy.objects.poses(demonstrations.objects)
+        policy.localiser = trained_localiser(seen, hands, objects.position, views, training)
+        with atomic_path(path) as part:
+            policy.write(part)
+        return path
 
     def _evaluated(self, weights: Path, name: str, seed: int, pictures: bool) -> dict[str, Any]:
         """Serve weights and evaluate them; the summary of ``vcage evaluate``."""
@@ -261,9 +271,9 @@ def _answer(command: Sequence[str]) -> dict[str, Any]:
         raise VcageError(f"{shlex.join(command)} ended with {done.returncode}, and without a result") from error
 
 
-def _made_from(demonstrations: Demonstrations, training: Training, localising: LocaliserTraining | None) -> str:
-    """A hash of the demonstrations that weights are trained on, and of the settings of that training."""
-    made_from = hashlib.sha256(repr((training, localising)).encode())
+def _made_from(demonstrations: Demonstrations, training: Training) -> str:
+    """A hash of demonstrations, and of the settings of a training on them."""
+    made_from = hashlib.sha256(repr(training).encode())
     for numbers in vars(demonstrations).values():
         made_from.update(np.asarray(numbers).tobytes())
     return made_from.hexdigest()[:12]

@@ -12,6 +12,7 @@ import pytest
 import torch
 
 from benchmarks import policy
+from benchmarks._policy.collected import Task
 from benchmarks._policy.demonstrations import Demonstrations
 from benchmarks._policy.features import ObjectPoses, Objects, Seen, moved_with_objects, poses_of, seen_by, targets_of
 from benchmarks._policy.grip import carried, compensated, held
@@ -22,6 +23,7 @@ from benchmarks._policy.policy import Meaning, Policy, Scale
 from benchmarks._policy.steps import Progress, Steps
 from benchmarks._policy.training import Noise, Training, trained, turned
 from vcage.base.errors import UsageError, VcageError
+from vcage.base.files import RunFolder
 from vcage.sim.kinematics import kinematics_of
 from vcage.sim.robots import load_robot
 
@@ -330,17 +332,34 @@ def test_a_localiser_finds_a_square_in_pictures() -> None:
     assert float((found[0] - places[7]).abs().max()) < 0.25 * float(places.std(dim=0).max())
 
 
-def test_weights_are_known_by_their_demonstrations_and_all_settings_of_their_training() -> None:
-    data, training, localising = demonstrations(), Training(), LocaliserTraining()
+def test_weights_are_known_by_their_demonstrations_and_the_settings_of_their_training() -> None:
+    data = demonstrations()
     known = {
-        policy._made_from(data, training, None),
-        policy._made_from(data, training, localising),
-        policy._made_from(data, training, replace(localising, batch=8)),
-        policy._made_from(data, replace(training, aim_noise_m=0.0), localising),
-        policy._made_from(replace(data, ends=data.ends - [1, 0]), training, localising),
+        policy._made_from(data, Training()),
+        policy._made_from(data, Training(aim_noise_m=0.0)),
+        policy._made_from(replace(data, ends=data.ends - [1, 0]), Training()),
     }
-    assert len(known) == 5
-    assert policy._made_from(demonstrations(), Training(), LocaliserTraining()) in known
+    assert len(known) == 3 and policy._made_from(demonstrations(), Training()) in known
+
+
+def test_policies_on_pictures_differ_only_in_what_finds_the_objects(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    data, size = demonstrations(), Size(chunk=2, width=8, layers=1, aims=2)
+    pictures = {"cam_high": np.zeros((len(data.states), 20, 20, 3), np.uint8)}
+    monkeypatch.setattr(policy, "views_of", lambda _: [View("cam_high", None, 20, 20)])
+    monkeypatch.setattr(policy, "shrunk_pictures", lambda *_: pictures)
+    meaning = Meaning(ROBOT, data.names, data.object_names, (("block",),), turned=False)
+    bench = policy._Bench(Task("", ROBOT, tmp_path, workers=1), policy.Plan(minutes=0.002))
+    blind = bench._trained("positions", data, meaning, Training(minutes=0.002, batch=8, size=size))
+    files = {bench._localising(blind, stored, RunFolder(tmp_path), data, seed=0) for stored in ("raw", "lerobot")}
+    longer = replace(bench, plan=policy.Plan(minutes=0.003))
+    files.add(longer._localising(blind, "raw", RunFolder(tmp_path), data, seed=0))
+    assert len(files) == 3
+    same = Policy.read(blind).network.state_dict()
+    for read in map(Policy.read, files):
+        assert read.localiser is not None
+        assert all(torch.equal(numbers, same[name]) for name, numbers in read.network.state_dict().items())
 
 
 def test_an_answer_is_the_last_line_of_a_command() -> None:
