@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -17,7 +18,7 @@ from vcage.base.errors import InputFileError, MissingStage, StaleStage, UsageErr
 from vcage.base.videos import pictures
 from vcage.evaluation.comparison import compare
 from vcage.evaluation.environment import EnvironmentOptions, RunEnv
-from vcage.evaluation.evaluate import RECORD, Amount, actions_file, evaluate
+from vcage.evaluation.evaluate import RECORD, Amount, actions_file, evaluate, planned
 from vcage.evaluation.factors import Factor
 from vcage.evaluation.filming import chosen
 from vcage.evaluation.policy import PolicyFailed
@@ -115,7 +116,6 @@ def test_a_name_has_a_letter_that_a_folder_can_keep(finished: Finished, capsys) 
 @pytest.mark.parametrize(
     ("policy", "kind", "complaint"),
     [
-        ("pi0", UsageError, "names no policy"),
         ("no_such_module:make", InputFileError, "no_such_module"),
         ("collections:OrderedDict", InputFileError, "without infer"),
     ],
@@ -280,12 +280,32 @@ class Breaks:
         raise RuntimeError("no weights")
 
 
+class Ends:
+    """A policy that would end the process."""
+
+    def infer(self, _observation: Mapping[str, Any]) -> Mapping[str, Any]:
+        sys.exit("out of memory")
+
+
 def test_an_error_of_a_policy_is_told_with_its_traceback(finished: Finished, capsys, tmp_path: Path) -> None:
     options = ["--policy", "tests.evaluation.test_evaluate:Breaks", "--no-pictures", "--out", tmp_path]
     done = command(capsys, "evaluate", finished.run.root, *options)
     assert (done.code, done.error["code"]) == (5, "policy_failed")
     assert "raises RuntimeError: no weights" in done.error["message"]
     assert "Traceback" in done.error["details"]["traceback"]
+    assert "it was sent observation/state, prompt" in done.error["hint"]
+
+
+def test_a_policy_cannot_end_the_evaluation_without_a_word(finished: Finished, tmp_path: Path) -> None:
+    ends = order(finished, "tests.evaluation.test_evaluate:Ends", solvable=False)
+    with pytest.raises(PolicyFailed, match="raises SystemExit: out of memory"):
+        evaluate(ends, Amount(episodes=1), tmp_path)
+
+
+def test_a_word_that_names_no_policy_is_refused_before_the_scenes_are_read(tmp_path: Path) -> None:
+    for word in ("pi0", "http://127.0.0.1:8000"):
+        with pytest.raises(UsageError, match=word):
+            planned(Order(tmp_path / "no run", word), Amount())
 
 
 @pytest.mark.slow

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any, Literal
 
 import numpy as np
@@ -18,6 +18,37 @@ ALOHA_CAMERAS = ("cam_high", "cam_low", "cam_left_wrist", "cam_right_wrist")
 """Cameras that openpi's ALOHA configuration knows; it refuses others."""
 
 
+def require_possible(kind: Payload, numbers: int, cameras: Collection[str]) -> None:
+    """Require that observations can be sent with the fields of a kind.
+
+    Args:
+        kind: of the fields.
+        numbers: of a state.
+        cameras: whose pictures are observed.
+
+    Raises:
+        UsageError: ``aloha`` is asked for a robot of another size, or without its first camera.
+    """
+    if kind != "aloha":
+        return
+    if numbers != ALOHA_NUMBERS:
+        raise UsageError(
+            f"a state of {numbers} numbers is not ALOHA's, which has {ALOHA_NUMBERS}", hint="--payload generic"
+        )
+    if ALOHA_CAMERAS[0] not in cameras:
+        raise UsageError(
+            f"openpi's ALOHA configuration needs pictures of {ALOHA_CAMERAS[0]}; there are "
+            f"{', '.join(cameras) or 'none'}",
+            hint="observe it, or take --payload generic",
+        )
+
+
+def names_in(sent: Mapping[str, Any]) -> list[str]:
+    """Names of the fields of a payload, and of their fields: ``images/cam_high``."""
+    fields = ([f"{name}/{n}" for n in value] if isinstance(value, Mapping) else [name] for name, value in sent.items())
+    return [name for names in fields for name in names]
+
+
 def payload(observation: Mapping[str, Any], kind: Payload) -> dict[str, Any]:
     """The fields that a policy is sent.
 
@@ -25,22 +56,13 @@ def payload(observation: Mapping[str, Any], kind: Payload) -> dict[str, Any]:
     ``generic``: ``observation/state`` (D,), ``observation/<camera>`` ((H, W, 3) uint8),
     ``observation/environment_state``, ``prompt``.
 
-    Raises:
-        UsageError: ``aloha`` is asked for a robot of another size, or without its first camera.
+    Args:
+        observation: with what :func:`require_possible` requires.
+        kind: of the fields.
     """
     pictures = observation.get("pixels", {})
     if kind == "aloha":
         state = np.asarray(observation["agent_pos"])
-        if len(state) != ALOHA_NUMBERS:
-            raise UsageError(
-                f"a state of {len(state)} numbers is not ALOHA's, which has {ALOHA_NUMBERS}", hint="--payload generic"
-            )
-        if ALOHA_CAMERAS[0] not in pictures:
-            raise UsageError(
-                f"openpi's ALOHA configuration needs pictures of {ALOHA_CAMERAS[0]}; there are "
-                f"{', '.join(pictures) or 'none'}",
-                hint="observe it, or take --payload generic",
-            )
         images = {n: np.ascontiguousarray(p.transpose(2, 0, 1)) for n, p in pictures.items() if n in ALOHA_CAMERAS}
         return {"state": state, "images": images, "prompt": observation["instruction"]}
     named = {f"observation/{name}": picture for name, picture in pictures.items()}

@@ -7,6 +7,7 @@ import sys
 import traceback
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -69,27 +70,31 @@ class LocalPolicy:
 
     Raises:
         UsageError: it is not of that form.
-        InputFileError: there is no such module or factory, or what it makes has no ``infer``.
-        PolicyFailed: the module or the factory raises an error; ``details`` has its traceback.
     """
 
     def __init__(self, factory: str):
         self._name = factory
-        module, _, name = factory.partition(":")
-        if not (module and name):
+        self._module, _, self._factory = factory.partition(":")
+        if not (self._module and self._factory):
             raise UsageError(
                 f"{factory!r} names no policy", hint="give ws://HOST:PORT, MODULE:FACTORY, replay or expert"
             )
+
+    @cached_property
+    def _made(self) -> Any:
+        """What the factory makes, when it is first needed: it may be large, and the process that plans needs none."""
         with self._errors_named():
-            self._made = _found(factory, module, name)()
-        if not callable(getattr(self._made, "infer", None)):
-            raise InputFileError(f"{factory} makes a {type(self._made).__name__} without infer(observation)")
+            made = _found(self._name, self._module, self._factory)()
+        if not callable(getattr(made, "infer", None)):
+            raise InputFileError(f"{self._name} makes a {type(made).__name__} without infer(observation)")
+        return made
 
     def reset(self) -> None:
         """Tell the policy that an episode begins, if it has ``reset``.
 
         Raises:
-            PolicyFailed: as :meth:`infer`.
+            InputFileError: there is no such module or factory, or what it makes has no ``infer``.
+            PolicyFailed: the module, the factory or the policy raises an error; ``details`` has its traceback.
         """
         if callable(reset := getattr(self._made, "reset", None)):
             with self._errors_named():
@@ -99,7 +104,7 @@ class LocalPolicy:
         """Return the policy's answer.
 
         Raises:
-            PolicyFailed: it raises an error; ``details`` has its traceback.
+            InputFileError, PolicyFailed: as :meth:`reset`.
         """
         with self._errors_named():
             return self._made.infer(observation)
@@ -110,7 +115,7 @@ class LocalPolicy:
             yield
         except VcageError:
             raise
-        except Exception as error:  # any: the program is a user's
+        except (Exception, SystemExit) as error:  # any: the program is a user's, and must not end this one
             found = f"{self._name} raises {type(error).__name__}: {error}"
             raise PolicyFailed(found, details={"traceback": traceback.format_exc()}) from error
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +15,8 @@ from vcage.base.errors import InfeasibleScene, UnknownName
 from vcage.base.files import RunFolder
 from vcage.datasets.reader import EpisodeReader
 from vcage.evaluation.environment import EnvironmentOptions, Observation, RunEnv
-from vcage.evaluation.payload import Payload, payload
-from vcage.evaluation.policy import LocalPolicy, Policy, checked_actions
+from vcage.evaluation.payload import Payload, names_in, payload, require_possible
+from vcage.evaluation.policy import LocalPolicy, Policy, PolicyFailed, checked_actions
 from vcage.evaluation.remote_policy import RemotePolicy
 from vcage.runs.accepted import accepted_episodes
 from vcage.schema.evaluation import Rollout
@@ -76,20 +76,20 @@ class Rollouts:
     Args:
         order: what to run.
 
+    Attributes:
+        policy: is made or connected when it is first asked; None for ``replay`` and ``expert``.
+
     Raises:
         MissingStage, UnknownName, NoRenderer: see :class:`RunEnv`.
-        UsageError, InputFileError: the policy cannot be made.
+        UsageError: the order names no policy, or its observations cannot be sent as it says.
     """
 
     def __init__(self, order: Order):
         self.order = order
+        self.policy = _policy(order.policy)
         self.env = RunEnv(order.run, order.environment)
-
-    @cached_property
-    def policy(self) -> Policy:
-        """The policy, made or connected when it is first needed."""
-        name = self.order.policy
-        return RemotePolicy(name) if "://" in name else LocalPolicy(name)
+        if self.policy is not None:
+            require_possible(order.payload, len(self.env.joint_names), self.env.cameras)
 
     def outcome(self, seed: int) -> Outcome:
         """Run the episode of a start.
@@ -98,7 +98,8 @@ class Rollouts:
             seed: of a drawn start; for ``replay``, the number of a recorded episode.
 
         Raises:
-            PolicyFailed, EndpointFailed: the policy answers wrongly, or not at all.
+            InputFileError: the policy cannot be made.
+            PolicyFailed, EndpointFailed: it answers wrongly, or not at all.
         """
         try:
             observation = self.begun(seed)
@@ -111,8 +112,9 @@ class Rollouts:
             return self._played(seed, observation, self.following(recorded_actions(shown.log)))
         if shown is not None and not shown.accepted:
             return Outcome(seed, left_out=f"the expert fails: {shown.reason}")
+        assert self.policy is not None
         self.policy.reset()
-        return self._played(seed, observation, self._asked)
+        return self._played(seed, observation, partial(self._asked, self.policy))
 
     def begun(self, seed: int) -> Observation:
         """Begin the episode of a start; its first observation.
@@ -148,8 +150,13 @@ class Rollouts:
         kept = {key: info[key] for key in names}
         return Outcome(seed, Rollout(seed=seed, instruction=sentence, actions=len(done), **kept), np.array(done))
 
-    def _asked(self, observation: Observation) -> NDArray[np.float64]:
-        answer = self.policy.infer(payload(observation, self.order.payload))
+    def _asked(self, policy: Policy, observation: Observation) -> NDArray[np.float64]:
+        sent = payload(observation, self.order.payload)
+        try:
+            answer = policy.infer(sent)
+        except PolicyFailed as error:
+            error.hint = error.hint or f"it was sent {', '.join(names_in(sent))}"
+            raise
         return checked_actions(answer, len(self.env.joint_names), self.order.policy)[: self.order.execute]
 
     def _recorded_actions(self, index: int) -> NDArray[np.float64]:
@@ -160,6 +167,17 @@ class Rollouts:
             raise UnknownName("accepted episode", str(index), map(str, found))
         with EpisodeReader(run.file(str(found[index].file))) as reader:
             return reader.episode.action
+
+
+def _policy(name: str) -> Policy | None:
+    """The policy of a name.
+
+    Raises:
+        UsageError: it names none.
+    """
+    if name in (EXPERT, REPLAY):
+        return None
+    return RemotePolicy(name) if "://" in name else LocalPolicy(name)
 
 
 @lru_cache(maxsize=1)
