@@ -16,7 +16,7 @@ from tests.evaluation.policy_server import policy_server
 from tests.run_folders import Finished, command
 from vcage.base.errors import InputFileError, MissingStage, StaleStage, UsageError
 from vcage.base.videos import pictures
-from vcage.evaluation.comparison import compare
+from vcage.evaluation.comparison import compare, require_shared_seeds
 from vcage.evaluation.environment import EnvironmentOptions, RunEnv
 from vcage.evaluation.evaluate import RECORD, Amount, actions_file, evaluate, planned
 from vcage.evaluation.factors import Factor
@@ -192,6 +192,15 @@ def test_what_has_other_starts_is_not_compared() -> None:
         compare(ours, evaluation([rollout(2)]), "other")
 
 
+def test_evaluations_that_will_share_no_start_are_refused_before_they_are_made() -> None:
+    other = evaluation([rollout(100_004)])
+    require_shared_seeds(other, 100_000, 5)
+    for first, episodes in ((100_000, 4), (100_005, 50)):
+        with pytest.raises(UsageError, match="share no start") as caught:
+            require_shared_seeds(other, first, episodes)
+        assert caught.value.hint.endswith("--first-seed: 100000")
+
+
 def test_videos_show_failures_of_every_kind_and_some_successes() -> None:
     lifted = [rollout(n, touched=["a"], lifted=["a"]) for n in range(6)]
     record = evaluation([*lifted, rollout(6), rollout(7, True), rollout(8, True)])
@@ -241,13 +250,13 @@ def test_a_page_shows_videos_of_what_was_done(finished: Finished, capsys, tmp_pa
     expert = ["--policy", "expert", "--episodes", "1", "--no-pictures", "--out", tmp_path / "expert"]
     assert command(capsys, "evaluate", finished.run.root, *expert, "--max-steps", "80").code == 0
     still = ["--policy", "tests.evaluation.test_evaluate:Still", "--episodes", "1", "--no-pictures", "--out", tmp_path]
-    more = ["--max-steps", "80", "--against", tmp_path / "expert", "--vary", "light", "--videos", "1"]
+    more = ["--max-steps", "80", "--against", tmp_path / "expert", "--vary", "height", "--videos", "1"]
     done = command(capsys, "evaluate", finished.run.root, *still, *more)
     assert done.code == 0, done.stderr
     compared = done.record["summary"]["compared"]
     assert [(one["n_success"], one["n_success_other"], one["c"]) for one in compared] == [(0, 0, 0), (0, 1, 1)]
     page = (tmp_path / "report.html").read_text()
-    assert 'src="data:video/mp4;base64,' in page and "nothing touched" in page and "vary-light/report.html" in page
+    assert 'src="data:video/mp4;base64,' in page and "nothing touched" in page and "vary-height/report.html" in page
     seed = next((tmp_path / "videos").glob("*.mp4")).stem
     frames = list(pictures(tmp_path / "videos" / f"{seed}.mp4"))
     assert len(frames) == 81 and frames[0].std() > 10
@@ -262,6 +271,8 @@ def test_a_page_shows_videos_of_what_was_done(finished: Finished, capsys, tmp_pa
         (["--task", "7"], 2, "chain"),
         (["--payload", "aloha"], 2, "is not ALOHA's"),
         (["--against", "nowhere"], 3, "nowhere"),
+        (["--vary", "height", "light"], 2, "other light changes nothing but pictures"),
+        (["--cameras", "cam_high", "--no-pictures"], 2, "--no-pictures observes none"),
     ],
 )
 def test_an_evaluation_that_cannot_be_made_is_named(

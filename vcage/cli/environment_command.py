@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from tyro.conf import Positional, arg
 
+from vcage.base.errors import UsageError
 from vcage.base.options import FOLDER, NATURAL, POSITIVE, RANGES, UNSAID, Flag, several
 from vcage.cli.arguments import Command
 
@@ -35,9 +36,15 @@ class EnvironmentCommand(Command):
     """observe the poses of the objects"""
 
     def environment(self) -> EnvironmentOptions:
-        """Return these options for the environment."""
+        """Return these options for the environment.
+
+        Raises:
+            UsageError: cameras are chosen, and none are to be observed.
+        """
         from vcage.evaluation.environment import EnvironmentOptions
 
+        if self.cameras and self.no_pictures:
+            raise UsageError("--cameras chooses pictures, and --no-pictures observes none", hint="leave one out")
         return EnvironmentOptions(
             chain=self.task,
             pictures=not self.no_pictures,

@@ -15,7 +15,7 @@ from vcage.base.options import FOLDER, NATURAL, POSITIVE, UNSAID, Flag, several,
 from vcage.cli.environment_command import EnvironmentCommand
 from vcage.cli.output import Result
 from vcage.cli.progress import progress
-from vcage.evaluation.factors import FACTORS, Factor
+from vcage.evaluation.factors import FACTORS, Factor, require_seen
 from vcage.evaluation.payload import Payload
 
 if TYPE_CHECKING:
@@ -123,10 +123,14 @@ class Evaluate(EnvironmentCommand):
 
 def _require_possible(orders: Iterable[Order], amount: Amount, other: Evaluation | None) -> None:
     """Require that each evaluation can be done, and be compared with the other, before any is begun."""
-    from vcage.evaluation.comparison import require_same_starts
+    from vcage.evaluation.comparison import require_same_starts, require_shared_seeds
     from vcage.evaluation.evaluate import planned
 
     for order in orders:
+        if order.environment.vary is not None:
+            require_seen(order.environment.vary, order.environment.pictures)
         plan = planned(order, amount)
         if other is not None:
             require_same_starts(plan, other)
+            if not plan.starts["recorded"]:
+                require_shared_seeds(other, amount.first_seed, amount.episodes)

@@ -28,6 +28,24 @@ def require_same_starts(this: Evaluation, other: Evaluation) -> None:
         )
 
 
+def require_shared_seeds(other: Evaluation, first: int, episodes: int) -> None:
+    """Require that an evaluation may share starts with another one that is finished.
+
+    Args:
+        other: the finished one.
+        first: seed of the first start.
+        episodes: that are to be counted.
+
+    Raises:
+        UsageError: the other counts none of these seeds.
+    """
+    if not any(first <= rollout.seed < first + episodes for rollout in other.rollouts):
+        raise UsageError(
+            f"the two evaluations share no start: the seeds {first} to {first + episodes - 1} are none of the other's",
+            hint=f"give both the same --first-seed: {other.seeds.first}",
+        )
+
+
 def compare(this: Evaluation, other: Evaluation, name: str) -> Comparison:
     """Compare two evaluations on the starts that both count.
 

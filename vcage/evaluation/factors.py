@@ -13,6 +13,9 @@ Factor = Literal["light", "camera", "clutter", "colour", "height", "layout"]
 
 FACTORS: tuple[str, ...] = get_args(Factor)
 
+LOOKS: tuple[Factor, ...] = ("light", "camera", "colour")
+"""Factors that change pictures, and nothing else in an episode."""
+
 WIDEST = "full"
 """Name of the ranges from which a changed factor is drawn."""
 
@@ -36,6 +39,23 @@ def widened(ranges: Randomisation, factor: Factor) -> Randomisation:
             hint="leave it out, or compare with narrower ranges: --randomise light",
         )
     return ranges.model_copy(update={"look": look, "world": world})
+
+
+def require_seen(factor: Factor, pictures: bool) -> None:
+    """Require that a change of a factor can change what a policy does.
+
+    Args:
+        factor: that is changed.
+        pictures: are observed.
+
+    Raises:
+        UsageError: it changes pictures alone, and none are.
+    """
+    if factor in LOOKS and not pictures:
+        raise UsageError(
+            f"other {factor} changes nothing but pictures, which are not observed",
+            hint=f"leave {factor} out, or observe pictures",
+        )
 
 
 @dataclass(frozen=True)
