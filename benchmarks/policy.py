@@ -124,7 +124,7 @@ def run(
 ) -> dict[str, Any]:
     """A row for each policy: its data, and its evaluation.
 
-    - ``episodes``, ``frames``: that it was trained on; ``minutes``: of training, CPU time of one core.
+    - ``episodes``, ``frames``: that it was trained on; ``minutes``: of each training, CPU time of one core.
     - all figures of ``vcage evaluate``: ``n_success`` of ``n_episodes``, ``pc_success_ci95`` (Wilson), ``furthest``
       (how far the episodes came), ``left_out`` (layouts in which the expert fails, too); ``compared`` with its rival.
 

@@ -22,11 +22,13 @@ class FittingSettings:
         warm_up: steps until the learning rate is highest.
         most_gradient: norm of a gradient, to which longer ones are cut.
         logged: steps between two lines of the log.
+        smoothing: share of the last step in the mean loss of the log.
     """
 
     warm_up: int = 100
     most_gradient: float = 1.0
     logged: int = 200
+    smoothing: float = 0.02
 
 
 SETTINGS = FittingSettings()
@@ -56,7 +58,7 @@ def fit(
         found.backward()
         nn.utils.clip_grad_norm_(network.parameters(), SETTINGS.most_gradient)
         optimiser.step()
-        step, mean = step + 1, 0.98 * mean + 0.02 * float(found.detach())
+        step, mean = step + 1, mean + SETTINGS.smoothing * (float(found.detach()) - mean)
         if step % SETTINGS.logged == 0:
             logger.info("%s: step %d, loss %.4f, %.0f of %.0f s", name, step, mean, spent, length)
     network.eval()

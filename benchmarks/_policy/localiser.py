@@ -23,17 +23,21 @@ from vcage.sim.robots import load_robot
 
 @dataclass(frozen=True)
 class LocaliserSettings:
-    """Size of the networks of a localiser.
+    """Settings of the networks of a localiser.
 
     Args:
         unit_m: of their answers: objects are a few of these away from the middle.
         fixed_points, carried_points: that are found in a picture of a fixed camera, and of one that a hand carries.
+        channels: of the first layer.
+        sharpness: by which a picture's heat is multiplied before points are found in it, at the beginning.
         width: of the hidden layers behind the points.
     """
 
     unit_m: float = 0.1
     fixed_points: int = 16
     carried_points: int = 12
+    channels: int = 16
+    sharpness: float = 2.0
     width: int = 128
 
 
@@ -106,12 +110,11 @@ class CameraNetwork(nn.Module):
         points: to find in a picture.
         objects: number of objects.
         known: further numbers that it is told.
-        channels: of the first layer.
     """
 
-    def __init__(self, points: int, objects: int, known: int, channels: int = 16):
+    def __init__(self, points: int, objects: int, known: int):
         super().__init__()
-        wide = 2 * channels
+        channels, wide = SETTINGS.channels, 2 * SETTINGS.channels
         self.body = nn.Sequential(
             _layer(3, channels, kernel=5, stride=2),
             _layer(channels, wide, stride=2),
@@ -119,7 +122,7 @@ class CameraNetwork(nn.Module):
             _layer(wide, wide, dilation=2),
             nn.Conv2d(wide, points, 1),
         )
-        self.sharpness = nn.Parameter(torch.full((points,), 2.0))
+        self.sharpness = nn.Parameter(torch.full((points,), SETTINGS.sharpness))
         self.head = nn.Sequential(
             nn.Linear(3 * points + known, SETTINGS.width),
             nn.GELU(),
