@@ -1,7 +1,7 @@
 # Everything is made inside the repository (.venv) and the user's cache; nothing needs root.
 #
 #   make demo     environment and Vulkan driver, then one instruction through the whole chain; says how long it took
-#   make test     the same environment, then lint and the tests but for the slow ones
+#   make test     the same environment, then lint and the tests except the slow ones
 #   make test-slow   the tests that `make test` leaves out: whole sentences, memory, runs that are killed; about 15 min
 #   make lint     ruff and the types (pyrefly)
 #   make skills   copy skills/vcage_environment.py, by which scripts find the environment, into every skill

@@ -18,6 +18,7 @@ settings.register_profile("any-machine", deadline=None)  # a busy machine may ta
 settings.load_profile("any-machine")
 
 
+@pytest.hookimpl(trylast=True)  # after -m and -k have chosen
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """A file that makes the finished run comes first, and the others that need it last.
 

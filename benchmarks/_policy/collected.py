@@ -26,7 +26,7 @@ FORMAT = "lerobot-v3.0"
 Layout = Literal["varied", "fixed"]
 
 COLLECTING = ("select_place", "inpaint_plan", "match", "optimize", "search_subtasks", "collect", "verify")
-"""The stages of the chain that come before the export."""
+"""The stages up to the verdicts: states are exported without compression."""
 
 
 @dataclass(frozen=True)

@@ -198,7 +198,14 @@ def test_evaluations_that_will_share_no_start_are_refused_before_they_are_made()
     for first, episodes in ((100_000, 4), (100_005, 50)):
         with pytest.raises(UsageError, match="share no start") as caught:
             require_shared_seeds(other, first, episodes)
-        assert caught.value.hint.endswith("--first-seed: 100000")
+        assert caught.value.hint.endswith("--first-seed 100000")
+
+
+def test_starts_that_were_left_out_have_others_in_their_place() -> None:
+    other = evaluation([rollout(100_004)]).model_copy(update={"left_out": dict.fromkeys(range(100_000, 100_004), "")})
+    require_shared_seeds(other, 100_000, 1)
+    with pytest.raises(UsageError, match="share no start"):
+        require_shared_seeds(other, 100_005, 1)
 
 
 def test_videos_show_failures_of_every_kind_and_some_successes() -> None:
@@ -271,7 +278,7 @@ def test_a_page_shows_videos_of_what_was_done(finished: Finished, capsys, tmp_pa
         (["--task", "7"], 2, "chain"),
         (["--payload", "aloha"], 2, "is not ALOHA's"),
         (["--against", "nowhere"], 3, "nowhere"),
-        (["--vary", "height", "light"], 2, "other light changes nothing but pictures"),
+        (["--vary", "height", "light"], 2, "the factor light changes only pictures"),
         (["--cameras", "cam_high", "--no-pictures"], 2, "--no-pictures observes none"),
     ],
 )
@@ -307,7 +314,7 @@ def test_an_error_of_a_policy_is_told_with_its_traceback(finished: Finished, cap
     assert "it was sent observation/state, prompt" in done.error["hint"]
 
 
-def test_a_policy_cannot_end_the_evaluation_without_a_word(finished: Finished, tmp_path: Path) -> None:
+def test_a_policy_that_exits_is_reported_as_failed(finished: Finished, tmp_path: Path) -> None:
     ends = order(finished, "tests.evaluation.test_evaluate:Ends", solvable=False)
     with pytest.raises(PolicyFailed, match="raises SystemExit: out of memory"):
         evaluate(ends, Amount(episodes=1), tmp_path)

@@ -38,6 +38,14 @@ def test_points_that_are_hardly_apart_break_no_limit(path, apart, speed):
     assert_limits_hold(np.stack([path, near], axis=1).reshape(-1, path.shape[1]), speed)
 
 
+@pytest.mark.parametrize("points", [31, 61, 101])
+def test_evenly_spaced_points_cost_no_time(points):
+    """They fall together with points of the grid, but for rounding."""
+    path = np.outer(np.linspace(0.0, 0.05, points), ONE)
+    assert len(time_optimal(path, HZ, ARM)) == pytest.approx(len(time_optimal(path[[0, -1]], HZ, ARM)), abs=1)
+    assert_limits_hold(path, 1.0)
+
+
 @settings(max_examples=30, deadline=None)
 @given(path=PATHS)
 def test_velocity_and_acceleration_match_the_positions(path):

@@ -39,10 +39,11 @@ def require_shared_seeds(other: Evaluation, first: int, episodes: int) -> None:
     Raises:
         UsageError: the other counts none of these seeds.
     """
-    if not any(first <= rollout.seed < first + episodes for rollout in other.rollouts):
+    after = first + episodes + sum(seed >= first for seed in other.left_out)  # later ones stand in for these
+    if not any(first <= rollout.seed < after for rollout in other.rollouts):
         raise UsageError(
-            f"the two evaluations share no start: the seeds {first} to {first + episodes - 1} are none of the other's",
-            hint=f"give both the same --first-seed: {other.seeds.first}",
+            f"the two evaluations share no start: the seeds {first} to {after - 1} are none of the other's",
+            hint=f"give both the same: --first-seed {other.seeds.first}",
         )
 
 

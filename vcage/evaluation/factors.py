@@ -13,8 +13,15 @@ Factor = Literal["light", "camera", "clutter", "colour", "height", "layout"]
 
 FACTORS: tuple[str, ...] = get_args(Factor)
 
-LOOKS: tuple[Factor, ...] = ("light", "camera", "colour")
-"""Factors that change pictures, and nothing else in an episode."""
+_OF_LOOK: dict[Factor, tuple[str, tuple[str, ...]]] = {
+    "light": ("light", ("lights", "ambient")),
+    "camera": ("cameras", ("cameras",)),
+    "colour": ("colours", ("tints",)),
+}
+"""Factors that change pictures, and nothing else in an episode: their field of the ranges, and those of a look."""
+
+_OF_WORLD: dict[Factor, str] = {"clutter": "clutter", "height": "table_height"}
+"""Factors that change the world: their field of its ranges."""
 
 WIDEST = "full"
 """Name of the ranges from which a changed factor is drawn."""
@@ -27,12 +34,13 @@ def widened(ranges: Randomisation, factor: Factor) -> Randomisation:
         UsageError: the factor is drawn as widely already.
     """
     full = load_randomisation(WIDEST)
-    of_look = {"light": "light", "camera": "cameras", "colour": "colours"}
-    of_world = {"clutter": "clutter", "height": "table_height"}
-    look, world = (
-        getattr(ranges, part).model_copy(update={n: getattr(getattr(full, part), n) for n in [names.get(factor)] if n})
-        for part, names in (("look", of_look), ("world", of_world))
-    )
+    look, world = ranges.look, ranges.world
+    if factor in _OF_LOOK:
+        field, _ = _OF_LOOK[factor]
+        look = look.model_copy(update={field: getattr(full.look, field)})
+    elif factor in _OF_WORLD:
+        field = _OF_WORLD[factor]
+        world = world.model_copy(update={field: getattr(full.world, field)})
     if factor != "layout" and (look, world) == (ranges.look, ranges.world):
         raise UsageError(
             f"the ranges {ranges.name!r} draw the {factor} as widely as {WIDEST!r} do, so there is nothing to change",
@@ -46,14 +54,14 @@ def require_seen(factor: Factor, pictures: bool) -> None:
 
     Args:
         factor: that is changed.
-        pictures: are observed.
+        pictures: True if pictures are observed.
 
     Raises:
         UsageError: it changes pictures alone, and none are.
     """
-    if factor in LOOKS and not pictures:
+    if factor in _OF_LOOK and not pictures:
         raise UsageError(
-            f"other {factor} changes nothing but pictures, which are not observed",
+            f"the factor {factor} changes only pictures, and none are observed",
             hint=f"leave {factor} out, or observe pictures",
         )
 
@@ -73,8 +81,10 @@ class OtherLook:
     @classmethod
     def of(cls, ranges: Randomisation, factor: Factor) -> OtherLook | None:
         """The other look of a factor; None where the factor is none of looks."""
-        fields = {"light": ("lights", "ambient"), "camera": ("cameras",), "colour": ("tints",)}.get(factor)
-        return None if fields is None else cls(widened(ranges, factor).look, fields)
+        if factor not in _OF_LOOK:
+            return None
+        _, fields = _OF_LOOK[factor]
+        return cls(widened(ranges, factor).look, fields)
 
     def change(self, look: Look, other: Look) -> Look:
         """A look with the factor of the ``other``."""

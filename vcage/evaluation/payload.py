@@ -57,7 +57,7 @@ def payload(observation: Mapping[str, Any], kind: Payload) -> dict[str, Any]:
     ``observation/environment_state``, ``prompt``.
 
     Args:
-        observation: with what :func:`require_possible` requires.
+        observation: one that :func:`require_possible` allows.
         kind: of the fields.
     """
     pictures = observation.get("pixels", {})

@@ -82,7 +82,7 @@ class LocalPolicy:
 
     @cached_property
     def _made(self) -> Any:
-        """What the factory makes, when it is first needed: it may be large, and the process that plans needs none."""
+        """The object that the factory makes, on first use: it may be large, and the process that plans needs none."""
         with self._errors_named():
             made = _found(self._name, self._module, self._factory)()
         if not callable(getattr(made, "infer", None)):

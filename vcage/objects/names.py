@@ -73,9 +73,9 @@ def names_of(entry: CatalogueEntry) -> Names:
 
 
 @functools.lru_cache(maxsize=10_000)
-def _names(entry: str, name: str, plural: str, synonyms: tuple[str, ...]) -> Names:
+def _names(own_name: str, name: str, plural: str, synonyms: tuple[str, ...]) -> Names:
     """:func:`names_of`, kept: choosing objects asks for the names of the whole catalogue, many times."""
-    own = _name(entry) or (entry,)
+    own = _name(own_name) or (own_name,)
     return Names(_name(name) or own, _name(plural) or own, own, tuple(name for name in map(_name, synonyms) if name))
 
 

@@ -27,9 +27,11 @@ class ProfileSettings:
     Args:
         nearest_rad: points of a path that are nearer to the one before are dropped: a bend there would take the arm
             nearly to rest.
-        spacing_s: of the grid points, seconds at full speed; points of the path that are nearer than that are of the
-            grid too.
-        least_points, most_points: of the grid without these.
+        same_rad: points that are no farther apart are the same.
+        spacing_s: of the grid points, seconds at full speed.
+        least_points, most_points: of the grid. Points of the path that are nearer to each other than the grid's are
+            added.
+        same_share: share of the grid's spacing below which two of its points are one.
         checks: places between two grid points at which the limits are checked too.
         rounds: the profile is slowed at checked places beyond the limits and optimised again so often. Measured on
             the 12 paths of an episode: 17.1 s so, 20.4 s when each path is slowed as a whole by its worst place, and
@@ -37,9 +39,11 @@ class ProfileSettings:
     """
 
     nearest_rad: float = 3e-4
+    same_rad: float = 1e-6
     spacing_s: float = 0.006
     least_points: int = 30
     most_points: int = 300
+    same_share: float = 1e-3
     checks: int = 4
     rounds: int = 2
 
@@ -127,7 +131,7 @@ def _apart(path: np.ndarray) -> list[int]:
         if np.abs(path[i] - path[kept[-1]]).max() > SETTINGS.nearest_rad:
             kept.append(i)
     end = len(path) - 1
-    if kept[-1] != end and np.abs(path[end] - path[kept[-1]]).max() > 1e-6:
+    if kept[-1] != end and np.abs(path[end] - path[kept[-1]]).max() > SETTINGS.same_rad:
         kept[1:] = [*kept[1:-1], end]
     return kept
 
@@ -248,7 +252,8 @@ def _grid(along: np.ndarray) -> np.ndarray:
     even = np.linspace(0.0, along[-1], int(count) + 1)
     short = np.diff(along) < even[1]
     near = along[np.append(short, False) | np.append(False, short)]
-    return np.unique(np.concatenate([even, near]))
+    grid = np.unique(np.concatenate([even, near]))
+    return grid[np.append(np.diff(grid) > SETTINGS.same_share * even[1], True)]
 
 
 def _smoothed(start: np.ndarray, samples: tuple[np.ndarray, np.ndarray, np.ndarray], window: int) -> Trajectory:

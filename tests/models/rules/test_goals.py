@@ -241,6 +241,13 @@ def test_the_arm_that_takes_the_tool_is_the_arm_of_the_hit() -> None:
     assert [(str(asked.goal), asked.arm) for asked in reading.goals] == [("block_red hit", "left")]
 
 
+@pytest.mark.parametrize("then", ["turn it to face the robot", "hit the red block with it"])
+def test_what_one_arm_has_put_down_is_used_by_the_same_unless_another_is_named(then: str) -> None:
+    sentence = f"Pick up the hammer with the left arm, put it on the plate and {then}"
+    reading = read_goals(sentence, scene("block/red", "hammer/red", "plate/white"))
+    assert {asked.arm for asked in reading.goals} == {"left"}
+
+
 def test_another_arm_may_take_again_what_one_has_put_down() -> None:
     sentence = (
         "Put the hammer on the plate with the left arm, then hit the red block with the hammer with the right arm"

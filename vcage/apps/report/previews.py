@@ -30,7 +30,7 @@ ENCODING: dict[str, object] = {
 
 
 GAP_PX = 4
-"""White between the pictures of two cameras, which would else look like one."""
+"""Width of the white strip between the pictures of two cameras, which would otherwise look like one."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ def _preview(path: Path, fps: float) -> Preview | None:
 
 
 def side_by_side(pictures: Sequence[np.ndarray]) -> np.ndarray:
-    """(H, W, 3) uint8 pictures of as many cameras as one, from left to right with :data:`GAP_PX` between them."""
+    """Join (H, W, 3) uint8 pictures of cameras from left to right, with :data:`GAP_PX` of white between them."""
     gap = np.full((pictures[0].shape[0], GAP_PX, 3), 255, np.uint8)
     return np.concatenate([part for picture in pictures for part in (gap, picture)][1:], axis=1)
 

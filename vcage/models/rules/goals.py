@@ -133,7 +133,6 @@ class Goals:
         for command in group:
             self._added = []
             getattr(self, f"_{command.verb}", self._event)(command)
-            self._forget_arms()
             added.append(self._added)
         goals = list(itertools.chain(*added))
         arms = {asked.arm for asked in goals if asked.goal.relation != "handed"}
@@ -159,12 +158,6 @@ class Goals:
             picked = self._picked.get(subject)
             words = f"{picked.words} {command.words}" if picked else command.words
             self._added.append(AskedGoal(goal=goal, step=1, words=words, arm=arm))
-
-    def _forget_arms(self) -> None:
-        """Forget which arm has what a command has put somewhere: it may be taken from there with another."""
-        for asked in self._added:
-            if asked.goal.kind.acts_on is None and not asked.goal.kind.event:
-                self._arms.pop(asked.goal.subject, None)
 
     def _require_holder(self, command: Command, name: str) -> None:
         """Refuse to use a thing with another arm than that which has it, if one does.
@@ -277,7 +270,8 @@ class Goals:
         if part := next((noun for noun in command.things if noun.of_part(self.things.values())), None):
             raise Doubt(part.text, "no goal says that a part of a thing is hit; name the thing")
         tool = self._hitter(command)
-        self._require_holder(command, tool)
+        if tool not in self._moved:
+            self._require_holder(command, tool)
         arm, taken = self._arms.get(tool), self._picked.pop(tool, command)
         named = command.place or taken.things[0]
         self._hit_with.add(tool)
