@@ -52,6 +52,7 @@ def test_the_expert_succeeds_from_starts_that_are_drawn(finished: Finished, tmp_
     assert set(facts["goals"].values()) == {1} and facts["furthest"] == {"done": 1}
 
 
+@pytest.mark.slow
 def test_recorded_actions_succeed_from_their_own_start(finished: Finished, capsys, tmp_path: Path) -> None:
     options = ["--policy", "replay", "--episodes", "1", "--no-pictures", "--out", tmp_path]
     done = command(capsys, "evaluate", finished.run.root, *options)
@@ -74,6 +75,7 @@ def test_a_factory_makes_a_policy(finished: Finished, tmp_path: Path) -> None:
     assert evaluate(wanted, Amount(episodes=1), tmp_path).successes == 0
 
 
+@pytest.mark.slow
 def test_what_is_finished_is_kept_when_a_policy_fails(finished: Finished, tmp_path: Path) -> None:
     answers = iter([Still().infer] * 2)
 
@@ -85,6 +87,7 @@ def test_what_is_finished_is_kept_when_a_policy_fails(finished: Finished, tmp_pa
     assert len(Evaluation.read(tmp_path / RECORD).rollouts) == 1
 
 
+@pytest.mark.slow
 def test_another_evaluation_in_the_same_folder_is_refused(finished: Finished, tmp_path: Path) -> None:
     still = order(finished, "tests.evaluation.test_evaluate:Still", solvable=False)
     evaluate(still, Amount(episodes=1), tmp_path)
@@ -216,6 +219,7 @@ def test_videos_show_failures_of_every_kind_and_some_successes() -> None:
     assert chosen(record, 0) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("factor", ["light", "camera", "colour"])
 def test_a_factor_of_the_look_changes_nothing_else(finished: Finished, factor: Factor) -> None:
     plain, other = (RunEnv(finished.run.root, replace(BLIND, vary=vary), finished.context) for vary in (None, factor))
@@ -342,6 +346,7 @@ def test_starts_from_which_the_expert_fails_are_left_out_and_others_take_their_p
     assert again == record == Evaluation.read(tmp_path / RECORD)
 
 
+@pytest.mark.slow
 def test_a_run_without_a_start_that_the_expert_solves_is_given_up(
     finished: Finished, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -18,6 +18,7 @@ def library() -> Library:
     return Library.load()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("colour", ["black", "pink", "yellow", "blue", "white"])
 @pytest.mark.parametrize("name", ["block", "basket", "small_bowl", "mug", "coloured_mat"])
 def test_a_painted_object_is_seen_in_the_colour(library: Library, name: str, colour: str) -> None:

@@ -104,6 +104,7 @@ def test_the_objects_end_where_the_task_wants_them(reader):
         assert np.linalg.norm(poses[name][0, :2] - poses[plate][0, :2]) > 0.1
 
 
+@pytest.mark.slow
 def test_the_scenes_of_two_episodes_differ(finished, more):
     starts = []
     for index in (0, 1):

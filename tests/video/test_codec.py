@@ -86,6 +86,7 @@ def test_a_higher_crf_takes_fewer_bytes(frames, video):
     assert len(encode(frames, FPS, SETTINGS, 30)) < len(video)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("codec", CODECS)
 def test_one_core_gives_the_same_bytes_as_several(codec):
     cores = sorted(os.sched_getaffinity(0))

@@ -105,6 +105,7 @@ def package(tmp_path_factory: pytest.TempPathFactory) -> dict[str, dict[str, lis
     return json.loads(done.stdout.splitlines()[-1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("display", DISPLAYS)
 @pytest.mark.parametrize("size", SIZES)
 def test_losses_match_the_package(display, size, package):

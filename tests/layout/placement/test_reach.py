@@ -200,6 +200,7 @@ def test_other_heights_and_other_arms_have_maps_of_their_own(robot, disc, tmp_pa
     assert len(list(tmp_path.iterdir())) == 8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("content", ["", "{", "[]", '{"nodes": 3}', '{"nodes": [[1, 2]]}'])
 def test_a_damaged_map_is_made_again(robot, disc, tmp_path, content, caplog):
     first = robot_reach(robot, WORKSPACE, HEIGHTS, tmp_path)

@@ -23,6 +23,8 @@ from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal
 from vcage.schema.subtasks import Statement
 
+pytestmark = pytest.mark.slow
+
 BREAD_BOX = BOX.moved(id="bread-box", colour=(150, 100, 60))
 SCENES = {
     "box": [BOX, *MARKERS, ERASER],
