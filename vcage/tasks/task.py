@@ -25,7 +25,7 @@ from vcage.tasks.primitives.grip import Grip, feel, hangs_below, minding
 from vcage.tasks.primitives.hit import carry_out_hit, plan_hit
 from vcage.tasks.primitives.hold_with_both import carry_out_with_both, plan_with_both
 from vcage.tasks.primitives.pick import carry_out_pick
-from vcage.tasks.primitives.place import SETTINGS, PlacePlan, Surroundings, carry_out_place, plan_place
+from vcage.tasks.primitives.place import SETTINGS, PlacePlan, Surroundings, carry_out_place, old_places, plan_place
 from vcage.tasks.primitives.push import carry_out_push
 from vcage.tasks.primitives.shake import carry_out_shake
 from vcage.tasks.scene_objects import SceneObject
@@ -147,7 +147,7 @@ class Task(Choices):
         self._put_back(plan.target, hover, over, leaves=thing_id)
 
     def _put_back(self, stood: SceneObject, hover: Surroundings, shown: PlacePlan, leaves: str | None = None) -> None:
-        """Put the object in a hand back where it stood.
+        """Put the object in a hand back where it stood, turned a little where the arm does not reach its heading.
 
         Args:
             stood: the object as it was taken.
@@ -166,7 +166,8 @@ class Task(Choices):
         with failing_at("place"):
             rise = cell.planner(grip.arm).line(cell.begun(grip.arm).end, shown.way.above, up)
         cell.put_off(grip.arm, rise, [may])
-        put, _ = plan_place(cell, grip, replace(hover, raises=SETTINGS.raises_m, hovers=None), [(None, [stood.pose])])
+        back = [(None, [pose]) for pose in old_places(stood.pose)]
+        put, _ = plan_place(cell, grip, replace(hover, raises=SETTINGS.raises_m, hovers=None), back)
         carry_out_place(cell, put)
 
     def wait(self, seconds: float) -> None:

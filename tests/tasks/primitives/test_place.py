@@ -16,7 +16,7 @@ from vcage.sim.kinematics import kinematics_of
 from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.robots import load_robot
 from vcage.tasks.grasps import GraspPose, approach_opening, grasp_poses, hand_boxes
-from vcage.tasks.primitives.place import SETTINGS, Surroundings
+from vcage.tasks.primitives.place import SETTINGS, Surroundings, old_places
 from vcage.tasks.primitives.place_way import SET_DOWN, PlaceWay, largest_drop, place_way, reached_place
 from vcage.tasks.scene_objects import Obstacles, SceneObject, SolidBox
 
@@ -131,3 +131,11 @@ def test_without_obstacles_an_object_is_set_down_gently():
 def test_an_obstacle_beside_the_hand_costs_no_height():
     far = SolidBox(np.array([[-0.02, -0.02, 0.0], [0.02, 0.02, 0.2]]), Pose([0.5, 0.0, TABLE_TOP]))
     assert place_block(0, [far]).drop == SET_DOWN
+
+
+def test_an_object_is_put_back_as_it_stood_or_turned_by_a_few_degrees():
+    stood = Pose.from_yaw([0.1, -0.2, TABLE_TOP], 0.7)
+    first, *turned = old_places(stood)
+    assert first == stood
+    assert all(np.allclose(pose.p, stood.p) for pose in turned)
+    assert {round(float(np.degrees(pose.yaw - stood.yaw))) for pose in turned} == {-5, -2, 2, 5}

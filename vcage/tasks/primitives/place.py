@@ -31,10 +31,12 @@ class PlaceSettings:
         slack_m: the held object may shift between the fingers by up to this: a place must not be
             at the very end of an arm's reach.
         raises_m: how much higher an object is let go where the hand meets something at the lowest height.
+        back_turns_rad: headings off its old one at which an object may be put back.
     """
 
     slack_m: float = 0.006
     raises_m: tuple[float, ...] = (0.01, 0.02, 0.035)
+    back_turns_rad: tuple[float, ...] = tuple(float(np.radians(turn)) for turn in (2, -2, 5, -5))
 
 
 SETTINGS = PlaceSettings()
@@ -55,6 +57,15 @@ class PlacePlan:
     receptacle: str
     way: PlaceWay
     path: JointPath
+
+
+def old_places(stood: Pose) -> list[Pose]:
+    """Poses at which an object is put back where it stood, the old one first.
+
+    It may have turned between the fingers: a wrist that took it at its limit does not reach the old heading again.
+    """
+    turns = [Pose.from_yaw([0, 0, 0], turn) * Pose(q=stood.q) for turn in SETTINGS.back_turns_rad]
+    return [stood, *(Pose(stood.p, turned.q) for turned in turns)]
 
 
 def _farther(kinematics: ArmKinematics, pose: Pose) -> Pose:
