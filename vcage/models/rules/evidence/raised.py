@@ -222,7 +222,7 @@ def judge_held_by_both(view: CriticView, goal: Goal) -> Judged:
     judged = _held(view, goal, SETTINGS.highest_with_both_m, SETTINGS.with_both_share)
     if not judged.verdict.accepted:
         return judged
-    arms = arms_out(view.before["top"], view.after["top"])
+    arms = arms_out(view.before["customer"], view.after["customer"])
     changed = " and ".join(f"{100 * share:.0f} %" for share in arms)
     if min(arms) < REACH.reaches_share:
         return judged._replace(verdict=refused(f"not both arms reach out: {changed} of their sides changed", 0.8))
