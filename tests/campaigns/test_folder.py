@@ -6,10 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from tests.campaigns.stubbed import began, begun, behave, run_stubbed
+from tests.campaigns.stubbed import TASKS, began, begun, behave, plan, run_stubbed
 from vcage.campaigns.folder import CampaignFolder
 from vcage.campaigns.shard import Shard
 from vcage.campaigns.status import status_of
+from vcage.schema.robot import DEFAULT_ROBOT
 
 
 def test_retry_tries_failed_jobs_again(tmp_path: Path):
@@ -72,3 +73,15 @@ def test_what_a_process_left_that_was_killed_while_it_wrote_the_plan_is_removed(
     (left := folder.root / "plan.partial-99999999.yml").write_text("name: half")
     folder.begin(folder.plan)
     assert not left.exists() and folder.plan_file.exists()
+
+
+def test_a_campaign_names_its_robot_where_its_plan_does_not(tmp_path: Path):
+    assert begun(tmp_path).plan.robots == (DEFAULT_ROBOT,)
+
+
+def test_a_campaign_goes_on_with_its_robots_where_the_plan_names_none(tmp_path: Path):
+    other = next(robot for robot in ("dual_panda", "aloha_agilex") if robot != DEFAULT_ROBOT)
+    folder = begun(tmp_path, robots=[other])
+    more = [*TASKS, {"id": "cup", "instruction": "Put the cup on the plate"}]
+    folder.begin(plan(tmp_path, tasks=more))
+    assert [cell.robot for cell in folder.plan.cells] == [other, other]

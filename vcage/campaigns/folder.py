@@ -74,7 +74,8 @@ class CampaignFolder:
         with one_at_a_time(self.plan_file):
             self.require_fit(plan)
             sweep_folder(self.root, (self.plan_file.stem, LOOKS))  # of a process that was killed here
-            keys = {"schema": Plan.SCHEMA} | keys_of(with_own_looks(plan, self.root), self.root)
+            named = with_own_looks(plan.with_robots(self.earlier), self.root)
+            keys = {"schema": Plan.SCHEMA} | keys_of(named, self.root)
             text = yaml.safe_dump(keys, sort_keys=False, allow_unicode=True, width=120)
             if not self.plan_file.exists() or self.plan_file.read_text(encoding="utf-8") != text:
                 write_text(self.plan_file, text)
@@ -95,7 +96,7 @@ class CampaignFolder:
         """
         if (earlier := self.earlier) is None:
             self._require_empty()
-        elif reason := with_own_looks(plan, self.root).difference_to(earlier):
+        elif reason := with_own_looks(plan.with_robots(earlier), self.root).difference_to(earlier):
             raise InputFileError(
                 f"{self.root} holds a campaign of another plan: the new one has {reason}",
                 hint="give another --out; tasks, values of axes, seeds and episodes may be added to a plan, "

@@ -203,6 +203,21 @@ class Plan(Document):
         """The robots that do a task."""
         return self.robots or (load_template(task.scene).robot,)
 
+    def with_robots(self, earlier: Plan | None) -> Plan:
+        """Name the robots that this plan leaves out: those of the campaign that it continues, else that of all scenes.
+
+        A campaign goes on with its robots when the default is another one. Where scenes name different robots, it still
+        names none.
+
+        Args:
+            earlier: the plan of that campaign; None for a new one.
+        """
+        scenes = dict.fromkeys(robot for task in self.tasks for robot in self.robots_of(task))
+        robots = tuple(scenes) if earlier is None else earlier.robots
+        if self.robots or len(robots) == 0 or (earlier is None and len(robots) > 1):
+            return self
+        return Plan.model_validate(self.model_dump(by_alias=True) | {"robots": robots})
+
     def job(self, cell: Cell, number: int, episodes: int | None = None) -> Job:
         """The job of a cell with that number."""
         drawn = hashlib.sha256(f"{self.seed}/{cell.id}/{number}".encode()).digest()

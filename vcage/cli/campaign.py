@@ -101,6 +101,7 @@ class Campaign(Command):
         plan, folder = Plan.load(self.plan), CampaignFolder(self.out)
         folder.require_fit(plan)
         require_readable(self.plan, plan, folder.earlier)
+        plan = plan.with_robots(folder.earlier)
         if self.dry_run:
             found = Estimate.of(plan, folder, folder.failed(plan, self._share()) if self.retry else ())
             return Result(output=folder.root, summary=found.facts(), text=found.text(), next=not_dry())
