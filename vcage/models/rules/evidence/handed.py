@@ -7,8 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from vcage.models.rules.critic_view import CriticView
+from vcage.models.rules.drawings import drawn_whole
 from vcage.models.rules.evidence.judgement import LEFT_SHARE, Judged, decided, refused, unseen
 from vcage.models.rules.evidence.moved import Moved
+from vcage.models.rules.evidence.vacated import vacated
 from vcage.models.rules.pixels import Change, changed_between, share_of
 from vcage.models.rules.standing import Standing
 from vcage.schema.episodes import Verdict
@@ -52,8 +54,9 @@ class Between:
     """Measurements of an object between two arms.
 
     Args:
-        left: share of the object's outline before that has changed at the moment.
-        to_come: share of its outline afterwards that looks otherwise at the moment.
+        left: share of the object's outline before that has changed at the moment, from above or from the customer's
+            side: the lesser.
+        to_come: share of its outline afterwards that looks otherwise at the moment, in the same way.
         arms: share of the robot's left and right side that changed since before, from the customer's side.
         old, new: where it stood and stands.
     """
@@ -74,11 +77,19 @@ class Between:
         moved = Moved.of(view, name)
         if moved.old is None or moved.new is None:
             return None
-        before, moment, after = view.before["top"], view.moment["top"], view.after["top"]
+        left, to_come = (
+            share_of(changed_between(shown["top"], view.moment["top"]), standing.covered)
+            for shown, standing in ((view.before, moved.old), (view.after, moved.new))
+        )
+        # From above, an arm may hide the place: the customer sees below it.
+        before, moment, after = (shown["customer"] for shown in (view.before, view.moment, view.after))
+        draw = view.sought(name).draw
+        was, is_ = (drawn_whole(draw, standing.pose, before.camera).covered for standing in (moved.old, moved.new))
+        left_seen, to_come_seen = vacated(before, moment, after, was & ~is_), vacated(after, moment, before, is_ & ~was)
         return cls(
-            left=share_of(changed_between(before, moment), moved.old.covered),
-            to_come=share_of(changed_between(after, moment), moved.new.covered),
-            arms=arms_out(view.before["customer"], view.moment["customer"]),
+            left=min(left, 1.0 if left_seen is None else left_seen),
+            to_come=min(to_come, 1.0 if to_come_seen is None else to_come_seen),
+            arms=arms_out(before, moment),
             old=moved.old,
             new=moved.new,
         )
@@ -100,7 +111,7 @@ class Between:
 def judge_handed(view: CriticView, goal: Goal) -> Judged:
     """Judge if an object was in two hands at the moment."""
     thing = view.phrase(goal.subject)
-    if not {"top", "customer"} <= view.moment.keys() or "customer" not in view.before:
+    if not {"top", "customer"} <= view.moment.keys() & view.before.keys() & view.after.keys():
         return unseen(view, f"the moment of the hand-over of the {thing}")
     evidence = Between.gather(view, goal.subject)
     if evidence is None:

@@ -19,7 +19,9 @@ from vcage.models.rules.drawings import as_bright, drawn_whole
 from vcage.models.rules.evidence.handed import REACH, arms_out
 from vcage.models.rules.evidence.judgement import LEFT_SHARE, Judged, Judgement, decided, refused, unseen
 from vcage.models.rules.evidence.moved import Moved
-from vcage.models.rules.pixels import changed, grown
+from vcage.models.rules.evidence.vacated import SETTINGS as VACATED
+from vcage.models.rules.evidence.vacated import vacated
+from vcage.models.rules.pixels import grown
 from vcage.models.rules.standing import Sought, Standing
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal
@@ -39,7 +41,6 @@ class RaisedSettings:
         seen_share: share of the pixels that tell the object from what was there before that must look like it.
         with_both_share: the same of what both arms lift: their hands over its old place may look like it, by 62 % on a
             silver pot; such a pot and rolling pins in the air have 68 to 95 %.
-        fewest_px, telling_share: pixels, and share of the old outline, that must differ before and after to tell.
         near_m: heights of leaning drawings around that of the likeliest upright one.
         cap_lab: colour distance (CIELAB) that counts at most of a pixel.
         joined_px: parts of an arm that are seen this far apart are joined.
@@ -53,8 +54,6 @@ class RaisedSettings:
     leans_rad: tuple[float, ...] = tuple(np.radians([-25.0, -18.0, 18.0, 25.0]))
     seen_share: float = 0.4
     with_both_share: float = 0.65
-    fewest_px: int = 25
-    telling_share: float = 0.3
     near_m: float = 0.04
     cap_lab: float = 30.0
     joined_px: float = 20.0
@@ -102,15 +101,15 @@ class Raised:
         def seen(height: float) -> float:
             there = replace(moved.old, pose=_leaning(stood, height, 0.0, 0.0))  # pyrefly: ignore[bad-argument-type]
             share, pixels = thing.speaks(there, moment, before.picture)
-            return share if pixels >= SETTINGS.fewest_px else 0.0  # out of the picture nothing tells it
+            return share if pixels >= VACATED.fewest_px else 0.0  # out of the picture nothing tells it
 
         heights = np.arange(THRESHOLDS.lifted_m, highest_m, SETTINGS.step_m)
         share, height = max((seen(height), float(height)) for height in heights)
         poses = (stood, Pose(stood.p + [0.0, 0.0, height], stood.q))
         was, now = (drawn_whole(thing.draw, pose, before.camera).covered for pose in poses)
-        vacated = _vacated(before, moment, view.after["customer"], was & ~now)
+        left = vacated(before, moment, view.after["customer"], was & ~now) or 0.0
         gain = _leaning_gain(thing, moved.old, height, before, moment) if leans else 0.0
-        return cls(vacated, share, gain, height, moved.old, moved.new)
+        return cls(left, share, gain, height, moved.old, moved.new)
 
     def verdict(self, thing: str, seen_share: float = SETTINGS.seen_share) -> Verdict:
         """Judge if the object was in the air.
@@ -134,16 +133,6 @@ class Raised:
         how = "tilted" if leans else "upright"
         words = f"the {thing} looks {how} in the air, by {100 * abs(self.leans):.0f} % of its looks"
         return decided(leans, words, 0.5 + min(0.5, abs(self.leans - SETTINGS.leaning_share)))
-
-
-def _vacated(before: View, moment: View, after: View, where: np.ndarray) -> float:
-    """Share of the part of an area (H, W) bool that differs before and after that looks as after at the moment; 0 where
-    little of it differs. A hand's shadow changes it too."""
-    was, seen, then = (smoothed(view.picture) for view in (before, moment, after))
-    telling = where & changed(was, then)
-    if telling.sum() < max(SETTINGS.fewest_px, SETTINGS.telling_share * where.sum()):
-        return 0.0
-    return float((distance(seen, then) < distance(seen, was))[telling].mean())
 
 
 def _leaning_gain(thing: Sought, old: Standing, height: float, before: View, moment: View) -> float:
