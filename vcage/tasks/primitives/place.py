@@ -31,7 +31,7 @@ class PlaceSettings:
         slack_m: the held object may shift between the fingers by up to this: a place must not be
             at the very end of an arm's reach.
         raises_m: how much higher an object is let go where the hand meets something at the lowest height.
-        back_turns_rad: headings off its old one at which an object may be put back.
+        back_turns_rad: turns from its old heading at which an object may be put back, in this order.
     """
 
     slack_m: float = 0.006

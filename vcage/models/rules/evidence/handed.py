@@ -41,7 +41,7 @@ REACH = ReachSettings()
 
 
 def arms_out(before: View, now: View) -> tuple[float, float]:
-    """Share that changed of what is seen of the robot's left and right side, from the customer's side."""
+    """Share that changed at the robot's left and right side; from the customer's side its left is at the right edge."""
     change = Change.between(before, now)
     arms = change.things | change.lighter  # an arm's shadow falls on the other one's side
     height, width = np.array(arms.shape) * [REACH.height_share, REACH.side_share]
@@ -84,8 +84,9 @@ class Between:
         # From above, an arm may hide the place: the customer sees below it.
         before, moment, after = (shown["customer"] for shown in (view.before, view.moment, view.after))
         draw = view.sought(name).draw
-        was, is_ = (drawn_whole(draw, standing.pose, before.camera).covered for standing in (moved.old, moved.new))
-        left_seen, to_come_seen = vacated(before, moment, after, was & ~is_), vacated(after, moment, before, is_ & ~was)
+        was, will_be = (drawn_whole(draw, standing.pose, before.camera).covered for standing in (moved.old, moved.new))
+        left_seen = vacated(before, moment, after, was & ~will_be)
+        to_come_seen = vacated(after, moment, before, will_be & ~was)
         return cls(
             left=min(left, 1.0 if left_seen is None else left_seen),
             to_come=min(to_come, 1.0 if to_come_seen is None else to_come_seen),
