@@ -212,11 +212,14 @@ class Plan(Document):
         Args:
             earlier: the plan of that campaign; None for a new one.
         """
-        scenes = dict.fromkeys(robot for task in self.tasks for robot in self.robots_of(task))
-        robots = tuple(scenes) if earlier is None else earlier.robots
-        if self.robots or len(robots) == 0 or (earlier is None and len(robots) > 1):
+        if self.robots:
             return self
-        return Plan.model_validate(self.model_dump(by_alias=True) | {"robots": robots})
+        if earlier is not None:
+            robots = earlier.robots
+        else:
+            of_scenes = {robot for task in self.tasks for robot in self.robots_of(task)}
+            robots = tuple(of_scenes) if len(of_scenes) == 1 else ()
+        return Plan.model_validate(self.model_dump(by_alias=True) | {"robots": robots}) if robots else self
 
     def job(self, cell: Cell, number: int, episodes: int | None = None) -> Job:
         """The job of a cell with that number."""
