@@ -253,7 +253,9 @@ def _grid(along: np.ndarray) -> np.ndarray:
     short = np.diff(along) < even[1]
     near = along[np.append(short, False) | np.append(False, short)]
     grid = np.unique(np.concatenate([even, near]))
-    return grid[np.append(np.diff(grid) > SETTINGS.same_share * even[1], True)]
+    kept = np.append(np.diff(grid) > SETTINGS.same_share * even[1], True)
+    kept[0] = True  # the profile begins at the beginning
+    return grid[kept]
 
 
 def _smoothed(start: np.ndarray, samples: tuple[np.ndarray, np.ndarray, np.ndarray], window: int) -> Trajectory:
