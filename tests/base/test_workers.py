@@ -114,6 +114,7 @@ def test_a_killed_process_loses_only_its_task_which_restarts(tmp_path):
     assert nothing_left()
 
 
+@pytest.mark.slow
 def test_a_silent_process_is_ended_and_its_task_restarts(tmp_path):
     assert answers(silent_once, [tmp_path], 1, limit_s=3.0) == ["done"]
     assert nothing_left()
@@ -316,6 +317,7 @@ for _ in map_in_processes(time.sleep, [0, 0, 600, 600], 2):
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
 def test_workers_end_with_the_process_that_started_them(number):
     with subprocess.Popen([sys.executable, "-c", PARENT], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as parent:

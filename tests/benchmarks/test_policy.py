@@ -135,6 +135,7 @@ def test_aims_are_the_next_marked_frames_or_the_last_of_the_episode() -> None:
     assert demonstrations(2, 10).next_of(marked).tolist() == [3] * 4 + [9] * 6 + [12] * 3 + [19] * 7
 
 
+@pytest.mark.slow
 def test_a_policy_stays_with_its_aim_where_another_is_as_good() -> None:
     data = demonstrations()
     meaning = Meaning(ROBOT, data.names, data.object_names, (("block",),))
@@ -291,6 +292,7 @@ def test_a_number_that_never_changes_in_demonstrations_is_not_magnified() -> Non
     assert torch.allclose(scale.inputs(torch.tensor([[0.005, 0.0]])), torch.tensor([[0.5, 0.0]]), atol=1e-6)
 
 
+@pytest.mark.slow
 def test_a_trained_policy_follows_its_demonstrations_and_can_be_stored(tmp_path: Path) -> None:
     data = demonstrations()
     size = Size(chunk=4, width=64, layers=2, ways=1, aims=1)
@@ -317,6 +319,7 @@ def test_a_policy_of_two_sub_tasks_can_be_stored(tmp_path: Path) -> None:
     assert np.array_equal(Policy.read(tmp_path / "weights.pt").infer(seen)["actions"], policy.infer(seen)["actions"])
 
 
+@pytest.mark.slow
 def test_a_localiser_finds_a_square_in_pictures() -> None:
     rng = np.random.default_rng(6)
     rows, columns = rng.integers(4, 36, (2, 200))

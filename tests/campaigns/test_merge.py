@@ -125,6 +125,7 @@ def test_the_card_tells_the_episodes_of_every_run_and_grows_with_the_data_set(ca
     assert "## Compression" in card and "of the others the data set does not know" not in card
 
 
+@pytest.mark.slow
 def test_a_copied_run_is_not_on_the_card(campaign, out):
     shutil.copytree(campaign / "jobs/red/0000", campaign / "jobs/red/copy")
     merge([campaign], out)
@@ -162,6 +163,7 @@ def test_a_run_given_twice_is_merged_once(made, out):
     assert (record.runs, record.datasets[0].episodes) == (3, 6)
 
 
+@pytest.mark.slow
 def test_a_copied_run_is_merged_once_and_named(campaign, out):
     shutil.copytree(campaign / "jobs/red/0000", campaign / "jobs/red/copy")
     record = merge([campaign], out).record
@@ -172,6 +174,7 @@ def test_a_copied_run_is_merged_once_and_named(campaign, out):
     ]
 
 
+@pytest.mark.slow
 def test_a_run_rendered_again_is_merged_once(tmp_path, out):
     for number, look in enumerate((0, 9)):
         another(tmp_path / f"runs/{number}", look=look)
@@ -179,12 +182,14 @@ def test_a_run_rendered_again_is_merged_once(tmp_path, out):
     assert (record.datasets[0].episodes, len(record.repeated)) == (2, 2)
 
 
+@pytest.mark.slow
 def test_a_run_simulated_again_with_other_motions_is_merged_once(tmp_path, out):
     for number, frames in enumerate((6, 7)):
         another(tmp_path / f"runs/{number}", frames=frames)
     assert merge([tmp_path / "runs"], out).record.datasets[0].episodes == 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("change", [{"seed": 51}, {"instruction": "Put the block away"}])
 def test_another_seed_or_task_is_another_episode(tmp_path, out, change):
     another(tmp_path / "runs/0")
@@ -202,6 +207,7 @@ def test_new_runs_are_added(campaign, out):
     assert len(open_recordings(out / V3)) == 8
 
 
+@pytest.mark.slow
 def test_a_format_that_came_later_gets_all_episodes(made, out):
     merge([made], out)
     record = merge([made], out, Order(formats=tuple(FORMATS))).record
@@ -241,6 +247,7 @@ def edit(path: Path) -> None:
     path.write_text(path.read_text().replace('"accepted": true', '"accepted": false', 1))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("file", "damage"),
     [
@@ -267,6 +274,7 @@ def test_an_edited_record_of_the_compression_is_named_with_its_field(campaign, o
     assert "compression.json: field provenance.options.display was edited" in left_out.reason
 
 
+@pytest.mark.slow
 def test_a_repaired_episode_is_added_by_the_next_merge(campaign, out):
     path = campaign / "jobs/red/0000/episodes/episode_000000.hdf5"
     whole = path.read_bytes()
@@ -314,6 +322,7 @@ def test_a_data_set_that_no_merge_made_is_refused_as_its_episodes_could_be_there
     assert digests(out) == before
 
 
+@pytest.mark.slow
 def test_groups_are_a_data_set_for_each_kind_of_runs(made, tmp_path, out):
     another(tmp_path / "other", robot="aloha_agilex")
     record = merge([made, tmp_path / "other"], out, Order(group=True)).record
@@ -323,6 +332,7 @@ def test_groups_are_a_data_set_for_each_kind_of_runs(made, tmp_path, out):
     assert list(merge([tmp_path / "other"], out, Order(group=True)).added.values()) == [0]
 
 
+@pytest.mark.slow
 def test_degrees_of_compression_may_differ_within_a_data_set(made, tmp_path, out):
     another(tmp_path / "other", crf=30)
     assert merge([made, tmp_path / "other"], out).record.datasets[0].episodes == 8
@@ -346,6 +356,7 @@ def test_whole_runs_are_held_out_and_come_last(made, out):
     assert merge([made], out, Order(test=0.3)).added == {V3: 0}
 
 
+@pytest.mark.slow
 def test_runs_to_train_with_cannot_follow_the_test_split(campaign, out):
     merge([campaign], out, Order(test=0.3))
     for number in range(6):
@@ -355,6 +366,7 @@ def test_runs_to_train_with_cannot_follow_the_test_split(campaign, out):
     assert len(open_recordings(out / V3)) == 6
 
 
+@pytest.mark.slow
 def test_a_copy_of_a_run_is_never_in_the_other_split(campaign, out):
     for run in sorted((campaign / "jobs/red").iterdir()):
         shutil.copytree(run, run.with_name(f"{run.name}-copy"))

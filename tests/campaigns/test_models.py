@@ -55,6 +55,7 @@ def test_a_question_of_one_job_is_not_asked_again_by_another(server: ModelServer
     assert status_of(folder).calls == len(hashes)
 
 
+@pytest.mark.slow
 def test_a_limit_of_calls_ends_the_campaign_and_a_larger_one_goes_on(server: ModelServer, tmp_path: Path):
     folder = begun(tmp_path, seeds=3, **KEYS, limits={"calls": 0, "attempts": 1})
     error = left_over(driven(folder))

@@ -29,12 +29,14 @@ def last_record(done: subprocess.CompletedProcess[str]) -> dict:
     return json.loads(done.stdout.splitlines()[-1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("program", [f"{VCAGE} {LIST}", SCRIPT])
 def test_a_closed_stdout_is_reported_and_the_command_completes(tmp_path: Path, program: str) -> None:
     done = shell(f"{program} >&-", tmp_path)
     assert (done.returncode, done.stderr) == (0, "vcage: stdout is closed, so the result is not printed\n")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("closed", ["2>&-", "<&- 2>&-", "2>/dev/full"])
 def test_without_stderr_stdout_has_the_record_alone(tmp_path: Path, closed: str) -> None:
     done = shell(f"{VCAGE} match --run /nowhere {closed}", tmp_path)
@@ -60,6 +62,7 @@ def test_a_reader_of_the_help_that_went_away_is_no_error(tmp_path: Path) -> None
     assert (done.returncode, done.stderr) == (0, "")
 
 
+@pytest.mark.slow
 def test_a_stdout_of_ascii_gets_escapes(tmp_path: Path) -> None:
     done = shell(f"{VCAGE} match --run {tmp_path}/Bücher", tmp_path, LC_ALL="C", PYTHONIOENCODING="ascii")
     assert done.returncode == 3 and done.stdout.isascii()

@@ -124,6 +124,7 @@ def ask_all(task: tuple[Path, Path, str, int]) -> str:
     return "".join(answerer.answer(question((first + n) % 5)).text for n in range(5))
 
 
+@pytest.mark.slow
 def test_processes_that_ask_the_same_at_once_ask_once(tmp_path: Path, log: Path):
     with Processes(ask_all, 4) as crew:
         for number in range(4):

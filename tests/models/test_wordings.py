@@ -24,11 +24,13 @@ PHRASES = {
     "cabinet": "white two-drawer cabinet", "lamp": "black flashlight", "scale": "white electronic scale",
 }  # fmt: skip
 
+CATALOGUE = LIBRARY.entries()
+
 
 def task(*goals: tuple[int, tuple[str | None, ...]], instruction: str = "Do it", **more: object) -> TaskToWord:
     asked = [AskedGoal(goal=goal_of(goal), step=step, words="it") for step, goal in goals]
     none = {"untouched": [], "descriptions": [], "lying": {}, "tools": []}
-    fields = {**none, "things": THINGS, "phrases": PHRASES, "catalogue": LIBRARY.entries(), **more}
+    fields = {**none, "things": THINGS, "phrases": PHRASES, "catalogue": CATALOGUE, **more}
     return TaskToWord(instruction=instruction, goals=asked, **fields)
 
 

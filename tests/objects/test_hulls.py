@@ -65,6 +65,7 @@ def test_separate_convex_parts_are_a_piece_each() -> None:
     assert len(convex_pieces(np.concatenate([box.triangles for box in boxes]))) == 3
 
 
+@pytest.mark.slow
 def test_a_cup_stays_open_and_its_walls_are_covered() -> None:
     mesh = cup()
     pieces = convex_pieces(np.asarray(mesh.triangles))

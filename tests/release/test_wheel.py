@@ -80,6 +80,7 @@ def test_the_source_archive_holds_the_checkout_without_caches(sdist: Path) -> No
     assert not missing and {"LICENSE", "NOTICE", "CHANGELOG.md", "README.md", "Makefile", "mkdocs.yml"} <= names
 
 
+@pytest.mark.slow
 def test_the_source_archive_makes_the_same_wheel(sdist: Path, wheel: Path, tmp_path: Path) -> None:
     with tarfile.open(sdist) as archive:
         archive.extractall(tmp_path, filter="data")
@@ -143,6 +144,7 @@ def test_an_installed_wheel_reads_nothing_from_the_checkout(installed: Installed
     assert done.stdout == f"['{installed.package.parent}'] {installed.package / '_data' / 'assets'}\n", done.stderr
 
 
+@pytest.mark.slow
 def test_an_installed_skill_finds_its_environment_by_itself(installed: Installed, tmp_path: Path) -> None:
     script = installed.package / "_data" / "skills" / "vcage" / "scripts" / "run.py"
     done = installed.run(Path(sys._base_executable), str(script), "--help", cache=tmp_path)

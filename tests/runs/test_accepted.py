@@ -109,6 +109,7 @@ def test_a_refused_episode_is_in_no_video_no_data_set_and_no_figure(run):
     assert (run.root / SECOND).is_file()
 
 
+@pytest.mark.slow
 def test_the_videos_of_the_others_are_taken_over_when_one_is_refused(run, monkeypatch):
     before, _ = done(run)
     judged(run, SECOND)
@@ -118,6 +119,7 @@ def test_the_videos_of_the_others_are_taken_over_when_one_is_refused(run, monkey
     assert list(after.set_aside) == [SECOND]
 
 
+@pytest.mark.slow
 def test_an_episode_whose_raw_pictures_are_gone_counts_again_when_the_verdict_changes(run):
     before, _ = done(run)
     judged(run, SECOND)
@@ -134,6 +136,7 @@ def test_the_reasons_are_reported_if_all_are_rejected(run):
         compress.execute(run, COMPRESS, StageContext("offline"))
 
 
+@pytest.mark.slow
 def test_where_all_are_refused_none_is_left_as_if_it_counted(run):
     before, _ = done(run)
     judged(run, FIRST, SECOND)
@@ -148,6 +151,7 @@ def test_where_all_are_refused_none_is_left_as_if_it_counted(run):
     assert again.streams == before.streams and [one.episodes for one in exported.datasets] == [2, 2]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stage", ["compress", "export"])
 def test_the_ways_out_are_reported_if_all_are_rejected(run, capsys, stage):
     done(run)

@@ -90,6 +90,7 @@ def test_raw_pictures_stay_on_request(run):
     assert not list(files_of(run)[0].parent.glob("*.mp4"))
 
 
+@pytest.mark.slow
 def test_kept_raw_pictures_may_be_dropped_later(run):
     record = compressed(run, keep_raw=True)
     assert compressed(run) == record
@@ -101,6 +102,7 @@ def test_a_compression_whose_raw_pictures_are_gone_is_finished(done):
     assert not again.fresh
 
 
+@pytest.mark.slow
 def test_an_export_with_raw_pictures_stays_up_to_date_without_them(run):
     compressed(run, keep_raw=True)
     first = export.execute(run, export.Options(seed=7, formats=("lerobot-v3.0", "robotwin")), StageContext("offline"))
@@ -109,6 +111,7 @@ def test_an_export_with_raw_pictures_stays_up_to_date_without_them(run):
     assert first.fresh and not again.fresh
 
 
+@pytest.mark.slow
 def test_without_raw_pictures_all_formats_are_exported(done):
     chosen = export.Options(seed=7, formats=export.EXPORTS)
     record = export.execute(done, chosen, StageContext("offline")).record
@@ -162,6 +165,7 @@ def test_a_stage_interrupted_while_replacing_files_resumes_and_ends_the_same(run
         assert path.is_dir() or path.read_bytes() == (run.episodes.parent / path.name).read_bytes()
 
 
+@pytest.mark.slow
 def test_episodes_that_join_later_leave_the_videos_of_the_first_as_they_are(collection, run):
     episodes = Episodes.read(run.episodes)
     episodes.model_copy(update={"episodes": episodes.episodes[:1]}).write(run.episodes)
@@ -193,6 +197,7 @@ def test_episodes_that_join_later_are_not_mixed_with_other_settings(collection, 
         compressed(run, force=True, crf=30)
 
 
+@pytest.mark.slow
 def test_videos_are_copied_where_there_are_no_hard_links(run, monkeypatch):
     def refuse(*_: object) -> None:
         raise OSError("no hard links here")

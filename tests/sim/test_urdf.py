@@ -3,6 +3,7 @@ from __future__ import annotations
 import os
 import xml.etree.ElementTree as ElementTree
 
+import pytest
 import trimesh
 
 from vcage.base.workers import map_in_processes
@@ -31,6 +32,7 @@ def rendered_in(cache: str) -> list[str]:
     return sorted(path.name for path in folder.iterdir())
 
 
+@pytest.mark.slow
 def test_two_processes_that_lack_a_copy_do_not_disturb_each_other(tmp_path):
     first, second = map_in_processes(rendered_in, [str(tmp_path)] * 2, 2)
     assert first == second and "hand.glb" in first

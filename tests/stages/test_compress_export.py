@@ -113,6 +113,7 @@ def test_the_record_tells_sizes_and_trials(run):
     assert all(stream.evaluations for stream in record.streams)
 
 
+@pytest.mark.slow
 def test_the_same_episodes_give_the_same_files(searched, fresh):
     compressed(fresh)
     for path in sorted(fresh.compression.parent.iterdir()):
@@ -206,6 +207,7 @@ def test_the_videos_are_copied_as_they_were_compressed(run):
     assert copy.read_bytes() == (run.root / stream.file).read_bytes()
 
 
+@pytest.mark.slow
 def test_another_codec_is_searched_at_the_same_loss_from_the_pictures_themselves(short):
     exported(short, formats=("lerobot-v3.0",), codec="h264")
     assert video_info(short)["video.codec"] == "h264"
@@ -222,6 +224,7 @@ def test_a_given_crf_is_encoded_without_a_search(short):
     assert (info["video.codec"], info["video.crf"]) == ("av1", 30)
 
 
+@pytest.mark.slow
 def test_other_videos_are_not_lost_where_the_disk_is_full_at_the_very_end(short, monkeypatch):
     with monkeypatch.context() as patched, pytest.raises(DiskFull):
         patched.setattr(Export, "write", full)
@@ -231,6 +234,7 @@ def test_other_videos_are_not_lost_where_the_disk_is_full_at_the_very_end(short,
     assert not (short.root / WORKING).exists()
 
 
+@pytest.mark.slow
 def test_a_codec_that_cannot_stay_under_the_loss_is_refused_with_the_ways_out(fresh):
     compressed(fresh, max_loss=0.001)
     with pytest.raises(UsageError, match="no av1 video stays under") as caught:

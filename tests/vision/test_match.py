@@ -70,15 +70,18 @@ def test_every_object_is_found_where_it_went_and_how_it_was_turned(table, target
     assert result.unclaimed == []
 
 
+@pytest.mark.slow
 def test_a_repainted_table_hides_nothing(table, target, moved, paint):
     assert_found(table(repainted(target, paint, moved)), moved)
 
 
+@pytest.mark.slow
 def test_another_light_and_colour_cast_change_nothing(table, target, moved):
     changed = np.clip(target * np.array([1.08, 0.95, 0.85]) + 8, 0, 255).astype(np.uint8)
     assert_found(table(changed), moved)
 
 
+@pytest.mark.slow
 def test_blur_and_another_size_change_nothing(table, target, moved):
     soft = cv2.GaussianBlur(target, (0, 0), 1.2)
     result = table(cv2.resize(soft, (800, 600), interpolation=cv2.INTER_CUBIC))
@@ -86,6 +89,7 @@ def test_blur_and_another_size_change_nothing(table, target, moved):
     assert_found(result, moved)
 
 
+@pytest.mark.slow
 def test_touching_objects_are_distinguished(table, moved, paint):
     touching = [*moved[:3], replace(moved[3], xy=(0.05 - 0.03, 0.08 - 0.125), yaw=0.35)]
     assert_found(table(paint(touching)[0]), touching)
@@ -95,6 +99,7 @@ def test_objects_are_found_without_any_detection(table, target, moved):
     assert_found(table(target, detector=Fixed()), moved)
 
 
+@pytest.mark.slow
 def test_a_thousand_detections_are_cut_to_the_surest_and_noted(table, target, moved):
     rng = np.random.default_rng(1)
     corners = rng.uniform(0, 400, (1000, 2))
@@ -124,6 +129,7 @@ def test_a_missing_object_stays_where_it_was_with_a_note(table, moved, paint, th
     assert "kept where it was" in kept.note
 
 
+@pytest.mark.slow
 def test_a_missing_object_goes_where_the_plan_wants_it(table, moved, paint, things):
     relation = Relation(subject="marker_red", relation="right_of", reference="box")
     plan = LayoutPlan(text="The red marker goes to the right of the box.", relations=[relation])
@@ -134,6 +140,7 @@ def test_a_missing_object_goes_where_the_plan_wants_it(table, moved, paint, thin
     assert "where the plan wants it" in kept.note
 
 
+@pytest.mark.slow
 def test_an_object_hidden_in_the_source_is_never_matched(table, target, paint, things):
     segmentation = paint(things)[1]
     result = table(target, segmentation=np.where(segmentation == 2, 0, segmentation))
@@ -146,6 +153,7 @@ def test_on_an_empty_table_no_object_is_found(table, background):
     assert {m.method for m in table(background).matches} == {"kept"}
 
 
+@pytest.mark.slow
 def test_no_object_claims_a_stranger(table, moved, paint):
     stranger = replace(moved[3], id="stranger", size=(0.09, 0.09, 0.02), colour=(60, 200, 90), xy=(-0.05, -0.2))
     result = table(paint([*moved, stranger])[0])
@@ -153,12 +161,14 @@ def test_no_object_claims_a_stranger(table, moved, paint):
     assert len(result.unclaimed) == 1
 
 
+@pytest.mark.slow
 def test_of_an_object_drawn_twice_one_is_taken_and_noted(table, moved, paint):
     result = table(paint([*moved, replace(moved[3], xy=(-0.05, -0.2), yaw=0.4)])[0])
     assert result.matches[3].method != "kept"
     assert any("drawn twice" in note for note in result.notes)
 
 
+@pytest.mark.slow
 def test_a_known_symmetry_gives_the_smallest_turn(table, target):
     turned = {order: table(target, symmetry={"marker_red": order}).matches[2].turned for order in (2, 0)}
     assert abs(turned[2]) <= np.pi / 2
@@ -171,6 +181,7 @@ def test_below_the_threshold_nothing_is_matched_by_features(table, target):
     assert all(m.note.startswith("too unlike") for m in matches)
 
 
+@pytest.mark.slow
 def test_a_label_of_the_detector_names_the_method_below_the_threshold(table, target, moved, paint, detect, things):
     found = {int(paint(moved)[1][d.mask].max()): d for d in detect(paint(moved)[1])}
     labelled = [replace(found[k + 1], label=thing.phrase) for k, thing in enumerate(things)]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from tests.apps.proof.conftest import CUBE, contact
 from vcage.apps.proof.grasping import check_contact
 
@@ -36,6 +38,7 @@ def test_a_too_heavy_object_slips(make, places) -> None:
     assert check.reasons
 
 
+@pytest.mark.slow
 def test_tries_are_the_same_for_the_same_seed(make, places) -> None:
     first, second = (
         check_contact(make(CUBE, contacts=[contact()]), contact(), places, tries=2, seed=4) for _ in range(2)

@@ -33,6 +33,7 @@ def test_the_counts_match_the_annotations(proven) -> None:
     assert proof.failed == []
 
 
+@pytest.mark.slow
 def test_the_proof_is_written(proven) -> None:
     folder, proof = proven
     assert Proof.read(folder / "proof.json") == proof
@@ -70,6 +71,7 @@ def test_the_key_of_a_proof_holds_every_module_that_tries_an_object() -> None:
     assert deciding - {robots_of_others} <= {package / folder for folder in METHOD}
 
 
+@pytest.mark.slow
 def test_two_processes_find_the_same(proven, tmp_path: Path) -> None:
     _, proof = proven
     assert validate(["block", "soap_bar"], tmp_path, QUICK, workers=2) == proof

@@ -157,6 +157,7 @@ DAMAGE = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("damage", "said"), DAMAGE)
 def test_a_damaged_demonstration_stops_all_or_stays_in_the_file_as_it_was(path, tmp_path, damage, said):
     with h5py.File(path, "r+") as file:

@@ -367,6 +367,7 @@ def _interrupt(*_args: object, **_kwargs: object) -> None:
     raise KeyboardInterrupt
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("writes", range(8))
 def test_a_full_disk_leaves_no_output_and_the_call_resumes_when_there_is_space(
     tmp_path, source, uninterrupted, monkeypatch, writes

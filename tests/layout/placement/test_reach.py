@@ -182,6 +182,7 @@ def test_a_robot_is_asked_once(robot, disc, tmp_path):
     assert disc.asked == asked > 0
 
 
+@pytest.mark.slow
 def test_a_smaller_workspace_needs_no_more_questions_and_a_larger_one_only_the_new(robot, disc, tmp_path):
     robot_reach(robot, WORKSPACE, HEIGHTS, tmp_path)
     asked = disc.asked

@@ -53,6 +53,7 @@ def done() -> tuple[Task, Watch, list[set[str]]]:
     return task, watch, holders
 
 
+@pytest.mark.slow
 def test_it_goes_from_hand_to_hand_with_nothing_else_beneath_it(done):
     _, _, holders = done
     until = holders[: holders.index({"taken"})]
