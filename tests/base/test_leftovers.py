@@ -77,6 +77,7 @@ def test_folders_of_others_and_links_stay(tmp_path):
 def test_partial_work_of_dead_processes_goes_from_a_held_folder(tmp_path):
     living = os.getppid()
     gone = [f"place{PARTIAL}{NOBODY}/a.png", f"options{PARTIAL}{NOBODY}.json", f"place/deep/b{PARTIAL}{NOBODY}.png"]
+    gone += [f"place{PARTIAL}{NOBODY}{PARTIAL}{NOBODY}/a.png"]  # partial work within partial work
     stays = [
         f"place{PARTIAL}{living}/a.png",
         f"notes{PARTIAL}{NOBODY}.txt",

@@ -29,7 +29,7 @@ OURS = "vcage"
 
 OF_PYTHON = "pymp-"
 
-PARTIAL_NAME = re.compile(rf"(?P<of>.+){re.escape(PARTIAL)}\d+(\..*)?", re.DOTALL)
+PARTIAL_NAME = re.compile(rf"(?P<of>.+?){re.escape(PARTIAL)}\d+(\..*)?", re.DOTALL)
 REPLACED_NAME = re.compile(rf"(?P<of>.+){re.escape(REPLACED)}\d+", re.DOTALL)
 
 
