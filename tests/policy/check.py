@@ -1,4 +1,4 @@
-"""The real lerobot-eval and vla-eval act in the environments that ``vcage serve`` offers.
+"""The real lerobot trains on our export, and it and vla-eval act in the environments that ``vcage serve`` offers.
 
 ``make test-policy`` runs it with VCAGE_POLICY_PYTHON, the interpreter of an environment that has both.
 """
@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 
 from tests.run_folders import Finished
+from vcage.base.files import RunFolder
 
 PYTHON = Path(os.environ["VCAGE_POLICY_PYTHON"])
 HERE = Path(__file__).parent
@@ -39,13 +40,40 @@ def ran(*command: str) -> str:
     return done.stdout
 
 
+def options(**values: object) -> list[str]:
+    """Options as lerobot's commands take them; ``__`` stands for a dot."""
+    return [f"--{name.replace('__', '.')}={value}" for name, value in values.items()]
+
+
+def trained(run: RunFolder, folder: Path) -> Path:
+    """A small ACT policy that lerobot trains on a run's export for four steps, so it has learnt next to nothing."""
+    size = {"dim_model": 64, "dim_feedforward": 64, "n_heads": 4, "n_encoder_layers": 1}
+    of_policy = {"type": "act", "chunk_size": 8, "n_action_steps": 8, "pretrained_backbone_weights": "null", **size}
+    of_policy |= {"device": "cpu", "push_to_hub": "false"}
+    given = options(
+        dataset__repo_id="local/blocks",
+        dataset__root=run.root / "export" / "lerobot-v3.0",
+        dataset__video_backend="pyav",
+        **{f"policy__{name}": value for name, value in of_policy.items()},
+        batch_size=4,
+        steps=4,
+        num_workers=0,
+        wandb__enable="false",
+        output_dir=folder,
+    )
+    ran("-m", "lerobot.scripts.lerobot_train", *given)
+    return folder / "checkpoints" / "last" / "pretrained_model"
+
+
 @pytest.mark.timeout(1800)
-def test_lerobot_eval_acts_in_two_environments_at_once(address: str, tmp_path: Path) -> None:
-    ran("-m", "untrained", address, str(tmp_path / "act"))
-    options = {"policy.path": tmp_path / "act", "env.type": "vcage", "env.address": address, "policy.device": "cpu"}
-    options |= {"eval.n_episodes": 2, "eval.batch_size": 2, "eval.use_async_envs": "true", "seed": 1000}
-    given = [f"--{name}={value}" for name, value in options.items()]
-    ran("-m", "lerobot.scripts.lerobot_eval", *given, f"--output_dir={tmp_path / 'found'}")
+def test_a_policy_that_lerobot_trains_on_the_export_acts_in_two_environments_at_once(
+    address: str, finished: Finished, tmp_path: Path
+) -> None:
+    policy = trained(finished.run, tmp_path / "act")
+    of_env = {"env__type": "vcage", "env__address": address}
+    of_eval = {"eval__n_episodes": 2, "eval__batch_size": 2, "eval__use_async_envs": "true", "seed": 1000}
+    given = options(policy__path=policy, policy__device="cpu", **of_env, **of_eval, output_dir=tmp_path / "found")
+    ran("-m", "lerobot.scripts.lerobot_eval", *given)
     found = json.loads((tmp_path / "found" / "eval_info.json").read_text())
     assert found["overall"]["n_episodes"] == 2
     assert [Path(path).stat().st_size > 1000 for path in found["overall"]["video_paths"]] == [True, True]
