@@ -192,7 +192,7 @@ def meeting_height(
         transfer_height(others, table_height)
         + float(hand[2])
         - thing.box.bottom
-        + CARRYING.sag_share * lever(thing, hand, gripper)
+        + CARRYING.sag_share * lever(thing, hand, gripper, given.width)
     )
 
 

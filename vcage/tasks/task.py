@@ -230,7 +230,7 @@ class Task(Choices):
         Where the arm does not reach so high it stays where it is: the object may be high enough.
         """
         cell, arm = self._cell, self.world.arms[grip.arm]
-        below = hangs_below(cell.object(grip.object_id), arm.tool_pose.p, arm.arm.gripper)
+        below = hangs_below(cell.object(grip.object_id), arm.tool_pose.p, arm.arm.gripper, arm.finger_width)
         short = HOLDING.clear_m + below - (arm.tool_pose.p[2] - self.world.table.height)
         if short <= 0:
             return

@@ -7,8 +7,9 @@ import pytest
 
 from tests.example_scenes import TABLE_TOP, thing, with_fingers, world_of
 from vcage.base.geometry import Pose
-from vcage.schema.robot import FIRM_N_PER_M, Robot
-from vcage.tasks.primitives.grip import stays_level
+from vcage.schema.robot import Robot
+from vcage.sim.robots import load_robot
+from vcage.tasks.primitives.grip import sag, stays_level
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import Slot
 from vcage.tasks.state import resting_point
@@ -52,8 +53,9 @@ def test_soft_fingers_do_not_take_a_bowl_with_something_in_it_by_its_rim():
         task.pick("bowl", [(0, "left")])
 
 
-def test_firm_fingers_hold_a_laden_basket_level_by_its_wall():
-    objects, hands = filled("toy_car", thing("basket", (-0.15, -0.05), 0.0)), with_fingers(FIRM_N_PER_M)
+@pytest.mark.parametrize("hands", [with_fingers(10_000.0), load_robot("aloha_agilex")], ids=["firm", "aloha_agilex"])
+def test_firm_fingers_hold_a_laden_basket_level_by_its_wall(hands: Robot):
+    objects = filled("toy_car", thing("basket", (-0.15, -0.05), 0.0))
     assert stays_level(objects[0], hands.arms.values())
     world = world_of(objects, hands)
     world.settle()
@@ -63,6 +65,13 @@ def test_firm_fingers_hold_a_laden_basket_level_by_its_wall():
     stands = world.object_pose("basket").rotation()[2, 2]
     assert np.degrees(np.arccos(stands)) < 3
     assert task.moment is not None and "toy_car" in Workcell(world, {o.id: o for o in objects}).contents("basket")
+
+
+@pytest.mark.parametrize(("width", "tips"), [(0.004, True), (0.008, False)])
+def test_firm_fingers_do_not_hold_a_box_level_by_a_wall_too_thin_to_press_on(width: float, tips: bool):
+    box, gripper = thing("packaging_box", (-0.2, 0.0)), with_fingers(10_000.0).arms["left"].gripper
+    walls = [c for c in box.asset.annotation.carrying_points if abs(box.asset.grasp_width(c) - width) < 1e-6]
+    assert walls and all((sag(box, wall, gripper) > 0) is tips for wall in walls)
 
 
 def test_contents_are_planned_with_their_container():

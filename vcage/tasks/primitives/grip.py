@@ -70,16 +70,23 @@ class Grip:
         return replace(self, load=load, grasped=self.load.held)
 
 
-def lever(target: SceneObject, at: np.ndarray, gripper: Gripper) -> float:
-    """Distance of the middle of an object from a point (3,) where it is held, metres; 0 where it hardly turns."""
+def lever(target: SceneObject, at: np.ndarray, gripper: Gripper, width: float) -> float:
+    """Distance of the middle of an object from a point (3,) where it is held, metres; 0 where it hardly turns.
+
+    Args:
+        target: the held object.
+        at: the point, in the world.
+        gripper: that holds it.
+        width: of the material between its fingers, metres.
+    """
     distance = float(np.linalg.norm((target.aabb.mean(axis=0) - at)[:2]))
-    return 0.0 if gripper.firm or distance <= SETTINGS.swing_lever_m else distance
+    return 0.0 if distance <= SETTINGS.swing_lever_m or gripper.firm_on(width) else distance
 
 
-def hangs_below(target: SceneObject, at: np.ndarray, gripper: Gripper) -> float:
-    """Depth of the lowest point of an object below where it is held (3,), metres; of one that turns between the
-    fingers, when it has turned farthest."""
-    if not lever(target, at, gripper):
+def hangs_below(target: SceneObject, at: np.ndarray, gripper: Gripper, width: float) -> float:
+    """Depth of the lowest point of an object below where it is held, metres; of one that turns between the fingers,
+    when it has turned farthest. Arguments as of :func:`lever`."""
+    if not lever(target, at, gripper, width):
         return float(at[2] - target.lowest)
     lower, upper = target.asset.bounds
     corners = target.pose.apply(box_corners(lower, upper))
@@ -88,7 +95,8 @@ def hangs_below(target: SceneObject, at: np.ndarray, gripper: Gripper) -> float:
 
 def sag(target: SceneObject, contact: ContactPoint, gripper: Gripper) -> float:
     """Sag of an object lifted at a contact point, metres."""
-    return SETTINGS.sag_share * lever(target, target.pose.apply([contact.position])[0], gripper)
+    at = target.pose.apply([contact.position])[0]
+    return SETTINGS.sag_share * lever(target, at, gripper, target.asset.grasp_width(contact))
 
 
 def stays_level(target: SceneObject, arms: Iterable[Arm]) -> bool:

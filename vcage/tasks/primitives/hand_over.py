@@ -88,7 +88,8 @@ class HandOver:
         self._let_go(grip.arm, meeting)
         now = cell.object(self.object_id)
         held = cell.held(now.id, taker.tool_pose)
-        speed = CARRYING.hanging_speed if lever(now, taker.tool_pose.p, taker.arm.gripper) else 1.0
+        turns = lever(now, taker.tool_pose.p, taker.arm.gripper, taker.finger_width)
+        speed = CARRYING.hanging_speed if turns else 1.0
         grip = Grip(self.to, now.id, Load(opening=taker.opening, held=held, speed=speed), contents=grip.contents)
         feel(cell, grip)
         return grip, moment

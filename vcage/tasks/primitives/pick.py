@@ -275,7 +275,8 @@ def carry_out_pick(cell: Workcell, plan: PickPlan) -> Grip:
     grip = Grip(plan.arm, target.id, Load(control.opening, held), contents=cell.contents(target.id))
     with failing_at("grasp"):
         cell.put_off(plan.arm, cell.planner(plan.arm).line(plan.path.end, plan.way.lifted, lift), allowed)
-    return _hanging(cell, grip) if lever(target, plan.way.grasp.p, control.arm.gripper) else grip
+    width = target.asset.grasp_width(target.asset.annotation.contact_point(plan.contact))
+    return _hanging(cell, grip) if lever(target, plan.way.grasp.p, control.arm.gripper, width) else grip
 
 
 def _hanging(cell: Workcell, grip: Grip) -> Grip:
