@@ -90,3 +90,16 @@ def test_the_support_of_a_flat_object_is_not_its_contents():
     cell = Workcell(world_of(objects), {o.id: o for o in objects})
     assert cell.contents("tray") == {"plate"}
     assert cell.contents("plate") == frozenset()
+
+
+def test_two_firm_fingers_hold_a_thing_in_their_middle():
+    bar = thing("chocolate_bar", (-0.2, -0.02), 0.3)
+    world = world_of([bar], load_robot("aloha_agilex"))
+    world.settle()
+    task = Task(world, {bar.id: bar}, {})
+    task.pick(bar.id, [(bar.asset.annotation.carrying_points[0].id, "left")])
+    task.hold()
+    at = world.arms["left"].tool_pose.inverse() * world.object_pose(bar.id)
+    assert abs(at.p[1]) < 0.004
+    world.step(500)
+    assert np.allclose((world.arms["left"].tool_pose.inverse() * world.object_pose(bar.id)).p, at.p, atol=3e-4)
