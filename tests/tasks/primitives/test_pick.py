@@ -16,6 +16,7 @@ from vcage.sim.robots import load_robot
 from vcage.tasks.grasps import GraspPose, grasp_poses
 from vcage.tasks.primitives.pick import (
     KnownPaths,
+    carry_out_pick,
     lift_heights,
     pick_way,
     plan_pick,
@@ -126,3 +127,16 @@ def test_a_path_to_a_grasp_is_planned_once_whether_there_is_one_or_not(monkeypat
     count = len(planned)
     assert plan_pick(cell, block, grasps, known=known).way == first.way and first.arm == "right"
     assert len(planned) == count > 1
+
+
+def test_what_is_held_far_from_its_middle_is_measured_when_it_is_lifted():
+    scanner = thing("barcode_scanner", (-0.15, -0.1), 0.5)
+    world = world_of([scanner], load_robot("aloha_agilex"))
+    world.settle()
+    cell = Workcell(world, {scanner.id: scanner})
+    handle = scanner.asset.annotation.carrying_points[0].id
+    grip = carry_out_pick(cell, plan_pick(cell, scanner, [(handle, "left")]))
+    assert cell.object(scanner.id).lowest > TABLE_TOP + 0.05
+    now = cell.held(scanner.id, world.arms["left"].tool_pose).in_gripper
+    assert np.allclose(grip.load.held.in_gripper.p, now.p, atol=1e-4)
+    assert grip.load.speed == 1.0 and grip.grasped is None

@@ -69,6 +69,10 @@ class Grip:
         load = replace(self.load, held=held, speed=SETTINGS.hanging_speed)
         return replace(self, load=load, grasped=self.load.held)
 
+    def level(self, held: Held) -> Grip:
+        """The same after the lift, where the object has shifted a little between firm fingers and is now ``held``."""
+        return replace(self, load=replace(self.load, held=held))
+
 
 def lever(target: SceneObject, at: np.ndarray, gripper: Gripper, width: float) -> float:
     """Distance of the middle of an object from a point (3,) where it is held, metres; 0 where it hardly turns.
@@ -79,8 +83,13 @@ def lever(target: SceneObject, at: np.ndarray, gripper: Gripper, width: float) -
         gripper: that holds it.
         width: of the material between its fingers, metres.
     """
+    return 0.0 if gripper.firm_on(width) else off_middle(target, at)
+
+
+def off_middle(target: SceneObject, at: np.ndarray) -> float:
+    """Distance of the middle of an object from a point (3,) where it is held, metres; 0 where it is held near it."""
     distance = float(np.linalg.norm((target.aabb.mean(axis=0) - at)[:2]))
-    return 0.0 if distance <= SETTINGS.swing_lever_m or gripper.firm_on(width) else distance
+    return 0.0 if distance <= SETTINGS.swing_lever_m else distance
 
 
 def hangs_below(target: SceneObject, at: np.ndarray, gripper: Gripper, width: float) -> float:

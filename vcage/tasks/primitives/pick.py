@@ -19,7 +19,7 @@ from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.paths import JointPath, Load
 from vcage.tasks.grasps import GraspPose, approach_opening, command_of
 from vcage.tasks.hand_poses import hand_poses
-from vcage.tasks.primitives.grip import Grip, feel, lever, minding, sag
+from vcage.tasks.primitives.grip import Grip, feel, lever, minding, off_middle, sag
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.state import resting_point
 from vcage.tasks.touching import at_rest
@@ -256,8 +256,8 @@ def _lifting(held: Held, opening: float) -> Load:
 def carry_out_pick(cell: Workcell, plan: PickPlan) -> Grip:
     """Reach and close the fingers; the arm's next motion starts with the lift.
 
-    An object held far from its middle turns between the fingers when lifted. Its lift ends before anything else
-    is planned, so that the following motions are planned with the sagging object.
+    An object held far from its middle shifts or turns between the fingers when lifted. Its lift ends before anything
+    else is planned, so that the following motions are planned with the object as it hangs.
 
     Raises:
         TaskFailed: the fingers closed on nothing, the object cannot be lifted, or something else is touched.
@@ -275,13 +275,16 @@ def carry_out_pick(cell: Workcell, plan: PickPlan) -> Grip:
     grip = Grip(plan.arm, target.id, Load(control.opening, held), contents=cell.contents(target.id))
     with failing_at("grasp"):
         cell.put_off(plan.arm, cell.planner(plan.arm).line(plan.path.end, plan.way.lifted, lift), allowed)
-    width = target.asset.grasp_width(target.asset.annotation.contact_point(plan.contact))
-    return _hanging(cell, grip) if lever(target, plan.way.grasp.p, control.arm.gripper, width) else grip
+    return _lifted(cell, grip, target, plan) if off_middle(target, plan.way.grasp.p) else grip
 
 
-def _hanging(cell: Workcell, grip: Grip) -> Grip:
-    """Lift the held object now, and measure its sag."""
+def _lifted(cell: Workcell, grip: Grip, target: SceneObject, plan: PickPlan) -> Grip:
+    """Lift the held object now, and measure how it has shifted or turned between the fingers."""
+    control = cell.world.arms[grip.arm]
     with minding(cell, grip):
         cell.carry_out(grip.arm, cell.begun(grip.arm))
     feel(cell, grip)
-    return grip.hanging(cell.held(grip.object_id, cell.world.arms[grip.arm].tool_pose))
+    held = cell.held(grip.object_id, control.tool_pose)
+    width = target.asset.grasp_width(target.asset.annotation.contact_point(plan.contact))
+    turns = lever(target, plan.way.grasp.p, control.arm.gripper, width)
+    return grip.hanging(held) if turns else grip.level(held)
