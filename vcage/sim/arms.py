@@ -48,7 +48,7 @@ class WaitSettings:
 
 WAITS = WaitSettings()
 
-GRIP_ITERATIONS = 50
+GRIP_ITERATIONS = 100
 """Iterations of the contact solver for an arm whose fingers have a drive of their own: with SAPIEN's 10, the forces of
 two fingers of 10,000 N/m do not balance, and what they hold creeps sideways by a centimetre."""
 
