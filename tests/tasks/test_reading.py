@@ -92,6 +92,15 @@ def test_facing_pairs_come_first_and_some_turned_aside_after_them() -> None:
     assert all(reads(SCANNER.moved(pose), box) for pose in poses)
 
 
+@pytest.mark.parametrize("turn", [-4.0, 4.0])
+def test_turns_kept_in_reserve_are_larger_and_still_read_a_thing_turned_in_the_hand(turn: float):
+    bar = thing("chocolate_bar", (0.1, 0.05))
+    assert min(map(abs, SETTINGS.reserve_turns_deg)) > max(map(abs, SETTINGS.turns_deg))
+    poses = list(reading_poses(SCANNER, bar, TABLE_TOP, turns_deg=SETTINGS.reserve_turns_deg))
+    turned = Pose.from_yaw([0, 0, 0], np.radians(turn))
+    assert poses and all(reads(SCANNER.moved(Pose(pose.p, (turned * Pose(q=pose.q)).q)), bar) for pose in poses)
+
+
 def test_a_scanner_is_held_clear_of_what_the_coded_thing_lies_on():
     scale = thing("electronic_scale", (0.1, 0.05))
     bar = thing("chocolate_bar", (0.1, 0.05), height=scale.rim(0))

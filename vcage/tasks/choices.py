@@ -186,15 +186,17 @@ class Choices:
 
         Args:
             object_id, other_id, grasps: see :meth:`vcage.tasks.task.Task.show`.
-            tight: True to try last the poses without room to sway: things may have been put down some millimetres
-                beside their places.
+            tight: True to try last the turns that no plan counts on, and the poses without room to sway: things may
+                have been put down some millimetres and degrees beside their places.
         """
         target, cell = self._cell.object(object_id), self._cell
         other, height = cell.object(other_id), self.world.table.height
         beside = cell.objects_but(object_id, other_id, *cell.contents(object_id))
         groups = free_reading_poses(target, other, beside, height)
         if tight:
-            groups = itertools.chain(groups, (list(reading_poses(target, other, height, r)) for r in READING.raises_m))
+            reserve = free_reading_poses(target, other, beside, height, READING.reserve_turns_deg)
+            swaying = (list(reading_poses(target, other, height, rise)) for rise in READING.raises_m)
+            groups = itertools.chain(groups, reserve, swaying)
         return self._choose_using(target, groups, grasps, f"before {other_id}")
 
     def _choose_hitting(

@@ -24,6 +24,9 @@ class HoldingSettings:
         distances_m: between a window and the code before it, in the order to try them.
         aside_m: farther beside its axis nothing is held on purpose: a hand comes some millimetres beside.
         turns_deg: angles of a code and a window away from facing each other, in the order to try them.
+        reserve_turns_deg: the same, which no plan counts on. What is read may have been put down some degrees beside
+            its heading, where a wrist at its limit does not reach the other angles any more: on aloha_agilex, 1 degree
+            was too much. Codes are read up to 30 degrees.
         over_table_m: clearance of the held object above the table.
         raises_m: heights above the axis at which things are held, in the order to try them: on the axis, or clear of
             what the other lies on.
@@ -34,6 +37,7 @@ class HoldingSettings:
     distances_m: tuple[float, ...] = (0.04, 0.055, 0.03)
     aside_m: float = 0.025
     turns_deg: tuple[float, ...] = (0.0, 20.0, -20.0)
+    reserve_turns_deg: tuple[float, ...] = (25.0, -25.0)
     over_table_m: float = 0.006
     raises_m: tuple[float, ...] = (0.0, 0.02)
     clearances_m: tuple[float, ...] = (0.015, 0.008)
@@ -50,7 +54,13 @@ def reads(one: SceneObject, other: SceneObject) -> bool:
     return any(_sees(one, a, other, b) for a, b in _pairs(one, other))
 
 
-def reading_poses(mover: SceneObject, still: SceneObject, support: float, rise: float = 0.0) -> Iterator[Pose]:
+def reading_poses(
+    mover: SceneObject,
+    still: SceneObject,
+    support: float,
+    rise: float = 0.0,
+    turns_deg: Sequence[float] = SETTINGS.turns_deg,
+) -> Iterator[Pose]:
     """Poses in the world, upright as now, with a face of ``mover`` before one of ``still``.
 
     Args:
@@ -58,8 +68,9 @@ def reading_poses(mover: SceneObject, still: SceneObject, support: float, rise: 
         still: the resting object; codes and windows that face up or down are left out.
         support: z of the table top, metres.
         rise: height above the axis, metres.
+        turns_deg: angles away from facing each other, in the order to try them.
     """
-    for aside, (mine, theirs) in product(np.radians(SETTINGS.turns_deg), list(_pairs(mover, still))):
+    for aside, (mine, theirs) in product(np.radians(turns_deg), list(_pairs(mover, still))):
         normal = still.pose.rotation() @ np.asarray(theirs.axis)
         outward = mover.pose.rotation() @ np.asarray(mine.axis)
         if abs(normal[2]) > np.sin(THRESHOLDS.code_slant_rad) or abs(outward[2]) > np.sin(THRESHOLDS.code_slant_rad):
@@ -78,17 +89,21 @@ def reading_poses(mover: SceneObject, still: SceneObject, support: float, rise: 
 
 
 def free_reading_poses(
-    mover: SceneObject, still: SceneObject, others: Sequence[SceneObject], support: float
+    mover: SceneObject,
+    still: SceneObject,
+    others: Sequence[SceneObject],
+    support: float,
+    turns_deg: Sequence[float] = SETTINGS.turns_deg,
 ) -> Iterator[list[Pose]]:
     """Yield the poses of :func:`reading_poses` that have room around them, in groups: first those with most room.
 
     Args:
-        mover, still, support: as there.
+        mover, still, support, turns_deg: as there.
         others: all other objects, where they are.
     """
     bodies = {o.id: Body(o.asset.model, o.pose, o.joints) for o in others}
     for clearance, rise in product(SETTINGS.clearances_m, SETTINGS.raises_m):
-        poses = reading_poses(mover, still, support, rise)
+        poses = reading_poses(mover, still, support, rise, turns_deg)
         if free := [pose for pose in poses if _near(mover, pose, bodies, clearance) is None]:
             yield free
 
