@@ -17,10 +17,6 @@ DEFAULT_ROBOT = "dual_panda"
 """The robot where neither the request nor the scene template names one."""
 
 
-FIRM_N = 22.0
-"""Least force of each finger on what it holds for the hold to be firm."""
-
-
 class Gripper(Record):
     """A parallel gripper; its frame has z along the approach, y along the closing, the origin between the tips."""
 
@@ -45,17 +41,6 @@ class Gripper(Record):
     friction_patch: Finite = Field(default=0.1, ge=0, description="radius of the torsional friction patch, metres")
     empty_width: Finite = Field(default=0.0015, gt=0, description="fingers closer than this hold nothing, metres")
     approach: Finite = Field(default=0.09, gt=0, description="straight way of the hand before a grasp, metres")
-
-    def firm_on(self, width: float) -> bool:
-        """True if what is held far from its middle stays level, with contents too.
-
-        Fingers of 10,000 N/m press with 25 N on the rim of a bowl (5 mm) and hold it within 1° with an apple in it;
-        with 20 N (4 mm) a box with a can in it tips by 22°. With an arm's 1000 N/m a basket tips by 29°.
-
-        Args:
-            width: of the material between the fingers, metres.
-        """
-        return self.stiffness is not None and min(self.force, self.stiffness * width / 2) >= FIRM_N
 
 
 class Arm(Record):

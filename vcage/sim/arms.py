@@ -48,9 +48,20 @@ class WaitSettings:
 
 WAITS = WaitSettings()
 
-GRIP_ITERATIONS = 100
-"""Iterations of the contact solver for an arm whose fingers have a drive of their own: with SAPIEN's 10, the forces of
-two fingers of 10,000 N/m do not balance, and what they hold creeps sideways by a centimetre."""
+
+@dataclass(frozen=True)
+class FirmFingerSettings:
+    """Physics of an arm whose fingers have a drive of their own.
+
+    Args:
+        iterations: of the contact solver in a step. With SAPIEN's 10, the forces of two fingers of 10,000 N/m do not
+            balance, and what they hold creeps sideways by a centimetre.
+    """
+
+    iterations: int = 100
+
+
+FIRM_FINGERS = FirmFingerSettings()
 
 
 def build_arm(scene: sapien.Scene, arm: Arm, visual_faces: float | None) -> sapien.physx.PhysxArticulation:
@@ -67,7 +78,7 @@ def build_arm(scene: sapien.Scene, arm: Arm, visual_faces: float | None) -> sapi
     for link in articulation.links:
         link.disable_gravity = True
     if arm.gripper.stiffness is not None:
-        articulation.set_solver_position_iterations(GRIP_ITERATIONS)
+        articulation.set_solver_position_iterations(FIRM_FINGERS.iterations)
     return articulation
 
 

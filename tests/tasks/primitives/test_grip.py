@@ -1,4 +1,4 @@
-"""Carrying things with what lies in them."""
+"""Fingers hold things level or let them hang, with what lies in them."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def test_firm_fingers_hold_a_laden_basket_level_by_its_wall(hands: Robot):
 
 
 @pytest.mark.parametrize(("width", "tips"), [(0.004, True), (0.008, False)])
-def test_firm_fingers_do_not_hold_a_box_level_by_a_wall_too_thin_to_press_on(width: float, tips: bool):
+def test_a_box_counts_as_tipping_where_firm_fingers_press_too_little_on_its_thin_wall(width: float, tips: bool):
     box, gripper = thing("packaging_box", (-0.2, 0.0)), with_fingers(10_000.0).arms["left"].gripper
     walls = [c for c in box.asset.annotation.carrying_points if abs(box.asset.grasp_width(c) - width) < 1e-6]
     assert walls and all((sag(box, wall, gripper) > 0) is tips for wall in walls)
@@ -92,7 +92,7 @@ def test_the_support_of_a_flat_object_is_not_its_contents():
     assert cell.contents("plate") == frozenset()
 
 
-def test_two_firm_fingers_hold_a_thing_in_their_middle():
+def test_a_bar_stays_in_the_middle_between_the_fingers_of_aloha_agilex():
     bar = thing("chocolate_bar", (-0.2, -0.02), 0.3)
     world = world_of([bar], load_robot("aloha_agilex"))
     world.settle()
