@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.example_scenes import thing, workplace, world_of
+from tests.example_scenes import robot, thing, with_fingers, workplace, world_of
 from vcage.base.geometry import Pose
 from vcage.schema.goals import Goal
+from vcage.schema.robot import Robot
 from vcage.tasks.state import Watch
 from vcage.tasks.task import Task
 from vcage.tasks.templates import TEMPLATES
@@ -51,10 +52,11 @@ def test_a_block_out_of_reach_is_refused_with_a_reason_for_each_contact_point() 
     assert all("does not reach" in refusal.reason for refusal in refused)
 
 
-def test_the_robot_hits_a_block_and_puts_the_hammer_back() -> None:
+@pytest.mark.parametrize("hands", [robot(), with_fingers(10_000.0)], ids=["soft fingers", "firm fingers"])
+def test_the_robot_hits_a_block_and_puts_the_hammer_back(hands: Robot) -> None:
     subtask, _ = examined()
     objects = {o.id: o for o in (BLOCK, HAMMER)}
-    world = world_of([BLOCK, HAMMER])
+    world = world_of([BLOCK, HAMMER], hands)
     world.settle()
     task, watch = Task(world, objects, {}), Watch(world, objects, [GOAL])
     task.hit(HAMMER.id, BLOCK.id, grasps(subtask))
