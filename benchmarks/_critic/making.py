@@ -39,6 +39,7 @@ from vcage.tasks.stowing import ready_for
 from vcage.tasks.synthesis import load_script, write_script
 from vcage.tasks.templates import TEMPLATES
 from vcage.tasks.variation import shifted_poses
+from vcage.tasks.wiping import flat_top
 from vcage.tasks.workplace import Workplace
 
 logger = logging.getLogger(__name__)
@@ -109,6 +110,8 @@ def _asked(objects: Sequence[SceneObject], arms: Sequence[str], rng: np.random.G
     if any(o.asset.annotation.faces_of("head") for o in carried):
         hit = [o for o in others if not o.asset.annotation.faces_of("head")]
         found |= {Goal(subject=o.id, relation="hit") for o in hit[:ASKED]}
+    if any(o.asset.annotation.faces_of("pad") for o in carried):
+        found |= {Goal(subject=o.id, relation="wiped") for o in [o for o in others if flat_top(o) is not None][:ASKED]}
     fronted = [o for o in carried if o.asset.annotation.front]
     found |= {Goal(subject=o.id, relation=word) for o in fronted[:ASKED] for word in ("presented", "facing_robot")}
     return found
@@ -249,6 +252,8 @@ class _Maker:
         seen = {"before": take(shots.before, goals), "after": take(shots.after, goals)}
         if shots.moment is not None:
             seen["moment"] = take(shots.moment, goals, shots.arm)
+        if shots.later is not None:
+            seen["later"] = take(shots.later, goals, shots.arm)
         if any(goal.kind.shown.start for goal in goals):
             seen["start"] = take(shots.start, goals)
         return seen

@@ -28,9 +28,9 @@ README = """# Outcomes of manipulation sub-tasks, for critics
 `outcomes.json` lists what a critic is asked; `vcage.benchmarks.outcomes/2`. Of each outcome: `id`, a number that says
 nothing; `text`, what the robot was asked for; `goals`, the same as (subject, relation, reference, part); `part`,
 whether it may be looked at while a critic is tuned; `pictures`, by when they were taken (before, after, at the moment
-that tells most, at the start) and by which camera; `empty`, the table from above with nothing on it in the same
-light. `scene` is the file that names the objects, their words and looks, and the calibration of the camera above the
-table. Pictures are PNG, 8 bits, RGB.
+that tells most, at a later one, at the start) and by which camera; `empty`, the table from above with nothing on it in
+the same light. `scene` is the file that names the objects, their words and looks, and the calibration of the camera
+above the table. Pictures are PNG, 8 bits, RGB.
 
 A critic is shown text, goals, pictures and the scene's objects, and says yes or no.
 

@@ -35,6 +35,7 @@ class Shots:
     Args:
         before, after: the sub-task.
         moment: that tells most; None where there is none.
+        later: a second one, where a stroke of wiping ends; None where there is none.
         start: of the episode, where that is shown.
         arm: whose wrist looks on at the moment.
         truth: by the simulator's state.
@@ -48,6 +49,7 @@ class Shots:
     arm: str | None
     truth: Truth
     asked: Subtask | None = None
+    later: WorldState | None = None
 
 
 @dataclass(frozen=True)
@@ -85,7 +87,8 @@ class Case:
         except TaskFailed as error:
             gave_up, truth = True, Truth(success=False, reason=error.message)
         watch.stop()
-        shots = Shots(before, world.state(), task.moment, self.start or before, task.arm, truth)
+        start = self.start or before
+        shots = Shots(before, world.state(), task.moment, start, task.arm, truth, later=task.later)
         return Played(self, shots, gave_up, begun, world.snapshot())
 
 

@@ -27,6 +27,7 @@ from vcage.tasks.reading import reading_poses
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.setting import Seen
 from vcage.tasks.slots import nested_bottom
+from vcage.tasks.wiping import farthest, wiping_ways
 from vcage.vision.protocols import Reference, View
 
 TOP, CUSTOMER = "top", "customer"
@@ -154,10 +155,14 @@ def _question(context: StageContext, scene: Scene, asking: Asking) -> CriticQues
     def strikes(tool: str, at: Pose, thing: str, there: Pose) -> Iterator[Pose]:
         return hitting_poses(objects[tool].moved(at), objects[thing].moved(there), above_m=0.0)
 
+    def wipings(tool: str, at: Pose, thing: str, there: Pose) -> Iterator[tuple[Pose, Pose]]:
+        for way in wiping_ways(objects[tool].moved(at), objects[thing].moved(there), above_m=0.0):
+            yield way[0], way[farthest(way)]
+
     return CriticQuestion(
         text=asking.text,
         goals=list(goals),
-        **{when: _views(when, seen, taken_by) for when in ("before", "after", "moment", "start")},
+        **{when: _views(when, seen, taken_by) for when in ("before", "after", "moment", "later", "start")},
         uncalibrated={when: {k: p for k, p in by.items() if k not in taken_by} for when, by in seen.items()},
         references={o.id: context.look(o, opened.get(o.id, ())) for o in scene.objects},
         planned={o.id: o.pose.pose() for o in scene.objects},
@@ -170,6 +175,8 @@ def _question(context: StageContext, scene: Scene, asking: Asking) -> CriticQues
         readers=_with_face("reader", objects),
         strikes=strikes,
         hitters=_with_face("head", objects),
+        wipings=wipings,
+        wipers=_with_face("pad", objects),
         table_height=scene.table.height,
         tops=_tops(objects.values(), scene.table.height),
         towards_customer=tuple(TOWARDS_CUSTOMER.tolist()),

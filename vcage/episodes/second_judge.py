@@ -143,7 +143,7 @@ def judge_pair(run: RunFolder, context: StageContext, subtask_id: str, before: P
 # --- stored pictures --------------------------------------------------------------------------------------
 
 
-_NAMED = re.compile(r"-(before|after|moment|start)-(\w+)\.png$")
+_NAMED = re.compile(r"-(before|after|moment|later|start)-(\w+)\.png$")
 """Names of the pictures of a verdict: moment and camera."""
 
 

@@ -37,13 +37,14 @@ from vcage.goals.thresholds import Thresholds
 from vcage.goals.turned import TURNED
 from vcage.goals.turned_back import TURNED_BACK
 from vcage.goals.weighed import WEIGHED
+from vcage.goals.wiped import WIPED
 
 KINDS: dict[str, GoalKind] = {
     kind.word: kind
     for kind in (
         INSIDE, ON, *SIDES, ROW_LEFT_OF, IN_PLACE_OF, BESIDE, NEAR, CENTRED, OPEN, CLOSED, PRESSED, TURNED, TURNED_BACK,
         HELD_UP, HELD_BY_BOTH, SCANNED, WEIGHED, PRESENTED, BACK, MOVED_AWAY, FACING_ROBOT, HANDED, LIFTED, SHAKEN,
-        HIT,
+        HIT, WIPED,
     )
 }  # fmt: skip
 """By word, in the order in which prompts explain them."""

@@ -100,6 +100,9 @@ class State(Protocol):
     def stands(self, goal: Stated) -> bool:
         """True where the geometry of the goal's relation word holds between the boxes of its two objects."""
 
+    def wiping(self, name: str) -> tuple[Collection[int], int]:
+        """Numbers of the cells of an object's flat top that the pad of a tool in a hand wipes now; and of all cells."""
+
     def not_resting(self, goal: Stated) -> str | None:
         """Why the subject does not rest in or on the reference; None where it does."""
 
@@ -111,6 +114,7 @@ class Shown:
     Args:
         customer: from the customer's side too: fronts, bar codes and objects in the air are not seen from above.
         moment: those cameras also at the decisive moment.
+        later: those also at a second moment, after the first.
         start: also at the start of the episode.
         in_the_air: the camera on the customer's side looks higher.
         close_up: close pictures of bar code and window, at the moment.
@@ -118,6 +122,7 @@ class Shown:
 
     customer: bool = False
     moment: bool = False
+    later: bool = False
     start: bool = False
     in_the_air: bool = False
     close_up: bool = False
@@ -180,7 +185,7 @@ class GoalKind:
     arms: int = 1
     stays_m: float | None = None
     happens: Callable[[Stated, State, set[str]], bool] | None = None
-    tool: Literal["reads_codes", "weighs", "hits"] | None = None
+    tool: Literal["reads_codes", "weighs", "hits", "wipes"] | None = None
     shown: Shown = field(default_factory=Shown)
 
     @property

@@ -23,12 +23,17 @@ class Thresholds:
         disturbed_m, tipped_rad: an object that was moved farther, or turned over by more than this, was disturbed.
         opened_share: share of the range beyond which a joint counts as opened, pressed or turned.
         closed_share: share of the range below which it counts as closed.
-        weighed_s, scanned_s, handed_s, lifted_s, hit_s: how long an event must go on without a break.
+        weighed_s, scanned_s, handed_s, lifted_s, hit_s, wiped_s: how long an event must go on without a break.
         lifted_m: least height over the table of the bottom of what is in the air.
         shaken_rad, shaken_times: least lean to each side of what is shaken, and the number of leans.
         hit_off_m: the middle of a head is at most this far from the middle of what it hits, seen from above.
         hit_slant_rad: and it faces down to within this.
         hit_moved_m: what is hit stays within this of where it stood, from the touch on to the end of the sub-task.
+        wiped_share: share of a flat top that a pad must have passed over: more than half, and less than the 70 % that
+            are left between high rims, where the fingers beside the pad need room.
+        wiped_gap_m: what lies at most this far from the plane of a pad is under it.
+        wiped_m_per_s: and is wiped while the pad moves along it by this or faster: resting on a spot wipes nothing.
+        wiped_moved_m, wiped_turned_rad: what is wiped stays within this of where and how it stood.
         still_m_per_s: an object that moves more slowly lies still.
         code_away_m, code_aside_m: a scanner reads a code that is at most this far before its window, and this far
             beside the window's axis.
@@ -68,6 +73,12 @@ class Thresholds:
     hit_off_m: float = 0.02
     hit_slant_rad: float = math.radians(30)
     hit_moved_m: float = 0.02
+    wiped_s: float = 1.5
+    wiped_share: float = 0.6
+    wiped_gap_m: float = 0.005
+    wiped_m_per_s: float = 0.01
+    wiped_moved_m: float = 0.015
+    wiped_turned_rad: float = math.radians(10)
     still_m_per_s: float = 0.01
     code_away_m: float = 0.07
     code_aside_m: float = 0.03

@@ -51,6 +51,7 @@ VERBS: Mapping[str, Verb] = {
     "lifted": _verb("lift*|rais*"),
     "shaken": _verb("shak*|shook"),
     "hit": _verb("hit*|beat*|tap|taps|tapp*|strik*|struck"),
+    "wiped": _verb("wip*|clean*"),
     "presented": _verb("present*|show*|giv*|hand*|offer*"),
 }
 """The verbs by the word of the goal."""

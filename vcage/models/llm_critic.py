@@ -77,7 +77,7 @@ class LlmCritic:
 def _pictures(question: CriticQuestion) -> list[tuple[str, np.ndarray]]:
     """All pictures in the order of the prompt, and last the references of the goals' objects."""
     found: list[tuple[str, np.ndarray]] = []
-    for when in ("start", "before", "moment", "after"):
+    for when in ("start", "before", "moment", "later", "after"):
         calibrated = {name: view.picture for name, view in getattr(question, when).items()}
         for by_camera in (calibrated, question.uncalibrated.get(when, {})):
             found += [(f"{when}, camera {name}", by_camera[name]) for name in sorted(by_camera)]

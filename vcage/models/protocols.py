@@ -100,9 +100,13 @@ class CriticQuestion:
         strikes: poses of a tool at which its head is on an object: their ids, each with the pose that says how it
             stands.
         hitters: ids of the tools that have a head.
+        wipings: poses of a tool on an object, each where wiping begins and where a stroke ends farthest from there:
+            their ids, each with the pose that says how it stands.
+        wipers: ids of the tools that have a pad.
         grasped: id of the object to grasp, if it is not the object of the goals.
-        moment: view by camera name while a part was touched, a code was before a scanner, a tool was on what it hits,
-            two hands held a thing, or a thing came to lie on a scale.
+        moment: view by camera name while a part was touched, a code was before a scanner, a tool was on what it hits or
+            where it begins to wipe, two hands held a thing, or a thing came to lie on a scale.
+        later: view by camera name where a stroke of wiping ends, far from where it began.
         start: view by camera name at the start of the episode; only where something is put back.
         uncalibrated: pictures by camera name, by time, of moving cameras: of both hands before and after; of the acting
             hand at the moment, or at the release; and, at the moment of a scan, of bar code and window.
@@ -128,8 +132,11 @@ class CriticQuestion:
     readers: Sequence[str] = ()
     strikes: Callable[[str, Pose, str, Pose], Iterable[Pose]] | None = None
     hitters: Sequence[str] = ()
+    wipings: Callable[[str, Pose, str, Pose], Iterable[tuple[Pose, Pose]]] | None = None
+    wipers: Sequence[str] = ()
     grasped: str | None = None
     moment: dict[str, View] = field(default_factory=dict)
+    later: dict[str, View] = field(default_factory=dict)
     start: dict[str, View] = field(default_factory=dict)
     uncalibrated: dict[str, dict[str, np.ndarray]] = field(default_factory=dict)
     planned: Mapping[str, Pose] = field(default_factory=dict)

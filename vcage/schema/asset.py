@@ -85,10 +85,10 @@ class PointRoom(Record):
 
 
 class Face(Record):
-    """A marked spot of an object: a bar code, the window of the scanner that reads it, or the head of a tool to hit
-    with: the middle of its lower side, as the tool lies in a hand."""
+    """A marked spot of an object: a bar code, the window of the scanner that reads it, the head of a tool to hit with,
+    or the pad of one to wipe with: the middle of its lower side, as the tool lies in a hand."""
 
-    kind: Literal["code", "reader", "head"]
+    kind: Literal["code", "reader", "head", "pad"]
     position: Point3 = Field(description="its middle in the object frame, metres")
     axis: UnitVec3 = Field(description="out of the surface")
 
@@ -181,7 +181,7 @@ class Annotation(Document):
         return [point for point in self.contact_points if point.carries]
 
     def faces_of(self, kind: str) -> list[Face]:
-        """The bar codes (``code``), scanner windows (``reader``) or heads (``head``)."""
+        """The bar codes (``code``), scanner windows (``reader``), heads (``head``) or pads (``pad``)."""
         return [face for face in self.faces if face.kind == kind]
 
     def functional_point(self, point_id: int) -> FunctionalPoint:
@@ -228,13 +228,18 @@ class CatalogueEntry(Record):
         return any(face.kind == "head" for face in self.faces)
 
     @property
+    def wipes(self) -> bool:
+        """Check if it has a pad to wipe with."""
+        return any(face.kind == "pad" for face in self.faces)
+
+    @property
     def weighs(self) -> bool:
         """Check if its contents are weighed."""
         return any(point.weighs for point in self.functional_points)
 
     @property
     def tool_for(self) -> frozenset[str]:
-        """Goal words that need a thing of this kind: ``scanned``, ``weighed``, ``hit``."""
+        """Goal words that need a thing of this kind: ``scanned``, ``weighed``, ``hit``, ``wiped``."""
         return frozenset(kind.word for kind in KINDS.values() if kind.tool and getattr(self, kind.tool))
 
 

@@ -8,7 +8,7 @@ knows what went wrong, grasp and slot both change. What failed together is not d
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, TypeVar
 
@@ -21,7 +21,9 @@ from vcage.schema.episodes import AttemptStage, Failure
 from vcage.schema.plan import TABLE
 from vcage.sim.collision import Held
 from vcage.sim.motion import MotionPlanner
+from vcage.sim.paths import Load
 from vcage.sim.world import World
+from vcage.tasks.grasps import command_of
 from vcage.tasks.hitting import free_hitting_poses, hitting_poses
 from vcage.tasks.meeting import Hold
 from vcage.tasks.primitives.hand_over import HandOver
@@ -29,10 +31,12 @@ from vcage.tasks.primitives.operate import OperatePlan, Operation
 from vcage.tasks.primitives.pick import KnownPaths, LeadsOn, PickPlan, PickWay, plan_pick
 from vcage.tasks.primitives.place import Surroundings
 from vcage.tasks.primitives.push import PushPlan, plan_push
+from vcage.tasks.primitives.wipe import require_way
 from vcage.tasks.reading import SETTINGS as READING
 from vcage.tasks.reading import free_reading_poses, reading_poses
 from vcage.tasks.scene_objects import Obstacles, SceneObject
 from vcage.tasks.slots import Slot, other_slots
+from vcage.tasks.wiping import free_wiping_ways, lying_on, wiping_ways
 from vcage.tasks.workcell import TaskFailed, Workcell
 
 Choice = Literal["grasp", "arm", "slot"]
@@ -216,8 +220,47 @@ class Choices:
         plan, hover, groups = self._choose_using(tool, iter([poses]), grasps, f"over {thing_id}")
         return plan, hover, next(groups)
 
+    def _choose_wiping(
+        self, tool_id: str, thing_id: str, grasps: Sequence[tuple[int, str]], tight: bool
+    ) -> tuple[PickPlan, Surroundings, list[Pose]]:
+        """The first grasp that can draw a tool over an object, its surroundings, and its way over that.
+
+        Args:
+            tool_id, thing_id, grasps: see :meth:`vcage.tasks.task.Task.wipe`.
+            tight: as of :meth:`_choose_hitting`.
+
+        Raises:
+            TaskFailed: also where something lies on the object.
+        """
+        tool, cell = self._cell.object(tool_id), self._cell
+        thing, others = cell.object(thing_id), cell.objects_but(tool_id, thing_id, *cell.contents(tool_id))
+        if lying := lying_on(thing, [*others, tool]):
+            what = f"the {lying[0].record.phrase} lies on the {thing.record.phrase}"
+            raise TaskFailed("plan", f"{what}, which is wiped when it is empty", exhausted=True)
+        free, _ = free_wiping_ways(tool, thing, others)
+        ways = free or (list(wiping_ways(tool, thing)) if tight else [])
+        plan, hover, groups = self._choose_using(tool, iter(ways), grasps, f"over {thing_id}", self._strokes)
+        return plan, hover, next(groups)
+
+    def _strokes(self, target: SceneObject, hover: Surroundings, way: list[Pose]) -> LeadsOn:
+        """Return the check that a tool can be drawn along a way, and the hand touches nothing beside the tool."""
+        leads = self._leads_to(target, hover, *([pose] for pose in way), [target.pose])
+
+        def check(planner: MotionPlanner, pick: PickWay, lifted: np.ndarray, contact: ContactPoint) -> None:
+            leads(planner, pick, lifted, contact)
+            held = self._cell.held(target.id, pick.grasp)
+            load = Load(command_of(target.asset.grasp_width(contact), planner.kinematics.arm.gripper), held)
+            require_way(planner, lifted, load, way)
+
+        return check
+
     def _choose_using(
-        self, target: SceneObject, groups: Iterator[list[Pose]], grasps: Sequence[tuple[int, str]], where: str
+        self,
+        target: SceneObject,
+        groups: Iterator[list[Pose]],
+        grasps: Sequence[tuple[int, str]],
+        where: str,
+        leading: Callable[[SceneObject, Surroundings, list[Pose]], LeadsOn] | None = None,
     ) -> tuple[PickPlan, Surroundings, Iterator[list[Pose]]]:
         """The first grasp that brings an object to a pose in the air, and back; its surroundings there, and the groups
         of poses from the one on to which the grasp leads.
@@ -227,6 +270,7 @@ class Choices:
             groups: of poses in the air, in the order in which they are tried.
             grasps: see :meth:`vcage.tasks.task.Task.show`.
             where: the poses are, in words.
+            leading: returns the check of where a grasp must lead; to one pose of a group, and back, when not given.
         """
         # Where it came from the hand has room, and in the air it lets go of nothing: no obstacle raises it, and held
         # higher it would read or reach nothing.
@@ -236,7 +280,7 @@ class Choices:
         in_turn = [grasp for _, some in self._retry.choices(grasps, [None]) for grasp in some]
         failures, known = list[TaskFailed](), KnownPaths()
         for poses in filter(None, groups):
-            leads = self._leads_to(target, hover, poses, [target.pose])
+            leads = (leading or self._to_one)(target, hover, poses)
             try:
                 plan = plan_pick(self._cell, target, in_turn, leads, known)
             except TaskFailed as error:
@@ -245,6 +289,10 @@ class Choices:
                 self._say_grasp(plan, grasps)
                 return plan, hover, itertools.chain([poses], groups)
         raise failures[0] if failures else TaskFailed("plan", f"{target.id} cannot be held {where}", exhausted=True)
+
+    def _to_one(self, target: SceneObject, hover: Surroundings, poses: list[Pose]) -> LeadsOn:
+        """Return the check that an object can be brought to one of some poses, and back."""
+        return self._leads_to(target, hover, poses, [target.pose])
 
     def _choose_push(self, thing: SceneObject, arms: Sequence[str]) -> PushPlan:
         """The first way to push an object to its slot, or to another that is free."""

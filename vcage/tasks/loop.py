@@ -217,6 +217,8 @@ class _Step:
         seen = {"before": before, "after": photograph(world.state(), goals, None)}
         if task.moment is not None:
             seen["moment"] = photograph(task.moment, goals, task.arm)
+        if task.later is not None:
+            seen["later"] = photograph(task.later, goals, task.arm)
         if any(goal.kind.shown.start for goal in goals):
             seen["start"] = photograph(self.start, goals, None)
         return seen

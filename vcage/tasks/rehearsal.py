@@ -27,10 +27,12 @@ from vcage.tasks.choosing import as_chosen, preferred_first
 from vcage.tasks.feasibility import feasible, transfers
 from vcage.tasks.findings import best_first
 from vcage.tasks.grasps import command_of
-from vcage.tasks.primitives.hit import way_down
+from vcage.tasks.hitting import SETTINGS as HITTING
+from vcage.tasks.primitives.come_down import way_down
 from vcage.tasks.primitives.hold_with_both import plan_with_both
 from vcage.tasks.primitives.place import Surroundings
 from vcage.tasks.primitives.shake import plan_shake
+from vcage.tasks.primitives.wipe import rehearse_wipe
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import ENDS_IN_HAND, compose, find_subtasks, judging
 from vcage.tasks.slots import Slot, asks_for_heading
@@ -87,7 +89,12 @@ class Rehearsal(Task):
     def hit(self, tool_id: str, thing_id: str, grasps: Sequence[tuple[int, str]]) -> None:
         """Plan it, with the way down; the tool is put back."""
         self._picked, hover, poses = self._choose_hitting(tool_id, thing_id, grasps, tight=False)
-        self._carry(hover, [poses], partial(way_down, thing=self._cell.parts(thing_id)))
+        self._carry(hover, [poses], partial(way_down, thing=self._cell.parts(thing_id), above_m=HITTING.above_m))
+
+    def wipe(self, tool_id: str, thing_id: str, grasps: Sequence[tuple[int, str]]) -> None:
+        """Plan it, with the way down and the strokes; the tool is put back."""
+        self._picked, hover, way = self._choose_wiping(tool_id, thing_id, grasps, tight=False)
+        self._carry(hover, [way[:1]], partial(rehearse_wipe, thing=self._cell.parts(thing_id), way=way))
 
     def wait(self, seconds: float) -> None:
         """Nothing."""

@@ -98,12 +98,13 @@ _MISSING = {
     "reads_codes": "no scanner stands there",
     "weighs": "no scale stands there",
     "hits": "no tool with a head to hit with stands there",
+    "wipes": "no tool with a pad to wipe with stands there",
 }
 """Property of a tool → the reason where no object has it."""
 
 
 def _no_tool(goal: Goal, objects: Sequence[SceneObject]) -> list[str]:
-    """The reason why a thing cannot be scanned, weighed or hit: nothing stands there to do it with."""
+    """The reason why a thing cannot be scanned, weighed, hit or wiped: nothing stands there to do it with."""
     tool = goal.kind.tool
     if tool is None or any(getattr(o.kind(), tool) for o in objects if o.id != goal.subject):
         return []

@@ -20,6 +20,7 @@ from vcage.sim.world import PHYSICS_HZ, World
 from vcage.tasks.hitting import hits
 from vcage.tasks.reading import reads
 from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.wiping import cells_of, under_pad
 
 
 class StillState:
@@ -176,9 +177,24 @@ class Watch(StillState):
 
     def is_hit(self, name: str) -> bool:
         """True where the head of a tool in a hand presses on the middle of an object's top."""
+        return any(hits(self.thing(tool), self.thing(name)) for tool in self._tools_on(name))
+
+    def wiping(self, name: str) -> tuple[Collection[int], int]:
+        """Numbers of the cells of an object's flat top that the pad of a tool in a hand wipes now; and of all cells."""
+        thing = self.thing(name)
+        sliding = [self.thing(tool) for tool in self._tools_on(name) if self._slides(tool, name)]
+        return {cell for tool in sliding for cell in under_pad(tool, thing).tolist()}, len(cells_of(thing))
+
+    def _slides(self, tool: str, thing: str) -> bool:
+        """True where a tool moves along the top of an object since the last look."""
+        before = self._before[thing].inverse().apply(self._before[tool].p)
+        now = self.thing(thing).pose.inverse().apply(self.thing(tool).pose.p)
+        return float(np.linalg.norm((now - before)[:2])) >= THRESHOLDS.wiped_m_per_s * LOOK_EVERY_S
+
+    def _tools_on(self, name: str) -> list[str]:
+        """Ids of the objects between the fingers of an arm that press on an object."""
         touching = self.touching(name) & self.objects.keys()
-        tools = [tool for tool in touching if any(self.holds(arm, tool) for arm in self.arms)]
-        return any(hits(self.thing(tool), self.thing(name)) for tool in tools)
+        return [tool for tool in touching if any(self.holds(arm, tool) for arm in self.arms)]
 
     def holds(self, arm: str, name: str) -> bool:
         """True where all fingers of an arm press on an object."""

@@ -20,17 +20,20 @@ from vcage.sim.paths import JointPath
 from vcage.sim.state import WorldState
 from vcage.sim.world import PHYSICS_HZ, World
 from vcage.tasks.choices import Choices, Retry
+from vcage.tasks.hitting import SETTINGS as HITTING
 from vcage.tasks.holding import SETTINGS as HOLDING
+from vcage.tasks.primitives.come_down import carry_out_down, plan_down
 from vcage.tasks.primitives.grip import Grip, feel, hangs_below, minding
-from vcage.tasks.primitives.hit import carry_out_hit, plan_hit
 from vcage.tasks.primitives.hold_with_both import carry_out_with_both, plan_with_both
 from vcage.tasks.primitives.pick import carry_out_pick
 from vcage.tasks.primitives.place import SETTINGS, PlacePlan, Surroundings, carry_out_place, old_places, plan_place
 from vcage.tasks.primitives.push import carry_out_push
 from vcage.tasks.primitives.shake import carry_out_shake
+from vcage.tasks.primitives.wipe import carry_out_wipe
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import Slot
 from vcage.tasks.touching import Allowance
+from vcage.tasks.wiping import SETTINGS as WIPING
 from vcage.tasks.workcell import TaskFailed, failing_at
 
 SHOWN_FOR = 0.5
@@ -55,9 +58,10 @@ class Task(Choices):
         retry: what earlier attempts at the same sub-task failed for; the first attempt when not given.
 
     Attributes:
-        moment: state of the world at the end of a press, during a scan, with a tool on what it hits, with both hands on
-            a handed-over object, at the start of a wait, at the first lean of a shake, at a release, or while
-            something is held up.
+        moment: state of the world at the end of a press, during a scan, with a tool on what it hits or where it begins
+            to wipe, with both hands on a handed-over object, at the start of a wait, at the first lean of a shake, at a
+            release, or while something is held up.
+        later: state of the world where a stroke of wiping ends, far from where it began.
     """
 
     def __init__(
@@ -65,6 +69,7 @@ class Task(Choices):
     ):
         super().__init__(world, objects, slots, retry)
         self.moment: WorldState | None = None
+        self.later: WorldState | None = None
         self._grip: Grip | None = None
         self._keeping = world.keeping
 
@@ -143,7 +148,32 @@ class Task(Choices):
         over, _ = plan_place(cell, grip, hover, [(None, poses)])
         with minding(cell, grip):
             cell.carry_out(grip.arm, over.path)
-            self.moment = carry_out_hit(cell, grip, thing_id, plan_hit(cell, grip, thing_id))
+            down = plan_down(cell, grip, thing_id, HITTING.above_m)
+            self.moment = carry_out_down(cell, grip, thing_id, down, does="hits")
+        self._put_back(plan.target, hover, over, leaves=thing_id)
+
+    def wipe(self, tool_id: str, thing_id: str, grasps: Sequence[tuple[int, str]]) -> None:
+        """Take a tool, draw its pad to and fro over the flat top of an object, and put the tool back.
+
+        Args:
+            tool_id: the tool, which has a pad.
+            thing_id: what it wipes; nothing lies on it.
+            grasps: (contact point, arm) to try, in this order.
+
+        Raises:
+            TaskFailed: no way can be planned, the tool is lost, or its pad touches nothing or something else.
+            UnknownName: there is no such object, contact point or arm.
+        """
+        cell = self._cell
+        plan, hover, way = self._choose_wiping(tool_id, thing_id, grasps, tight=True)
+        grip = carry_out_pick(cell, plan)
+        self._lift(grip)
+        over, _ = plan_place(cell, grip, hover, [(None, way[:1])])
+        with minding(cell, grip):
+            cell.carry_out(grip.arm, over.path)
+            down = plan_down(cell, grip, thing_id, WIPING.above_m)
+            self.moment = carry_out_down(cell, grip, thing_id, down, does="wipes")
+            self.later = carry_out_wipe(cell, grip, thing_id, way)
         self._put_back(plan.target, hover, over, leaves=thing_id)
 
     def _put_back(self, stood: SceneObject, hover: Surroundings, shown: PlacePlan, leaves: str | None = None) -> None:
@@ -164,11 +194,17 @@ class Task(Choices):
         up = replace(grip.load, ignore=[*grip.load.ignore, *cell.parts(*left)])
         may = Allowance("load", frozenset(left), self.world.arms[grip.arm].tool_pose)
         with failing_at("place"):
-            rise = cell.planner(grip.arm).line(cell.begun(grip.arm).end, shown.way.above, up)
+            rise = cell.planner(grip.arm).follow(cell.begun(grip.arm).end, self._rising(grip.arm, shown.way.above), up)
         cell.put_off(grip.arm, rise, [may])
         back = [(None, [pose]) for pose in old_places(stood.pose)]
         put, _ = plan_place(cell, grip, replace(hover, raises=SETTINGS.raises_m, hovers=None), back)
         carry_out_place(cell, put)
+
+    def _rising(self, arm: str, above: Pose) -> list[Pose]:
+        """Poses of the hand on its way to one above: straight up first, where that is farther on."""
+        x, y, _ = self.world.arms[arm].tool_pose.p
+        up = Pose([x, y, above.p[2]], above.q)
+        return [above] if np.linalg.norm(up.p - above.p) < SETTINGS.beside_m else [up, above]
 
     def wait(self, seconds: float) -> None:
         """Let time pass; a picked object is lifted first, and held.

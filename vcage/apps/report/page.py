@@ -233,7 +233,7 @@ def _episode_card(run: RunFolder, episode: Episode, preview: Preview | None, ref
 
 
 def _verdict_card(run: RunFolder, verdict: Verdict, subtask: str) -> dict[str, Any]:
-    shown = [name for name in verdict.pictures if "-moment-" in name or name.endswith(_OVERVIEWS)]
+    shown = [name for name in verdict.pictures if "-moment-" in name or "-later-" in name or name.endswith(_OVERVIEWS)]
     urls = [_picture_url(run.file(picture, "episodes"), max_width=480) for picture in shown]
     return {"verdict": verdict, "subtask": subtask, "pictures": [url for url in urls if url]}
 

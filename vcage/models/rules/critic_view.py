@@ -45,13 +45,13 @@ class CriticView:
 
     Attributes:
         question: as given.
-        before, after, moment, start: views by camera, see :class:`vcage.models.protocols.CriticQuestion`.
+        before, after, moment, later, start: views by camera, see :class:`vcage.models.protocols.CriticQuestion`.
     """
 
     def __init__(self, question: CriticQuestion):
         self.question = question
         self.before, self.after = question.before, question.after
-        self.moment, self.start = question.moment, question.start
+        self.moment, self.later, self.start = question.moment, question.later, question.start
         if "top" not in self.before or "top" not in self.after:
             raise InputFileError("the critic needs a 'top' view before and after", hint="render the top camera")
         self._found: dict[Hashable, object] = {}

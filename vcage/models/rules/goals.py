@@ -12,7 +12,7 @@ from vcage.base.text import listed
 from vcage.models.rules.meanings import Meanings, Things
 from vcage.models.rules.nouns import Conflict, Doubt, Noun
 from vcage.models.rules.pronouns import resolved
-from vcage.models.rules.sentence import ONE_ARM, OTHER_ARM, Command, not_read, parse
+from vcage.models.rules.sentence import ONE_ARM, OTHER_ARM, USING, Command, not_read, parse
 from vcage.objects.names import names_of
 from vcage.plans.actions import HOLDING
 from vcage.plans.consistency import inconsistencies, unordered_contradictions
@@ -24,7 +24,7 @@ ACTS = {"open": "open", "close": "open", "turn": "turn", "turn_off": "turn", "pr
 _DONE = {"open": "open", "close": "closed", "turn": "turned", "turn_off": "turned_back", "press": "pressed"}
 _EVENTS = {
     "scan": "scanned", "weigh": "weighed", "show": "presented", "lift": "lifted", "shake": "shaken", "hold": "held_up",
-    "hit": "hit",
+    "hit": "hit", "wipe": "wiped",
     "in_hands": "held_up", "hold_with_both": "held_by_both", "away": "moved_away", "face": "facing_robot",
 }  # fmt: skip
 _OTHER = {"left": "right", "right": "left", ONE_ARM: "right"}
@@ -37,8 +37,14 @@ TOOLS: dict[str, Callable[[CatalogueEntry], bool]] = {
     "scan": lambda e: e.reads_codes,
     "weigh": lambda e: e.weighs,
     "hit": lambda e: e.hits,
+    "wipe": lambda e: e.wipes,
 }
 """Commands → the test of a tool for them."""
+_DONE_WITH = {
+    "hit": ("hit", "hit", "hammer", "has no head to hit with"),
+    "wipe": ("wiped", "wipe", "sponge", "is nothing to wipe with"),
+}
+"""Commands → what is done to a thing with a tool, in words; and to use one, an example of one, and why it is none."""
 
 
 def read_goals(instruction: str, things: Things, lying: Mapping[str, str] | None = None) -> Reading:
@@ -102,7 +108,7 @@ class Goals:
     _picked: dict[str, Command] = field(default_factory=dict)
     _arms: dict[str, str] = field(default_factory=dict)
     _moved: set[str] = field(default_factory=set)
-    _hit_with: set[str] = field(default_factory=set)
+    _used: set[str] = field(default_factory=set)
     _held: set[str] = field(default_factory=set)
 
     def read(self) -> Reading:
@@ -142,7 +148,7 @@ class Goals:
         if complaints:
             raise Conflict("", "; ".join(complaints))
         ordered = any(_needs(before, after) for before, after in itertools.combinations(added, 2))
-        ordered |= not self._hit_with.isdisjoint(asked.goal.subject for asked in goals)
+        ordered |= not self._used.isdisjoint(asked.goal.subject for asked in goals)
         steps = enumerate(filter(None, added))
         return [a.model_copy(update={"step": first + number * ordered}) for number, several in steps for a in several]
 
@@ -195,10 +201,10 @@ class Goals:
         self._held |= {asked.goal.subject for asked in self._added}
 
     def _is_brought_later(self, command: Command) -> bool:
-        """True where a later command brings a thing of this one somewhere, or hits with it."""
+        """True where a later command brings a thing of this one somewhere, or uses it as a tool."""
         later = self.commands[self.commands.index(command) + 1 :]
         nouns = [noun for c in later if c.verb in _BRINGING for noun in c.things]
-        nouns += [c.place for c in later if c.verb == "hit" and c.place is not None]
+        nouns += [c.place for c in later if c.verb in USING and c.place is not None]
         brought = {(noun.name, noun.colour) for noun in nouns}
         return bool(brought & {(noun.name, noun.colour) for noun in command.things})
 
@@ -265,36 +271,43 @@ class Goals:
             self._add(command, name, "handed", command.how, arm=giver)
             self._arms[name] = command.how
 
-    def _hit(self, command: Command) -> None:
-        """Hitting takes a tool with a head, which keeps the arm that took it."""
+    def _use(self, command: Command) -> None:
+        """Hitting takes a tool with a head, and wiping one with a pad, which keeps the arm that took it."""
+        done = _DONE_WITH[command.verb][0]
         if part := next((noun for noun in command.things if noun.of_part(self.things.values())), None):
-            raise Doubt(part.text, "no goal says that a part of a thing is hit; name the thing")
-        tool = self._hitter(command)
+            raise Doubt(part.text, f"no goal says that a part of a thing is {done}; name the thing")
+        if table := next((noun for noun in command.things if noun.of_table and command.verb == "wipe"), None):
+            raise Doubt(table.text, "the bare table is not wiped; name a thing with a flat top, such as a tray")
+        tool = self._tool(command)
         if tool not in self._moved:
             self._require_holder(command, tool)
         arm, taken = self._arms.get(tool), self._picked.pop(tool, command)
         named = command.place or taken.things[0]
-        self._hit_with.add(tool)
+        self._used.add(tool)
         self._event(replace(command, arm=command.arm or arm, words=_joined(taken, command)))
-        hit = [asked.goal.subject for asked in self._added]
-        if held := next((name for name in hit if name in self._held), None):
-            raise Doubt(command.words, f"{held} is held up, and only what stands there is hit")
-        self._require_one_hitter(named, hit)
+        subjects = [asked.goal.subject for asked in self._added]
+        if held := next((name for name in subjects if name in self._held), None):
+            raise Doubt(command.words, f"{held} is held up, and only what stands there is {done}")
+        self._require_one_tool(command, named, subjects)
 
-    def _require_one_hitter(self, named: Noun, hit: Collection[str]) -> None:
-        """Refuse a tool that is one of several, none of which is hit, unless any of these may be taken."""
-        hitters = {name: entry for name, entry in self.things.items() if entry.hits and name not in hit}
-        if len(hitters) > 1 and (named.definite or hitters.keys() != named.named(hitters, short=True).keys()):
-            raise Doubt(named.text, f"no goal says which of {listed(hitters)} it is hit with")
+    _hit = _wipe = _use
 
-    def _hitter(self, command: Command) -> str:
-        """The tool with which a command hits: the one that it names, or that was picked up for it."""
+    def _require_one_tool(self, command: Command, named: Noun, subjects: Collection[str]) -> None:
+        """Refuse a tool that is one of several, which are no subjects, unless any of these may be taken."""
+        able, done = TOOLS[command.verb], _DONE_WITH[command.verb][0]
+        tools = {name: entry for name, entry in self.things.items() if able(entry) and name not in subjects}
+        if len(tools) > 1 and (named.definite or tools.keys() != named.named(tools, short=True).keys()):
+            raise Doubt(named.text, f"no goal says which of {listed(tools)} it is {done} with")
+
+    def _tool(self, command: Command) -> str:
+        """The tool that a command uses: the one that it names, or that was picked up for it."""
+        _, use, example, unable = _DONE_WITH[command.verb]
         held = [name for name in self._picked if name not in self._moved]
         tools = held if command.place is None else self._meanings.objects(command.place)
         if len(tools) != 1:
-            raise Doubt(command.words, "say what to hit it with, one tool such as the hammer")
-        if not self.things[tools[0]].hits:
-            raise Doubt(command.words, f"{tools[0]} has no head to hit with")
+            raise Doubt(command.words, f"say what to {use} it with, one tool such as the {example}")
+        if not TOOLS[command.verb](self.things[tools[0]]):
+            raise Doubt(command.words, f"{tools[0]} {unable}")
         return tools[0]
 
     def _event(self, command: Command) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from vcage.models.rules.nouns import Noun
-from vcage.models.rules.sentence import Command
+from vcage.models.rules.sentence import USING, Command
 
 
 def resolved(commands: tuple[Command, ...], done: tuple[Command, ...] = ()) -> Iterator[tuple[Command, ...]]:
@@ -98,7 +98,7 @@ def _referents(pronoun: Noun, done: tuple[Command, ...], verb: str) -> list[tupl
     if pronoun.pronoun == "them":
         return _several(things, done)
     nouns = [*things, *_places(*done[-1:])] if len(things) == 1 else []
-    if nouns and done[-1].verb == "hit":  # the tool that was picked up for it is still in the hand
+    if nouns and done[-1].verb in USING:  # the tool that was picked up for it is still in the hand
         nouns += _things_of(done, "pick", "lift")
     if verb == "close":
         closed = _things_of(done, "close")

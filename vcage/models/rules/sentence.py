@@ -19,8 +19,8 @@ from vcage.base.words import COLOURS, FUNCTION_WORDS, NUMBERS, is_plural, lemma,
 from vcage.models.rules.nouns import Noun, noun_of
 
 REFUSED = {
-    r"pour|wipe|hang|(stand |set |turn )?(it |them )?upright|head-up|horizontally":
-        "no goal says that a thing is poured, wiped or hung up, or which way up it is",
+    r"pour|hang|(stand |set |turn )?(it |them )?upright|head-up|horizontally":
+        "no goal says that a thing is poured or hung up, or which way up it is",
     r"sorry|i mean|or rather|no wait": "a correction is not read; say only what is meant",
     r"[4-9]\d|\d{3,}": "no table holds so many; ask for 1 to 39",
     r"(corner|edge) of the (table|desk)": "this place of the table is none that a goal can name",
@@ -75,13 +75,17 @@ ONE_ARM, OTHER_ARM = "one", "other"
 """Stand for an arm that is left open, and for the one that was not named before."""
 
 
+USING = ("hit", "wipe")
+"""Verbs of what is done to a thing with a tool in a hand."""
+
+
 @dataclass(frozen=True)
 class Command:
     """One thing that a sentence asks for.
 
     Args:
         verb: a rule of the grammar: put, pick, open, close, turn, turn_off, press, weigh, scan, show, hand, lift,
-            shake, hit, hold, in_hands, hold_with_both, away, face, stack, tower, stamp, row, swap.
+            shake, hit, wipe, hold, in_hands, hold_with_both, away, face, stack, tower, stamp, row, swap.
         things: its objects; none where a row or a tower is of other things than those that are named.
         how: in, on, left_of, right_of, in_front_of, behind, beside, near, centred or to; for ``hand`` who gets it.
         place: where things go, or the tool.

@@ -31,11 +31,13 @@ class PlaceSettings:
         slack_m: the held object may shift between the fingers by up to this: a place must not be
             at the very end of an arm's reach.
         raises_m: how much higher an object is let go where the hand meets something at the lowest height.
+        beside_m: a hand this near below where it came from goes straight back there.
         back_turns_rad: turns from its old heading at which an object may be put back, in this order.
     """
 
     slack_m: float = 0.006
     raises_m: tuple[float, ...] = (0.01, 0.02, 0.035)
+    beside_m: float = 0.01
     back_turns_rad: tuple[float, ...] = tuple(float(np.radians(turn)) for turn in (2, -2, 5, -5))
 
 

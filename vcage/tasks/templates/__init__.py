@@ -32,6 +32,7 @@ from vcage.tasks.templates.stack import STACK
 from vcage.tasks.templates.turn import TURN
 from vcage.tasks.templates.turn_off import TURN_OFF
 from vcage.tasks.templates.weigh import WEIGH
+from vcage.tasks.templates.wipe import Wipe
 
 
 class SubtaskTemplate(Protocol):
@@ -62,7 +63,7 @@ TEMPLATES: dict[TemplateName, SubtaskTemplate] = {
     template.name: template
     for template in (
         PLACE, STACK, WEIGH, SET_DOWN, PUSH, PRESENT, Scan(), OPEN, CLOSE, PRESS, TURN, TURN_OFF, HandOver(), LIFT,
-        SHAKE, HoldUp(), HoldWithBoth(), Hit(),
+        SHAKE, HoldUp(), HoldWithBoth(), Hit(), Wipe(),
     )
 }  # fmt: skip
 """By name, in the order in which the search goes through them."""

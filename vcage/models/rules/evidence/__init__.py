@@ -21,6 +21,7 @@ from vcage.models.rules.evidence.parts import judge_part, judge_pressed
 from vcage.models.rules.evidence.placed import judge_placed, judge_weighed
 from vcage.models.rules.evidence.raised import in_the_air, judge_held_by_both, judge_held_up
 from vcage.models.rules.evidence.scanned import judge_scanned
+from vcage.models.rules.evidence.wiped import judge_wiped
 
 EVIDENCE: dict[str, Judgement] = {
     "part": judge_part,
@@ -42,5 +43,6 @@ EVIDENCE: dict[str, Judgement] = {
     "shaken": in_the_air(leans=True),
     "handed": judge_handed,
     "hit": judge_hit,
+    "wiped": judge_wiped,
 }
 """By the name of the evidence."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -11,13 +10,11 @@ import numpy as np
 from vcage.base.geometry import Pose
 from vcage.goals.thresholds import THRESHOLDS
 from vcage.models.rules.critic_view import CriticView
-from vcage.models.rules.drawings import refined
 from vcage.models.rules.evidence.in_use import SETTINGS as IN_USE
-from vcage.models.rules.evidence.in_use import Found, InUse, shifted
+from vcage.models.rules.evidence.in_use import Found, InUse, least_unseen, seen_away, shifted
 from vcage.models.rules.evidence.judgement import LEFT_SHARE, Judged, decided, refused, unseen
-from vcage.models.rules.pixels import grown, share_of
-from vcage.models.rules.standing import SETTINGS as STANDING
-from vcage.models.rules.standing import Sought, Standing
+from vcage.models.rules.pixels import grown
+from vcage.models.rules.standing import Standing
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal
 
@@ -31,16 +28,12 @@ class HitSettings:
         over_m: heights of the head over the object.
         held_share: share of its drawing that must be found at the moment: hand and arm hide more of a tool that is held
             at its middle than of a scanner, up to 57 % of a hammer.
-        seen_m: a place is seen with this error.
-        changed_share: share of the outline of an object that changes where that is moved.
     """
 
     beside_m: tuple[float, ...] = (0.055, 0.09)
     directions: int = 6
     over_m: tuple[float, ...] = (0.05, 0.09)
     held_share: float = 0.4
-    seen_m: float = 0.01
-    changed_share: float = 0.15
 
 
 SETTINGS = HitSettings()
@@ -80,8 +73,8 @@ class Struck:
             shifted(pose, [far * np.cos(way), far * np.sin(way), 0.0])
             for pose, far, way in product(on, SETTINGS.beside_m, directions)
         ]
-        (hits, likeliest), (misses, _) = _least(use, on), _least(use, beside)
-        over, _ = _least(use, [Pose(likeliest.p + [0.0, 0.0, up], likeliest.q) for up in SETTINGS.over_m])
+        (hits, likeliest), (misses, _) = least_unseen(use, on), least_unseen(use, beside)
+        over, _ = least_unseen(use, [Pose(likeliest.p + [0.0, 0.0, up], likeliest.q) for up in SETTINGS.over_m])
         return cls(use.left, 1 - hits, 1 - misses, 1 - over)
 
     def verdict(self, tool: str, thing: str) -> Verdict:
@@ -92,23 +85,6 @@ class Struck:
         seen = f"{100 * self.seen:.0f} % of the {tool} is seen with its head on the {thing}"
         others = f"{100 * self.beside:.0f} % beside it and {100 * self.over:.0f} % over it"
         return decided(accepted, f"{seen}, {others}", 0.5 + abs(self.seen - SETTINGS.held_share), "astray")
-
-
-def _moved(view: CriticView, thing: Sought, stands: Standing) -> str | None:
-    """How an object is seen not to stand where it stood; None where nothing changed there, or it is found there."""
-    if share_of(view.change.all, stands.covered) < SETTINGS.changed_share:
-        return None
-    now = thing.found(view.after)
-    if now is None or now.unlike > STANDING.unlike_lab:
-        return "not found"
-    moved = float(np.linalg.norm(now.pose.p - stands.pose.p))
-    return f"seen {100 * moved:.0f} cm from" if moved > THRESHOLDS.hit_moved_m + SETTINGS.seen_m else None
-
-
-def _least(use: InUse, poses: Sequence[Pose]) -> tuple[float, Pose]:
-    """The least evidence against a tool near the likeliest of some poses, and that pose."""
-    least, pose = min(((use.unseen(pose), pose) for pose in poses), key=lambda one: one[0])
-    return refined(np.zeros(3), least, lambda shift: use.unseen(shifted(pose, shift)))[0], pose
 
 
 def judge_hit(view: CriticView, goal: Goal) -> Judged:
@@ -127,7 +103,7 @@ def _judged(view: CriticView, tool: str, thing: str) -> Judged:
     if isinstance(found, Judged):
         return found
     explained, called = grown(found.held.covered, IN_USE.put_back_px), found.still.look.phrase
-    if away := _moved(view, found.still, found.stands):
+    if away := seen_away(view, found.still, found.stands, THRESHOLDS.hit_moved_m):
         why = f"the {called} is {away} where it stood before the hit"
         return Judged(refused(why, 0.8, "disturbed"), explained)
     struck = Struck.gather(view, tool, thing, found.held, found.stands)

@@ -9,9 +9,10 @@ import numpy as np
 
 from vcage.base.geometry import Camera, Pose
 from vcage.models.rules.critic_view import CriticView
-from vcage.models.rules.drawings import Draw, as_bright, cut, drawn_whole, inside, window_around
+from vcage.models.rules.drawings import Draw, as_bright, cut, drawn_whole, inside, refined, window_around
 from vcage.models.rules.evidence.judgement import Judged, refused
 from vcage.models.rules.pixels import changed_between, share_of
+from vcage.models.rules.standing import SETTINGS as STANDING
 from vcage.models.rules.standing import Sought, Standing
 from vcage.vision.colour import distance, smoothed, to_lab
 from vcage.vision.protocols import View
@@ -26,12 +27,16 @@ class InUseSettings:
         hidden_weight: weight against a drawing of a pixel that shows something else, such as the hand.
         in_front_m: an object nearer to the camera by less than this hides nothing.
         put_back_px: a held object this near to its old place was put back.
+        seen_m: a place is seen with this error.
+        changed_share: share of the outline of an object that changes where that is moved.
     """
 
     alike_lab: float = 14.0
     hidden_weight: float = 0.4
     in_front_m: float = 0.005
     put_back_px: float = 12.0
+    seen_m: float = 0.01
+    changed_share: float = 0.15
 
 
 SETTINGS = InUseSettings()
@@ -69,10 +74,11 @@ class InUse:
         view: of the question.
         moved, still: ids of the object in a hand, and of the one that stays.
         held, stands: where they stood before.
+        later: True for the second moment.
     """
 
-    def __init__(self, view: CriticView, moved: str, still: str, held: Standing, stands: Standing):
-        before, moment = view.before, view.moment
+    def __init__(self, view: CriticView, moved: str, still: str, held: Standing, stands: Standing, later: bool = False):
+        before, moment = view.before, view.later if later else view.moment
         self._held, self._draw = held, view.sought(moved, upon=True).draw
         draw_still = view.sought(still, upon=True).draw
         cameras = sorted(before.keys() & moment.keys())
@@ -134,6 +140,24 @@ class _Sight:
         return cls(
             moment.camera, moment.picture, lab, changed_between(before, moment), _depth(draw, still.pose, moment.camera)
         )
+
+
+def least_unseen(use: InUse, poses: Sequence[Pose]) -> tuple[float, Pose]:
+    """The least evidence against an object near the likeliest of some poses, and that pose."""
+    least, pose = min(((use.unseen(pose), pose) for pose in poses), key=lambda one: one[0])
+    return refined(np.zeros(3), least, lambda shift: use.unseen(shifted(pose, shift)))[0], pose
+
+
+def seen_away(view: CriticView, thing: Sought, stands: Standing, most_m: float) -> str | None:
+    """How an object is seen not to stand where it stood, to within some metres; None where nothing changed there, or it
+    is found there."""
+    if share_of(view.change.all, stands.covered) < SETTINGS.changed_share:
+        return None
+    now = thing.found(view.after)
+    if now is None or now.unlike > STANDING.unlike_lab:
+        return "not found"
+    moved = float(np.linalg.norm(now.pose.p - stands.pose.p))
+    return f"seen {100 * moved:.0f} cm from" if moved > most_m + SETTINGS.seen_m else None
 
 
 def _depth(draw: Draw, pose: Pose, camera: Camera) -> np.ndarray:
