@@ -10,6 +10,14 @@ import numpy as np
 from benchmarks._critic.hits import dropped_tool, hit_another, hit_beside, not_down, swept
 from benchmarks._critic.played import DROP, Kind, Played, Shots
 from benchmarks._critic.supports import beside, knocked_over, on_the_rim, pushed_away, slid_off
+from benchmarks._critic.wipes import (
+    dropped_wiper,
+    pushed_along,
+    wiped_above,
+    wiped_another,
+    wiped_beside,
+    wiped_spot,
+)
 from vcage.base.geometry import Pose
 from vcage.plans.actions import HOLDING
 from vcage.schema.episodes import Truth
@@ -37,10 +45,11 @@ DISTURBED = (0.08, 0.16)
 def nothing(played: Played) -> Shots:
     """Nothing happened: the robot moved and touched nothing."""
     was = played.shots.before
-    moment = played.shots.moment
+    moment, later = played.shots.moment, played.shots.later
     if moment is not None and played.goal.relation != "pressed":  # whose hand would hit an object outside the press
         was_there = replace(moment, objects=was.objects, object_joints=was.object_joints)
-        return played.untrue("nothing was moved", after=was, moment=was_there)
+        later_there = None if later is None else replace(later, objects=was.objects, object_joints=was.object_joints)
+        return played.untrue("nothing was moved", after=was, moment=was_there, later=later_there)
     return played.untrue("nothing was moved", after=was, moment=None if moment is None else was)
 
 
@@ -167,7 +176,18 @@ def wrong_words(played: Played) -> Shots | None:
 def reversed_order(played: Played) -> Shots | None:
     """The end came first: what should have been brought was taken away."""
     shots = played.shots
-    if played.goal.relation in ("scanned", "pressed", "weighed", "handed", "back", "lifted", "shaken", "hit", *HELD):
+    if played.goal.relation in (
+        "scanned",
+        "pressed",
+        "weighed",
+        "handed",
+        "back",
+        "lifted",
+        "shaken",
+        "hit",
+        "wiped",
+        *HELD,
+    ):
         return None
     if played.instead(ended=False).truth.success:
         return None  # it was true before too
@@ -314,6 +334,12 @@ FAILURES: Mapping[str, Kind] = {
     "another hit": hit_another,
     "tool dropped": dropped_tool,
     "swept away": swept,
+    "wiped above": wiped_above,
+    "wiped at one spot": wiped_spot,
+    "wiped beside": wiped_beside,
+    "another wiped": wiped_another,
+    "wiper dropped": dropped_wiper,
+    "pushed along": pushed_along,
 }
 """By name."""
 

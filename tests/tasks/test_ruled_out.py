@@ -32,11 +32,23 @@ def test_an_object_no_arm_reaches_here_may_be_reached_elsewhere():
 
 
 @pytest.mark.parametrize(
-    ("event", "tool"), [("scanned", "scanner"), ("weighed", "scale"), ("hit", "tool with a head to hit with")]
+    ("event", "tool"),
+    [
+        ("scanned", "scanner"),
+        ("weighed", "scale"),
+        ("hit", "tool with a head to hit with"),
+        ("wiped", "tool with a pad to wipe with"),
+    ],
 )
 def test_without_its_tool_an_event_is_ruled_out(event: str, tool: str):
     with pytest.raises(NoFeasibleTask, match=f"no {tool} stands there"):
         wanting(goal_of(["chocolate_bar", event]), [thing("chocolate_bar")])
+
+
+@pytest.mark.parametrize(("kind", "why"), [("mug", "no flat top to wipe"), ("block", "cannot be drawn to and fro")])
+def test_what_has_no_flat_top_for_a_sponge_is_not_wiped(kind: str, why: str):
+    with pytest.raises(NoFeasibleTask, match=why):
+        wanting(goal_of([kind, "wiped"]), [thing(kind), thing("sponge", (0.3, 0.0))])
 
 
 @pytest.mark.parametrize("kind", ["bowl", "block"])

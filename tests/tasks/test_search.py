@@ -68,11 +68,12 @@ def test_candidates_are_contact_points_times_functional_points():
 
 def test_every_template_keeps_its_reasons():
     out_of_reach = ["block", "electronic_scale", "price_sign", "cereal_box", "barcode_scanner", "cabinet_one_drawer",
-                    "service_bell", "kitchen_timer", "hammer"]  # fmt: skip
+                    "service_bell", "kitchen_timer", "hammer", "sponge"]  # fmt: skip
     objects = [thing(name, (0.4 * k, 3.0)) for k, name in enumerate(out_of_reach)]
     objects.append(thing("block", (4.0, 3.0), id="other_block"))
     asked = [
         Goal(subject="block", relation="hit"),
+        Goal(subject="electronic_scale", relation="wiped"),
         Goal(subject="block", relation="beside", reference="electronic_scale"),
         Goal(subject="cabinet_one_drawer", relation="beside", reference="block"),
         Goal(subject="block", relation="handed", reference="right"),

@@ -9,7 +9,7 @@ import numpy as np
 
 from vcage.base.geometry import Camera, Pose
 from vcage.models.rules.critic_view import CriticView
-from vcage.models.rules.drawings import Draw, as_bright, cut, drawn_whole, inside, refined, window_around
+from vcage.models.rules.drawings import Draw, as_bright, brightness, cut, drawn_whole, inside, refined, window_around
 from vcage.models.rules.evidence.judgement import Judged, refused
 from vcage.models.rules.pixels import changed_between, share_of
 from vcage.models.rules.standing import SETTINGS as STANDING
@@ -75,14 +75,26 @@ class InUse:
         moved, still: ids of the object in a hand, and of the one that stays.
         held, stands: where they stood before.
         later: True for the second moment.
+        as_before: True for a held object as bright as it was where it stood. A small one, drawn where the hand hides
+            it, would else be taken to be as bright as the hand.
     """
 
-    def __init__(self, view: CriticView, moved: str, still: str, held: Standing, stands: Standing, later: bool = False):
+    def __init__(
+        self,
+        view: CriticView,
+        moved: str,
+        still: str,
+        held: Standing,
+        stands: Standing,
+        later: bool = False,
+        as_before: bool = False,
+    ):
         before, moment = view.before, view.later if later else view.moment
         self._held, self._draw = held, view.sought(moved, upon=True).draw
         draw_still = view.sought(still, upon=True).draw
         cameras = sorted(before.keys() & moment.keys())
         self._sights = [_Sight.of(before[name], moment[name], stands, draw_still) for name in cameras]
+        self._bright = [self._brightness(before[name]) for name in cameras] if as_before else None
 
     @property
     def left(self) -> float:
@@ -91,11 +103,17 @@ class InUse:
         outlines = (drawn_whole(self._draw, self._held.pose, sight.camera).covered for sight in self._sights)
         return min(share_of(sight.change, outline) for sight, outline in zip(self._sights, outlines, strict=True))
 
+    def _brightness(self, before: View) -> np.ndarray:
+        """(3,) of the object where it stood, as a share of that of its drawing."""
+        window = window_around(self._held.pose.p, self._held.size, before.camera)
+        return brightness(self._draw(self._held.pose, before.camera, window), cut(before.picture, window))
+
     def unseen(self, pose: Pose) -> float:
         """Share of the evidence that is against the object at a pose: pixels still as before, beside those that have
         come to look like it; hidden pixels tell little."""
+
         found, against, drawn = 0, 0, 0
-        for sight in self._sights:
+        for number, sight in enumerate(self._sights):
             middle = pose.p + np.array([0.0, 0.0, self._held.size[2] / 2])
             window = window_around(middle, self._held.size, sight.camera)
             drawing = self._draw(pose, sight.camera, window)
@@ -106,7 +124,11 @@ class InUse:
             )
             if not shown.any():
                 continue
-            like = to_lab(as_bright(drawing, cut(sight.picture, window)).astype(np.uint8))
+            if self._bright is None:
+                lit = as_bright(drawing, cut(sight.picture, window))
+            else:
+                lit = np.clip(drawing.picture * self._bright[number], 0, 255)
+            like = to_lab(lit.astype(np.uint8))
             alike = distance(cut(sight.lab, window), like) < SETTINGS.alike_lab
             change = cut(sight.change, window)
             found += int((shown & alike & change).sum())
