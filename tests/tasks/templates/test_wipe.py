@@ -83,7 +83,7 @@ def test_a_board_on_which_something_lies_is_not_wiped() -> None:
     subtask, _ = examined(BOARD, SPONGE)
     objects = {o.id: o for o in (BOARD, SPONGE, ON_BOARD)}
     world = world_of([BOARD, SPONGE, ON_BOARD])
-    with pytest.raises(TaskFailed, match="red apple lies on the .* cutting board, which is wiped when it is empty"):
+    with pytest.raises(TaskFailed, match=r"red apple lies on the .* cutting board, which is wiped when it is empty"):
         Task(world, objects, {}).wipe(SPONGE.id, BOARD.id, grasps(subtask))
 
 
