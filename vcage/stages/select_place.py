@@ -67,7 +67,7 @@ class Options(ModelOptions):
     """
     objects: Annotated[str | None, arg(metavar="OBJECTS"), UNSAID] = None
     """what stands there, as in "marker/red, packaging_box, 2 apple" (default: what the goals name, one of each, and the
-    scanner, scale or hammer that they need)"""
+    scanner, scale, hammer or sponge that they need)"""
     robot: Annotated[str | None, arg(metavar="ROBOT"), UNSAID] = None
     """the robot (default: that of the scene template, or dual_panda); ``vcage robots list`` lists them"""
 
