@@ -172,6 +172,18 @@ def test_a_hit_among_what_is_in_the_way_is_not_planned():
         rehearsal_of(HIT_BLOCK, HAMMER, *ring).hit(HAMMER.id, HIT_BLOCK.id, HELD_AT)
 
 
+def test_wiping_is_planned_with_the_way_down_and_the_strokes(monkeypatch):
+    board, sponge = thing("cutting_board", (0.05, 0.05), 0.3), thing("sponge", (-0.25, -0.02), 0.6)
+    rehearsal_of(board, sponge).wipe(sponge.id, board.id, HELD_AT)
+
+    def none(*_, **__):
+        raise MotionFailed("there is no stroke")
+
+    monkeypatch.setattr(rehearsal, "rehearse_wipe", none)
+    with pytest.raises(TaskFailed, match="sponge cannot be brought over cutting_board: there is no stroke"):
+        rehearsal_of(board, sponge).wipe(sponge.id, board.id, HELD_AT)
+
+
 @pytest.fixture
 def scan():
     """The rehearsal of a scan, and the arguments of :meth:`Rehearsal.show`."""
