@@ -201,10 +201,10 @@ class Task(Choices):
         carry_out_place(cell, put)
 
     def _rising(self, arm: str, above: Pose) -> list[Pose]:
-        """Poses of the hand on its way to one above: straight up first, where that is farther on."""
-        x, y, _ = self.world.arms[arm].tool_pose.p
-        up = Pose([x, y, above.p[2]], above.q)
-        return [above] if np.linalg.norm(up.p - above.p) < SETTINGS.beside_m else [up, above]
+        """Poses of the hand on its way to one above: first a little straight up, where that is farther on."""
+        now = self.world.arms[arm].tool_pose.p
+        up = Pose(now + [0.0, 0.0, min(WIPING.above_m, above.p[2] - now[2])], above.q)
+        return [above] if np.linalg.norm((now - above.p)[:2]) < SETTINGS.beside_m else [up, above]
 
     def wait(self, seconds: float) -> None:
         """Let time pass; a picked object is lifted first, and held.

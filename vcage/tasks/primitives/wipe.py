@@ -25,13 +25,15 @@ class WipeSettings:
     """The motion of wiping.
 
     Args:
-        press_m: how much lower than at the first touch the hand moves, so that the pad stays on the top: pressed
-            harder, a sponge takes a light mat along.
+        press_m: how much lower than at the first touch the hand moves, so that the pad stays on the top.
+        light_kg, light_press_m: of a lighter thing it moves this much lower: else a sponge takes a mat along.
         clear_m: height over the top at which the room for the hand is examined.
         speed: share of the speed limit.
     """
 
-    press_m: float = 0.0004
+    press_m: float = 0.001
+    light_kg: float = 0.2
+    light_press_m: float = 0.0004
     clear_m: float = 0.002
     speed: float = 0.3
 
@@ -56,7 +58,9 @@ def carry_out_wipe(cell: Workcell, grip: Grip, thing_id: str, way: Sequence[Pose
     lies = cell.object(grip.object_id).pose.p
     with failing_at("plan"):
         shifts = [(pose.p - lies)[:2] for pose in way]
-        paths = strokes(planner, start, Load(grip.load.opening, held), cell.parts(thing_id), shifts)
+        light = cell.object(thing_id).asset.model.total_mass < SETTINGS.light_kg
+        press = SETTINGS.light_press_m if light else SETTINGS.press_m
+        paths = strokes(planner, start, Load(grip.load.opening, held), cell.parts(thing_id), shifts, press)
     may, far = Allowance("load", frozenset([thing_id])), None
     for number, path in enumerate(paths):
         cell.carry_out(grip.arm, path, [may])
@@ -67,7 +71,12 @@ def carry_out_wipe(cell: Workcell, grip: Grip, thing_id: str, way: Sequence[Pose
 
 
 def strokes(
-    planner: MotionPlanner, start: np.ndarray, load: Load, thing: Collection[str], shifts: Sequence[np.ndarray]
+    planner: MotionPlanner,
+    start: np.ndarray,
+    load: Load,
+    thing: Collection[str],
+    shifts: Sequence[np.ndarray],
+    press: float = SETTINGS.press_m,
 ) -> list[JointPath]:
     """Straight ways of a tool that lies on an object, one after the other.
 
@@ -77,6 +86,7 @@ def strokes(
         load: the tool in the hand.
         thing: names of the object and its parts.
         shifts: (2,) from where the tool is to where each of them ends, metres.
+        press: how much lower the hand moves, metres.
 
     Raises:
         MotionFailed: the arm cannot go there.
@@ -84,7 +94,7 @@ def strokes(
     at, found = planner.kinematics.fk(start), list[JointPath]()
     touching = replace(load, ignore=[*thing], speed=SETTINGS.speed)
     for shift in shifts:
-        pose = Pose(at.p + [*shift, -SETTINGS.press_m], at.q)
+        pose = Pose(at.p + [*shift, -press], at.q)
         found.append(planner.line(found[-1].end if found else start, pose, touching))
     return found
 
