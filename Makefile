@@ -2,7 +2,7 @@
 #
 #   make demo     environment and Vulkan driver, then one instruction through the whole chain; says how long it took
 #   make test     the same environment, then lint and the tests except the slow ones
-#   make test-slow   the tests that `make test` leaves out: whole sentences, memory, runs that are killed; half an hour
+#   make test-slow   the tests that `make test` leaves out, since they take more than a few seconds each; over half an hour
 #   make lint     ruff and the types (pyrefly)
 #   make skills   copy skills/vcage_environment.py, by which scripts find the environment, into every skill
 #   make dist     the wheel and the source archive, in dist/
@@ -17,8 +17,8 @@
 #   make test-wheel     the wheel in an empty environment outside the checkout, with an empty cache: set-up and one run
 #   make test-ray       installs Ray, and runs campaigns on a cluster of two nodes on this machine, of which workers, nodes,
 #                       the driver and the head are killed
-#   make test-policy    the real lerobot-eval and vla-eval act in a served run; fetches both and torch (several GB), and
-#                       needs Python 3.12 (PYTHON312=…)
+#   make test-policy    the real lerobot trains on an export, and it and vla-eval act in a served run; fetches both and
+#                       torch (several GB), and needs Python 3.12 (PYTHON312=…)
 #   make test-containers   what containers/Dockerfile says, done in a Debian 12 of its own and without Docker, and one run
 #                       there; needs root and debootstrap; BIND="FOLDER…" are folders in which pip finds packages
 #   make test-clients   the clients of agents, fetched into the user's cache (1.8 GB), find the skills
