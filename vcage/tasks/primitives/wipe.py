@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,12 +12,13 @@ from vcage.base.geometry import Pose
 from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.paths import JointPath, Load
 from vcage.sim.state import WorldState
+from vcage.sim.world import World
 from vcage.tasks.primitives.come_down import SETTINGS as COMING_DOWN
 from vcage.tasks.primitives.come_down import way_down
 from vcage.tasks.primitives.grip import Grip
 from vcage.tasks.touching import Allowance
 from vcage.tasks.wiping import SETTINGS as WIPING
-from vcage.tasks.wiping import farthest
+from vcage.tasks.wiping import farthest, flat_top
 from vcage.tasks.workcell import TaskFailed, Workcell, failing_at
 
 
@@ -27,6 +29,7 @@ class WipeSettings:
     Args:
         press_m: how much lower than at the first touch the hand moves, so that the pad stays on the top.
         light_kg, light_press_m: of a lighter thing it moves this much lower: else a sponge takes a mat along.
+        every_steps, touching_share: physics steps between two looks at the contact, and share of them with one.
         clear_m: height over the top at which the room for the hand is examined.
         speed: share of the speed limit.
     """
@@ -34,6 +37,8 @@ class WipeSettings:
     press_m: float = 0.001
     light_kg: float = 0.2
     light_press_m: float = 0.0004
+    every_steps: int = 10
+    touching_share: float = 0.8
     clear_m: float = 0.002
     speed: float = 0.3
 
@@ -59,15 +64,44 @@ def carry_out_wipe(cell: Workcell, grip: Grip, thing_id: str, way: Sequence[Pose
     with failing_at("plan"):
         shifts = [(pose.p - lies)[:2] for pose in way]
         light = cell.object(thing_id).asset.model.total_mass < SETTINGS.light_kg
-        press = SETTINGS.light_press_m if light else SETTINGS.press_m
+        press = _gap(cell, grip.object_id, thing_id) + (SETTINGS.light_press_m if light else SETTINGS.press_m)
         paths = strokes(planner, start, Load(grip.load.opening, held), cell.parts(thing_id), shifts, press)
-    may, far = Allowance("load", frozenset([thing_id])), None
-    for number, path in enumerate(paths):
-        cell.carry_out(grip.arm, path, [may])
-        far = cell.world.state() if number == farthest(way) else far
-    if far is None:
-        raise TaskFailed("plan", f"no stroke wipes {thing_id}", exhausted=True)
+    may, far = Allowance("load", frozenset([thing_id])), cell.world.state()
+    with _touching(cell, grip.object_id, thing_id):
+        for number, path in enumerate(paths):
+            cell.carry_out(grip.arm, path, [may])
+            far = cell.world.state() if number == farthest(way) else far
     return far
+
+
+def _gap(cell: Workcell, tool_id: str, thing_id: str) -> float:
+    """Height of a tool over the flat top of an object, metres: it springs back a little where it first touches."""
+    thing, tool = cell.object(thing_id), cell.object(tool_id)
+    top = flat_top(thing)
+    return 0.0 if top is None else max(0.0, tool.lowest - float(thing.pose.apply([*top.centre, top.floor])[2]))
+
+
+@contextmanager
+def _touching(cell: Workcell, tool_id: str, thing_id: str) -> Iterator[None]:
+    """Feel that a tool stays on an object most of the time while the block inside runs.
+
+    Raises:
+        TaskFailed: it lifted off.
+    """
+    felt: list[bool] = []
+
+    def feel(world: World) -> None:
+        if world.steps % SETTINGS.every_steps == 0:
+            felt.append(thing_id in {other.partition("/")[0] for other in world.touching(tool_id)})
+
+    cell.world.before_step.append(feel)
+    try:
+        yield
+    finally:
+        cell.world.before_step.remove(feel)
+    if sum(felt) < SETTINGS.touching_share * len(felt):
+        tool, thing = (f"the {cell.object(name).record.phrase}" for name in (tool_id, thing_id))
+        raise TaskFailed("place", f"{tool} lifted off {thing} on its way over that")
 
 
 def strokes(
