@@ -107,13 +107,21 @@ def _asked(objects: Sequence[SceneObject], arms: Sequence[str], rng: np.random.G
         found |= {Goal(subject=shaken.id, relation=word) for word in ("shaken", *HELD, "moved_away", "centred")}
     for thing in pushed[:ASKED]:
         found |= _beside(thing, others, rng)
+    found |= _asked_with_tools(others, carried)
+    fronted = [o for o in carried if o.asset.annotation.front]
+    found |= {Goal(subject=o.id, relation=word) for o in fronted[:ASKED] for word in ("presented", "facing_robot")}
+    return found
+
+
+def _asked_with_tools(others: Sequence[SceneObject], carried: Sequence[SceneObject]) -> set[Goal]:
+    """What is hit and wiped where there are tools for it."""
+    found: set[Goal] = set()
     if any(o.asset.annotation.faces_of("head") for o in carried):
         hit = [o for o in others if not o.asset.annotation.faces_of("head")]
         found |= {Goal(subject=o.id, relation="hit") for o in hit[:ASKED]}
     if any(o.asset.annotation.faces_of("pad") for o in carried):
-        found |= {Goal(subject=o.id, relation="wiped") for o in [o for o in others if flat_top(o) is not None][:ASKED]}
-    fronted = [o for o in carried if o.asset.annotation.front]
-    found |= {Goal(subject=o.id, relation=word) for o in fronted[:ASKED] for word in ("presented", "facing_robot")}
+        wiped = [o for o in others if flat_top(o) is not None]
+        found |= {Goal(subject=o.id, relation="wiped") for o in wiped[:ASKED]}
     return found
 
 

@@ -1,4 +1,4 @@
-"""Wiping that failed, made by hand of what was wiped in the simulator."""
+"""Failures of wiping, made from a wiping that succeeded in the simulator."""
 
 from __future__ import annotations
 

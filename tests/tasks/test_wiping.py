@@ -10,7 +10,7 @@ import pytest
 from tests.example_scenes import thing
 from vcage.base.geometry import Pose
 from vcage.goals.thresholds import THRESHOLDS
-from vcage.tasks.wiping import SETTINGS, Pad, cells_of, farthest, flat_top, free_wiping_ways, lying_on, under_pad
+from vcage.tasks.wiping import SETTINGS, Pad, cells_of, farthest, flat_top, free_wiping_ways, under_pad
 from vcage.tasks.wiping import wiping_ways as ways_of
 
 SPONGE, BOARD = thing("sponge", (-0.3, 0.0), 0.7), thing("cutting_board", (0.05, 0.05), 0.3)
@@ -77,9 +77,3 @@ def test_what_is_in_the_way_is_named() -> None:
     ]
     ways, met = free_wiping_ways(SPONGE, thing("tray", (0.05, 0.05)), ring)
     assert not ways and met is not None and met.id.startswith("box_")
-
-
-def test_what_lies_on_a_top_is_found_and_what_stands_beside_is_not() -> None:
-    apple, lemon = thing("apple", (0.05, 0.05)), thing("lemon", (0.4, 0.05))
-    on_top = apple.moved(Pose(apple.pose.p + [0.0, 0.0, 0.025], apple.pose.q))
-    assert [o.id for o in lying_on(BOARD, [on_top, lemon])] == ["apple"]

@@ -36,7 +36,8 @@ from vcage.tasks.reading import SETTINGS as READING
 from vcage.tasks.reading import free_reading_poses, reading_poses
 from vcage.tasks.scene_objects import Obstacles, SceneObject
 from vcage.tasks.slots import Slot, other_slots
-from vcage.tasks.wiping import free_wiping_ways, lying_on, wiping_ways
+from vcage.tasks.state import lying_on
+from vcage.tasks.wiping import free_wiping_ways, wiping_ways
 from vcage.tasks.workcell import TaskFailed, Workcell
 
 Choice = Literal["grasp", "arm", "slot"]

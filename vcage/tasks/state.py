@@ -5,7 +5,7 @@ A watch follows a world for events: presses, codes that are read, objects that l
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 
 import numpy as np
 
@@ -89,6 +89,12 @@ def resting_point(subject: SceneObject, receptacle: SceneObject) -> FunctionalPo
     """The functional point of a receptacle that an object rests at; None where it rests at none."""
     points = receptacle.asset.annotation.functional_points
     return next((point for point in points if place_complaint(subject, receptacle, point) is None), None)
+
+
+def lying_on(receptacle: SceneObject, others: Iterable[SceneObject]) -> list[SceneObject]:
+    """The objects among others that rest in or on a receptacle."""
+    # a flat thing under it is within the tolerance of lying on it
+    return [o for o in others if o.lowest > receptacle.lowest and resting_point(o, receptacle) is not None]
 
 
 def place_complaint(subject: SceneObject, receptacle: SceneObject, point: FunctionalPoint) -> str | None:

@@ -110,7 +110,8 @@ def cells_of(thing: SceneObject) -> np.ndarray:
         middle + size * ((np.arange(count) + 0.5) / count - 0.5)
         for middle, size, count in zip(top.centre, top.size, counts, strict=True)
     ]
-    return np.array([(x, y, top.floor) for x, y in product(*axes)])
+    x, y = np.meshgrid(*axes, indexing="ij")
+    return np.stack([x.ravel(), y.ravel(), np.full(x.size, top.floor)], axis=1)
 
 
 def under_pad(tool: SceneObject, thing: SceneObject) -> np.ndarray:
@@ -205,24 +206,3 @@ def free_wiping_ways(
             free.append(way)
         in_the_way = in_the_way or next((o for o in others if o.id == name), None)
     return free, None if free else in_the_way
-
-
-def lying_on(thing: SceneObject, others: Sequence[SceneObject]) -> list[SceneObject]:
-    """The objects among others that lie on, or lean over, the flat top of an object."""
-    top = flat_top(thing)
-    if top is None:
-        return []
-    corners = np.array(list(product(*zip(*_edges(top), strict=True))))
-    area = thing.pose.apply(np.column_stack([corners, np.full(len(corners), top.floor)]))
-    lower, upper = area.min(axis=0), area.max(axis=0)
-    return [
-        o
-        for o in others
-        if np.all(o.aabb[0, :2] < upper[:2]) and np.all(lower[:2] < o.aabb[1, :2]) and o.lowest > thing.lowest
-    ]
-
-
-def _edges(top: Opening) -> tuple[np.ndarray, np.ndarray]:
-    """(2,) lower and upper corner of a flat top."""
-    middle, half = np.array(top.centre), np.array(top.size) / 2
-    return middle - half, middle + half

@@ -20,7 +20,7 @@ from vcage.sim.paths import OPEN_HAND, JointPath, Leg
 from vcage.sim.trajectory import Trajectory
 from vcage.sim.world import World
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.state import resting_point
+from vcage.tasks.state import lying_on
 from vcage.tasks.touching import SETTINGS, Allowance, Touched, only_touching
 
 CAREFUL_SPEED_SHARE = 0.85
@@ -103,9 +103,7 @@ class Workcell:
         """
         if object_id in self._taken:
             return self._taken[object_id]
-        thing, others = self.object(object_id), self.objects_but(object_id)
-        # a flat thing under it is within the tolerance of lying on it
-        lying = [o.id for o in others if o.lowest > thing.lowest and resting_point(o, thing) is not None]
+        lying = [o.id for o in lying_on(self.object(object_id), self.objects_but(object_id))]
         return frozenset(lying).union(*(self.contents(name) for name in lying))
 
     def take(self, object_id: str) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.example_scenes import thing, workplace, world_of
+from tests.example_scenes import TABLE_TOP, thing, workplace, world_of
 from vcage.base.geometry import Pose
 from vcage.schema.goals import Goal
 from vcage.tasks.state import Watch
@@ -61,6 +61,19 @@ def test_a_board_out_of_reach_is_refused_with_a_reason_for_each_contact_point() 
     subtask, refused = examined(thing("cutting_board", (0.0, 1.0)), SPONGE)
     assert subtask is None and len(refused) == len(SPONGE.asset.annotation.carrying_points)
     assert all("does not reach" in refusal.reason for refusal in refused)
+
+
+def test_a_block_at_the_corner_of_a_turned_tray_is_beside_it_also_a_little_higher() -> None:
+    tray, block = thing("tray", (0.05, 0.05), np.pi / 4), thing("block", (0.16, -0.06), height=TABLE_TOP + 1e-4)
+    subtask, refused = examined(tray, SPONGE, block, asked=(Goal(subject=tray.id, relation="wiped"),))
+    assert subtask is not None, refused
+
+
+@pytest.mark.parametrize(("at", "offered"), [((0.25, 0.35), False), ((-0.5, 0.3), True)])
+def test_a_grasp_with_which_no_arm_reaches_all_of_a_mat_is_refused(at: tuple[float, float], offered: bool) -> None:
+    mat = thing("customer_mat", at)
+    subtask, refused = examined(mat, SPONGE, asked=(Goal(subject=mat.id, relation="wiped"),))
+    assert (subtask is not None) is offered and all("does not reach" in refusal.reason for refusal in refused)
 
 
 def test_the_robot_wipes_a_board_and_puts_the_sponge_back() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from vcage.base.errors import NoAssetFits
 from vcage.base.text import listed
@@ -40,11 +40,22 @@ TOOLS: dict[str, Callable[[CatalogueEntry], bool]] = {
     "wipe": lambda e: e.wipes,
 }
 """Commands → the test of a tool for them."""
-_DONE_WITH = {
-    "hit": ("hit", "hit", "hammer", "has no head to hit with"),
-    "wipe": ("wiped", "wipe", "sponge", "is nothing to wipe with"),
+
+
+class ToolWords(NamedTuple):
+    """The words of a command that takes a tool: past participle, verb, an example of a tool, a refusal of others."""
+
+    done: str
+    verb: str
+    example: str
+    unable: str
+
+
+_WORDS = {
+    "hit": ToolWords("hit", "hit", "hammer", "has no head to hit with"),
+    "wipe": ToolWords("wiped", "wipe", "sponge", "is nothing to wipe with"),
 }
-"""Commands → what is done to a thing with a tool, in words; and to use one, an example of one, and why it is none."""
+"""Commands → their words."""
 
 
 def read_goals(instruction: str, things: Things, lying: Mapping[str, str] | None = None) -> Reading:
@@ -273,7 +284,7 @@ class Goals:
 
     def _use(self, command: Command) -> None:
         """Hitting takes a tool with a head, and wiping one with a pad, which keeps the arm that took it."""
-        done = _DONE_WITH[command.verb][0]
+        done = _WORDS[command.verb].done
         if part := next((noun for noun in command.things if noun.of_part(self.things.values())), None):
             raise Doubt(part.text, f"no goal says that a part of a thing is {done}; name the thing")
         if table := next((noun for noun in command.things if noun.of_table and command.verb == "wipe"), None):
@@ -294,20 +305,20 @@ class Goals:
 
     def _require_one_tool(self, command: Command, named: Noun, subjects: Collection[str]) -> None:
         """Refuse a tool that is one of several, which are no subjects, unless any of these may be taken."""
-        able, done = TOOLS[command.verb], _DONE_WITH[command.verb][0]
+        able, done = TOOLS[command.verb], _WORDS[command.verb].done
         tools = {name: entry for name, entry in self.things.items() if able(entry) and name not in subjects}
         if len(tools) > 1 and (named.definite or tools.keys() != named.named(tools, short=True).keys()):
             raise Doubt(named.text, f"no goal says which of {listed(tools)} it is {done} with")
 
     def _tool(self, command: Command) -> str:
         """The tool that a command uses: the one that it names, or that was picked up for it."""
-        _, use, example, unable = _DONE_WITH[command.verb]
+        words = _WORDS[command.verb]
         held = [name for name in self._picked if name not in self._moved]
         tools = held if command.place is None else self._meanings.objects(command.place)
         if len(tools) != 1:
-            raise Doubt(command.words, f"say what to {use} it with, one tool such as the {example}")
+            raise Doubt(command.words, f"say what to {words.verb} it with, one tool such as the {words.example}")
         if not TOOLS[command.verb](self.things[tools[0]]):
-            raise Doubt(command.words, f"{tools[0]} {unable}")
+            raise Doubt(command.words, f"{tools[0]} {words.unable}")
         return tools[0]
 
     def _event(self, command: Command) -> None:

@@ -86,7 +86,7 @@ def carry_out_down(cell: Workcell, grip: Grip, thing_id: str, down: JointPath, d
         grip: the tool in the hand, over the object.
         thing_id: what it comes down on.
         down: of :func:`plan_down`.
-        does: with it, in a word.
+        does: the verb for messages, such as ``hits``.
 
     Raises:
         TaskFailed: something else is touched, or nothing.

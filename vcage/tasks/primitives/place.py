@@ -31,7 +31,7 @@ class PlaceSettings:
         slack_m: the held object may shift between the fingers by up to this: a place must not be
             at the very end of an arm's reach.
         raises_m: how much higher an object is let go where the hand meets something at the lowest height.
-        beside_m: a hand this near below where it came from goes straight back there.
+        beside_m: a hand nearer than this to the vertical below where it came from goes straight back there.
         back_turns_rad: turns from its old heading at which an object may be put back, in this order.
     """
 

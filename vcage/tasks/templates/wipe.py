@@ -12,10 +12,11 @@ from vcage.schema.asset import ContactPoint
 from vcage.schema.goals import Goal
 from vcage.schema.subtasks import Refusal, Subtask, TemplateName
 from vcage.tasks.feasibility import Transfer, examine
-from vcage.tasks.findings import Feasibility, best_first
+from vcage.tasks.findings import Feasibility, best_first, reach_check
 from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.state import lying_on
 from vcage.tasks.templates.proposal import Proposal
-from vcage.tasks.wiping import Pad, flat_top, free_wiping_ways, lying_on, wiping_ways
+from vcage.tasks.wiping import Pad, flat_top, free_wiping_ways, wiping_ways
 from vcage.tasks.workplace import Workplace
 
 NAME: TemplateName = "wipe"
@@ -83,15 +84,15 @@ class Wiping(Proposal):
     def examine(self, workplace: Workplace) -> tuple[Subtask | None, list[Refusal]]:
         """The sub-task if an arm can draw the tool over the object, else a refusal for each contact point."""
         tool, thing = self.tool, self.thing
-        others = [o for o in workplace.others(tool.id) if o.id == thing.id or not self._leaves(o)]
-        if lying := lying_on(thing, [o for o in others if o.id != thing.id] + [tool]):
+        beside = [o for o in workplace.others(tool.id) if o.id != thing.id and not self._leaves(o)]
+        if lying := lying_on(thing, [*beside, tool]):
             return None, [self.refusal(f"{lying[0].record.phrase} lies on {thing.record.phrase}; take it off before")]
-        ways, in_the_way = free_wiping_ways(tool, thing, [o for o in others if o.id != thing.id])
+        ways, in_the_way = free_wiping_ways(tool, thing, beside)
         if not ways:
             met = "something" if in_the_way is None else in_the_way.record.phrase
             return None, [self.refusal(f"{tool.record.phrase} would touch {met} over {thing.record.phrase}")]
         contacts = tool.asset.annotation.carrying_points
-        found = {c.id: self._examined(c, ways, tuple(others), workplace) for c in contacts}
+        found = {c.id: self._examined(c, ways, (*beside, thing), workplace) for c in contacts}
         findings, refused = self.judged(found)
         if not findings:
             return None, refused
@@ -124,13 +125,18 @@ class Wiping(Proposal):
     ) -> Feasibility:
         """The findings of a way: an arm must bring the tool to each of its ends."""
         where = f"its place over {self.thing.record.phrase}"
-        transfers = [Transfer(self.tool, contact, where, [pose], [], (), others) for pose in _ends(way)]
-        first, *rest = (examine(transfer, workplace) for transfer in transfers)
-        for one in rest:
-            arms = {grasp.arm for grasp in one.grasps}
-            grasps = [grasp for grasp in first.grasps if grasp.arm in arms]
-            first = Feasibility(first.checks if grasps else one.checks, grasps)
-        return first
+        first, *rest = _ends(way)
+        found = examine(Transfer(self.tool, contact, where, [first], [], (), others), workplace)
+        for end in rest:
+            if not found.feasible:
+                break
+            one = examine(Transfer(self.tool, contact, where, [end], [], (), others), workplace)
+            grasps = [grasp for grasp in found.grasps if grasp.arm in {other.arm for other in one.grasps}]
+            if one.feasible and not grasps:  # by another arm than the ends before
+                short = reach_check("reach_place", f"all of {where}", False, found.grasps[0].arm)
+                one = Feasibility([*found.checks, short], [])
+            found = Feasibility(found.checks, grasps) if grasps else one
+        return found
 
 
 def _ends(way: Sequence[Pose]) -> list[Pose]:

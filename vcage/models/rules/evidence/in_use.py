@@ -86,6 +86,7 @@ class InUse:
         still: str,
         held: Standing,
         stands: Standing,
+        *,
         later: bool = False,
         as_before: bool = False,
     ):
@@ -111,7 +112,6 @@ class InUse:
     def unseen(self, pose: Pose) -> float:
         """Share of the evidence that is against the object at a pose: pixels still as before, beside those that have
         come to look like it; hidden pixels tell little."""
-
         found, against, drawn = 0, 0, 0
         for number, sight in enumerate(self._sights):
             middle = pose.p + np.array([0.0, 0.0, self._held.size[2] / 2])
