@@ -287,8 +287,6 @@ class Goals:
         done = _WORDS[command.verb].done
         if part := next((noun for noun in command.things if noun.of_part(self.things.values())), None):
             raise Doubt(part.text, f"no goal says that a part of a thing is {done}; name the thing")
-        if table := next((noun for noun in command.things if noun.of_table and command.verb == "wipe"), None):
-            raise Doubt(table.text, "the bare table is not wiped; name a thing with a flat top, such as a tray")
         tool = self._tool(command)
         if tool not in self._moved:
             self._require_holder(command, tool)
