@@ -151,7 +151,7 @@ def test_the_page_holds_every_figure_and_escapes_what_others_wrote(tmp_path: Pat
     driven(folder)
     status = status_of(folder)
     text = write_page(folder, status, refresh_s=5).read_text()
-    for said in ("b_dual-panda_varied_light_0", "it fell", "no such thing", "critic says yes", 'content="5"'):
+    for said in ("b_aloha-agilex_varied_light_0", "it fell", "no such thing", "critic says yes", 'content="5"'):
         assert said in text
     assert "<script>" not in text
 

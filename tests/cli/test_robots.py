@@ -18,7 +18,7 @@ def test_a_robot_is_imported_and_listed(tmp_path, data, capsys):
     assert record["output"] == str(data / "robots" / "box-arm.yml")
     code, record, text = run(capsys, "robots", "list")
     assert (code, record["summary"]["robots"]) == (0, ["aloha_agilex", "box-arm", "dual_panda"])
-    assert "box-arm: left, right." in text and "dual_panda (default): left, right." in text
+    assert "box-arm: left, right." in text and "aloha_agilex (default): left, right." in text
 
 
 @pytest.mark.parametrize("distance", ["0", "-1", "far", "nan"])

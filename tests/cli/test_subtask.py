@@ -38,7 +38,7 @@ def test_it_collects_its_own_episodes_and_other_commands_continue_from_there(fin
     (episode,) = Episodes.read(run.episodes).episodes
     with EpisodeReader(run.root / episode.file) as reader:
         assert [s.subtask for s in reader.episode.segments] == [script.stem]
-        assert reader.cameras == ["cam_high", "cam_left_wrist", "cam_right_wrist"]
+        assert reader.cameras == ["cam_high", "cam_left_wrist", "cam_right_wrist", "front"]
     answer = command(capsys, "verify", "--run", run, "--models", "offline")
     summary = answer.record["summary"]
     assert (answer.code, summary["verified"], summary["taken_over"], summary["differ"]) == (0, 1, 1, 0)

@@ -127,7 +127,7 @@ def test_an_episode_ends_when_it_has_lasted_too_long(finished: Finished) -> None
 
 
 @pytest.mark.parametrize(
-    ("action", "complaint"), [(np.zeros(3), r"shape \(3,\)"), (np.full(16, np.nan), "NaN or infinity for left_joint_1")]
+    ("action", "complaint"), [(np.zeros(3), r"shape \(3,\)"), (np.full(14, np.nan), "NaN or infinity for left_joint_1")]
 )
 def test_an_action_that_is_none_is_refused(env: RunEnv, action: np.ndarray, complaint: str) -> None:
     env.reset(seed=0)
@@ -154,7 +154,7 @@ def test_without_pictures_nothing_is_drawn(finished: Finished, monkeypatch: pyte
 
 def test_before_a_reset_there_is_nothing_to_act_in(finished: Finished) -> None:
     with pytest.raises(UsageError, match="no episode has begun"):
-        make_env(finished.run.root, finished.context, pictures=False).step(np.zeros(16))
+        make_env(finished.run.root, finished.context, pictures=False).step(np.zeros(14))
 
 
 def test_what_a_run_lacks_is_named(finished: Finished, tmp_path) -> None:

@@ -280,7 +280,7 @@ def test_a_page_shows_videos_of_what_was_done(finished: Finished, capsys, tmp_pa
     [
         (["--cameras", "cam_low"], 2, "cam_low"),
         (["--task", "7"], 2, "chain"),
-        (["--payload", "aloha"], 2, "is not ALOHA's"),
+        (["--payload", "aloha"], 2, "needs pictures of cam_high"),
         (["--against", "nowhere"], 3, "nowhere"),
         (["--vary", "height", "light"], 2, "the factor light changes only pictures"),
         (["--cameras", "cam_high", "--no-pictures"], 2, "--no-pictures observes none"),

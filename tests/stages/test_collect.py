@@ -35,7 +35,7 @@ from vcage.stages import collect, search_subtasks
 
 KILLS = 3
 WITH_WORKERS = ["collect", "--models", "offline", "--episodes", "2", "--fps", str(FPS), "--workers", "2"]
-CAMERAS = ["cam_high", "cam_left_wrist", "cam_right_wrist"]
+CAMERAS = ["cam_high", "cam_left_wrist", "cam_right_wrist", "front"]
 
 
 def options(**changes: Any) -> collect.Options:

@@ -110,7 +110,7 @@ class Job(Record):
 
     Example:
         >>> Plan.load(Path("PLAN.yml")).jobs()[0].id
-        'put-two-blocks-on-the-plate_dual-panda_varied_light_0/0000'
+        'put-two-blocks-on-the-plate_aloha-agilex_varied_light_0/0000'
     """
 
     cell: Cell

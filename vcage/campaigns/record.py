@@ -40,7 +40,7 @@ class JobRecord(Document):
     """``jobs/<cell>/<number>.job.json``: a settled job.
 
     Example:
-        >>> JobRecord.read(Path("campaigns/desk/jobs/blocks_dual-panda_varied_light_0/0000.job.json")).verified
+        >>> JobRecord.read(Path("campaigns/desk/jobs/blocks_aloha-agilex_varied_light_0/0000.job.json")).verified
     """
 
     SCHEMA: ClassVar[str] = "vcage.job/1"

@@ -160,7 +160,7 @@ class ValidateAssets(Command):
     seed: Annotated[int, NATURAL] = 0
     """of all places"""
     robot: Annotated[str | None, arg(metavar="ROBOT"), UNSAID] = None
-    """the robot for the proof (default: dual_panda)"""
+    """the robot for the proof (default: aloha_agilex)"""
     out: Annotated[Path, FOLDER] = Path("runs/proof")
     """folder"""
     force: Flag = False
@@ -217,7 +217,7 @@ class ImportAssets(Command):
     into: Annotated[Path | None, FOLDER, UNSAID] = None
     """folder for the objects (default: where vcage looks for them)"""
     robot: Annotated[str | None, arg(metavar="ROBOT"), UNSAID] = None
-    """the robot whose gripper the grasps of YCB's shapes are for (default: dual_panda)"""
+    """the robot whose gripper the grasps of YCB's shapes are for (default: aloha_agilex)"""
     force: Flag = False
     """replace an earlier import"""
 

@@ -13,7 +13,7 @@ Positive = Annotated[Finite, Field(gt=0)]
 JointLimit = Positive | list[Positive]
 """Of every joint, or of each."""
 
-DEFAULT_ROBOT = "dual_panda"
+DEFAULT_ROBOT = "aloha_agilex"
 """The robot where neither the request nor the scene template names one."""
 
 

@@ -69,7 +69,7 @@ class Options(ModelOptions):
     """what stands there, as in "marker/red, packaging_box, 2 apple" (default: what the goals name, one of each, and the
     scanner, scale, hammer or sponge that they need)"""
     robot: Annotated[str | None, arg(metavar="ROBOT"), UNSAID] = None
-    """the robot (default: that of the scene template, or dual_panda); ``vcage robots list`` lists them"""
+    """the robot (default: that of the scene template, or aloha_agilex); ``vcage robots list`` lists them"""
 
     def stated(self) -> StatedTask | None:
         """The stated goals, with start conditions and objects; None without goals."""

@@ -98,7 +98,7 @@ def test_every_accepted_episode_has_a_video_that_plays(finished, page, tmp_path)
     path.write_bytes(base64.b64decode(page.of("video")[0].removeprefix("data:video/mp4;base64,")))
     frames = decode(path)
     assert len(frames) == accepted[0].frames
-    assert frames[0].shape[1] == 3 * 320 + 2 * GAP_PX
+    assert frames[0].shape[1] == 4 * 320 + 3 * GAP_PX
 
 
 def test_a_rejected_episode_is_reported_without_a_video(finished, tmp_path):
