@@ -81,6 +81,5 @@ def make(tmp_path: Path) -> Make:
 
 @pytest.fixture(scope="session")
 def places() -> TrialPlaces:
-    """The default table and robot."""
-    template = load_template("table")
-    return TrialPlaces(template, load_robot(template.robot))
+    """The default table, and a robot that reaches all of it."""
+    return TrialPlaces(load_template("table"), load_robot("dual_panda"))
