@@ -77,7 +77,8 @@ class Plan:
     Args:
         episodes: of training, of each row.
         seeds: trainings of each row.
-        minutes: of each training of a network, CPU time of one core; of a localiser, too.
+        steps: of each training of a policy.
+        localiser_share: steps of the training of a localiser, as a share of these.
         rollouts: of each policy.
         actions: of an answer that are carried out between two looks.
         object_noise_m: standard deviation of the objects' places in training, where a localiser will find them.
@@ -85,13 +86,14 @@ class Plan:
 
     episodes: int = 300
     seeds: int = 1
-    minutes: float = 10.0
+    steps: int = 10_000
+    localiser_share: float = 0.1
     rollouts: int = 100
     actions: int = 4
     object_noise_m: float = 0.004
 
 
-QUICK = Plan(episodes=3, seeds=1, minutes=0.1, rollouts=1)
+QUICK = Plan(episodes=3, seeds=1, steps=100, rollouts=1)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -99,7 +101,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     for name, kind, what in (
         ("episodes", int, "of training, of each row"),
         ("seeds", int, "trainings of each row"),
-        ("minutes", float, "of each training of a network, CPU time"),
+        ("steps", int, "of each training of a policy; of one that finds objects in pictures, a tenth"),
         ("rollouts", int, "of each policy"),
     ):
         default = f"default: {getattr(Plan, name)}, with --quick {getattr(QUICK, name)}"
@@ -124,7 +126,7 @@ def run(
 ) -> dict[str, Any]:
     """A row for each policy: its data, and its evaluation.
 
-    - ``episodes``, ``frames``: that it was trained on; ``minutes``: of each training, CPU time of one core.
+    - ``episodes``, ``frames``: that it was trained on; ``cpu_minutes``: of the training of each of its networks.
     - all figures of ``vcage evaluate``: ``n_success`` of ``n_episodes``, ``pc_success_ci95`` (Wilson), ``furthest``
       (how far the episodes came), ``left_out`` (layouts in which the expert fails, too); ``compared`` with its rival.
 
@@ -183,20 +185,21 @@ class _Bench:
             demonstrations = Demonstrations.read(exported(source), self.plan.episodes)
         stored = next((known for known in FORMATS if known == name), None)
         noise = Noise(object_m=0.0 if stored is None else self.plan.object_noise_m)
-        training = Training(minutes=self.plan.minutes, seed=seed, noise=noise, device=self.device)
+        training = Training(steps=self.plan.steps, seed=seed, noise=noise, device=self.device)
         meaning = meaning_of(source, demonstrations, self.task.robot, turned=stored is None)
         weights = self._trained(POSITIONS if stored else name, demonstrations, meaning, training)
         if stored is not None:
             weights = self._localising(weights, stored, source, demonstrations, seed)
         facts = self._evaluated(weights, name, seed, pictures=stored is not None)
         counts = {"episodes": len(demonstrations.ends), "frames": len(demonstrations.states)}
-        return {"trained_on": name, "seed": seed, "minutes": self.plan.minutes, **counts, **facts}
+        spent = {network: round(cpu_s / 60, 1) for network, cpu_s in Policy.read(weights).cpu_s.items()}
+        return {"trained_on": name, "seed": seed, **counts, "cpu_minutes": spent, **facts}
 
     def _trained(self, name: str, demonstrations: Demonstrations, meaning: Meaning, training: Training) -> Path:
         """Weights of a policy that is trained on states."""
         path = self.task.data / f"{name}-seed{training.seed}-{_made_from(demonstrations, training)}.pt"
         if not path.exists():
-            logger.info("%s, seed %d: training for %g minutes", name, training.seed, training.minutes)
+            logger.info("%s, seed %d: training of %d steps", name, training.seed, training.steps)
             with atomic_path(path) as part:
                 trained(demonstrations, meaning, training).write(part)
         return path
@@ -205,18 +208,19 @@ class _Bench:
         self, positions: Path, stored: Format, source: RunFolder, demonstrations: Demonstrations, seed: int
     ) -> Path:
         """Weights of a policy with a localiser that is trained on pictures of a format."""
-        training = LocaliserTraining(self.plan.minutes, seed=seed)
+        training = LocaliserTraining(round(self.plan.localiser_share * self.plan.steps), seed=seed)
         made_from = hashlib.sha256(f"{positions.stem} {training}".encode()).hexdigest()[:12]
         path = self.task.data / f"{stored}-seed{seed}-{made_from}.pt"
         if path.exists():
             return path
-        logger.info("%s, seed %d: training of a localiser for %g minutes", stored, seed, training.minutes)
+        logger.info("%s, seed %d: training of a localiser, %d steps", stored, seed, training.steps)
         if stored == "compressed":
             self.task.compressed(source)
         policy, views = Policy.read(positions), views_of(self.task.robot)
         seen = shrunk_pictures(source, stored, views, self.plan.episodes, self.task.data / "lerobot")
         hands, objects = policy.hands.poses(demonstrations.states), policy.objects.poses(demonstrations.objects)
-        policy.localiser = trained_localiser(seen, hands, objects.position, views, training)
+        found = trained_localiser(seen, hands, objects.position, views, training)
+        policy.localiser, policy.cpu_s["localiser"] = found
         with atomic_path(path) as part:
             policy.write(part)
         return path

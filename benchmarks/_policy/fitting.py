@@ -1,4 +1,4 @@
-"""Gradient descent for so many minutes."""
+"""Gradient descent for so many steps."""
 
 from __future__ import annotations
 
@@ -35,30 +35,37 @@ SETTINGS = FittingSettings()
 
 
 def fit(
-    network: nn.Module, loss: Callable[[], torch.Tensor], *, name: str, minutes: float, rate: float, decay: float
-) -> None:
+    network: nn.Module, loss: Callable[[], torch.Tensor], *, name: str, steps: int, rate: float, decay: float
+) -> float:
     """Train a network by AdamW; its learning rate falls to none along a cosine.
+
+    The number of steps is given, not the time: a machine with other work would else train less.
 
     Args:
         network: in training mode meanwhile, and in evaluation mode afterwards.
         loss: of the next batch.
         name: for the log.
-        minutes: of CPU time of this process.
+        steps: their number.
         rate: highest learning rate, reached after a warm-up.
         decay: of the weights.
+
+    Returns:
+        Seconds of CPU time of this process.
     """
     optimiser = torch.optim.AdamW(network.parameters(), lr=rate, weight_decay=decay)
-    begun, length, step, mean = time.process_time(), minutes * 60, 0, 0.0
+    begun, mean = time.process_time(), 0.0
     network.train()
-    while (spent := time.process_time() - begun) < length:
+    for step in range(steps):
         for group in optimiser.param_groups:
-            group["lr"] = rate * min(1.0, (step + 1) / SETTINGS.warm_up) * 0.5 * (1 + np.cos(np.pi * spent / length))
+            group["lr"] = rate * min(1.0, (step + 1) / SETTINGS.warm_up) * 0.5 * (1 + np.cos(np.pi * step / steps))
         found = loss()
         optimiser.zero_grad()
         found.backward()
         nn.utils.clip_grad_norm_(network.parameters(), SETTINGS.most_gradient)
         optimiser.step()
-        step, mean = step + 1, mean + SETTINGS.smoothing * (float(found.detach()) - mean)
-        if step % SETTINGS.logged == 0:
-            logger.info("%s: step %d, loss %.4f, %.0f of %.0f s", name, step, mean, spent, length)
+        mean += SETTINGS.smoothing * (float(found.detach()) - mean)
+        if (step + 1) % SETTINGS.logged == 0:
+            spent = time.process_time() - begun
+            logger.info("%s: step %d of %d, loss %.4f, %.0f s", name, step + 1, steps, mean, spent)
     network.eval()
+    return time.process_time() - begun

@@ -122,6 +122,9 @@ class Policy:
         size: of the networks.
         progress: tells which sub-task is next; None if there is but one.
         localiser: finds the objects in pictures; without it they are observed.
+
+    Attributes:
+        cpu_s: name of each network → seconds of CPU time of its training.
     """
 
     def __init__(
@@ -142,6 +145,7 @@ class Policy:
         self.aiming = ChunkPolicy(len(aim_scale.input_mean), numbers, size.of_aims())
         self._begin_without_objects()
         self._aim: torch.Tensor | None = None
+        self.cpu_s: dict[str, float] = {}
 
     def infer(self, observation: Mapping[str, Any]) -> dict[str, NDArray[np.float64]]:
         """Return ``actions`` (chunk, D), absolute targets.
@@ -209,7 +213,7 @@ class Policy:
 
     def write(self, path: Path) -> None:
         """Write all that :meth:`read` needs."""
-        kept: dict[str, Any] = {"meaning": asdict(self.meaning), "size": asdict(self.size)}
+        kept: dict[str, Any] = {"meaning": asdict(self.meaning), "size": asdict(self.size), "cpu_s": self.cpu_s}
         kept |= {"scale": vars(self.scale), "aim_scale": vars(self.aim_scale), "aiming": self.aiming.state_dict()}
         if self.progress is not None:
             kept["progress"] = self.progress.state_dict()
@@ -240,4 +244,5 @@ class Policy:
         for network, weights in ((policy.network, "weights"), (policy.aiming, "aiming")):
             network.load_state_dict(kept[weights])
             network.eval()
+        policy.cpu_s = kept["cpu_s"]
         return policy

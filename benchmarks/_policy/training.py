@@ -82,7 +82,7 @@ class Training:
     """Settings of a training.
 
     Args:
-        minutes: of CPU time, on one core.
+        steps: of the descent.
         batch: frames of a step.
         rate: highest learning rate; it falls to none along a cosine.
         decay: of the weights.
@@ -97,11 +97,11 @@ class Training:
             exactly than demonstrations do.
         progress_turns: share of frames in which a moved object is turned at random in learning this: what has fallen
             over may be in its place, too.
-        progress_share: time to learn which sub-tasks are done, as a share of that of the policy.
+        progress_share: steps to learn which sub-tasks are done, as a share of those of the policy.
         device: of torch.
     """
 
-    minutes: float = 10.0
+    steps: int = 10_000
     batch: int = 256
     rate: float = 1e-3
     decay: float = 1e-3
@@ -114,7 +114,7 @@ class Training:
     aim_noise_m: float = 0.005
     progress_noise_m: float = 0.02
     progress_turns: float = 0.3
-    progress_share: float = 0.1
+    progress_share: float = 0.15
     device: str = "cpu"
 
 
@@ -210,8 +210,9 @@ def trained(demonstrations: Demonstrations, meaning: Meaning, training: Training
     """Train a policy on states."""
     torch.manual_seed(training.seed)
     batches = Batches(demonstrations, meaning, training)
+    spent = {}
     if len(meaning.steps) > 1:
-        batches.progress = _progress(batches, training)
+        batches.progress, spent["progress"] = _progress(batches, training)
     seen, aims, targets = batches[torch.arange(len(batches), device=training.device)]
     scale, aim_scale = Scale.of(aimed(seen, aims), targets), Scale.of(seen.features, aims[:, None])
     policy = Policy(meaning, scale, aim_scale, training.size, batches.progress).to(training.device)
@@ -224,19 +225,20 @@ def trained(demonstrations: Demonstrations, meaning: Meaning, training: Training
         chunks, scores = policy.chunks(seen, blurred)
         return aiming + loss_of((scale.targets(chunks), scores), scale.targets(targets))
 
-    fit(
+    spent["policy"] = fit(
         nn.ModuleList([policy.network, policy.aiming]),
         loss,
         name="policy",
-        minutes=training.minutes,
+        steps=training.steps,
         rate=training.rate,
         decay=training.decay,
     )
+    policy.cpu_s = spent
     return policy.to("cpu")
 
 
-def _progress(batches: Batches, training: Training) -> Progress:
-    """Train the part that tells which sub-tasks are done, in a share of the time."""
+def _progress(batches: Batches, training: Training) -> tuple[Progress, float]:
+    """Train the part that tells which sub-tasks are done; the seconds of CPU time that it took."""
     relations, _ = batches.relations(torch.arange(len(batches), device=training.device))
     progress = Progress(relations.shape[-1]).to(training.device)
     progress.scaled_by(relations)
@@ -245,6 +247,6 @@ def _progress(batches: Batches, training: Training) -> Progress:
         told, done = batches.relations(batches.drawn(training.batch))
         return binary_cross_entropy_with_logits(progress(told), done)
 
-    minutes = training.progress_share * training.minutes
-    fit(progress, loss, name="progress", minutes=minutes, rate=training.rate, decay=training.decay)
-    return progress
+    steps = round(training.progress_share * training.steps)
+    spent = fit(progress, loss, name="progress", steps=steps, rate=training.rate, decay=training.decay)
+    return progress, spent

@@ -15,6 +15,7 @@ from benchmarks import policy
 from benchmarks._policy.collected import Task
 from benchmarks._policy.demonstrations import Demonstrations
 from benchmarks._policy.features import ObjectPoses, Objects, Seen, moved_with_objects, poses_of, seen_by, targets_of
+from benchmarks._policy.fitting import fit
 from benchmarks._policy.grip import carried, compensated, held
 from benchmarks._policy.hands import HandPoses, Hands
 from benchmarks._policy.localiser import LocaliserTraining, View, trained_localiser
@@ -139,7 +140,7 @@ def test_aims_are_the_next_marked_frames_or_the_last_of_the_episode() -> None:
 def test_a_policy_stays_with_its_aim_where_another_is_as_good() -> None:
     data = demonstrations()
     meaning = Meaning(ROBOT, data.names, data.object_names, (("block",),))
-    policy = trained(data, meaning, Training(minutes=0.002, batch=8, size=Size(chunk=2, width=8, layers=1, aims=2)))
+    policy = trained(data, meaning, Training(steps=5, batch=8, size=Size(chunk=2, width=8, layers=1, aims=2)))
     left, right = torch.zeros(2, 10), torch.zeros(2, 10)
     left[:, 0], right[:, 0] = -0.1, 0.1
     scores = torch.tensor([[0.0, 1.0]])
@@ -292,19 +293,34 @@ def test_a_number_that_never_changes_in_demonstrations_is_not_magnified() -> Non
     assert torch.allclose(scale.inputs(torch.tensor([[0.005, 0.0]])), torch.tensor([[0.5, 0.0]]), atol=1e-6)
 
 
+def test_a_training_takes_so_many_steps_at_a_rate_that_falls(monkeypatch: pytest.MonkeyPatch) -> None:
+    rates = []
+
+    def stepped(optimiser: torch.optim.AdamW) -> None:
+        rates.extend(group["lr"] for group in optimiser.param_groups)
+
+    monkeypatch.setattr(torch.optim.AdamW, "step", stepped)
+    network = torch.nn.Linear(2, 1)
+    spent = fit(network, lambda: network(torch.ones(1, 2)).sum(), name="line", steps=1000, rate=0.1, decay=0.0)
+    assert len(rates) == 1000 and max(rates) > 0.09 and rates[-1] < 1e-6 and spent > 0
+    assert rates[100:] == sorted(rates[100:], reverse=True)
+
+
 @pytest.mark.slow
 def test_a_trained_policy_follows_its_demonstrations_and_can_be_stored(tmp_path: Path) -> None:
     data = demonstrations()
     size = Size(chunk=4, width=64, layers=2, ways=1, aims=1)
     meaning = Meaning(ROBOT, data.names, data.object_names, (("block",),))
     still = Noise(share=0.0, opening=0.0, random_opening=0.0)
-    policy = trained(data, meaning, Training(minutes=0.06, batch=32, noise=still, aim_noise_m=0.0, size=size))
+    policy = trained(data, meaning, Training(steps=300, batch=32, noise=still, aim_noise_m=0.0, size=size))
     seen = {"observation/state": data.states[3], "observation/environment_state": data.objects[3]}
     told = copy(policy).infer(seen)["actions"]
     assert told.shape == (4, 16)
     assert np.abs(told - data.actions[3:7]).max() < np.abs(data.actions[3:7] - data.states[3]).max()
     policy.write(tmp_path / "weights.pt")
-    assert np.array_equal(Policy.read(tmp_path / "weights.pt").infer(seen)["actions"], told)
+    read = Policy.read(tmp_path / "weights.pt")
+    assert np.array_equal(read.infer(seen)["actions"], told)
+    assert read.cpu_s == policy.cpu_s and read.cpu_s["policy"] > 0
 
 
 def test_a_policy_of_two_sub_tasks_can_be_stored(tmp_path: Path) -> None:
@@ -313,8 +329,9 @@ def test_a_policy_of_two_sub_tasks_can_be_stored(tmp_path: Path) -> None:
     names = (*data.object_names, *(name.replace("block", "lemon") for name in data.object_names))
     data = replace(data, steps=np.tile(np.repeat([0, 1], 10), 2), objects=both, object_names=names)
     meaning = Meaning(ROBOT, data.names, names, (("block",), ("lemon",)))
-    policy = trained(data, meaning, Training(minutes=0.005, batch=32, size=Size(chunk=4, width=16, layers=1, ways=2)))
+    policy = trained(data, meaning, Training(steps=20, batch=32, size=Size(chunk=4, width=16, layers=1, ways=2)))
     policy.write(tmp_path / "weights.pt")
+    assert policy.cpu_s.keys() == {"progress", "policy"}
     seen = {"observation/state": data.states[3], "observation/environment_state": data.objects[3]}
     assert np.array_equal(Policy.read(tmp_path / "weights.pt").infer(seen)["actions"], policy.infer(seen)["actions"])
 
@@ -329,8 +346,8 @@ def test_a_localiser_finds_a_square_in_pictures() -> None:
     places = torch.from_numpy(np.stack([columns, rows, 0 * rows], axis=1) / 100.0).float()[:, None]
     hands = hands_of(np.tile(state_near_home(rng), (200, 1)))
     view = View("cam_high", None, 40, 40)
-    training = LocaliserTraining(minutes=0.05, batch=16)
-    localiser = trained_localiser({"cam_high": pictures}, hands, places, [view], training)
+    training = LocaliserTraining(steps=200, batch=16)
+    localiser, _ = trained_localiser({"cam_high": pictures}, hands, places, [view], training)
     found = localiser.positions({"cam_high": pictures[7]}, hands[torch.tensor([7])])
     assert float((found[0] - places[7]).abs().max()) < 0.25 * float(places.std(dim=0).max())
 
@@ -353,15 +370,15 @@ def test_policies_on_pictures_differ_only_in_what_finds_the_objects(
     monkeypatch.setattr(policy, "views_of", lambda _: [View("cam_high", None, 20, 20)])
     monkeypatch.setattr(policy, "shrunk_pictures", lambda *_: pictures)
     meaning = Meaning(ROBOT, data.names, data.object_names, (("block",),), turned=False)
-    bench = policy._Bench(Task("", ROBOT, tmp_path, workers=1), policy.Plan(minutes=0.002))
-    blind = bench._trained("positions", data, meaning, Training(minutes=0.002, batch=8, size=size))
+    bench = policy._Bench(Task("", ROBOT, tmp_path, workers=1), policy.Plan(steps=20))
+    blind = bench._trained("positions", data, meaning, Training(steps=5, batch=8, size=size))
     files = {bench._localising(blind, stored, RunFolder(tmp_path), data, seed=0) for stored in ("raw", "lerobot")}
-    longer = replace(bench, plan=policy.Plan(minutes=0.003))
+    longer = replace(bench, plan=policy.Plan(steps=30))
     files.add(longer._localising(blind, "raw", RunFolder(tmp_path), data, seed=0))
     assert len(files) == 3
     same = Policy.read(blind).network.state_dict()
     for read in map(Policy.read, files):
-        assert read.localiser is not None
+        assert read.localiser is not None and read.cpu_s.keys() == {"policy", "localiser"}
         assert all(torch.equal(numbers, same[name]) for name, numbers in read.network.state_dict().items())
 
 

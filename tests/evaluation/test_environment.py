@@ -163,6 +163,7 @@ def test_what_a_run_lacks_is_named(finished: Finished, tmp_path) -> None:
     with pytest.raises(UnknownName, match="chain"):
         make_env(finished.run.root, finished.context, chain=7)
     run = copied(finished.run, tmp_path, before="collect")
-    with pytest.raises(MissingStage, match="no accepted episode"):
+    with pytest.raises(MissingStage, match="no accepted episode") as found:
         make_env(run.root, finished.context, pictures=False)
+    assert "--max-steps" in found.value.hint
     assert make_env(run.root, finished.context, pictures=False, max_steps=5).reset(seed=0)

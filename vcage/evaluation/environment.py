@@ -258,7 +258,7 @@ class RunEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         if not frames:
             raise MissingStage(
                 f"{self._run.root} has no accepted episode of this task, so nothing says how long one may take",
-                hint="collect some, or give max_steps",
+                hint="collect some, or give --max-steps (in Python: max_steps=N)",
                 maker="collect",
             )
         return int(np.ceil(PATIENCE * max(frames)))
