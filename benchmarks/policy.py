@@ -101,7 +101,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     for name, kind, what in (
         ("episodes", int, "of training, of each row"),
         ("seeds", int, "trainings of each row"),
-        ("steps", int, "of each training of a policy; of one that finds objects in pictures, a tenth"),
+        ("steps", int, "of each training of a policy; its localiser takes a tenth of them"),
         ("rollouts", int, "of each policy"),
     ):
         default = f"default: {getattr(Plan, name)}, with --quick {getattr(QUICK, name)}"
@@ -126,7 +126,7 @@ def run(
 ) -> dict[str, Any]:
     """A row for each policy: its data, and its evaluation.
 
-    - ``episodes``, ``frames``: that it was trained on; ``cpu_minutes``: of the training of each of its networks.
+    - ``episodes``, ``frames``: that it was trained on; ``cpu_minutes``: of each of its trainings.
     - all figures of ``vcage evaluate``: ``n_success`` of ``n_episodes``, ``pc_success_ci95`` (Wilson), ``furthest``
       (how far the episodes came), ``left_out`` (layouts in which the expert fails, too); ``compared`` with its rival.
 

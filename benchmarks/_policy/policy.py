@@ -124,7 +124,7 @@ class Policy:
         localiser: finds the objects in pictures; without it they are observed.
 
     Attributes:
-        cpu_s: name of each network → seconds of CPU time of its training.
+        cpu_s: name of each training (progress, policy, localiser) → its seconds of CPU time.
     """
 
     def __init__(
