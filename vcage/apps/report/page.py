@@ -87,8 +87,8 @@ def write_report(run: RunFolder) -> Path:
     return write_bytes(run.report, page.encode(errors="replace"))  # JSON may hold halves of characters
 
 
-_OVERVIEWS = (f"-{TOP}.png", f"-{CUSTOMER}.png")
-"""Ends of the names of pictures that a verdict's card shows besides those of the moment."""
+_TIMES = ("start", "before", "moment", "later", "after")
+"""The times of a verdict's pictures, in the order in which its card shows them."""
 
 
 def report_is_current(run: RunFolder) -> bool:
@@ -233,9 +233,15 @@ def _episode_card(run: RunFolder, episode: Episode, preview: Preview | None, ref
 
 
 def _verdict_card(run: RunFolder, verdict: Verdict, subtask: str) -> dict[str, Any]:
-    shown = [name for name in verdict.pictures if "-moment-" in name or "-later-" in name or name.endswith(_OVERVIEWS)]
-    urls = [_picture_url(run.file(picture, "episodes"), max_width=480) for picture in shown]
-    return {"verdict": verdict, "subtask": subtask, "pictures": [url for url in urls if url]}
+    found: list[tuple[int, str, str]] = []
+    for name in verdict.pictures:
+        rest, _, camera = Path(name).stem.rpartition("-")
+        when = rest.rpartition("-")[2]
+        url = _picture_url(run.file(name, "episodes"), max_width=480)
+        if url and (when in ("moment", "later") or camera in (TOP, CUSTOMER)):
+            found.append((_TIMES.index(when) if when in _TIMES else 0, url, f"{when}, {camera}"))
+    found.sort(key=lambda one: one[0])
+    return {"verdict": verdict, "subtask": subtask, "pictures": [{"url": url, "of": of} for _, url, of in found]}
 
 
 def _difference_card(run: RunFolder, found: Difference) -> dict[str, Any]:
