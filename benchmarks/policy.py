@@ -46,6 +46,7 @@ from benchmarks._policy.policy import Meaning, Policy
 from benchmarks._policy.training import Noise, Training, trained
 from vcage.base.errors import StaleStage, UsageError, VcageError
 from vcage.base.files import RunFolder, atomic_path, cache_dir
+from vcage.evaluation.environment import PATIENCE
 from vcage.evaluation.evaluate import RECORD
 
 logger = logging.getLogger(__name__)
@@ -176,12 +177,15 @@ class _Bench:
 
     def row(self, name: str, seed: int) -> dict[str, Any]:
         """Train, serve and evaluate a policy."""
-        layout: Layout = "fixed" if name == "fixed" else "varied"
-        source = self.task.collected(self.plan.episodes, layout)
+        limit = list[str]()
         if name in PLAYED:
-            checked, folder = name == "checked", self.task.data / "played"
-            demonstrations = played.demonstrations(source, self.plan.episodes, checked, folder, self.task.workers)
+            source, _ = self.task.planned(self.plan.episodes, "varied")
+            kept = {"folder": self.task.data / "played", "workers": self.task.workers}
+            demonstrations = played.demonstrations(source, self.plan.episodes, name == "checked", **kept)
+            longest = played.longest_success(source, self.plan.episodes, **kept)
+            limit = ["--max-steps", str(int(np.ceil(PATIENCE * longest)))]
         else:
+            source = self.task.collected(self.plan.episodes, "fixed" if name == "fixed" else "varied")
             demonstrations = Demonstrations.read(exported(source), self.plan.episodes)
         stored = next((known for known in FORMATS if known == name), None)
         noise = Noise(object_m=0.0 if stored is None else self.plan.object_noise_m)
@@ -190,7 +194,9 @@ class _Bench:
         weights = self._trained(POSITIONS if stored else name, demonstrations, meaning, training)
         if stored is not None:
             weights = self._localising(weights, stored, source, demonstrations, seed)
-        facts = self._evaluated(weights, name, seed, pictures=stored is not None)
+        observed = [] if stored is not None else ["--no-pictures", "--environment-state"]
+        scenes = self.task.collected(self.plan.episodes, "varied") if name == "fixed" else source
+        facts = self._evaluated(weights, scenes, name, seed, [*observed, *limit])
         counts = {"episodes": len(demonstrations.ends), "frames": len(demonstrations.states)}
         spent = {network: round(cpu_s / 60, 1) for network, cpu_s in Policy.read(weights).cpu_s.items()}
         return {"trained_on": name, "seed": seed, **counts, "cpu_minutes": spent, **facts}
@@ -225,15 +231,14 @@ class _Bench:
             policy.write(part)
         return path
 
-    def _evaluated(self, weights: Path, name: str, seed: int, pictures: bool) -> dict[str, Any]:
-        """Serve weights and evaluate them; the summary of ``vcage evaluate``."""
-        run = self.task.collected(self.plan.episodes, "varied")
+    def _evaluated(self, weights: Path, run: RunFolder, name: str, seed: int, options: list[str]) -> dict[str, Any]:
+        """Serve weights and evaluate them with options; the summary of ``vcage evaluate``."""
         out, rival = (run.root / "evaluations" / f"{row}-seed{seed}" for row in (name, RIVALS.get(name, name)))
         with served(weights) as address:
             command = [sys.executable, "-m", "vcage.cli.main", "evaluate", str(run.root), "--policy", address]
             command += ["--episodes", str(self.plan.rollouts), "--workers", str(self.task.workers)]
             command += ["--actions", str(self.plan.actions), "--out", str(out), "--name", weights.stem]
-            command += [] if pictures else ["--no-pictures", "--environment-state"]
+            command += options
             if name in RIVALS and (rival / RECORD).exists():
                 command += ["--against", str(rival)]
             begun = time.perf_counter()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -25,7 +26,10 @@ FORMAT = "lerobot-v3.0"
 
 Layout = Literal["varied", "fixed"]
 
-COLLECTING = ("select_place", "inpaint_plan", "match", "optimize", "search_subtasks", "collect", "verify")
+PLANNING = ("select_place", "inpaint_plan", "match", "optimize", "search_subtasks")
+"""The stages up to the sub-tasks."""
+
+COLLECTING = ("collect", "verify")
 """The stages up to the verdicts: states are exported without compression."""
 
 
@@ -45,12 +49,8 @@ class Task:
     data: Path
     workers: int
 
-    def collected(self, episodes: int, layout: Layout) -> RunFolder:
-        """The run with that many episodes, and its export of states; what exists is not made again.
-
-        Raises:
-            TooFewVerified: fewer episodes are accepted.
-        """
+    def planned(self, episodes: int, layout: Layout) -> tuple[RunFolder, ChainOptions]:
+        """A run with sub-tasks, and its options."""
         run = RunFolder(self.data / layout)
         options = ChainOptions(
             instruction=self.instruction,
@@ -60,14 +60,23 @@ class Task:
             models="offline",
             workers=self.workers,
         )
-        context = options.context(run)
         with at_work(run):
-            for name in COLLECTING:
-                up_to_date(name, STAGES[name], run, options, context, _said(f"{layout}: {name}"))
+            _done(PLANNING, run, options)
+        return run, options
+
+    def collected(self, episodes: int, layout: Layout) -> RunFolder:
+        """The run with that many episodes, and its export of states; what exists is not made again.
+
+        Raises:
+            TooFewVerified: fewer episodes are accepted.
+        """
+        run, options = self.planned(episodes, layout)
+        with at_work(run):
+            _done(COLLECTING, run, options)
             if (found := len(accepted_episodes(run))) < episodes:
                 raise TooFewVerified(f"{run.root} has {found} episodes, {episodes} are wanted")
             asked = export.Options(formats=(FORMAT,), no_videos=True, environment_state=True)
-            up_to_date("export", export, run, asked, context, _said(f"{layout}: export"))
+            up_to_date("export", export, run, asked, options.context(run), _said(f"{layout}: export"))
         return run
 
     def compressed(self, run: RunFolder) -> None:
@@ -99,6 +108,13 @@ def meaning_of(run: RunFolder, demonstrations: Demonstrations, robot: str, turne
     if not all(steps):
         raise UsageError(f"a sub-task of {run.root} is about no object", hint="give another --instruction")
     return Meaning(robot, demonstrations.names, demonstrations.object_names, tuple(steps), turned)
+
+
+def _done(stages: Sequence[str], run: RunFolder, options: ChainOptions) -> None:
+    """Run the stages that are not finished."""
+    context = options.context(run)
+    for name in stages:
+        up_to_date(name, STAGES[name], run, options, context, _said(f"{run.root.name}: {name}"))
 
 
 def _said(what: str) -> Progress:

@@ -108,6 +108,18 @@ def demonstrations(run: RunFolder, episodes: int, verified: bool, folder: Path, 
     return joined(run, found, StageContext("offline"))
 
 
+def longest_success(run: RunFolder, episodes: int, folder: Path, workers: int = 1) -> int:
+    """Frames of the longest of the first so many episodes that succeeds; see :func:`demonstrations`.
+
+    Raises:
+        TooFewVerified: none succeeds.
+    """
+    lengths = [len(one.states) for one in played(run, range(episodes), folder, workers) if one.success]
+    if not lengths:
+        raise TooFewVerified(f"of {episodes} episodes that were played, none succeeds")
+    return max(lengths)
+
+
 def joined(run: RunFolder, episodes: Sequence[Played], context: StageContext) -> Demonstrations:
     """Episodes one after the other."""
     beginnings = _beginnings(run.root, context)

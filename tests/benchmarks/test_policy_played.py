@@ -52,6 +52,14 @@ def test_a_task_that_hardly_ever_succeeds_is_refused(joined: None, tmp_path: Pat
         played.demonstrations(RunFolder(tmp_path), 2, True, tmp_path / "played")
 
 
+def test_the_longest_of_the_first_episodes_that_succeeds_says_how_long_a_policy_may_take(tmp_path: Path) -> None:
+    for number, (frames, success) in enumerate([(5, True), (9, False), (6, True), (8, True)]):
+        kept_episode(tmp_path / "played", number, success, frames)
+    assert played.longest_success(RunFolder(tmp_path), 3, tmp_path / "played") == 6
+    with pytest.raises(TooFewVerified, match="of 0 episodes that were played, none succeeds"):
+        played.longest_success(RunFolder(tmp_path), 0, tmp_path / "played")
+
+
 def test_sub_tasks_count_from_the_beginning_of_each_episode() -> None:
     subtasks, episodes = np.array([4, 4, 5, 4, 7, 7, 5]), np.array([0, 0, 0, 1, 1, 1, 2])
     assert _steps(subtasks, episodes).tolist() == [0, 0, 1, 0, 1, 1, 0]
