@@ -137,8 +137,7 @@ def wiping_ways(tool: SceneObject, thing: SceneObject, above_m: float = SETTINGS
     pad, top = Pad.of(tool), flat_top(thing)
     if pad is None or top is None or thing.pose.rotation()[2, 2] < np.cos(SETTINGS.level_rad):
         return
-    turns = [thing.pose.yaw + quarter * np.pi / 2 - tool.pose.yaw for quarter in range(4)]
-    for quarter, turn in sorted(enumerate(_wrapped(turns)), key=lambda one: abs(one[1])):
+    for quarter, turn in _turns(thing.pose.yaw - tool.pose.yaw):
         rotation = Pose.from_yaw([0, 0, 0], turn) * Pose(q=tool.pose.q)
         middle, raised = rotation.apply(pad.middle), np.array([0.0, 0.0, above_m])
         for fingers in pad.fingers(top.depth):
@@ -150,9 +149,11 @@ def wiping_ways(tool: SceneObject, thing: SceneObject, above_m: float = SETTINGS
                 yield way
 
 
-def _wrapped(turns: Sequence[float]) -> list[float]:
-    """Turns between half a turn to one side and to the other, rad."""
-    return [float((turn + np.pi) % (2 * np.pi) - np.pi) for turn in turns]
+def _turns(turn: float) -> list[tuple[int, float]]:
+    """A turn and those by further quarters: (number of quarters, turn of half a turn at most, rad), the least first."""
+    turns = [turn + quarter * np.pi / 2 for quarter in range(4)]
+    wrapped = [float((one + np.pi) % (2 * np.pi) - np.pi) for one in turns]
+    return sorted(enumerate(wrapped), key=lambda one: abs(one[1]))
 
 
 def _corners(top: np.ndarray, kept: np.ndarray, half: np.ndarray) -> list[np.ndarray]:
