@@ -92,7 +92,8 @@ def test_recorded_actions_do_the_task_again_in_the_recorded_states(finished: Fin
     assert info["seconds"] == pytest.approx((len(states) - 1) / FPS)
     joints = [not name.endswith("gripper") for name in env.joint_names]
     away = np.abs(np.array(states)[: episode.frames] - episode.qpos[: len(states)])[:, joints]
-    assert away.max() < 0.04  # radians, at 5 frames a second; between frames the robot moves in straight lines
+    *others, worst = sorted(away.max(axis=1))  # radians, at 5 frames a second, between which actions are straight lines
+    assert max(others) < 0.01 and worst < 0.04
 
 
 def test_the_state_of_objects_is_named(env: RunEnv) -> None:
