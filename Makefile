@@ -2,7 +2,7 @@
 #
 #   make demo     environment and Vulkan driver, then one instruction through the whole chain; says how long it took
 #   make test     the same environment, then lint and the tests except the slow ones
-#   make test-slow   the tests that `make test` leaves out, since they take more than a few seconds each; over half an hour
+#   make test-slow   the tests that `make test` leaves out, since they take more than a few seconds each; 23 min on two cores
 #   make lint     ruff and the types (pyrefly)
 #   make skills   copy skills/vcage_environment.py, by which scripts find the environment, into every skill
 #   make dist     the wheel and the source archive, in dist/
