@@ -1,4 +1,4 @@
-"""Ways in which a hit fails, made by hand of the simulator."""
+"""Failures of a hit, made from a hit that succeeded in the simulator."""
 
 from __future__ import annotations
 

@@ -114,7 +114,7 @@ def _asked(objects: Sequence[SceneObject], arms: Sequence[str], rng: np.random.G
 
 
 def _asked_with_tools(others: Sequence[SceneObject], carried: Sequence[SceneObject]) -> set[Goal]:
-    """What is hit and wiped where there are tools for it."""
+    """Goals to hit and to wipe things, where there are tools for it."""
     found: set[Goal] = set()
     if any(o.asset.annotation.faces_of("head") for o in carried):
         hit = [o for o in others if not o.asset.annotation.faces_of("head")]

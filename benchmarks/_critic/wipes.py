@@ -1,4 +1,4 @@
-"""Ways in which wiping fails, made by hand of the simulator."""
+"""Failures of wiping, made from a wiping that succeeded in the simulator."""
 
 from __future__ import annotations
 

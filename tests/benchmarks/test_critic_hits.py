@@ -1,4 +1,4 @@
-"""Hits that failed, made by hand of one that came down in the simulator."""
+"""Failures of a hit, made from a hit that succeeded in the simulator."""
 
 from __future__ import annotations
 

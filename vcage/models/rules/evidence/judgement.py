@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -54,3 +54,8 @@ def refused(reason: str, confidence: float, failure: Failure | None = None) -> V
 def unseen(view: CriticView, what: str) -> Judged:
     """A no for want of a picture."""
     return Judged(refused(f"no picture shows {what}", 0.5), view.nowhere)
+
+
+def surest(judged: Iterable[Judged], none: Judged) -> Judged:
+    """The surest of several verdicts, a yes before any no; ``none`` where there are none."""
+    return max(judged, key=lambda one: (one.verdict.accepted, one.verdict.confidence), default=none)

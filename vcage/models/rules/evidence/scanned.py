@@ -10,7 +10,7 @@ from vcage.models.rules.critic_view import CriticView
 from vcage.models.rules.drawings import refined
 from vcage.models.rules.evidence.in_use import SETTINGS as IN_USE
 from vcage.models.rules.evidence.in_use import Found, InUse, shifted
-from vcage.models.rules.evidence.judgement import LEFT_SHARE, Judged, decided, refused, unseen
+from vcage.models.rules.evidence.judgement import LEFT_SHARE, Judged, decided, refused, surest, unseen
 from vcage.models.rules.pixels import grown
 from vcage.models.rules.standing import Standing
 from vcage.schema.episodes import Verdict
@@ -86,8 +86,7 @@ def judge_scanned(view: CriticView, goal: Goal) -> Judged:
     moved = question.grasped or goal.subject
     others = [goal.subject] if moved in question.readers else question.readers
     judged = [_judged(view, moved, still) for still in others]
-    none = Judged(refused("there is no scanner", 1.0), view.nowhere)
-    return max(judged, key=lambda one: (one.verdict.accepted, one.verdict.confidence), default=none)
+    return surest(judged, Judged(refused("there is no scanner", 1.0), view.nowhere))
 
 
 def _judged(view: CriticView, moved: str, still: str) -> Judged:

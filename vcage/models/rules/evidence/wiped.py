@@ -13,7 +13,7 @@ from vcage.goals.thresholds import THRESHOLDS
 from vcage.models.rules.critic_view import CriticView
 from vcage.models.rules.evidence.in_use import SETTINGS as IN_USE
 from vcage.models.rules.evidence.in_use import Found, InUse, least_unseen, seen_away, shifted
-from vcage.models.rules.evidence.judgement import LEFT_SHARE, Judged, decided, refused, unseen
+from vcage.models.rules.evidence.judgement import LEFT_SHARE, Judged, decided, refused, surest, unseen
 from vcage.models.rules.pixels import grown
 from vcage.models.rules.standing import Standing
 from vcage.schema.episodes import Verdict
@@ -125,8 +125,7 @@ def judge_wiped(view: CriticView, goal: Goal) -> Judged:
         return unseen(view, f"the moments at which the {view.phrase(goal.subject)} is wiped")
     tools = [name for name in question.wipers if question.grasped in (None, name) and name != goal.subject]
     judged = [_judged(view, tool, goal.subject) for tool in tools]
-    none = Judged(refused("there is no tool to wipe with", 1.0), view.nowhere)
-    return max(judged, key=lambda one: (one.verdict.accepted, one.verdict.confidence), default=none)
+    return surest(judged, Judged(refused("there is no tool to wipe with", 1.0), view.nowhere))
 
 
 def _judged(view: CriticView, tool: str, thing: str) -> Judged:
