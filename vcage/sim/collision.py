@@ -332,10 +332,14 @@ def overlap(a: fcl.CollisionObject, b: fcl.CollisionObject) -> bool:
 
 
 def near_to(a: fcl.CollisionObject, b: fcl.CollisionObject, distance: float) -> bool:
-    """True if two solids are nearer to each other than a distance, metres."""
+    """True if two solids overlap, or are nearer to each other than a distance, metres."""
     from mplib.pymp.collision_detection import fcl
 
-    return fcl.distance(a, b, _distance_only()).min_distance < distance
+    # Of some overlapping boxes (72 of 12,000 random pairs) the distance comes out positive, up to 4.4 mm.
+    return (
+        fcl.distance(a, b, _distance_only()).min_distance < distance
+        or fcl.collide(a, b, _overlap_only()).is_collision()
+    )
 
 
 @functools.cache
@@ -343,6 +347,13 @@ def _distance_only() -> fcl.DistanceRequest:
     from mplib.pymp.collision_detection import fcl
 
     return fcl.DistanceRequest()
+
+
+@functools.cache
+def _overlap_only() -> fcl.CollisionRequest:
+    from mplib.pymp.collision_detection import fcl
+
+    return fcl.CollisionRequest()
 
 
 @functools.cache
