@@ -7,17 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from benchmarks._critic.hits import dropped_tool, hit_another, hit_beside, not_down, swept
+from benchmarks._critic.hits import hit_another, hit_beside, not_down
 from benchmarks._critic.played import DROP, Kind, Played, Shots
 from benchmarks._critic.supports import beside, knocked_over, on_the_rim, pushed_away, slid_off
-from benchmarks._critic.wipes import (
-    dropped_wiper,
-    pushed_along,
-    wiped_above,
-    wiped_another,
-    wiped_beside,
-    wiped_spot,
-)
+from benchmarks._critic.tools import dropped_tool, swept
+from benchmarks._critic.wipes import wiped_above, wiped_another, wiped_beside, wiped_spot
 from vcage.base.geometry import Pose
 from vcage.plans.actions import HOLDING
 from vcage.schema.episodes import Truth
@@ -338,8 +332,6 @@ FAILURES: Mapping[str, Kind] = {
     "wiped at one spot": wiped_spot,
     "wiped beside": wiped_beside,
     "another wiped": wiped_another,
-    "wiper dropped": dropped_wiper,
-    "pushed along": pushed_along,
 }
 """By name."""
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchmarks._critic.hits import dropped_tool, hit_another, hit_beside, not_down, swept
+from benchmarks._critic.hits import hit_another, hit_beside, not_down
 from benchmarks._critic.played import Case, Kind, Played
+from benchmarks._critic.tools import dropped_tool, swept
 from tests.example_scenes import script_of, thing, workplace, world_of
 from vcage.schema.goals import Goal
 from vcage.tasks.templates import TEMPLATES

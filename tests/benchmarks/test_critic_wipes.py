@@ -7,14 +7,8 @@ import pytest
 
 from benchmarks._critic.kinds import nothing
 from benchmarks._critic.played import Case, Kind, Played
-from benchmarks._critic.wipes import (
-    dropped_wiper,
-    pushed_along,
-    wiped_above,
-    wiped_another,
-    wiped_beside,
-    wiped_spot,
-)
+from benchmarks._critic.tools import dropped_tool, swept
+from benchmarks._critic.wipes import wiped_above, wiped_another, wiped_beside, wiped_spot
 from tests.example_scenes import script_of, thing, workplace, world_of
 from vcage.schema.goals import Goal
 from vcage.tasks.templates import TEMPLATES
@@ -50,7 +44,7 @@ def test_the_wiping_itself_succeeds(played: Played) -> None:
     assert played.shots.truth.success, played.shots.truth.reason
 
 
-@pytest.mark.parametrize("kind", [nothing, wiped_above, wiped_spot, wiped_beside, wiped_another, dropped_wiper])
+@pytest.mark.parametrize("kind", [nothing, wiped_above, wiped_spot, wiped_beside, wiped_another, dropped_tool])
 def test_the_tool_is_elsewhere_at_one_moment_or_both(played: Played, kind: Kind) -> None:
     shots = next(filter(None, (kind(played) for _ in range(20))))
     assert not shots.truth.success and shots.moment is not None and shots.later is not None
@@ -64,7 +58,7 @@ def test_the_tool_is_elsewhere_at_one_moment_or_both(played: Played, kind: Kind)
     assert np.allclose(shots.after.objects[BOARD.id].p, played.shots.after.objects[BOARD.id].p, atol=0.002)
 
 
-def test_what_was_pushed_along_stands_elsewhere_afterwards(played: Played) -> None:
-    shots = pushed_along(played)
+def test_what_was_swept_away_stands_elsewhere_afterwards(played: Played) -> None:
+    shots = swept(played)
     assert shots is not None and not shots.truth.success
     assert np.linalg.norm(shots.after.objects[BOARD.id].p - played.shots.after.objects[BOARD.id].p) > 0.03

@@ -10,10 +10,8 @@ import numpy as np
 from vcage.base.geometry import Pose
 from vcage.goals.thresholds import THRESHOLDS
 from vcage.models.rules.critic_view import CriticView
-from vcage.models.rules.evidence.in_use import SETTINGS as IN_USE
-from vcage.models.rules.evidence.in_use import Found, InUse, least_unseen, seen_away, shifted
+from vcage.models.rules.evidence.in_use import Found, InUse, least_unseen, shifted
 from vcage.models.rules.evidence.judgement import LEFT_SHARE, Judged, decided, refused, surest, unseen
-from vcage.models.rules.pixels import grown
 from vcage.models.rules.standing import Standing
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal
@@ -101,9 +99,8 @@ def _judged(view: CriticView, tool: str, thing: str) -> Judged:
     found = Found.of(view, tool, thing)
     if isinstance(found, Judged):
         return found
-    explained, called = grown(found.held.covered, IN_USE.put_back_px), found.still.look.phrase
-    if away := seen_away(view, found.still, found.stands, THRESHOLDS.hit_moved_m):
-        why = f"the {called} is {away} where it stood before the hit"
-        return Judged(refused(why, 0.8, "disturbed"), explained)
+    if disturbed := found.disturbed(view, THRESHOLDS.hit_moved_m):
+        return disturbed
     struck = Struck.gather(view, tool, thing, found.held, found.stands)
-    return Judged(struck.verdict(found.moved.look.phrase, called), explained)
+    verdict = struck.verdict(found.moved.look.phrase, found.still.look.phrase)
+    return Judged(verdict, found.explained)

@@ -11,7 +11,7 @@ from vcage.base.geometry import Camera, Pose
 from vcage.models.rules.critic_view import CriticView
 from vcage.models.rules.drawings import Draw, as_bright, brightness, cut, drawn_whole, inside, refined, window_around
 from vcage.models.rules.evidence.judgement import Judged, refused
-from vcage.models.rules.pixels import changed_between, share_of
+from vcage.models.rules.pixels import changed_between, grown, share_of
 from vcage.models.rules.standing import SETTINGS as STANDING
 from vcage.models.rules.standing import Sought, Standing
 from vcage.vision.colour import distance, smoothed, to_lab
@@ -65,6 +65,19 @@ class Found:
             missing = (one if held is None else other).look.phrase
             return Judged(refused(f"the {missing} is not found", 0.5), view.nowhere)
         return cls(one, other, held, stands)
+
+    @property
+    def explained(self) -> np.ndarray:
+        """(H, W) bool, pixels of the picture from above whose change the use explains: those of the old place."""
+        return grown(self.held.covered, SETTINGS.put_back_px)
+
+    def disturbed(self, view: CriticView, most_m: float) -> Judged | None:
+        """The verdict where what stays is seen farther than some metres from where it stood; None elsewhere."""
+        away = seen_away(view, self.still, self.stands, most_m)
+        if away is None:
+            return None
+        why = f"the {self.still.look.phrase} is {away} where it stood before"
+        return Judged(refused(why, 0.8, "disturbed"), self.explained)
 
 
 class InUse:

@@ -8,10 +8,8 @@ import numpy as np
 
 from vcage.models.rules.critic_view import CriticView
 from vcage.models.rules.drawings import refined
-from vcage.models.rules.evidence.in_use import SETTINGS as IN_USE
 from vcage.models.rules.evidence.in_use import Found, InUse, shifted
 from vcage.models.rules.evidence.judgement import LEFT_SHARE, Judged, decided, refused, surest, unseen
-from vcage.models.rules.pixels import grown
 from vcage.models.rules.standing import Standing
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal
@@ -95,7 +93,7 @@ def _judged(view: CriticView, moved: str, still: str) -> Judged:
         return found
     shown = Shown.gather(view, moved, still, found.held, found.stands)
     verdict = shown.verdict(found.moved.look.phrase, found.still.look.phrase)
-    return Judged(verdict, grown(found.held.covered, IN_USE.put_back_px))
+    return Judged(verdict, found.explained)
 
 
 _TURNS = np.linspace(0, 2 * np.pi, SETTINGS.headings, endpoint=False)

@@ -11,10 +11,8 @@ import numpy as np
 from vcage.base.geometry import Pose
 from vcage.goals.thresholds import THRESHOLDS
 from vcage.models.rules.critic_view import CriticView
-from vcage.models.rules.evidence.in_use import SETTINGS as IN_USE
-from vcage.models.rules.evidence.in_use import Found, InUse, least_unseen, seen_away, shifted
+from vcage.models.rules.evidence.in_use import Found, InUse, least_unseen, shifted
 from vcage.models.rules.evidence.judgement import LEFT_SHARE, Judged, decided, refused, surest, unseen
-from vcage.models.rules.pixels import grown
 from vcage.models.rules.standing import Standing
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal
@@ -132,11 +130,9 @@ def _judged(view: CriticView, tool: str, thing: str) -> Judged:
     found = Found.of(view, tool, thing)
     if isinstance(found, Judged):
         return found
-    explained, called = grown(found.held.covered, IN_USE.put_back_px), found.still.look.phrase
-    if away := seen_away(view, found.still, found.stands, THRESHOLDS.wiped_moved_m):
-        why = f"the {called} is {away} where it stood before it was wiped"
-        return Judged(refused(why, 0.8, "disturbed"), explained)
+    if disturbed := found.disturbed(view, THRESHOLDS.wiped_moved_m):
+        return disturbed
     wiped = Wiped.gather(view, tool, thing, found.held, found.stands)
-    if wiped is None:
-        return Judged(refused(f"the {found.moved.look.phrase} does not fit on the {called}", 1.0), explained)
-    return Judged(wiped.verdict(found.moved.look.phrase, called), explained)
+    called, on = found.moved.look.phrase, found.still.look.phrase
+    verdict = refused(f"the {called} does not fit on the {on}", 1.0) if wiped is None else wiped.verdict(called, on)
+    return Judged(verdict, found.explained)
