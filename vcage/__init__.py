@@ -7,6 +7,7 @@ docstring, and the programs in ``examples/`` show them at work.
 from __future__ import annotations
 
 import importlib
+import sys
 from typing import TYPE_CHECKING, Any
 
 from vcage.base.version import __version__ as __version__
@@ -71,6 +72,9 @@ _PLACES = {
     "write_report": "vcage.apps.report.page",
 }
 """Name → its module. The simulator and the video codec take seconds to import, and many programs need neither."""
+
+if "gymnasium" in sys.modules:  # which takes half a second to import
+    importlib.import_module("vcage.evaluation.gymnasium_ids")
 
 
 def __getattr__(name: str) -> Any:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from contextlib import closing
 from functools import partial
 from pathlib import Path
@@ -20,7 +22,6 @@ from vcage.base.errors import MissingStage, UnknownName, UsageError
 from vcage.base.reading import read_json
 from vcage.datasets.reader import EpisodeReader
 from vcage.evaluation.environment import RunEnv, make_env
-from vcage.evaluation.gymnasium_ids import register
 from vcage.stages import export
 
 
@@ -36,12 +37,24 @@ def equal(one: dict[str, Any], other: dict[str, Any]) -> bool:
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::UserWarning")
 def test_gymnasium_finds_no_fault_with_it_nor_with_its_pictures(finished: Finished) -> None:
-    register()  # as Gymnasium does for an installed package
-    made = gymnasium.make("vcage/Run-v0", run=finished.run.root, cameras=("cam_high",))
+    made = gymnasium.make("vcage.evaluation.gymnasium_ids:vcage/Run-v0", run=finished.run.root, cameras=("cam_high",))
     seen, _ = made.reset(seed=1)
     assert seen["pixels"]["cam_high"].std() > 10
     assert made.spec is not None and made.unwrapped.metadata["render_fps"] == FPS
     check_env(made.unwrapped)
+
+
+@pytest.mark.parametrize(
+    ("imports", "name"),
+    [
+        ("import gymnasium, vcage", "vcage/Run-v0"),
+        ("import vcage, gymnasium", "vcage.evaluation.gymnasium_ids:vcage/Run-v0"),
+    ],
+)
+def test_gymnasium_knows_it_by_name_in_a_new_process(imports: str, name: str, tmp_path: Path) -> None:
+    code = f"{imports}; gymnasium.make({name!r}, run={str(tmp_path / 'none')!r})"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert "MissingStage" in done.stderr and "NamespaceNotFound" not in done.stderr
 
 
 @pytest.mark.slow
@@ -128,12 +141,41 @@ def test_an_episode_ends_when_it_has_lasted_too_long(finished: Finished) -> None
 
 
 @pytest.mark.parametrize(
-    ("action", "complaint"), [(np.zeros(3), r"shape \(3,\)"), (np.full(14, np.nan), "NaN or infinity for left_joint_1")]
+    ("action", "complaint"),
+    [
+        (np.zeros(3), r"shape \(3,\)"),
+        (np.full(14, np.nan), "NaN or infinity for left_joint_1"),
+        (np.full(14, 1j), "complex128"),
+        ("go", "<U2"),
+    ],
 )
 def test_an_action_that_is_none_is_refused(env: RunEnv, action: np.ndarray, complaint: str) -> None:
     env.reset(seed=0)
     with pytest.raises(UsageError, match=complaint):
         env.step(action)
+
+
+@pytest.mark.parametrize(
+    ("options", "complaint"),
+    [
+        ({"layout": "bogus"}, "layout='bogus': Input should be 'varied' or 'fixed'"),
+        ({"max_steps": 0}, "max_steps=0: Input should be greater than 0"),
+        ({"max_steps": 1.5}, "max_steps=1.5"),
+        ({"environment_state": "yes"}, "environment_state='yes'"),
+        ({"vary": "bogus"}, "vary='bogus'"),
+        ({"cameras": "front"}, "cameras='front'"),
+        ({"foo": 1}, "foo=1"),
+    ],
+)
+def test_an_option_that_is_none_is_refused_with_those_that_are(options: dict[str, Any], complaint: str) -> None:
+    with pytest.raises(UsageError, match=complaint) as caught:
+        make_env("anywhere", **options)
+    assert "max_steps, randomise" in str(caught.value.hint)
+
+
+def test_an_unknown_option_of_reset_is_refused(env: RunEnv) -> None:
+    with pytest.raises(UnknownName, match="epsode"):
+        env.reset(options={"epsode": 0})
 
 
 @pytest.mark.slow
