@@ -20,7 +20,8 @@ from websockets.sync.client import ClientConnection, connect
 from tests.run_folders import Finished
 from vcage.base.errors import MissingStage, UsageError
 from vcage.base.files import resource
-from vcage.evaluation.environment import EnvironmentOptions, make_env
+from vcage.evaluation.environment import make_env
+from vcage.evaluation.environment_options import EnvironmentOptions
 from vcage.evaluation.environment_server import environment_server
 from vcage.evaluation.wire import pack, unpack
 

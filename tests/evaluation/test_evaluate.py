@@ -17,7 +17,8 @@ from tests.run_folders import Finished, command
 from vcage.base.errors import InputFileError, MissingStage, StaleStage, UsageError
 from vcage.base.videos import pictures
 from vcage.evaluation.comparison import compare, require_shared_seeds
-from vcage.evaluation.environment import EnvironmentOptions, RunEnv
+from vcage.evaluation.environment import RunEnv
+from vcage.evaluation.environment_options import EnvironmentOptions
 from vcage.evaluation.evaluate import RECORD, Amount, actions_file, evaluate, planned
 from vcage.evaluation.factors import Factor
 from vcage.evaluation.filming import chosen

@@ -114,6 +114,7 @@ def test_an_address_that_is_none_is_refused(address: str) -> None:
         ({"actions": np.zeros((0, 14))}, r"shape \(0, 14\)"),
         ({"actions": np.full((2, 14), np.nan)}, "NaN or infinity"),
         ({"actions": [["left"]]}, "actions that are no numbers"),
+        ({"actions": [1j] * 14}, "actions that are no numbers"),
     ],
 )
 def test_a_wrong_answer_is_refused_by_name(answer: object, complaint: str) -> None:

@@ -13,7 +13,7 @@ from vcage.base.options import FOLDER, NATURAL, POSITIVE, RANGES, UNSAID, Flag, 
 from vcage.cli.arguments import Command
 
 if TYPE_CHECKING:
-    from vcage.evaluation.environment import EnvironmentOptions
+    from vcage.evaluation.environment_options import EnvironmentOptions
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,7 +41,7 @@ class EnvironmentCommand(Command):
         Raises:
             UsageError: cameras are chosen, and none are to be observed.
         """
-        from vcage.evaluation.environment import EnvironmentOptions
+        from vcage.evaluation.environment_options import EnvironmentOptions
 
         if self.cameras and self.no_pictures:
             raise UsageError("--cameras chooses pictures, and --no-pictures observes none", hint="leave one out")

@@ -6,10 +6,9 @@ Each reset draws a layout and a look as collecting does, from random streams tha
 from __future__ import annotations
 
 import gc
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -21,9 +20,10 @@ from vcage.base.memory import forget
 from vcage.episodes.beginnings import Beginnings
 from vcage.evaluation.acting import Acting
 from vcage.evaluation.attained import Task
+from vcage.evaluation.environment_options import EnvironmentOptions
 from vcage.evaluation.episode_start import EpisodeStart
 from vcage.evaluation.expert import expert_episode
-from vcage.evaluation.factors import Factor, OtherLook, widened
+from vcage.evaluation.factors import OtherLook, widened
 from vcage.evaluation.observation import names_of_joints, observation_space
 from vcage.runs.accepted import accepted_episodes
 from vcage.runs.context import StageContext
@@ -36,31 +36,6 @@ from vcage.tasks.loop import EpisodeRun
 
 Observation = dict[str, Any]
 Info = dict[str, Any]
-
-
-@dataclass(frozen=True)
-class EnvironmentOptions:
-    """Options of an environment.
-
-    Args:
-        chain: number of the task in the run: a run of an instruction has one, a scene done whole one for each sub-task.
-        pictures: observe pictures; without, no renderer is needed.
-        cameras: whose pictures are observed; all of the robot if empty.
-        environment_state: observe the poses of the objects.
-        max_steps: actions after which an episode ends; None: twice those of the run's longest accepted episode.
-        randomise: ranges of the differences between episodes; None: those of the run's collection.
-        layout: drawn for each episode, or as optimised with small shifts; None: as collected.
-        vary: the one factor that is changed: drawn as widely as ``full`` does, or the other kind of layout.
-    """
-
-    chain: int = 0
-    pictures: bool = True
-    cameras: Sequence[str] = ()
-    environment_state: bool = False
-    max_steps: int | None = None
-    randomise: str | None = None
-    layout: Literal["varied", "fixed"] | None = None
-    vary: Factor | None = None
 
 
 PATIENCE = 2.0
@@ -84,6 +59,7 @@ class RunEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     before. ``reset(options={"episode": k})`` begins as the k-th recorded episode did.
 
     Example:
+        >>> import gymnasium, vcage
         >>> env = gymnasium.make("vcage/Run-v0", run="runs/blocks")
         >>> observation, info = env.reset(seed=0)
 
@@ -138,10 +114,12 @@ class RunEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
         Raises:
             InfeasibleScene: the objects of this seed do not stay where they are put.
-            UnknownName: there is no recorded episode of that number.
+            UnknownName: there is no recorded episode of that number, or no such option.
         """
         super().reset(seed=seed)
         self.close()
+        for name in (options or {}).keys() - {"episode"}:
+            raise UnknownName("option of reset", name, ["episode"])
         recorded = (options or {}).get("episode")
         if recorded is None:
             number = int(self.np_random.integers(2**31)) if seed is None else seed
@@ -215,7 +193,9 @@ class RunEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     # --- checks ---------------------------------------------------------------------------------------
 
     def _checked(self, action: NDArray[np.float32]) -> NDArray[np.float64]:
-        given, wanted = np.asarray(action, dtype=np.float64), self._lower.shape
+        given, wanted = np.asarray(action), self._lower.shape
+        if given.dtype.kind not in "fiub":
+            raise UsageError(f"the action holds {given.dtype}, not numbers", hint=f"it takes {wanted} of float32")
         if given.shape != wanted:
             raise UsageError(
                 f"the action has the shape {given.shape}, {self._robot.name} takes {wanted}",
@@ -224,7 +204,7 @@ class RunEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         if not np.isfinite(given).all():
             which = ", ".join(self.joint_names[i] for i in np.flatnonzero(~np.isfinite(given)))
             raise UsageError(f"the action holds NaN or infinity for {which}", hint="check what the policy was given")
-        return np.clip(given, self._lower, self._upper)
+        return np.clip(given.astype(np.float64), self._lower, self._upper)
 
     def _drawing(self, collected: Mapping[str, Any]) -> tuple[Randomisation, bool, OtherLook | None]:
         """The ranges of starts, true if layouts are drawn, and the other look where one factor of it is varied.
@@ -280,11 +260,11 @@ def make_env(
 
     Raises:
         MissingStage, UnknownName, NoRenderer: see :class:`RunEnv`.
-        UsageError: that render mode does not exist.
+        UsageError: that render mode or option does not exist, or an option has another type.
     """
     if render_mode not in (None, "rgb_array"):
         raise UsageError(f"there is no render mode {render_mode!r}", hint="give 'rgb_array', or leave it out")
-    return RunEnv(run, EnvironmentOptions(**options), context)
+    return RunEnv(run, EnvironmentOptions.of(options), context)
 
 
 def _ranges(name: str | None, collected: Mapping[str, Any]) -> Randomisation:

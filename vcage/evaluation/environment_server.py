@@ -31,7 +31,8 @@ from websockets.sync.server import serve as listen
 
 from vcage.base.errors import UsageError, VcageError
 from vcage.base.workers import Processes
-from vcage.evaluation.environment import EnvironmentOptions, RunEnv
+from vcage.evaluation.environment import RunEnv
+from vcage.evaluation.environment_options import EnvironmentOptions
 from vcage.evaluation.wire import pack, unpack
 
 logger = logging.getLogger(__name__)

@@ -49,7 +49,7 @@ def checked_actions(answer: Any, size: int, policy: str) -> NDArray[np.float64]:
         keys = sorted(map(str, answer)) if isinstance(answer, Mapping) else type(answer).__name__
         raise PolicyFailed(f"{policy} answers without 'actions', but with {keys}", hint="answer a map with actions")
     try:
-        actions = np.atleast_2d(np.asarray(answer["actions"], dtype=np.float64))
+        actions = np.atleast_2d(np.asarray(answer["actions"]).astype(np.float64, casting="same_kind"))
     except (TypeError, ValueError) as error:
         raise PolicyFailed(f"{policy} answers actions that are no numbers: {error}") from error
     if actions.ndim != 2 or actions.shape[1] != size or not len(actions):

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from vcage.base.errors import InfeasibleScene, UnknownName
 from vcage.base.files import RunFolder
 from vcage.datasets.reader import EpisodeReader
-from vcage.evaluation.environment import EnvironmentOptions, Observation, RunEnv
+from vcage.evaluation.environment import Observation, RunEnv
+from vcage.evaluation.environment_options import EnvironmentOptions
 from vcage.evaluation.payload import Payload, names_in, payload, require_possible
 from vcage.evaluation.policy import LocalPolicy, Policy, PolicyFailed, checked_actions
 from vcage.evaluation.remote_policy import RemotePolicy
