@@ -529,6 +529,13 @@ def test_doubtful_or_unknown_wording_is_refused_with_a_reason(sentence: str, why
     assert "--models agent" in refused.value.hint and "docs/instructions.md" in refused.value.hint
 
 
+@pytest.mark.parametrize("after", ["then take it out", "take the apple out", "pick it up again", "then grab the apple"])
+def test_a_thing_picked_up_after_it_was_placed_must_go_somewhere(after: str) -> None:
+    things = scene("apple/red", "bowl/white")
+    with pytest.raises(UnreadInstruction, match="picking up is no goal by itself"):
+        read_goals(f"Put the apple in the bowl, {after}", things)
+
+
 def test_a_sentence_that_can_mean_two_things_is_refused_with_both() -> None:
     with pytest.raises(UnreadInstruction) as refused:
         read_goals("Put the apple in the bowl on the plate", scene("apple/red", "bowl/white", "plate/white"))

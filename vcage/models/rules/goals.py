@@ -117,6 +117,7 @@ class Goals:
     commands: Sequence[Command]
     _added: list[AskedGoal] = field(default_factory=list)
     _picked: dict[str, Command] = field(default_factory=dict)
+    _unfinished: dict[str, Command] = field(default_factory=dict)
     _arms: dict[str, str] = field(default_factory=dict)
     _moved: set[str] = field(default_factory=set)
     _used: set[str] = field(default_factory=set)
@@ -135,9 +136,8 @@ class Goals:
         for _, group in itertools.groupby(self.commands, lambda command: command.group):
             goals += self._in_steps(list(group), max((asked.step + 1 for asked in goals), default=1))
         subjects = {asked.goal.subject for asked in goals}
-        for name, command in self._picked.items():
-            if name not in subjects:
-                raise Doubt(command.words, "picking up is no goal by itself; say where it goes, or to hold it up")
+        for command in self._unfinished.values():
+            raise Doubt(command.words, "picking up is no goal by itself; say where it goes, or to hold it up")
         descriptions = list(found.descriptions.values())
         if clashes := inconsistencies(goals, descriptions):
             raise Conflict("", "; ".join(clashes))
@@ -166,6 +166,7 @@ class Goals:
     def _add(self, command: Command, subject: str, relation: str, *rest: str | None, arm: str | None = None) -> None:
         if arm is None and subject not in self._moved:
             self._require_holder(command, subject)
+        self._unfinished.pop(subject, None)
         goal, arm = goal_of([subject, relation, *rest]), arm or command.arm or self._arms.get(subject)
         if goal.reference in self._meanings.excepted:
             raise Doubt(command.words, f"{goal.reference} is excepted")
@@ -198,7 +199,8 @@ class Goals:
         return names
 
     def _pick(self, command: Command) -> None:
-        self._picked = dict.fromkeys(self._named(command), command) | self._picked
+        picked = dict.fromkeys(self._named(command), command)
+        self._picked, self._unfinished = picked | self._picked, self._unfinished | picked
         self._arms |= {name: command.arm for name in self._named(command) if command.arm is not None}
 
     def _lift(self, command: Command) -> None:
@@ -292,6 +294,7 @@ class Goals:
             self._require_holder(command, tool)
         arm, taken = self._arms.get(tool), self._picked.pop(tool, command)
         named = command.place or taken.things[0]
+        self._unfinished.pop(tool, None)
         self._used.add(tool)
         self._event(replace(command, arm=command.arm or arm, words=_joined(taken, command)))
         subjects = [asked.goal.subject for asked in self._added]
