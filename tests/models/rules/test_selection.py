@@ -178,3 +178,21 @@ def test_the_red_one_after_the_place_is_one_of_the_things() -> None:
 def test_an_exception_that_no_kind_is_called_is_refused() -> None:
     with pytest.raises(NoAssetFits, match="unicorn"):
         selected("Put all pens in the box except the unicorn")
+
+
+@pytest.mark.parametrize(
+    ("sentence", "why"),
+    [
+        ("Put the block on top", "on top of which thing"),
+        ("Put the bowl on the plate and put the apple on top", "on top of which thing"),
+        ("Put the apple on the left side", "no goal names this side"),
+        ("Move the can to the side", "no goal names this side"),
+        ("Put the apple in the area", "no goal names this area"),
+        ("Put the glass on the tray", "give its full name"),
+        ("Open the drawer slightly", "how far"),
+        ("Put every block on its plate", "a place of its own"),
+    ],
+)
+def test_words_that_say_too_little_are_refused(sentence: str, why: str) -> None:
+    with pytest.raises(UnreadInstruction, match=why):
+        selected(sentence)

@@ -42,6 +42,15 @@ TOOLS: dict[str, Callable[[CatalogueEntry], bool]] = {
 """Commands → the test of a tool for them."""
 
 
+_NEVER_ALONE = {
+    ("top",): "say on top of which thing",
+    ("side",): "no goal names this side; say of which thing",
+    ("area",): "no goal names this area; say which thing it is",
+    ("glass",): "it may be one to drink from or to look through; give its full name",
+}
+"""Names that say too little without another word, and why."""
+
+
 class ToolWords(NamedTuple):
     """The words of a command that takes a tool: past participle, verb, an example of a tool, a refusal of others."""
 
@@ -87,6 +96,7 @@ def agreed(instruction: str, ground: Callable[[tuple[Command, ...]], Any], as_te
     doubts: list[Doubt | NoAssetFits] = []
     for commands in (way for parsed in parse(instruction) for way in resolved(parsed)):
         try:
+            _require_full_names(commands)
             result = ground(commands)
             found.setdefault(as_text(result), result)
         except (Doubt, NoAssetFits) as doubt:
@@ -98,6 +108,17 @@ def agreed(instruction: str, ground: Callable[[tuple[Command, ...]], Any], as_te
         return next(iter(found.values()))
     doubt = [*conflicts, *doubts, Doubt("", "what 'it' or 'them' means is open")][0]
     raise not_read(instruction, *doubt.args) if isinstance(doubt, Doubt) else doubt
+
+
+def _require_full_names(commands: Sequence[Command]) -> None:
+    """Refuse nouns that only count with another word.
+
+    Raises:
+        Doubt: names the noun.
+    """
+    for noun in (noun for c in commands for noun in (*c.things, c.place, c.source) if noun is not None):
+        if why := _NEVER_ALONE.get(noun.words):
+            raise Doubt(noun.text, why)
 
 
 def in_words(reading: Reading) -> str:

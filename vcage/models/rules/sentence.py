@@ -21,6 +21,8 @@ from vcage.models.rules.nouns import Noun, noun_of
 REFUSED = {
     r"pour|hang|(stand |set |turn )?(it |them )?upright|head-up|horizontally":
         "no goal says that a thing is poured or hung up, or which way up it is",
+    r"slightly(?! away)|twice|vigorously": "no goal says how far, how often or how hard something is done",
+    r"(every|each) [^,.;]* its": "no goal says that each thing has a place of its own; name the places",
     r"sorry|i mean|or rather|no wait": "a correction is not read; say only what is meant",
     r"[4-9]\d|\d{3,}": "no table holds so many; ask for 1 to 39",
     r"(corner|edge) of the (table|desk)": "this place of the table is none that a goal can name",
@@ -37,7 +39,7 @@ _ONE_BY_ONE = "two arms at once cannot be promised; say which arm does what, lef
 
 _POLITE = re.compile(
     r"\b(please|pls|kindly|carefully|gently|again|thanks|thank you|cheers|ta|for me|as well|now|just|hey|(?<!the )robot"
-    r"|directly|slightly|straight|somewhere)\b"
+    r"|directly|slightly(?= away)|straight|somewhere)\b"
     r"|[,;]? (i do(n't| not) (mind|care)|it does(n't| not) matter) which( one)?\b"
     r"|[,;]? (whichever you like|any will do)\b"
     r"|\bcent(er|re) of the top( side)?(?= \w)"
