@@ -38,6 +38,7 @@ def told(*texts: str) -> list[Description]:
         ([("a in_place_of b", "c in_place_of b")], [], "a in_place_of b and c in_place_of b"),
         ([("a in_place_of b", "a in_place_of c")], [], "a in_place_of b and a in_place_of c"),
         ([("a back", "b in_place_of a")], [], "a back and b in_place_of a"),
+        ([("a on plate",), ("plate wiped",)], [], "a on plate and then plate wiped"),
         ([("a on b",), ("b on a",)], [], "the goals contradict each other"),
         ([("a on b",)], ["a left_of table", "a right_of table"], "the start conditions contradict each other"),
         ([("a on b",)], ["a inside c drawer_top", "a inside c drawer_bottom"], "the start conditions contradict"),
@@ -61,6 +62,13 @@ def test_later_steps_may_undo_earlier_ones_and_several_may_stand_in_the_middle()
     assert (
         inconsistencies(steps, told("mug center table", "box center table", "mug left_of box", "mug left_of box")) == []
     )
+
+
+@pytest.mark.parametrize(
+    "steps", [[("plate wiped",), ("a on plate",)], [("a on plate",), ("a on table",), ("plate wiped",)]]
+)
+def test_what_is_empty_by_then_may_be_wiped(steps: list[tuple[str, ...]]) -> None:
+    assert not inconsistencies(asked(*steps), [])
 
 
 def test_goals_without_an_order_put_a_thing_into_one_place_only() -> None:

@@ -24,6 +24,7 @@ def inconsistencies(goals: Sequence[AskedGoal], descriptions: Iterable[Descripti
     found = found or [f"the goals contradict each other: {text}" for text in _clashes(lasting(steps))]
     found = found or [f"the goals contradict each other: {text}" for text in _held_elsewhere(steps)]
     found = found or [f"the goals contradict each other: {text}" for text in _crowded(lasting(steps))]
+    found = found or [f"the goals contradict each other: {text}" for text in _covered(steps)]
     return found + [f"the start conditions contradict each other: {text}" for text in _clashes(placed)]
 
 
@@ -48,6 +49,17 @@ def _crowded(goals: Sequence[Goal]) -> list[str]:
     at = {goal: goal.subject if goal.relation == AT_START else goal.reference for goal in goals if _of_start(goal)}
     pairs = itertools.combinations(at, 2)
     return [f"{a} and {b}" for a, b in pairs if (a.subject == b.subject) != (at[a] == at[b])]
+
+
+def _covered(steps: Sequence[Collection[Goal]]) -> list[str]:
+    """Pairs of goals by which a thing is put on another that is wiped later, which takes an empty one, in words."""
+    found, lying = list[str](), dict[str, Goal]()
+    for step in steps:
+        wiped = {goal.subject: goal for goal in step if goal.relation == "wiped"}
+        found += [f"{on} and then {wiped[place]}" for on in lying.values() if (place := on.reference) in wiped]
+        lying |= {goal.subject: goal for goal in step if not goal.kind.event and goal.part is None}
+        lying = {name: goal for name, goal in lying.items() if goal.relation == "on"}
+    return found
 
 
 def _of_start(goal: Goal) -> bool:

@@ -191,6 +191,15 @@ def test_an_exception_that_no_kind_is_called_is_refused() -> None:
         ("Put the glass on the tray", "give its full name"),
         ("Open the drawer slightly", "how far"),
         ("Put every block on its plate", "a place of its own"),
+        ("Hit the block with the hammer twice", "how often"),
+        ("Shake the bottle vigorously", "how hard"),
+        ("Turn the tap to the left", "in which direction"),
+        ("Lift the pot to the right with the left arm", "in which direction"),
+        ("Show the payment sign to the right to the customer", "in which direction"),
+        (
+            "Put the apple on the plate, then wipe the plate with the sponge",
+            "apple_.* on plate_.* and then plate_.* wiped",
+        ),
     ],
 )
 def test_words_that_say_too_little_are_refused(sentence: str, why: str) -> None:

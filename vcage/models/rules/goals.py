@@ -13,6 +13,7 @@ from vcage.models.rules.meanings import Meanings, Things
 from vcage.models.rules.nouns import Conflict, Doubt, Noun
 from vcage.models.rules.pronouns import resolved
 from vcage.models.rules.sentence import ONE_ARM, OTHER_ARM, USING, Command, not_read, parse
+from vcage.models.rules.too_little import require_plain
 from vcage.objects.names import names_of
 from vcage.plans.actions import HOLDING
 from vcage.plans.consistency import inconsistencies, unordered_contradictions
@@ -40,15 +41,6 @@ TOOLS: dict[str, Callable[[CatalogueEntry], bool]] = {
     "wipe": lambda e: e.wipes,
 }
 """Commands → the test of a tool for them."""
-
-
-_NEVER_ALONE = {
-    ("top",): "say on top of which thing",
-    ("side",): "no goal names this side; say of which thing",
-    ("area",): "no goal names this area; say which thing it is",
-    ("glass",): "it may be one to drink from or to look through; give its full name",
-}
-"""Names that say too little without another word, and why."""
 
 
 class ToolWords(NamedTuple):
@@ -96,7 +88,7 @@ def agreed(instruction: str, ground: Callable[[tuple[Command, ...]], Any], as_te
     doubts: list[Doubt | NoAssetFits] = []
     for commands in (way for parsed in parse(instruction) for way in resolved(parsed)):
         try:
-            _require_full_names(commands)
+            require_plain(commands)
             result = ground(commands)
             found.setdefault(as_text(result), result)
         except (Doubt, NoAssetFits) as doubt:
@@ -108,17 +100,6 @@ def agreed(instruction: str, ground: Callable[[tuple[Command, ...]], Any], as_te
         return next(iter(found.values()))
     doubt = [*conflicts, *doubts, Doubt("", "what 'it' or 'them' means is open")][0]
     raise not_read(instruction, *doubt.args) if isinstance(doubt, Doubt) else doubt
-
-
-def _require_full_names(commands: Sequence[Command]) -> None:
-    """Refuse nouns that only count with another word.
-
-    Raises:
-        Doubt: names the noun.
-    """
-    for noun in (noun for c in commands for noun in (*c.things, c.place, c.source) if noun is not None):
-        if why := _NEVER_ALONE.get(noun.words):
-            raise Doubt(noun.text, why)
 
 
 def in_words(reading: Reading) -> str:
@@ -157,7 +138,7 @@ class Goals:
         for _, group in itertools.groupby(self.commands, lambda command: command.group):
             goals += self._in_steps(list(group), max((asked.step + 1 for asked in goals), default=1))
         subjects = {asked.goal.subject for asked in goals}
-        for command in self._unfinished.values():
+        if command := next(iter(self._unfinished.values()), None):
             raise Doubt(command.words, "picking up is no goal by itself; say where it goes, or to hold it up")
         descriptions = list(found.descriptions.values())
         if clashes := inconsistencies(goals, descriptions):
