@@ -43,11 +43,13 @@ from benchmarks._policy.demonstrations import Demonstrations
 from benchmarks._policy.localiser import LocaliserTraining, trained_localiser, views_of
 from benchmarks._policy.pictures import Format, shrunk_pictures
 from benchmarks._policy.policy import Meaning, Policy
+from benchmarks._policy.pooled import pooled
 from benchmarks._policy.training import Noise, Training, trained
 from vcage.base.errors import StaleStage, UsageError, VcageError
 from vcage.base.files import RunFolder, atomic_path, cache_dir
 from vcage.evaluation.environment import PATIENCE
 from vcage.evaluation.evaluate import RECORD
+from vcage.schema.evaluation import Evaluation
 
 logger = logging.getLogger(__name__)
 
@@ -125,7 +127,7 @@ def run(
     workers: int = 2,
     **chosen: Any,
 ) -> dict[str, Any]:
-    """A row for each policy: its data, and its evaluation.
+    """A row for each policy: its data, and its evaluation; of several seeds also :func:`pooled` tables.
 
     - ``episodes``, ``frames``: that it was trained on; ``cpu_minutes``: of each of its trainings.
     - all figures of ``vcage evaluate``: ``n_success`` of ``n_episodes``, ``pc_success_ci95`` (Wilson), ``furthest``
@@ -151,8 +153,11 @@ def run(
     _require_device(device)
     folder = (data or cache_dir("benchmarks", "policy")) / robot / "-".join(instruction.lower().split())
     bench = _Bench(Task(instruction, robot, folder, workers), plan, device)
-    found = [bench.row(row, seed) for seed in range(plan.seeds) for row in chosen_rows]
-    return {"instruction": instruction, "robot": robot, "plan": asdict(plan), "rows": found}
+    trainings = [(row, seed) for seed in range(plan.seeds) for row in chosen_rows]
+    found = [bench.row(row, seed) for row, seed in trainings]
+    evaluations = {training: Evaluation.read(bench.evaluation(*training) / RECORD) for training in trainings}
+    tables = pooled(evaluations, RIVALS) if plan.seeds > 1 else {}
+    return {"instruction": instruction, "robot": robot, "plan": asdict(plan), "rows": found, **tables}
 
 
 def _require_device(device: str) -> None:
@@ -231,9 +236,13 @@ class _Bench:
             policy.write(part)
         return path
 
+    def evaluation(self, name: str, seed: int) -> Path:
+        """Folder of the evaluation of a policy: all act in the scenes of the varied run."""
+        return self.task.data / "varied" / "evaluations" / f"{name}-seed{seed}"
+
     def _evaluated(self, weights: Path, run: RunFolder, name: str, seed: int, options: list[str]) -> dict[str, Any]:
         """Serve weights and evaluate them with options; the summary of ``vcage evaluate``."""
-        out, rival = (run.root / "evaluations" / f"{row}-seed{seed}" for row in (name, RIVALS.get(name, name)))
+        out, rival = (self.evaluation(row, seed) for row in (name, RIVALS.get(name, name)))
         with served(weights) as address:
             command = [sys.executable, "-m", "vcage.cli.main", "evaluate", str(run.root), "--policy", address]
             command += ["--episodes", str(self.plan.rollouts), "--workers", str(self.task.workers)]

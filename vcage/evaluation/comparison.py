@@ -58,8 +58,6 @@ def compare(this: Evaluation, other: Evaluation, name: str) -> Comparison:
     Raises:
         UsageError: as :func:`require_same_starts`; or they share no start.
     """
-    from scipy.stats import binomtest  # half a second, which most evaluations do not need
-
     require_same_starts(this, other)
     mine, others = ({rollout.seed: rollout.success for rollout in one.rollouts} for one in (this, other))
     pairs = [(success, others[seed]) for seed, success in mine.items() if seed in others]
@@ -73,8 +71,19 @@ def compare(this: Evaluation, other: Evaluation, name: str) -> Comparison:
         n_success_other=sum(theirs for _, theirs in pairs),
         b=b,
         c=c,
-        mcnemar_p=float(binomtest(b, b + c).pvalue) if b + c else 1.0,
+        mcnemar_p=mcnemar_p(b, c),
     )
+
+
+def mcnemar_p(b: int, c: int) -> float:
+    """Two-sided p-value of McNemar's exact test.
+
+    Args:
+        b, c: pairs in which only the one or only the other succeeds.
+    """
+    from scipy.stats import binomtest  # half a second, which most evaluations do not need
+
+    return float(binomtest(b, b + c).pvalue) if b + c else 1.0
 
 
 def read_other(path: Path) -> Evaluation:
