@@ -29,7 +29,8 @@ class LocaliserSettings:
         unit_m: of their answers: objects are a few of these away from the middle.
         fixed_points, carried_points: that are found in a picture of a fixed camera, and of one that a hand carries.
         channels: of the first layer.
-        sharpness: by which a picture's heat is multiplied before points are found in it, at the beginning.
+        sharpness: by which a picture's heat is multiplied before points are found in it, at the beginning. Less, and
+            each point is the middle of the picture for hundreds of steps.
         width: of the hidden layers behind the points.
     """
 
@@ -37,7 +38,7 @@ class LocaliserSettings:
     fixed_points: int = 16
     carried_points: int = 12
     channels: int = 16
-    sharpness: float = 2.0
+    sharpness: float = 8.0
     width: int = 128
 
 
@@ -89,8 +90,8 @@ class LocaliserTraining:
         seed: of weights and order.
     """
 
-    steps: int = 1000
-    batch: int = 48
+    steps: int = 1500
+    batch: int = 16
     rate: float = 2e-3
     decay: float = 1e-3
     brightness: float = 0.1
