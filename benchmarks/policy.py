@@ -38,11 +38,10 @@ from typing import Any, get_args
 import numpy as np
 import torch
 
-from benchmarks._policy import played
+from benchmarks._policy import localiser, played
 from benchmarks._policy.collected import Layout, Task, exported, meaning_of
 from benchmarks._policy.demonstrations import Demonstrations
-from benchmarks._policy.localiser import SETTINGS as LOCALISER
-from benchmarks._policy.localiser import LocaliserTraining, trained_localiser, views_of
+from benchmarks._policy.localiser import LocaliserTraining, places_in_pictures, trained_localiser, views_of
 from benchmarks._policy.pictures import Format, shrunk_pictures
 from benchmarks._policy.policy import Meaning, Policy
 from benchmarks._policy.pooled import pooled
@@ -92,7 +91,7 @@ class Plan:
     episodes: int = 300
     seeds: int = 1
     steps: int = 10_000
-    localiser_share: float = 0.15
+    localiser_share: float = 0.1
     rollouts: int = 100
     actions: int = 4
     object_noise_m: float = 0.004
@@ -106,7 +105,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     for name, kind, what in (
         ("episodes", int, "of training, of each row"),
         ("seeds", int, "trainings of each row"),
-        ("steps", int, "of each training of a policy; its localiser takes 15 of 100"),
+        ("steps", int, "of each training of a policy; its localiser takes a tenth of them"),
         ("rollouts", int, "of each policy"),
     ):
         default = f"default: {getattr(Plan, name)}, with --quick {getattr(QUICK, name)}"
@@ -223,7 +222,7 @@ class _Bench:
     ) -> Path:
         """Weights of a policy with a localiser that is trained on pictures of a format."""
         training = LocaliserTraining(round(self.plan.localiser_share * self.plan.steps), seed=seed)
-        made_from = hashlib.sha256(f"{positions.stem} {training} {LOCALISER}".encode()).hexdigest()[:12]
+        made_from = hashlib.sha256(f"{positions.stem} {training} {localiser.SETTINGS}".encode()).hexdigest()[:12]
         path = self.task.data / f"{stored}-seed{seed}-{made_from}.pt"
         if path.exists():
             return path
@@ -233,7 +232,8 @@ class _Bench:
         policy, views = Policy.read(positions), views_of(self.task.robot)
         seen = shrunk_pictures(source, stored, views, self.plan.episodes, self.task.data / "lerobot")
         hands, objects = policy.hands.poses(demonstrations.states), policy.objects.poses(demonstrations.objects)
-        found = trained_localiser(seen, hands, objects.position, views, training)
+        places = places_in_pictures(self.task.robot, views, objects.position)
+        found = trained_localiser(seen, hands, objects.position, views, places, training)
         policy.localiser, policy.cpu_s["localiser"] = found
         with atomic_path(path) as part:
             policy.write(part)
@@ -249,7 +249,7 @@ class _Bench:
         with served(weights) as address:
             command = [sys.executable, "-m", "vcage.cli.main", "evaluate", str(run.root), "--policy", address]
             command += ["--episodes", str(self.plan.rollouts), "--workers", str(self.task.workers)]
-            command += ["--actions", str(self.plan.actions), "--out", str(out), "--name", weights.stem]
+            command += ["--actions", str(self.plan.actions), "--out", str(out), "--name", weights.stem, "--videos", "0"]
             command += options
             if name in RIVALS and (rival / RECORD).exists():
                 command += ["--against", str(rival)]

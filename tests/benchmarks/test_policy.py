@@ -18,13 +18,14 @@ from benchmarks._policy.features import ObjectPoses, Objects, Seen, moved_with_o
 from benchmarks._policy.fitting import fit
 from benchmarks._policy.grip import carried, compensated, held
 from benchmarks._policy.hands import HandPoses, Hands
-from benchmarks._policy.localiser import LocaliserTraining, View, trained_localiser
+from benchmarks._policy.localiser import LocaliserTraining, View, missed_by, places_in_pictures, trained_localiser
 from benchmarks._policy.network import Size
 from benchmarks._policy.policy import Meaning, Policy, Scale
 from benchmarks._policy.steps import Progress, Steps
 from benchmarks._policy.training import Noise, Training, trained, turned
 from vcage.base.errors import UsageError, VcageError
 from vcage.base.files import RunFolder
+from vcage.sim.cameras import placed
 from vcage.sim.kinematics import kinematics_of
 from vcage.sim.robots import load_robot
 
@@ -347,9 +348,32 @@ def test_a_localiser_finds_a_square_in_pictures() -> None:
     hands = hands_of(np.tile(state_near_home(rng), (200, 1)))
     view = View("cam_high", None, 40, 40)
     training = LocaliserTraining(steps=200, batch=16)
-    localiser, _ = trained_localiser({"cam_high": pictures}, hands, places, [view], training)
+    where = {"cam_high": torch.from_numpy(np.stack([columns, rows], axis=1) / 20.0 - 1).float()[:, None]}
+    localiser, _ = trained_localiser({"cam_high": pictures}, hands, places, [view], where, training)
     found = localiser.positions({"cam_high": pictures[7]}, hands[torch.tensor([7])])
     assert float((found[0] - places[7]).abs().max()) < 0.25 * float(places.std(dim=0).max())
+
+
+def test_fixed_cameras_see_objects_where_the_file_of_the_robot_has_them() -> None:
+    camera = placed(load_robot(ROBOT).cameras["cam_high"])
+    points = camera.unproject([[80, 60], [240, 180]], 0.74)
+    positions = torch.from_numpy(np.stack([[points[0], points[1]], [camera.pose.p - [0, 1, 0], points[1]]]))
+    views = [View("cam_high", None, 120, 160), View("cam_left_wrist", 0, 60, 80)]
+    found = places_in_pictures(ROBOT, views, positions)
+    assert found.keys() == {"cam_high"}
+    wanted = [[[-0.5, -0.5], [0.5, 0.5]], [[2.0, 2.0], [0.5, 0.5]]]
+    assert np.allclose(found["cam_high"], wanted, atol=1e-5)
+
+
+def test_a_point_misses_an_object_by_the_heat_that_is_elsewhere() -> None:
+    share = torch.full((1, 3, 4, 5), 0.5 / 19)
+    share[0, 0, 1, 3] = share[0, 1, 0, 0] = 0.5
+    places = torch.tensor([[[0.5, -0.3], [0.9, 0.9]]])  # column 3 of 5 and row 1 of 4; then the last cell
+    heat = share.log()
+    assert float(missed_by(heat, places[:, :1])) == pytest.approx(np.log(2))
+    assert float(missed_by(heat, places)) == pytest.approx((np.log(2) + np.log(38)) / 2)
+    assert float(missed_by(heat, places + torch.tensor([[[0.0, 0.0], [0.2, 0.0]]]))) == pytest.approx(np.log(2))
+    assert float(missed_by(heat, places + 2)) == 0.0
 
 
 def test_weights_are_known_by_their_demonstrations_and_the_settings_of_their_training() -> None:
