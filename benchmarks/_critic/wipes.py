@@ -65,7 +65,7 @@ def wiped_another(played: Played) -> Shots | None:
 
 def _wipes(played: Played) -> bool:
     """True for wiping that was done."""
-    return played.goal.relation == "wiped" and is_used(played)
+    return played.goal.relation == "wiped" and is_used(played) and played.shots.later is not None
 
 
 def _ends(shots: Shots, tool: str) -> list[Pose]:

@@ -193,9 +193,13 @@ class RunEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     # --- checks ---------------------------------------------------------------------------------------
 
     def _checked(self, action: NDArray[np.float32]) -> NDArray[np.float64]:
-        given, wanted = np.asarray(action), self._lower.shape
-        if given.dtype.kind not in "fiub":
-            raise UsageError(f"the action holds {given.dtype}, not numbers", hint=f"it takes {wanted} of float32")
+        wanted = self._lower.shape
+        try:
+            given = np.asarray(action).astype(np.float64, casting="same_kind")
+        except (TypeError, ValueError) as error:
+            raise UsageError(
+                f"the action is no array of numbers: {error}", hint=f"{wanted} of float32 is one"
+            ) from error
         if given.shape != wanted:
             raise UsageError(
                 f"the action has the shape {given.shape}, {self._robot.name} takes {wanted}",
@@ -204,7 +208,7 @@ class RunEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         if not np.isfinite(given).all():
             which = ", ".join(self.joint_names[i] for i in np.flatnonzero(~np.isfinite(given)))
             raise UsageError(f"the action holds NaN or infinity for {which}", hint="check what the policy was given")
-        return np.clip(given.astype(np.float64), self._lower, self._upper)
+        return np.clip(given, self._lower, self._upper)
 
     def _drawing(self, collected: Mapping[str, Any]) -> tuple[Randomisation, bool, OtherLook | None]:
         """The ranges of starts, true if layouts are drawn, and the other look where one factor of it is varied.

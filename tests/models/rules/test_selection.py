@@ -189,6 +189,7 @@ def test_an_exception_that_no_kind_is_called_is_refused() -> None:
         ("Move the can to the side", "no goal names this side"),
         ("Put the apple in the area", "no goal names this area"),
         ("Put the glass on the tray", "give its full name"),
+        ("Put the apple in the bowl next to the glass", "give its full name"),
         ("Open the drawer slightly", "how far"),
         ("Put every block on its plate", "a place of its own"),
         ("Hit the block with the hammer twice", "how often"),

@@ -22,7 +22,8 @@ REFUSED = {
     r"pour|hang|(stand |set |turn )?(it |them )?upright|head-up|horizontally":
         "no goal says that a thing is poured or hung up, or which way up it is",
     r"slightly(?! away)|twice|vigorously": "no goal says how far, how often or how hard something is done",
-    r"(every|each) [^,.;]* its": "no goal says that each thing has a place of its own; name the places",
+    r"(every|each) (?:(?!and )[^,.;])* (in|on|into|onto|to) its":
+        "no goal says that each thing has a place of its own; name the places",
     r"sorry|i mean|or rather|no wait": "a correction is not read; say only what is meant",
     r"[4-9]\d|\d{3,}": "no table holds so many; ask for 1 to 39",
     r"(corner|edge) of the (table|desk)": "this place of the table is none that a goal can name",

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
-from vcage.models.rules.nouns import Doubt
+from vcage.models.rules.nouns import Doubt, Noun
 from vcage.models.rules.sentence import Command
 
 NEVER_ALONE = {
@@ -17,7 +17,7 @@ NEVER_ALONE = {
 """Names that say too little without another word, and why."""
 
 _DIRECTION = re.compile(r"\bto the (far )?(left|right)( side)?$")
-_MOTIONS = {"turn", "turn_off", "press", "show", "lift", "shake", "hold", "in_hands", "hold_with_both", "away", "face"}
+_MOTIONS = {"turn", "turn_off", "show", "lift", "shake", "hold", "in_hands", "hold_with_both", "away", "face"}
 """Commands after which "to the left" says where a thing is moved, not which one it is."""
 
 
@@ -27,9 +27,17 @@ def require_plain(commands: Sequence[Command]) -> None:
     Raises:
         Doubt: names the noun.
     """
-    for noun in (noun for c in commands for noun in (*c.things, c.place, c.source) if noun is not None):
+    for noun in (noun for c in commands for noun in _with_relations(*c.things, c.place, c.source)):
         if why := NEVER_ALONE.get(" ".join(noun.words)):
             raise Doubt(noun.text, why)
     for noun in (noun for c in commands if c.verb in _MOTIONS for noun in c.things):
         if _DIRECTION.search(noun.text.lower()):
             raise Doubt(noun.text, "no goal says in which direction it is moved; say which one as in: the left one")
+
+
+def _with_relations(*nouns: Noun | None) -> Iterator[Noun]:
+    """Nouns, and those that they are described by: "the bowl on the side" has two."""
+    for noun in nouns:
+        if noun is not None:
+            yield noun
+            yield from _with_relations(*(other for _, other in noun.relations), *noun.but)
