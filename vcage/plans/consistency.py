@@ -21,10 +21,9 @@ def inconsistencies(goals: Sequence[AskedGoal], descriptions: Iterable[Descripti
     # several may stand in the middle of the table
     placed = [d for d in descriptions if (d.relation, d.reference) != ("center", TABLE)]
     found = [f"the goals of one step contradict each other: {text}" for step in steps for text in _clashes(step)]
-    found = found or [f"the goals contradict each other: {text}" for text in _clashes(lasting(steps))]
-    found = found or [f"the goals contradict each other: {text}" for text in _held_elsewhere(steps)]
-    found = found or [f"the goals contradict each other: {text}" for text in _crowded(lasting(steps))]
-    found = found or [f"the goals contradict each other: {text}" for text in _covered(steps)]
+    end = lasting(steps)
+    for texts in (_clashes(end), _held_elsewhere(steps), _crowded(end), _covered(steps)):
+        found = found or [f"the goals contradict each other: {text}" for text in texts]
     return found + [f"the start conditions contradict each other: {text}" for text in _clashes(placed)]
 
 
