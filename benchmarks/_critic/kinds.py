@@ -9,6 +9,14 @@ import numpy as np
 
 from benchmarks._critic.hits import hit_another, hit_beside, not_down
 from benchmarks._critic.played import DROP, Kind, Played, Shots
+from benchmarks._critic.pours import (
+    half_beside,
+    missed,
+    poured_elsewhere,
+    poured_half,
+    poured_nothing,
+    vessel_dropped,
+)
 from benchmarks._critic.supports import beside, knocked_over, on_the_rim, pushed_away, slid_off
 from benchmarks._critic.tools import dropped_tool, swept
 from benchmarks._critic.wipes import wiped_above, wiped_another, wiped_beside, wiped_spot
@@ -180,6 +188,7 @@ def reversed_order(played: Played) -> Shots | None:
         "shaken",
         "hit",
         "wiped",
+        "poured",
         *HELD,
     ):
         return None
@@ -332,6 +341,12 @@ FAILURES: Mapping[str, Kind] = {
     "wiped at one spot": wiped_spot,
     "wiped beside": wiped_beside,
     "another wiped": wiped_another,
+    "nothing poured": poured_nothing,
+    "half poured": poured_half,
+    "container missed": missed,
+    "half beside": half_beside,
+    "vessel dropped": vessel_dropped,
+    "poured elsewhere": poured_elsewhere,
 }
 """By name."""
 

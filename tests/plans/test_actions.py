@@ -85,3 +85,11 @@ def test_a_place_is_taken_only_when_it_is_left() -> None:
     assert put.obstacle(frozenset([PEN])) == ""
     move = Action("move", frozenset(), frozenset([CUP]), moves="cup")
     assert move.after(frozenset([swap, stands])) == {swap, CUP}
+
+
+def test_what_is_poured_out_of_a_vessel_lies_in_the_other_then() -> None:
+    poured = Goal(subject="cup", relation="poured", reference="bowl")
+    pour = Action("pour", frozenset(), frozenset([poured]), pours=("cup", "bowl"))
+    here = Goal(subject="pen", relation="back")
+    in_bowl = Goal(subject="pen", relation="inside", reference="bowl")
+    assert pour.after(frozenset([IN_CUP, CUP, here])) == {poured, in_bowl, CUP}

@@ -101,7 +101,7 @@ class Layouts:
         self._scene, self._chain, self._context = scene, chain, context
         self._goals = {goal for subtask in chain for goal in subtask.goals}
         broken = relations_kept_in(scene, relations).broken
-        self._described = described_relations(scene.descriptions)
+        self._described = described_relations(scene.laid_out)
         self._relations = list(dict.fromkeys([*self._described, *(r for r in relations if r not in broken)]))
         self._objects = {o.id: o for o in context.objects(scene)}
         self._inside = {o.id: o.record.container for o in self._objects.values() if o.record.container is not None}

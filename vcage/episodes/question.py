@@ -177,6 +177,7 @@ def _question(context: StageContext, scene: Scene, asking: Asking) -> CriticQues
         hitters=_with_face("head", objects),
         wipings=wipings,
         wipers=_with_face("pad", objects),
+        contents=_contents(scene),
         table_height=scene.table.height,
         tops=_tops(objects.values(), scene.table.height),
         towards_customer=tuple(TOWARDS_CUSTOMER.tolist()),
@@ -189,6 +190,15 @@ def _question(context: StageContext, scene: Scene, asking: Asking) -> CriticQues
 def _with_face(kind: str, objects: Mapping[str, SceneObject]) -> list[str]:
     """Ids of the objects with a face of a kind."""
     return [name for name, one in objects.items() if one.asset.annotation.faces_of(kind)]
+
+
+def _contents(scene: Scene) -> dict[str, list[str]]:
+    """Ids of the balls in a heap at the start, by what they lie in."""
+    found: dict[str, list[str]] = {}
+    for o in scene.objects:
+        if o.heaped:
+            found.setdefault(str(o.container), []).append(o.id)
+    return found
 
 
 def _views(when: str, seen: Seen, taken_by: Mapping[str, Camera]) -> dict[str, View]:

@@ -88,7 +88,7 @@ def _scene(script: Script, provenance: Provenance, context: StageContext) -> Sce
 
 
 def _object(key: str, fields: tuple, library: Library) -> ObjectRecord:
-    asset, variant, role, phrase, position, quaternion, joints, container, *part = fields
+    asset, variant, role, phrase, position, quaternion, joints, container, *along = fields
     pose = Pose(position, quaternion)
     return ObjectRecord(
         id=key,
@@ -100,7 +100,8 @@ def _object(key: str, fields: tuple, library: Library) -> ObjectRecord:
         aabb=box_record(library.asset(asset, variant).bounds, pose),
         joints=joints,
         container=container,
-        container_part=next(iter(part), None),
+        container_part=next(iter(along), None),
+        heaped=along[1:] == [True],
     )
 
 

@@ -200,7 +200,7 @@ def steady(scene: Scene, models: Mapping[str, PhysicalModel], draw: WorldDraw) -
     if not draw.clutter:
         return draw
     report = World.of_scene(scene, models).settle()
-    gone = {*moved_objects(report), *report.fallen} & {*draw.clutter}
+    gone = {*moved_objects(report, scene.objects), *report.fallen} & {*draw.clutter}
     return left_with(draw, draw.clutter.keys() - gone)
 
 

@@ -27,6 +27,7 @@ from vcage.goals.moved_away import MOVED_AWAY
 from vcage.goals.near import NEAR
 from vcage.goals.on import ON, ON_TABLE
 from vcage.goals.open import OPEN
+from vcage.goals.poured import POURED
 from vcage.goals.presented import PRESENTED
 from vcage.goals.pressed import PRESSED
 from vcage.goals.row_left_of import ROW_LEFT_OF
@@ -44,7 +45,7 @@ KINDS: dict[str, GoalKind] = {
     for kind in (
         INSIDE, ON, *SIDES, ROW_LEFT_OF, IN_PLACE_OF, BESIDE, NEAR, CENTRED, OPEN, CLOSED, PRESSED, TURNED, TURNED_BACK,
         HELD_UP, HELD_BY_BOTH, SCANNED, WEIGHED, PRESENTED, BACK, MOVED_AWAY, FACING_ROBOT, HANDED, LIFTED, SHAKEN,
-        HIT, WIPED,
+        HIT, WIPED, POURED,
     )
 }  # fmt: skip
 """By word, in the order in which prompts explain them."""

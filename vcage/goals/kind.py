@@ -103,6 +103,12 @@ class State(Protocol):
     def wiping(self, name: str) -> tuple[Collection[int], int]:
         """Numbers of the cells of an object's flat top that the pad of a tool in a hand wipes now; and of all cells."""
 
+    def contents(self, name: str) -> Collection[str]:
+        """Ids of the objects that lay in an object when the sub-task began."""
+
+    def lies_in(self, name: str, other: str) -> bool:
+        """True where an object rests in another, and not on its bare top."""
+
     def not_resting(self, goal: Stated) -> str | None:
         """Why the subject does not rest in or on the reference; None where it does."""
 

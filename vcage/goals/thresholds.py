@@ -34,6 +34,9 @@ class Thresholds:
         wiped_gap_m: what lies at most this far from the plane of a pad is under it.
         wiped_m_per_s: and is wiped while the pad moves along it by this or faster: resting on a spot wipes nothing.
         wiped_moved_m, wiped_turned_rad: what is wiped stays within this of where and how it stood.
+        poured_rad: least lean of a vessel from which something is poured.
+        poured_into_m: side of the smallest opening that is poured into: balls come off a lip up to 2 cm to both sides.
+        poured_s: how long all of its contents must have lain in the other thing without a break.
         still_m_per_s: an object that moves more slowly lies still.
         code_away_m, code_aside_m: a scanner reads a code that is at most this far before its window, and this far
             beside the window's axis.
@@ -79,6 +82,9 @@ class Thresholds:
     wiped_m_per_s: float = 0.01
     wiped_moved_m: float = 0.015
     wiped_turned_rad: float = math.radians(10)
+    poured_rad: float = math.radians(75)
+    poured_into_m: float = 0.07
+    poured_s: float = 0.5
     still_m_per_s: float = 0.01
     code_away_m: float = 0.07
     code_aside_m: float = 0.03

@@ -52,6 +52,7 @@ VERBS: Mapping[str, Verb] = {
     "shaken": _verb("shak*|shook"),
     "hit": _verb("hit*|beat*|tap|taps|tapp*|strik*|struck"),
     "wiped": _verb("wip*|clean*"),
+    "poured": _verb("pour*|empt*|tip|tips|tipp*|dump*"),
     "presented": _verb("present*|show*|giv*|hand*|offer*"),
 }
 """The verbs by the word of the goal."""

@@ -101,11 +101,11 @@ class LlmReasoner:
         self, scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator, check: PlanCheck
     ) -> LayoutPlan:
         """The model's plan; relations name objects of the scene only, and ``check`` has no complaint."""
-        ids = [record.id for record in scene.objects if record.container_part is None]
+        ids = [record.id for record in scene.objects if not record.rides]
         item = narrowed(_PlannedRelation, subject=one_of(ids), reference=one_of([*ids, TABLE]))
         answer = narrowed(_LayoutAnswer, relations=list[item])
         entries, phrases = {entry.name: entry for entry in catalogue}, {o.id: o.phrase for o in scene.objects}
-        described = [in_words(d, phrases) for d in scene.descriptions if d.part is None]
+        described = [in_words(d, phrases) for d in scene.laid_out]
         goals = [goal_in_words(asked.goal, phrases) for asked in scene.goals]
         prompt = prompts.fill("plan_layout", scene=scene, entries=entries, goals=goals, described=described)
         return _plan(self._ask(prompt, answer, lambda a: _plan_complaints(a, check)))

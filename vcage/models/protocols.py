@@ -57,7 +57,8 @@ class EditRequest:
     def hidden(self) -> list[str]:
         """Ids of the objects that the picture does not show; they stay in place."""
         shown = set(np.unique(self.segmentation).tolist())
-        return [o.id for o in self.scene.objects if self.scene.segmentation_ids.get(o.id, -1) not in shown]
+        ids = self.scene.segmentation_ids
+        return [o.id for o in self.scene.objects if not o.heaped and ids.get(o.id, -1) not in shown]
 
     @cached_property
     def layout(self) -> IntendedLayout:
@@ -103,9 +104,10 @@ class CriticQuestion:
         wipings: poses of a tool on an object, each where wiping begins and where a stroke ends farthest from there:
             their ids, each with the pose that says how it stands.
         wipers: ids of the tools that have a pad.
+        contents: ids of the balls that lie loose in a vessel at the start, by the vessel's.
         grasped: id of the object to grasp, if it is not the object of the goals.
         moment: view by camera name while a part was touched, a code was before a scanner, a tool was on what it hits or
-            where it begins to wipe, two hands held a thing, or a thing came to lie on a scale.
+            where it begins to wipe, a vessel was tipped, two hands held a thing, or a thing came to lie on a scale.
         later: view by camera name where a stroke of wiping ends, far from where it began.
         start: view by camera name at the start of the episode; only where something is put back.
         uncalibrated: pictures by camera name, by time, of moving cameras: of both hands before and after; of the acting
@@ -134,6 +136,7 @@ class CriticQuestion:
     hitters: Sequence[str] = ()
     wipings: Callable[[str, Pose, str, Pose], Iterable[tuple[Pose, Pose]]] | None = None
     wipers: Sequence[str] = ()
+    contents: Mapping[str, Sequence[str]] = field(default_factory=dict)
     grasped: str | None = None
     moment: dict[str, View] = field(default_factory=dict)
     later: dict[str, View] = field(default_factory=dict)

@@ -30,6 +30,7 @@ class NamedObject:
         role: its use in the instruction.
         starts_in: id of its container or support at the start, None on the table.
         starts_in_part: moving part of that object, such as a drawer.
+        heaped: True where it lies loose there: a ball among others.
     """
 
     id: str
@@ -39,6 +40,7 @@ class NamedObject:
     role: Role
     starts_in: str | None = None
     starts_in_part: str | None = None
+    heaped: bool = False
 
 
 def validate_selection(selection: Selection, entries: Sequence[CatalogueEntry]) -> list[str]:
@@ -125,7 +127,7 @@ def room_complaints(objects: Sequence[NamedObject], items: Mapping[str, TableIte
     items = {name: _as_placed(item) for name, item in items.items()}
     found, lying = list[str](), list[Relation]()
     for o in objects:
-        if o.starts_in is not None and o.starts_in_part is None:
+        if o.starts_in is not None and o.starts_in_part is None and not o.heaped:
             word = "inside" if items[o.starts_in].holds == "in" else "on"
             tried = [*lying, Relation(subject=o.id, relation=word, reference=o.starts_in)]
             complaints = contradictions(tried) + size_complaints(tried, items, overhang=False)

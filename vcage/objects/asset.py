@@ -67,6 +67,11 @@ class Asset:
         return _is_round(np.concatenate([piece.vertices for piece in self.pieces])[:, :2])
 
     @cached_property
+    def ball_radius(self) -> float | None:
+        """Radius of a ball that lies loose in what holds it, metres; None for all else."""
+        return float(self.size.max()) / 2 if self.annotation.loose else None
+
+    @cached_property
     def pieces(self) -> list[Convex]:
         """The convex pieces whose union is the collision shape, including moving parts."""
         return [piece for pieces in self._pieces_by_link.values() for piece in pieces]
@@ -205,6 +210,7 @@ def unbuilt_entry(annotation: Annotation) -> CatalogueEntry:
         words=annotation.words,
         variants=annotation.variants,
         any_colour=annotation.any_colour,
+        loose=annotation.loose,
         contact_points=annotation.contact_points,
         functional_points=annotation.functional_points,
         faces=annotation.faces,

@@ -6,7 +6,7 @@ part is open or closed.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from vcage.goals import KINDS
@@ -34,6 +34,7 @@ class Action:
         object: the object that it is about, which no hand may hold before.
         vacant: an object that must have left its starting place before.
         spare: number of arms that may hold something up meanwhile.
+        pours: a vessel, and the object in which its contents lie afterwards.
     """
 
     name: str
@@ -45,6 +46,7 @@ class Action:
     object: str | None = None
     vacant: str | None = None
     spare: int = 0
+    pours: tuple[str, str] | None = None
 
     def obstacle(self, state: State) -> str:
         """Why it cannot be done in a state; "" when it can."""
@@ -76,7 +78,15 @@ class Action:
         if self.moves is not None:
             moved = {self.moves, *self._carried(state)}
             kept = (g for g in kept if g.kind.event or not moved & {*_placed(g)} or _within(g, moved))
-        return self.adds.union(kept)
+        return self.adds.union(kept if self.pours is None else self._poured([*kept], *self.pours))
+
+    def _poured(self, state: Sequence[Goal], vessel: str, target: str) -> Iterator[Goal]:
+        """Goals that are true after the contents of a vessel were poured into a target."""
+        out = {g.subject for g in state if g.relation in HOLDING and g.reference == vessel}
+        for goal in state:
+            if goal.kind.event or not out & {*_placed(goal)}:
+                yield goal
+        yield from (Goal(subject=name, relation="inside", reference=target) for name in out)
 
     def _carried(self, state: State) -> set[str]:
         """Name the objects that move along: the contents of the moved object, and theirs."""

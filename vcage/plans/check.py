@@ -61,13 +61,13 @@ def _taken_out(relations: Sequence[Relation], scene: Scene) -> list[str]:
     return [
         f"{o.id} lies in or on {o.container} at the start: say that it stays there"
         for o in scene.objects
-        if o.container is not None and o.container_part is None and (o.id, o.container) not in lies
+        if o.container is not None and not o.rides and (o.id, o.container) not in lies
     ]
 
 
 def _unplanned(relations: Sequence[Relation], scene: Scene) -> list[str]:
     placed = {r.subject for r in relations}
-    missing = [o.id for o in scene.objects if o.id not in placed and o.container_part is None]
+    missing = [o.id for o in scene.objects if o.id not in placed and not o.rides]
     return [f"nothing says where {', '.join(missing)} go"] if missing else []
 
 
@@ -75,17 +75,21 @@ def _undescribed(relations: Sequence[Relation], scene: Scene) -> list[str]:
     phrases = {o.id: o.phrase for o in scene.objects}
     return [
         f"must be true and is not said: {d.subject} {d.relation} {d.reference}, as {in_words(d, phrases)} ({d.words!r})"
-        for d in unsaid(relations, scene.descriptions)
+        for d in unsaid(relations, scene.laid_out)
     ]
 
 
 def _stowed(relations: Sequence[Relation], scene: Scene) -> list[str]:
     named = {name for r in relations for name in (r.subject, r.reference)}
     return [
-        f"{o.id} lies in the {part_words(o.container_part)} of {o.container} and goes where that goes: leave it out"
+        f"{o.id} lies in {_of_part(o.container_part)}{o.container} and goes where that goes: leave it out"
         for o in scene.objects
-        if o.container_part is not None and o.id in named
+        if o.rides and o.id in named
     ]
+
+
+def _of_part(part: str | None) -> str:
+    return "" if part is None else f"the {part_words(part)} of "
 
 
 def contradictions(relations: Sequence[Relation]) -> list[str]:

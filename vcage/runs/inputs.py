@@ -55,8 +55,8 @@ def described_check(scene: Scene, items: Mapping[str, TableItem]) -> Callable[[L
     check, phrases = plan_check(scene, items), {o.id: o.phrase for o in scene.objects}
 
     def complaints(plan: LayoutPlan) -> list[str]:
-        found = check(with_descriptions(plan, scene.descriptions, phrases))
-        added = unsaid(plan.relations, scene.descriptions)
+        found = check(with_descriptions(plan, scene.laid_out, phrases))
+        added = unsaid(plan.relations, scene.laid_out)
         if found and added:
             found.append(f"whatever else, this must be true: {'; '.join(in_words(d, phrases) for d in added)}")
         return found

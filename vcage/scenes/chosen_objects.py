@@ -185,6 +185,6 @@ def _crowded(goals: Sequence[AskedGoal], objects: Sequence[NamedObject], assets:
     for goal in last:
         held.setdefault((str(goal.reference), goal.part), []).append(goal.subject)
     for o in objects:
-        if o.starts_in is not None and o.id not in {asked.goal.subject for asked in goals}:
+        if o.starts_in is not None and not o.heaped and o.id not in {asked.goal.subject for asked in goals}:
             held.setdefault((o.starts_in, o.starts_in_part), []).append(o.id)
     return crowding_complaints(held, assets)

@@ -111,7 +111,7 @@ def layout_items(scene: Scene, targets: Targets, context: StageContext, headed: 
         context: the library, and the reach of the robots.
         headed: True if an object is within reach at its own heading alone, not at any.
     """
-    objects = [o for o in context.objects(scene) if o.record.container_part is None]
+    objects = [o for o in context.objects(scene) if not o.record.rides]
     arms = reached_by(objects, scene.goals)
     hand = hand_clearance(load_robot(scene.robot))
     items = []

@@ -48,7 +48,7 @@ def place_until_stable(
         scene = Scene(**fields, objects=starting.records(starting.draw(rng)))
         world = World.of_scene(scene, context.physical_models(scene))
         report = world.settle()
-        moved = moved_objects(report)
+        moved = moved_objects(report, scene.objects)
         if moved or not report.settled:
             raise _Unstable(moved)
         checks = {**settle_checks(report), "placements": number}
@@ -96,9 +96,12 @@ def photograph(scene: Scene, context: StageContext, folder: Path) -> Scene:
     shot = observe(world, scene.top_camera)
     write_picture(folder / "source.png", shot.picture)
     write_picture(folder / "background.png", shoot(empty, scene.top_camera))
-    write_labels(folder / "segmentation.png", shot.segmentation)
-    write_picture(folder / "segmentation_view.png", _colour_labels(shot.segmentation))
-    return scene.model_copy(update={"segmentation_ids": world.segmentation_ids})
+    labels, ids = shot.segmentation.copy(), dict(world.segmentation_ids)
+    for heaped in (o for o in scene.objects if o.heaped):  # goes along with its container, and is cut out with it
+        labels[shot.segmentation == ids.pop(heaped.id)] = ids[str(heaped.container)]
+    write_labels(folder / "segmentation.png", labels)
+    write_picture(folder / "segmentation_view.png", _colour_labels(labels))
+    return scene.model_copy(update={"segmentation_ids": ids})
 
 
 def _colour_labels(labels: np.ndarray) -> np.ndarray:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import chain
@@ -46,12 +46,18 @@ class StabilityLimits:
 STABILITY = StabilityLimits()
 
 
-def moved_objects(report: SettleReport) -> list[str]:
-    """Ids of the objects that did not stay where they were put."""
+def moved_objects(report: SettleReport, objects: Iterable[ObjectRecord]) -> list[str]:
+    """Ids of the objects that did not stay where they were put; balls of a heap find their places.
+
+    Args:
+        report: of settling.
+        objects: of the scene.
+    """
+    heaped = {o.id for o in objects if o.heaped}
     return [
         name
         for name, drift in report.drift_m.items()
-        if drift > STABILITY.drift_m or report.tilt_rad[name] > STABILITY.tilt_rad
+        if name not in heaped and (drift > STABILITY.drift_m or report.tilt_rad[name] > STABILITY.tilt_rad)
     ]
 
 
@@ -116,7 +122,7 @@ def possible_scene(path: Path, scene: Scene, context: StageContext) -> Scene:
     require_none(path, chain(_wrong_joints(objects), _wrong_goals(scene, objects), _misplaced(scene, objects)))
     world = World.of_scene(scene, context.physical_models(scene))
     report = world.settle()
-    require_none(path, _unsettled(report, [o.id for o in objects]))
+    require_none(path, _unsettled(report, scene.objects))
     records = [settled_record(o, world.object_pose(o.id), context) for o in scene.objects]
     settled = scene.model_copy(update={"objects": records, "checks": settle_checks(report)})
     lying = context.objects(settled)
@@ -124,8 +130,9 @@ def possible_scene(path: Path, scene: Scene, context: StageContext) -> Scene:
     return settled
 
 
-def _unsettled(report: SettleReport, ids: Sequence[str]) -> Iterator[Complaint]:
-    for name in [*moved_objects(report), *report.fallen]:
+def _unsettled(report: SettleReport, objects: Sequence[ObjectRecord]) -> Iterator[Complaint]:
+    ids = [o.id for o in objects]
+    for name in [*moved_objects(report, objects), *report.fallen]:
         drift, tilt = 1000 * report.drift_m[name], np.degrees(report.tilt_rad[name])
         yield (
             f"objects.{ids.index(name)}.pose",

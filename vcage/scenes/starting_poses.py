@@ -35,7 +35,7 @@ from vcage.schema.scene import ObjectRecord, SceneTemplate
 from vcage.sim.robots import load_robot
 from vcage.tasks.feasibility import fits, hand_has_room
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.stowing import point_in, stow
+from vcage.tasks.stowing import heaped_in, point_in, stow
 
 MARGIN_M = 0.015
 """Smallest gap between two objects: wide enough for the picture to show the table between them."""
@@ -70,7 +70,7 @@ class StartingPoses:
         self._objects, self._template, self._context = objects, template, context
         self._joints = _joints(objects, in_steps(goals), context)
         self._robot = load_robot(template.robot)
-        self._items = _place_items([o for o in objects if o.starts_in_part is None], template, context)
+        self._items = _place_items([o for o in objects if not (o.starts_in_part or o.heaped)], template, context)
         self._described = [d for d in descriptions if d.part is None]
         moved = {asked.goal.subject for asked in goals}
         self._to_centre = [asked.goal.subject for asked in goals if asked.goal.relation == "centred"]
@@ -150,13 +150,16 @@ class StartingPoses:
         ]
 
     def _stowed(self, poses: Mapping[str, Pose], rng: np.random.Generator) -> dict[str, Pose]:
-        """Poses of the objects that start in moving parts, by id, where these are of all others."""
+        """Poses of the objects that start in moving parts or in a heap, by id, where these are of all others."""
         objects, found = {o.id: o for o in self._objects}, dict[str, Pose]()
         for name, part in dict.fromkeys((o.starts_in, o.starts_in_part) for o in objects.values() if o.starts_in_part):
             holder = self._thing(objects[str(name)], poses[str(name)])
             lying = [o for o in objects.values() if (o.starts_in, o.starts_in_part) == (name, part)]
             things = [self._thing(o, holder.pose) for o in lying]
             found |= stow(holder, str(part), things, self._robot, rng)
+        for name in dict.fromkeys(str(o.starts_in) for o in objects.values() if o.heaped):
+            things = [self._thing(o, Pose()) for o in objects.values() if o.heaped and o.starts_in == name]
+            found |= heaped_in(self._thing(objects[name], poses[name]), things, rng)
         return found
 
     def records(self, poses: Mapping[str, Pose]) -> list[ObjectRecord]:
@@ -223,6 +226,7 @@ def started(objects: Sequence[NamedObject], descriptions: Sequence[Description],
         InfeasibleScene: descriptions contradict each other, or there is no room; names the objects and sizes.
     """
     found, wrong = starting_as_described(objects, descriptions)
+    found = [replace(o, heaped=_is_heaped(o, library)) for o in found]
     rooms = {o.id: capacity_of(o.id, library.asset(o.asset, o.variant)) for o in found}
     wrong = wrong or [*room_complaints(found, rooms), *_drawer_complaints(found, library)]
     if wrong:
@@ -232,6 +236,12 @@ def started(objects: Sequence[NamedObject], descriptions: Sequence[Description],
             details={"problems": wrong},
         )
     return found
+
+
+def _is_heaped(o: NamedObject, library: Library) -> bool:
+    """True for a ball that starts in another object, and in no moving part of that."""
+    inside = o.starts_in is not None and o.starts_in_part is None
+    return inside and library.asset(o.asset, o.variant).ball_radius is not None
 
 
 def _drawer_complaints(objects: Sequence[NamedObject], library: Library) -> Iterator[str]:
@@ -264,5 +274,6 @@ def scene_object(o: NamedObject, asset: Asset, pose: Pose | None = None, joints:
         joints=joints,
         container=None if pose is None else o.starts_in,
         container_part=None if pose is None else o.starts_in_part,
+        heaped=o.heaped and pose is not None,
     )
     return SceneObject(record, asset, at, joints)

@@ -138,6 +138,7 @@ class Annotation(Document):
         default=None, description="variant with one main colour, which comes in any other; none: no look has one"
     )
     front: bool = Field(default=False, description="whether its side towards -y is a front that can face somebody")
+    loose: bool = Field(default=False, description="whether it is a ball that rolls in what holds it, and is poured")
     contact_points: list[ContactPoint] = []
     functional_points: list[FunctionalPoint] = []
     faces: list[Face] = []
@@ -156,6 +157,12 @@ class Annotation(Document):
             raise ValueError(f"any_colour {self.any_colour!r}: expected one of {', '.join(ids)}, not imported")
         if any(variant.painted for variant in self.variants):
             raise ValueError("painted: other colours are made on demand; expected none in the file")
+        return self
+
+    @model_validator(mode="after")
+    def _no_hand_takes_what_is_loose(self) -> Annotation:
+        if self.loose and (self.contact_points or self.functional_points):
+            raise ValueError("loose: expected no contact_points and no functional_points of a ball that is poured")
         return self
 
     @model_validator(mode="after")
@@ -200,6 +207,7 @@ class CatalogueEntry(Record):
     words: Words
     variants: list[Variant]
     any_colour: Identifier | None = Field(default=None, description="variant that comes in any other colour")
+    loose: bool = Field(default=False, description="a ball that rolls in what holds it, and is poured")
     size: Point3 = Field(default=(0.0, 0.0, 0.0), description="bounding box of the first variant, metres; 0: not built")
     contact_points: list[ContactPoint] = []
     functional_points: list[FunctionalPoint] = []
@@ -211,6 +219,17 @@ class CatalogueEntry(Record):
     def can_be_carried(self) -> bool:
         """True if it has a contact point to carry it by."""
         return any(point.carries for point in self.contact_points)
+
+    @property
+    def holds_loose(self) -> bool:
+        """True if balls lie in it: it is open at the top."""
+        return any(p.link is None and p.holds == "in" and not p.sideways for p in self.functional_points)
+
+    def takes_poured(self, least_m: float) -> bool:
+        """True if an opening at its top is as wide as this, metres; or if it is not built yet, and has one."""
+        sides = {room.point: min(room.size[:2]) for room in self.rooms}
+        own = [p for p in self.functional_points if p.link is None and p.holds == "in" and not p.sideways]
+        return any(sides.get(point.id, least_m) >= least_m for point in own)
 
     @property
     def parts(self) -> list[str]:

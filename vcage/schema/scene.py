@@ -127,6 +127,12 @@ class ObjectRecord(Record):
     joints: tuple[Metres, ...] = Field(default=(), description="of moving parts, metres or radians; (): at rest")
     container: Identifier | None = Field(default=None, description="id of the object that this one lies in or on")
     container_part: Identifier | None = Field(default=None, description="moving part of the container: a drawer")
+    heaped: bool = Field(default=False, description="lies loose in its container: a ball among others")
+
+    @property
+    def rides(self) -> bool:
+        """True for an object without a place of its own in a layout: it goes where its container does."""
+        return self.container is not None and (self.heaped or self.container_part is not None)
 
 
 class Scene(StageDocument):
@@ -150,7 +156,9 @@ class Scene(StageDocument):
     top_camera: CameraRecord
     objects: list[ObjectRecord] = Field(min_length=1)
     pictures: dict[str, RunPath] = Field(default={}, description="source, background, segmentation → path in the run")
-    segmentation_ids: dict[str, int] = Field(default={}, description="object id → value in segmentation.png; 0: none")
+    segmentation_ids: dict[str, int] = Field(
+        default={}, description="object id → value in segmentation.png; 0: none; what is heaped has its container's"
+    )
     checks: dict[str, Any] = Field(default={}, description="what was measured: settle time, largest drift…")
 
     @model_validator(mode="after")
@@ -174,6 +182,11 @@ class Scene(StageDocument):
                     f"{self.table.size[1]:.3g} m"
                 )
         return self
+
+    @property
+    def laid_out(self) -> list[Description]:
+        """The descriptions of objects with a place of their own, which layouts keep true; the others go along."""
+        return [d for d in self.descriptions if d.part is None and not self.object(d.subject).rides]
 
     def object(self, object_id: str) -> ObjectRecord:
         """The object with this id.

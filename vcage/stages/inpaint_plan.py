@@ -95,7 +95,7 @@ def execute(run: RunFolder, options: Options, context: StageContext, progress: P
         scene = Scene.read(run.scene)
         check = described_check(scene, context.capacities(scene))
         said = context.models.reasoner.plan_layout(scene, context.catalogue, stage.rng(), check)
-        said = with_descriptions(said, scene.descriptions, {o.id: o.phrase for o in scene.objects})
+        said = with_descriptions(said, scene.laid_out, {o.id: o.phrase for o in scene.objects})
         plan = Plan(
             provenance=provenance,
             instruction=scene.instruction,

@@ -203,7 +203,7 @@ def _rebuild(scene: Scene, context: StageContext) -> tuple[Scene, np.ndarray]:
     """The layout as it settles in the simulator, where it must stay put, and its (H, W, 3) picture from above."""
     world = context.drawn_world(scene)
     report = world.settle()
-    moved = moved_objects(report)
+    moved = moved_objects(report, scene.objects)
     if moved or not report.settled:
         raise InfeasibleScene(
             f"the optimised layout does not hold: {', '.join(moved or report.fallen) or 'something'} moves",

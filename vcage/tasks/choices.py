@@ -20,16 +20,20 @@ from vcage.schema.asset import ContactPoint
 from vcage.schema.episodes import AttemptStage, Failure
 from vcage.schema.plan import TABLE
 from vcage.sim.collision import Held
-from vcage.sim.motion import MotionPlanner
+from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.paths import Load
 from vcage.sim.world import World
+from vcage.tasks.feasibility import picks
 from vcage.tasks.grasps import command_of
 from vcage.tasks.hitting import free_hitting_poses, hitting_poses
 from vcage.tasks.meeting import Hold
+from vcage.tasks.pouring import SETTINGS as POURING
+from vcage.tasks.pouring import followed, pouring_ways, suits, tipped_to
 from vcage.tasks.primitives.hand_over import HandOver
 from vcage.tasks.primitives.operate import OperatePlan, Operation
 from vcage.tasks.primitives.pick import KnownPaths, LeadsOn, PickPlan, PickWay, plan_pick
 from vcage.tasks.primitives.place import Surroundings
+from vcage.tasks.primitives.pour import require_tipping
 from vcage.tasks.primitives.push import PushPlan, plan_push
 from vcage.tasks.primitives.wipe import require_way
 from vcage.tasks.reading import SETTINGS as READING
@@ -242,6 +246,47 @@ class Choices:
         ways = free or (list(wiping_ways(tool, thing)) if tight else [])
         plan, hover, groups = self._choose_using(tool, iter(ways), grasps, f"over {thing_id}", self._strokes)
         return plan, hover, next(groups)
+
+    def _choose_pouring(
+        self, vessel_id: str, target_id: str, grasps: Sequence[tuple[int, str]]
+    ) -> tuple[PickPlan, Surroundings, Iterator[list[Pose]]]:
+        """The first grasp that can tip a vessel over a container, its surroundings, and its ways there.
+
+        Args:
+            vessel_id, target_id, grasps: see :meth:`vcage.tasks.task.Task.pour`.
+        """
+        vessel, target = self._cell.object(vessel_id), self._cell.object(target_id)
+        in_turn = [grasp for _, some in self._retry.choices(grasps, [None]) for grasp in some]
+        ways = self._followed(vessel, target, in_turn)
+        return self._choose_using(vessel, ways, grasps, f"over {target_id}", self._tipping)
+
+    def _followed(
+        self, vessel: SceneObject, target: SceneObject, grasps: Sequence[tuple[int, str]]
+    ) -> Iterator[list[Pose]]:
+        """The ways of a vessel over a container that an arm with a grasp can go, obstacles aside."""
+        others = tuple(self._cell.objects_but(vessel.id, *self._cell.contents(vessel.id)))
+        for contact_id, arm in grasps:
+            kinematics = self._cell.planner(arm).kinematics
+            ways = [*pouring_ways(vessel, target, vessel.asset.annotation.contact_point(contact_id))]
+            for pick in picks(vessel, contact_id, others, arm, kinematics, self.world.table.height):
+                if pick.path is not None:
+                    held, start = pick.grasp.in_object, pick.path[-1]
+                    free = (way for way in ways if followed(kinematics, way, held, start) is not None)
+                    yield from itertools.islice(free, POURING.ways_of_a_hold)
+
+    def _tipping(self, target: SceneObject, hover: Surroundings, way: list[Pose]) -> LeadsOn:
+        """Return the check that a vessel can be tipped along a way, with no finger where its contents roll."""
+        back = self._leads_to(target, hover, [target.pose])
+
+        def check(planner: MotionPlanner, pick: PickWay, lifted: np.ndarray, contact: ContactPoint) -> None:
+            if not suits(target, contact, tipped_to(way)):
+                raise MotionFailed("a finger is where its contents roll out")
+            held = self._cell.held(target.id, pick.grasp)
+            load = Load(command_of(target.asset.grasp_width(contact), planner.kinematics.arm.gripper), held)
+            require_tipping(planner, lifted, load, way)
+            back(planner, pick, lifted, contact)
+
+        return check
 
     def _strokes(self, target: SceneObject, hover: Surroundings, way: list[Pose]) -> LeadsOn:
         """Return the check that a tool can be drawn along a way, and the hand touches nothing beside the tool."""

@@ -28,14 +28,17 @@ from vcage.tasks.feasibility import feasible, transfers
 from vcage.tasks.findings import best_first
 from vcage.tasks.grasps import command_of
 from vcage.tasks.hitting import SETTINGS as HITTING
+from vcage.tasks.pouring import balls_in
 from vcage.tasks.primitives.come_down import way_down
 from vcage.tasks.primitives.hold_with_both import plan_with_both
 from vcage.tasks.primitives.place import Surroundings
+from vcage.tasks.primitives.pour import plan_pour
 from vcage.tasks.primitives.shake import plan_shake
 from vcage.tasks.primitives.wipe import rehearse_wipe
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.search import ENDS_IN_HAND, compose, find_subtasks, judging
+from vcage.tasks.search import ENDS_IN_HAND, POURS, compose, find_subtasks, judging
 from vcage.tasks.slots import Slot, asks_for_heading
+from vcage.tasks.stowing import heaped_in
 from vcage.tasks.synthesis import script_of
 from vcage.tasks.task import Task
 from vcage.tasks.templates import TEMPLATES
@@ -95,6 +98,18 @@ class Rehearsal(Task):
         """Plan it, with the way down and the strokes; the tool is put back."""
         self._picked, hover, way = self._choose_wiping(tool_id, thing_id, grasps, tight=False)
         self._carry(hover, [way[:1]], partial(rehearse_wipe, thing=self._cell.parts(thing_id), way=way))
+
+    def pour(self, vessel_id: str, target_id: str, grasps: Sequence[tuple[int, str]]) -> None:
+        """Plan it; the balls lie in the container, and the vessel is put back."""
+        cell = self._cell
+        vessel, target = cell.object(vessel_id), cell.object(target_id)
+        self._picked, _, ways = self._choose_pouring(vessel_id, target_id, grasps)
+        up, load = self._lifted()
+        with failing_at("plan"):
+            plan_pour(cell.planner(self._picked.arm), up, load, next(ways))
+        balls = balls_in(vessel, cell.objects_but(vessel_id))
+        for name, pose in heaped_in(target, balls, np.random.default_rng(0)).items():
+            self.world.set_object_pose(name, pose)
 
     def wait(self, seconds: float) -> None:
         """Nothing."""
@@ -280,6 +295,9 @@ class _Stage:
             raise kind(f"{why}: {error.message}", hint=ANOTHER, details={"refused": why}) from error
         if subtask.template in ENDS_IN_HAND:
             self._moved.add(subtask.object)
+        if subtask.template == POURS:
+            poured = [name for name, holder in self._holders.items() if holder == (subtask.object, None)]
+            self._holders |= dict.fromkeys(poured, (subtask.goals[0].reference, None))
         grasps = sorted(subtask.grasps, key=lambda grasp: (grasp.contact, grasp.arm) != (task.contact, task.arm))
         return subtask.model_copy(update={"grasps": grasps})
 

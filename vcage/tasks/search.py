@@ -163,6 +163,9 @@ def _shortest(task: Task, actions: Sequence[Action]) -> list[str] | None:
 ENDS_IN_HAND: tuple[TemplateName, ...] = ("hold_up", "hold_with_both")
 """Sub-tasks after which the object is in a hand."""
 
+POURS: TemplateName = "pour"
+"""The sub-task that brings the contents of its object into another one."""
+
 FILLED: tuple[TemplateName, ...] = ("place", "set_down", *ENDS_IN_HAND)
 """Sub-tasks that may carry an object with its contents."""
 
@@ -188,6 +191,7 @@ def _action_of(subtask: Subtask, thing: SceneObject, arms: Mapping[str, Arm]) ->
         arms: of the robot; those that it does not take may hold something up.
     """
     moves = subtask.object if subtask.receptacle is not None or subtask.template in ENDS_IN_HAND else None
+    target = subtask.goals[0].reference if subtask.template == POURS else None
     alone = subtask.receptacle if subtask.template == "weigh" else None
     takes = max(1 + (subtask.hand_to is not None), *(goal.kind.arms for goal in subtask.goals))
     along = subtask.template in FILLED and (takes > 1 or stays_level(thing, arms.values()))
@@ -201,6 +205,7 @@ def _action_of(subtask: Subtask, thing: SceneObject, arms: Mapping[str, Arm]) ->
         subtask.object,
         vacant=next((goal.reference for goal in subtask.goals if goal.relation == "in_place_of"), None),
         spare=len(arms) - takes,
+        pours=None if target is None else (subtask.object, target),
     )
 
 

@@ -202,6 +202,15 @@ class Watch(StillState):
         touching = self.touching(name) & self.objects.keys()
         return [tool for tool in touching if any(self.holds(arm, tool) for arm in self.arms)]
 
+    def contents(self, name: str) -> Collection[str]:
+        """Ids of the objects that lay in an object when the watch began."""
+        return [o.id for o in lying_on(self.began[name], [o for o in self.began.values() if o.id != name])]
+
+    def lies_in(self, name: str, other: str) -> bool:
+        """True where an object rests in another, and not on its bare top."""
+        point = resting_point(self.thing(name), self.thing(other))
+        return point is not None and point.holds == "in" and self.table_share(name) <= THRESHOLDS.borne_share
+
     def holds(self, arm: str, name: str) -> bool:
         """True where all fingers of an arm press on an object."""
         return self.world.holds(arm, name)

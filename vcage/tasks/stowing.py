@@ -1,4 +1,4 @@
-"""Moving parts before a sub-task: what lies in a closed drawer, and a scene with parts open or closed as it needs."""
+"""Things that go along: what lies in a closed drawer or in a heap, and a scene with parts open or closed as needed."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from vcage.base.attempts import LIMITS, GaveUp, Refused, first_accepted
 from vcage.base.errors import InfeasibleScene
 from vcage.base.geometry import Pose
 from vcage.objects.asset import Asset
+from vcage.objects.heaps import heap
 from vcage.schema.asset import FunctionalPoint
 from vcage.schema.base import PoseRecord, box_record
 from vcage.schema.goals import Goal, part_words
@@ -28,6 +29,12 @@ def point_in(asset: Asset, part: str) -> FunctionalPoint | None:
     """The functional point at which things lie in a moving part; None where nothing does."""
     points = asset.annotation.functional_points
     return next((point for point in points if point.link == part and point.holds == "in"), None)
+
+
+def open_point(asset: Asset) -> FunctionalPoint | None:
+    """The functional point at which things lie in the body of an object, open at the top; None where nothing does."""
+    points = asset.annotation.functional_points
+    return next((point for point in points if point.link is None and point.holds == "in" and not point.sideways), None)
 
 
 def stow(
@@ -65,6 +72,30 @@ def stow(
             hint="take something smaller, or less, out of it",
             details={"objects": [o.id for o in contents], "container": holder.id},
         ) from None
+
+
+def heaped_in(holder: SceneObject, balls: Sequence[SceneObject], rng: np.random.Generator) -> dict[str, Pose]:
+    """Poses in the world of balls that lie loose in an object, by id.
+
+    Args:
+        holder: where it stands.
+        balls: their poses do not matter.
+        rng: of all choices.
+
+    Raises:
+        InfeasibleScene: they do not all lie below its rim, or nothing lies in it.
+    """
+    point = open_point(holder.asset)
+    radii = [float(ball.asset.ball_radius or 0.0) for ball in balls]
+    middles = None if point is None else heap(holder.asset.pieces, holder.asset.opening(point), radii, rng)
+    if middles is None:
+        raise InfeasibleScene(
+            f"{len(balls)} of the {balls[0].record.phrase} do not lie in {holder.record.phrase}",
+            hint="ask for fewer, or for a larger vessel that is open at the top",
+            details={"objects": [ball.id for ball in balls], "container": holder.id},
+        )
+    centres = {ball.id: ball.asset.bounds.mean(axis=0) for ball in balls}
+    return {ball.id: holder.pose * Pose(middle - centres[ball.id]) for ball, middle in zip(balls, middles, strict=True)}
 
 
 @dataclass(frozen=True)
@@ -140,6 +171,6 @@ def ready_for(subtask: Subtask, scene: Scene, objects: Sequence[SceneObject]) ->
 def _record(record: ObjectRecord, now: SceneObject) -> ObjectRecord:
     """An object as it is now; all joints at rest are none."""
     update: dict[str, object] = {"joints": now.joints if any(now.joints) else ()}
-    if record.container_part is not None:
+    if record.rides:
         update |= {"pose": PoseRecord.of(now.pose), "aabb": box_record(now.asset.bounds, now.pose)}
     return record.model_copy(update=update)

@@ -27,6 +27,7 @@ from vcage.tasks.primitives.grip import Grip, feel, hangs_below, minding
 from vcage.tasks.primitives.hold_with_both import carry_out_with_both, plan_with_both
 from vcage.tasks.primitives.pick import carry_out_pick
 from vcage.tasks.primitives.place import SETTINGS, PlacePlan, Surroundings, carry_out_place, old_places, plan_place
+from vcage.tasks.primitives.pour import carry_out_pour
 from vcage.tasks.primitives.push import carry_out_push
 from vcage.tasks.primitives.shake import carry_out_shake
 from vcage.tasks.primitives.wipe import carry_out_wipe
@@ -60,7 +61,7 @@ class Task(Choices):
     Attributes:
         moment: state of the world at the end of a press, during a scan, with a tool on what it hits or where it begins
             to wipe, with both hands on a handed-over object, at the start of a wait, at the first lean of a shake, at a
-            release, or while something is held up.
+            release, with a vessel tipped, or while something is held up.
         later: state of the world where a stroke of wiping ends, far from where it began.
     """
 
@@ -176,6 +177,27 @@ class Task(Choices):
             self.later = carry_out_wipe(cell, grip, thing_id, way)
         self._put_back(plan.target, hover, over, leaves=thing_id)
 
+    def pour(self, vessel_id: str, target_id: str, grasps: Sequence[tuple[int, str]]) -> None:
+        """Take a vessel, tip it over a container until all has rolled out of it, and put it back where it stood.
+
+        Args:
+            vessel_id: the vessel, with balls in it.
+            target_id: the container.
+            grasps: (contact point, arm) to try, in this order.
+
+        Raises:
+            TaskFailed: no way can be planned, the vessel is lost, or a ball stays in it or meets something else.
+            UnknownName: there is no such object, contact point or arm.
+        """
+        cell = self._cell
+        plan, hover, ways = self._choose_pouring(vessel_id, target_id, grasps)
+        grip = carry_out_pick(cell, plan)
+        self._lift(grip)
+        with minding(cell, grip):
+            self.moment, empty = carry_out_pour(cell, grip, target_id, ways)
+        feel(cell, empty)
+        self._set_down_at(plan.target, hover, empty)
+
     def _put_back(self, stood: SceneObject, hover: Surroundings, shown: PlacePlan, leaves: str | None = None) -> None:
         """Put the object in a hand back where it stood, turned a little where the arm does not reach its heading.
 
@@ -196,9 +218,17 @@ class Task(Choices):
         with failing_at("place"):
             rise = cell.planner(grip.arm).follow(cell.begun(grip.arm).end, self._rising(grip.arm, shown.way.above), up)
         cell.put_off(grip.arm, rise, [may])
+        self._set_down_at(stood, hover, grip)
+
+    def _set_down_at(self, stood: SceneObject, hover: Surroundings, grip: Grip) -> None:
+        """Bring the object in a hand to where it stood, and let it go there.
+
+        Raises:
+            TaskFailed: no way can be planned.
+        """
         back = [(None, [pose]) for pose in old_places(stood.pose)]
-        put, _ = plan_place(cell, grip, replace(hover, raises=SETTINGS.raises_m, hovers=None), back)
-        carry_out_place(cell, put)
+        put, _ = plan_place(self._cell, grip, replace(hover, raises=SETTINGS.raises_m, hovers=None), back)
+        carry_out_place(self._cell, put)
 
     def _rising(self, arm: str, above: Pose) -> list[Pose]:
         """Poses of the hand on its way to one above: first a little straight up, where that is farther on."""

@@ -61,7 +61,7 @@ def worded(
     whole = thing if source is None else f"{thing} from {source.holder}"
     preps = goal.kind.prepositions
     if not preps:
-        return _commands(goal, _part(goal.part, whole), tool)
+        return _commands(goal, _part(goal.part, whole), place, tool)
     place = _part(goal.part, place)
     if pushed:
         return _pushed(whole, preps, place)
@@ -80,9 +80,10 @@ def worded(
     ]
 
 
-def _commands(goal: Goal, thing: str, tool: str) -> list[str]:
+def _commands(goal: Goal, thing: str, place: str, tool: str) -> list[str]:
     capital = thing[0].upper() + thing[1:]
-    return [pattern.format(thing, capital, goal.reference, tool=tool) for pattern in goal.kind.commands.split("|")]
+    other = place if goal.kind.refers_to == "object" else goal.reference
+    return [pattern.format(thing, capital, other, tool=tool) for pattern in goal.kind.commands.split("|")]
 
 
 def _pushed(thing: str, preps: Sequence[str], place: str) -> list[str]:

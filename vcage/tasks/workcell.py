@@ -114,6 +114,10 @@ class Workcell:
         """Forget what :meth:`take` remembers."""
         self._taken.pop(object_id, None)
 
+    def emptied(self, object_id: str) -> None:
+        """Forget the contents of what an arm has taken: they are poured out."""
+        self._taken[object_id] = frozenset()
+
     def held(self, object_id: str, gripper: Pose) -> Held:
         """An object and its contents where they are, in a gripper at a pose in the world."""
         thing, contents = self.object(object_id), [self.object(name) for name in sorted(self.contents(object_id))]

@@ -39,6 +39,7 @@ THRESHOLD = 0.5
 LEAST_CONFIDENCE = 0.38
 """A match of less confidence is not made."""
 
+ALONG = "goes along with what it lies in"
 HIDDEN, NOT_FOUND = "hidden in the source picture", "not found in the target picture"
 
 
@@ -120,7 +121,7 @@ def match_picture(
     rejected = {one.record.id: _rejection(one, chosen.get(i), recogniser) for i, one in enumerate(candidates)}
     accepted = [(one, chosen[i]) for i, one in enumerate(candidates) if not rejected[one.record.id]]
     found = {one.record.id: _match(observation, one, choice, recogniser, looks) for one, choice in accepted}
-    reasons = {o.id: rejected.get(o.id, HIDDEN) for o in scene.objects if o.id not in found}
+    reasons = {o.id: rejected.get(o.id, ALONG if o.heaped else HIDDEN) for o in scene.objects if o.id not in found}
     found |= stored_matches(observation, plan, found, reasons)
     matches = [found[o.id] for o in scene.objects]
     return MatchResult(

@@ -180,6 +180,20 @@ def test_an_exception_that_no_kind_is_called_is_refused() -> None:
         selected("Put all pens in the box except the unicorn")
 
 
+def starts(sentence: str) -> dict[str, str | None]:
+    """Where the chosen kinds start."""
+    return {o.asset: o.starts_in for o in selected(sentence).objects if o.role != "context" or o.starts_in}
+
+
+def test_a_vessel_that_is_emptied_starts_with_balls_in_it() -> None:
+    assert starts("Empty the mug into the bowl") == {"mug": None, "ball": "mug", "bowl": None}
+
+
+def test_balls_that_are_poured_start_in_a_cup_where_no_vessel_is_named() -> None:
+    assert starts("Pour five small balls into the dustbin") == {"ball": "cup", "cup": None, "dustbin": None}
+    assert chosen("Pour five small balls into the dustbin", "content").count("ball") == 5
+
+
 @pytest.mark.parametrize(
     ("sentence", "why"),
     [

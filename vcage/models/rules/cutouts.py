@@ -55,11 +55,9 @@ class Cutout:
 
 
 def cutouts(scene: Scene, segmentation: np.ndarray) -> list[Cutout]:
-    """Cutouts of all objects of the scene, in its order."""
-    camera = scene.top_camera.camera()
-    return [
-        _cutout(record, segmentation == scene.segmentation_ids.get(record.id, -1), camera) for record in scene.objects
-    ]
+    """Cutouts of all objects of the scene, in its order; what is heaped is cut out with its container."""
+    camera, own = scene.top_camera.camera(), [record for record in scene.objects if not record.heaped]
+    return [_cutout(record, segmentation == scene.segmentation_ids.get(record.id, -1), camera) for record in own]
 
 
 def _cutout(record: ObjectRecord, mask: np.ndarray, camera: Camera) -> Cutout:

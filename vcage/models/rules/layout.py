@@ -42,7 +42,7 @@ def plan_layout(scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.rando
     """
     carried = [(o, scene.object(o.container)) for o in scene.objects if o.container is not None]
     anchors, contents, context = _groups(scene, {holder.id for _, holder in carried}, rng)
-    carried = [(o, holder) for o, holder in carried if o.container_part is None]
+    carried = [(o, holder) for o, holder in carried if not o.rides]
     relations = _anchor_relations(anchors)
     relations += _around(contents, anchors, scene)
     relations += _out_of_the_way(context, anchors, relations, scene)
@@ -54,7 +54,7 @@ def plan_layout(scene: Scene, catalogue: Sequence[CatalogueEntry], rng: np.rando
 def _as_described(relations: Sequence[Relation], scene: Scene) -> list[Relation]:
     """Descriptions, and the relations that leave them room: of objects described by each other only one is
     planned, the others follow from the descriptions."""
-    described = described_relations(scene.descriptions)
+    described = described_relations(scene.laid_out)
     if not described:
         return list(relations)
     found, planned = described, set[str]()

@@ -113,7 +113,7 @@ class Meanings:
         """The left one of several, described against the others; of one, against the table."""
         position = str(noun.position)
         if len(found) == 1 and position in _TABLE_RELATIONS:
-            self._describe(found[0], _TABLE_RELATIONS[position], TABLE, noun)
+            self.describe(found[0], _TABLE_RELATIONS[position], TABLE, noun)
             return found[0]
         asked = noun.positions(self.nouns)
         axis = "x" if {"front", "back"}.isdisjoint(asked) else "y"
@@ -123,7 +123,7 @@ class Meanings:
         order = dict(zip([*asked, *(where for where in at if where not in asked)], found))  # as mentioned
         for where in order.keys() - {position}:
             word = _BEFORE[axis][at.index(position) > at.index(where)]
-            self._describe(order[position], word, order[where], noun)
+            self.describe(order[position], word, order[where], noun)
         return order[position]
 
     def lies(self, name: str, how: str, other: Noun) -> None:
@@ -133,15 +133,16 @@ class Meanings:
             Doubt: it lies somewhere else.
         """
         if other.of_table and how in _TABLE_RELATIONS:
-            return self._describe(name, _TABLE_RELATIONS[how], TABLE, other)
+            return self.describe(name, _TABLE_RELATIONS[how], TABLE, other)
         spot = self.spots(other, how, [name])[0]
         if spot.name == name:
             raise Doubt(other.text, f"{name} cannot lie in or on itself")
         if spot.relation in ("inside", "on") and self.lying.get(name, spot.name) != spot.name:
             raise Doubt(other.text, f"{name} lies in {self.lying[name]}")
-        self._describe(name, spot.relation, spot.name, other, spot.part)
+        self.describe(name, spot.relation, spot.name, other, spot.part)
 
-    def _describe(self, name: str, relation: str, other: str, noun: Noun, part: str | None = None) -> None:
+    def describe(self, name: str, relation: str, other: str, noun: Noun, part: str | None = None) -> None:
+        """State where an object is at the start, in the words of a noun."""
         values = {"subject": name, "relation": relation, "reference": other, "part": part, "words": noun.text}
         found = Description.model_validate(values)
         self.descriptions[str(found)] = found

@@ -10,6 +10,7 @@ import numpy as np
 from vcage.base.errors import NoAssetFits
 from vcage.base.text import listed
 from vcage.base.words import SIZES, tokens
+from vcage.goals.thresholds import THRESHOLDS
 from vcage.models.occasion import Occasion, one_of_each
 from vcage.models.quantifiers import quantified
 from vcage.models.rules.goals import ACTS, TOOLS, Goals, agreed, in_words
@@ -55,7 +56,9 @@ def select_assets(
 
     def ground(commands: tuple[Command, ...]) -> tuple[Selection, Reading]:
         chosen = _Selector(instruction, entries, np.random.default_rng(seed), scene, commands).select()
-        return chosen, Goals(entries_of(name_objects(chosen, catalogue), catalogue), {}, commands).read()
+        named = name_objects(chosen, catalogue)
+        lying = {o.id: o.starts_in for o in named if o.starts_in is not None}
+        return chosen, Goals(entries_of(named, catalogue), lying, commands).read()
 
     return agreed(instruction, ground, lambda found: in_words(found[1]))[0]
 
@@ -88,11 +91,39 @@ class _Selector:
             loose = any(n.several or len(self._kinds(n)) > 1 for n in command.things)
             for choose in (self._place, self._things) if loose else (self._things, self._place):
                 choose(command)
+            self._fill(command)
         catalogue, everything = list(self.entries.values()), quantified(self.instruction)
         clear = bystanders([self.instruction], self._there, catalogue)
         may = {entry.name for entry in clear if not any(quantifier.covers(entry) for quantifier in everything)}
         self._chosen += self._occasion().standing_by(catalogue, lambda entry: entry.name not in may, self.rng)
         return Selection(objects=sorted(self._chosen, key=lambda chosen: _ROLES.index(chosen.role)))
+
+    def _fill(self, command: Command) -> None:
+        """Choose what lies in a vessel that is poured, or the vessel, where the sentence does not name it."""
+        things = [self._of[noun] for noun in command.things if noun in self._of]
+        if command.verb != "pour" or not things:
+            return
+        if not things[0].loose:
+            noun = Noun(words=("ball",), plural=True, text=f"what is in {command.things[0].text!r}", at=-1)
+            first = len(self._chosen)
+            self._draw(noun, "context", lambda e: e.loose, None)
+            self._start(slice(first, None), things[0].name)
+        elif command.source is None and not any(noun.relations for noun in command.things) and not self._vessels():
+            noun = Noun(words=("cup",), text=f"what {command.things[0].text!r} are in", at=-1)
+            balls = {entry.name for entry in things}
+            vessel = self._draw(noun, "content", lambda e: e.holds_loose and e.can_be_carried, None)
+            for number, one in enumerate(self._chosen):
+                if one.asset in balls:
+                    self._start(slice(number, number + 1), vessel.name)
+
+    def _vessels(self) -> list[CatalogueEntry]:
+        """The chosen kinds that a hand takes and tips."""
+        picked = [self._of[noun] for c in self.commands if c.verb in ("pick", "lift") for noun in c.things]
+        return [entry for entry in picked if entry.holds_loose and entry.can_be_carried]
+
+    def _start(self, which: slice, vessel: str) -> None:
+        """Let some of the chosen objects start in a vessel."""
+        self._chosen[which] = [one.model_copy(update={"starts_in": vessel}) for one in self._chosen[which]]
 
     def _occasion(self) -> Occasion:
         """Scene tags of the chosen objects; those named by the sentence, if any."""
@@ -112,8 +143,9 @@ class _Selector:
     def _take_sources(self, noun: Noun, command: Command) -> None:
         """Choose what a thing lies on, in or beside at the start."""
         sources = noun.relations or ([("to", command.source)] if command.source is not None else [])
+        role: Role = "content" if command.verb == "pour" else "context"
         for how, source in (one for one in sources if not one[1].of_table):
-            self._take(source, "context", lambda e, how=how: how in BESIDE or bool(e.functional_points))
+            self._take(source, role, lambda e, how=how: how in BESIDE or bool(e.functional_points))
 
     def _place(self, command: Command) -> None:
         """Choose the target, the neighbour, or the tool of a command."""
@@ -123,7 +155,8 @@ class _Selector:
         if noun is not None and verb in TOOLS:
             self._take(noun, "tool", TOOLS[verb])
         elif noun is not None and not noun.of_table and not noun.pronoun:
-            self._take(noun, "receptacle", self._roomy(noun, command))
+            wide = None if command.verb != "pour" else lambda e: e.takes_poured(THRESHOLDS.poured_into_m)
+            self._take(noun, "receptacle", wide or self._roomy(noun, command))
             for other in (one for _, one in noun.relations if not one.of_table):
                 self._take(other, "context")
 
@@ -271,5 +304,7 @@ def _role_and_test(command: Command) -> tuple[Role, Good]:
         return "receptacle", lambda e: any(part_that(ACTS[command.verb], part) for part in e.moving_parts)
     if command.verb == "scan":
         return "content", lambda e: e.can_be_carried and any(face.kind == "code" for face in e.faces)
+    if command.verb == "pour":
+        return "content", lambda e: e.loose or (e.holds_loose and e.can_be_carried)
     pushed = command.verb == "put" and command.how in BESIDE
     return "content", lambda e: e.can_be_carried or pushed

@@ -21,6 +21,7 @@ from vcage.tasks.templates.hold_with_both import HoldWithBoth
 from vcage.tasks.templates.lift import LIFT
 from vcage.tasks.templates.open import OPEN
 from vcage.tasks.templates.place import PLACE
+from vcage.tasks.templates.pour import Pour
 from vcage.tasks.templates.present import PRESENT
 from vcage.tasks.templates.press import PRESS
 from vcage.tasks.templates.proposal import Proposal
@@ -63,7 +64,7 @@ TEMPLATES: dict[TemplateName, SubtaskTemplate] = {
     template.name: template
     for template in (
         PLACE, STACK, WEIGH, SET_DOWN, PUSH, PRESENT, Scan(), OPEN, CLOSE, PRESS, TURN, TURN_OFF, HandOver(), LIFT,
-        SHAKE, HoldUp(), HoldWithBoth(), Hit(), Wipe(),
+        SHAKE, HoldUp(), HoldWithBoth(), Hit(), Wipe(), Pour(),
     )
 }  # fmt: skip
 """By name, in the order in which the search goes through them."""

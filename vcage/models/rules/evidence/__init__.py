@@ -19,6 +19,7 @@ from vcage.models.rules.evidence.moved import (
 )
 from vcage.models.rules.evidence.parts import judge_part, judge_pressed
 from vcage.models.rules.evidence.placed import judge_placed, judge_weighed
+from vcage.models.rules.evidence.poured import judge_poured
 from vcage.models.rules.evidence.raised import in_the_air, judge_held_by_both, judge_held_up
 from vcage.models.rules.evidence.scanned import judge_scanned
 from vcage.models.rules.evidence.wiped import judge_wiped
@@ -44,5 +45,6 @@ EVIDENCE: dict[str, Judgement] = {
     "handed": judge_handed,
     "hit": judge_hit,
     "wiped": judge_wiped,
+    "poured": judge_poured,
 }
 """By the name of the evidence."""
