@@ -14,6 +14,7 @@ from vcage.models.rules.nouns import Conflict, Doubt, Noun
 from vcage.models.rules.pronouns import resolved
 from vcage.models.rules.sentence import ONE_ARM, OTHER_ARM, USING, Command, not_read, parse
 from vcage.models.rules.too_little import require_plain
+from vcage.models.rules.vessels import DUMPS, Vessels
 from vcage.objects.names import names_of
 from vcage.plans.actions import HOLDING
 from vcage.plans.consistency import inconsistencies, unordered_contradictions
@@ -28,9 +29,6 @@ _EVENTS = {
     "hit": "hit", "wipe": "wiped",
     "in_hands": "held_up", "hold_with_both": "held_by_both", "away": "moved_away", "face": "facing_robot",
 }  # fmt: skip
-DUMPS = "dump"
-"""To dump a vessel into another thing is to empty it, to dump anything else to put it there."""
-
 _OTHER = {"left": "right", "right": "left", ONE_ARM: "right"}
 """The other arm; of an arm that is left open, the right one."""
 _IN_A_HAND = ("lift", "shake", "hold", "in_hands", "hold_with_both", "away", "face")
@@ -137,6 +135,7 @@ class Goals:
         self.commands = _with_arms(self.commands)
         nouns = [noun for c in self.commands for noun in (*c.things, c.place) if noun is not None]
         self._meanings = found = Meanings(self.things, self.lying, nouns)
+        self._vessels = Vessels(self.things, self.lying, found)
         goals: list[AskedGoal] = []
         for _, group in itertools.groupby(self.commands, lambda command: command.group):
             goals += self._in_steps(list(group), max((asked.step + 1 for asked in goals), default=1))
@@ -231,8 +230,8 @@ class Goals:
         assert command.place is not None
         if command.place.but and command.place.definite:
             raise Doubt(command.place.text, "nothing can be left out of it")
-        if command.words.lower().startswith(DUMPS) and any(map(self._is_vessel, self._named(command))):
-            raise Doubt(command.words, "it is emptied")
+        if command.words.lower().startswith(DUMPS):
+            self._vessels.require_none(command, self._named(command))
         loose = any(noun.several for noun in command.things)  # "everything" is all but the place
         spots = self._meanings.spots(command.place, command.how, [] if loose else self._named(command))
         names = self._named(command, [spot.name for spot in spots], least=len(spots))
@@ -240,10 +239,6 @@ class Goals:
             if spot.relation in ("inside", "on") and not self.things[name].can_be_carried:
                 raise Doubt(command.words, f"{name} cannot be lifted")
             self._add(command, name, spot.relation, spot.name or None, spot.part)
-
-    def _is_vessel(self, name: str) -> bool:
-        entry = self.things[name]
-        return entry.holds_loose and entry.can_be_carried
 
     def _tower(self, command: Command) -> None:
         """Things on each other, the first of them on the place that is named."""
@@ -338,56 +333,16 @@ class Goals:
         assert command.place is not None
         if command.how != "in":
             raise Doubt(command.words, "things are poured into what is open at the top")
-        vessels = self._vessels(command)
+        held = [taken for name, taken in self._picked.items() if name not in self._moved]
+        vessels = self._vessels.emptied(command, self._named(command), held)
         (spot,) = self._meanings.spots(command.place, "in", vessels)
         if spot.part is not None:
             raise Doubt(command.place.text, "things are poured into what stands there, not into a part of it")
         for name in vessels:
             taken = self._picked.pop(name, command)
-            self._require_vessel(command, name)
+            self._vessels.require(command, name)
             arm = command.arm or self._arms.get(name)
             self._add(replace(command, arm=arm, words=_joined(taken, command)), name, "poured", spot.name)
-
-    def _vessels(self, command: Command) -> list[str]:
-        """The vessels that a command empties; where it names what is poured, it lies in them at the start."""
-        names = self._named(command)
-        balls = [name for name in names if self.things[name].loose]
-        if not balls:
-            if command.source is not None:
-                raise Doubt(command.words, f"{names[0]} does not roll: only balls are poured")
-            return names
-        held = [taken for name, taken in self._picked.items() if name not in self._moved]
-        said = [other for noun in command.things for how, other in noun.relations if how == "in"]
-        said += [command.source] if command.source is not None else []
-        if not said and len(held) == 1:
-            said = [held[0].things[0]]
-            for name in balls:
-                self._meanings.lies(name, "in", said[0])
-        if said:
-            return self._meanings.objects(said[0])
-        lying = list(dict.fromkeys(self.lying.get(name, "") for name in balls))
-        if len(balls) < len(names) or len(lying) != 1 or not lying[0]:
-            raise Doubt(command.words, "say what they are poured out of, as in: from the cup")
-        for name in balls:
-            self._meanings.describe(name, "inside", lying[0], command.things[0])
-        return lying
-
-    def _require_vessel(self, command: Command, name: str) -> None:
-        """Refuse to pour what is no vessel that a hand takes, or has nothing in it, or more than is said.
-
-        Raises:
-            Doubt: says which.
-        """
-        if not self._is_vessel(name):
-            raise Doubt(command.words, f"{name} is no vessel that a hand takes and tips")
-        said = {d.subject for d in self._meanings.descriptions.values() if d.reference == name}
-        there = said | {thing for thing, holder in self.lying.items() if holder == name}
-        if not there:
-            raise Doubt(command.words, f"nothing is said to lie in {name}; say what is poured out of it")
-        if said and there > said:
-            raise Doubt(
-                command.words, f"all that lies in {name} is poured out of it, {listed(sorted(there - said))} too"
-            )
 
     def _event(self, command: Command) -> None:
         """Add the goal of an act on a part of a thing, or on a thing with a tool."""

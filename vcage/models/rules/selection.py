@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -104,17 +104,22 @@ class _Selector:
         if command.verb != "pour" or not things:
             return
         if not things[0].loose:
-            noun = Noun(words=("ball",), plural=True, text=f"what is in {command.things[0].text!r}", at=-1)
-            first = len(self._chosen)
-            self._draw(noun, "context", lambda e: e.loose, None)
-            self._start(slice(first, None), things[0].name)
+            self._fill_with_balls(command, things[0])
         elif command.source is None and not any(noun.relations for noun in command.things) and not self._vessels():
-            noun = Noun(words=("cup",), text=f"what {command.things[0].text!r} are in", at=-1)
-            balls = {entry.name for entry in things}
-            vessel = self._draw(noun, "content", lambda e: e.holds_loose and e.can_be_carried, None)
-            for number, one in enumerate(self._chosen):
-                if one.asset in balls:
-                    self._start(slice(number, number + 1), vessel.name)
+            self._put_in_a_cup(command, {entry.name for entry in things})
+
+    def _fill_with_balls(self, command: Command, vessel: CatalogueEntry) -> None:
+        noun = Noun(words=("ball",), plural=True, text=f"what is in {command.things[0].text!r}", at=-1)
+        first = len(self._chosen)
+        self._draw(noun, "context", lambda e: e.loose, None)
+        self._start(slice(first, None), vessel.name)
+
+    def _put_in_a_cup(self, command: Command, balls: Collection[str]) -> None:
+        noun = Noun(words=("cup",), text=f"what {command.things[0].text!r} are in", at=-1)
+        vessel = self._draw(noun, "content", lambda e: e.holds_loose and e.can_be_carried, None)
+        for number, one in enumerate(self._chosen):
+            if one.asset in balls:
+                self._start(slice(number, number + 1), vessel.name)
 
     def _vessels(self) -> list[CatalogueEntry]:
         """The chosen kinds that a hand takes and tips."""
