@@ -40,6 +40,7 @@ SEEN_BY_TESTS = frozenset(
         *(
             "apple",
             "bagel",
+            "ball",
             "banana",
             "barcode_scanner",
             "block",

@@ -39,6 +39,8 @@ def told(*texts: str) -> list[Description]:
         ([("a in_place_of b", "a in_place_of c")], [], "a in_place_of b and a in_place_of c"),
         ([("a back", "b in_place_of a")], [], "a back and b in_place_of a"),
         ([("a on plate",), ("plate wiped",)], [], "a on plate and then plate wiped"),
+        ([("a poured bowl",), ("b poured bowl",)], [], "a poured bowl and b poured bowl, as only what is empty"),
+        ([("a poured b",), ("b poured bowl",)], [], "a poured b and b poured bowl, as only what is empty"),
         ([("a on b",), ("b on a",)], [], "the goals contradict each other"),
         ([("a on b",)], ["a left_of table", "a right_of table"], "the start conditions contradict each other"),
         ([("a on b",)], ["a inside c drawer_top", "a inside c drawer_bottom"], "the start conditions contradict"),

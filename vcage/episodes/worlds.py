@@ -141,7 +141,9 @@ class Worlds:
         small = [
             entry
             for entry in self.context.catalogue
-            if max(entry.size[:2]) <= WIDEST_CLUTTER_M and entry.size[2] <= HIGHEST_CLUTTER_M and not entry.moving_parts
+            if max(entry.size[:2]) <= WIDEST_CLUTTER_M
+            and entry.size[2] <= HIGHEST_CLUTTER_M
+            and not (entry.moving_parts or entry.loose)
         ]
         there = [entry for entry in small if not any(quantifier.covers(entry) for quantifier in ranging)]
         return bystanders(texts, [o.kind() for o in self._objects], there)

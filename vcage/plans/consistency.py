@@ -22,7 +22,7 @@ def inconsistencies(goals: Sequence[AskedGoal], descriptions: Iterable[Descripti
     placed = [d for d in descriptions if (d.relation, d.reference) != ("center", TABLE)]
     found = [f"the goals of one step contradict each other: {text}" for step in steps for text in _clashes(step)]
     end = lasting(steps)
-    for texts in (_clashes(end), _held_elsewhere(steps), _crowded(end), _covered(steps)):
+    for texts in (_clashes(end), _held_elsewhere(steps), _crowded(end), _covered(steps), _poured_on(steps)):
         found = found or [f"the goals contradict each other: {text}" for text in texts]
     return found + [f"the start conditions contradict each other: {text}" for text in _clashes(placed)]
 
@@ -59,6 +59,18 @@ def _covered(steps: Sequence[Collection[Goal]]) -> list[str]:
         lying |= {goal.subject: goal for goal in step if not goal.kind.event and goal.part is None}
         lying = {name: goal for name, goal in lying.items() if goal.relation == "on"}
     return found
+
+
+def _poured_on(steps: Sequence[Collection[Goal]]) -> list[str]:
+    """Pairs of goals by which something is poured into what is not empty then, or on from there, in words."""
+    poured = [goal for step in steps for goal in step if goal.relation == "poured"]
+    pairs = itertools.combinations(poured, 2)
+    return [f"{a} and {b}, as only what is empty is poured into" for a, b in pairs if _meet(a, b)]
+
+
+def _meet(one: Goal, other: Goal) -> bool:
+    """True where two goals name the same object."""
+    return not {one.subject, one.reference}.isdisjoint((other.subject, other.reference))
 
 
 def _of_start(goal: Goal) -> bool:

@@ -37,17 +37,18 @@ from vcage.tasks.state import resting_point
 
 @dataclass(frozen=True)
 class StabilityLimits:
-    """The largest settling motion of an object that stays in place."""
+    """The largest settling motion of an object that stays in place, and of a ball that stays in its heap."""
 
     drift_m: float = 0.005
     tilt_rad: float = math.radians(4)
+    heaped_m: float = 0.04
 
 
 STABILITY = StabilityLimits()
 
 
 def moved_objects(report: SettleReport, objects: Iterable[ObjectRecord]) -> list[str]:
-    """Ids of the objects that did not stay where they were put; balls of a heap find their places.
+    """Ids of the objects that did not stay where they were put, and of balls that left their heap.
 
     Args:
         report: of settling.
@@ -57,7 +58,11 @@ def moved_objects(report: SettleReport, objects: Iterable[ObjectRecord]) -> list
     return [
         name
         for name, drift in report.drift_m.items()
-        if name not in heaped and (drift > STABILITY.drift_m or report.tilt_rad[name] > STABILITY.tilt_rad)
+        if (
+            drift > STABILITY.heaped_m
+            if name in heaped
+            else drift > STABILITY.drift_m or report.tilt_rad[name] > STABILITY.tilt_rad
+        )
     ]
 
 

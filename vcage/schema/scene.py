@@ -168,6 +168,8 @@ class Scene(StageDocument):
         for o in self.objects:
             if o.container is not None and (o.container not in ids or o.container == o.id):
                 raise ValueError(f"{o.id} lies in {o.container!r}, which is not another object of the scene")
+            if o.heaped and (o.container is None or o.container_part is not None):
+                raise ValueError(f"{o.id} is heaped, but lies in no object of the scene itself")
         if ring := circles([(o.id, o.container) for o in self.objects if o.container is not None]):
             raise ValueError(f"containers in a circle: {' in '.join(ring[0])}")
         return self

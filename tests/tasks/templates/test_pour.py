@@ -99,13 +99,13 @@ def test_more_balls_than_the_container_holds_are_refused_by_name() -> None:
     assert "30 of the red ball do not lie in" in why_not(pot, bowl, *filled(pot, 30), goal=goal)
 
 
-def test_a_bowl_that_tips_in_a_hand_is_refused_where_it_is_held() -> None:
+def test_a_bowl_that_turns_between_soft_fingers_is_refused_where_it_is_held() -> None:
     small = thing("small_bowl", (-0.2, 0.0))
     goal = Goal(subject=small.id, relation="poured", reference=BOWL.id)
     objects = [small, BOWL, *filled(small)]
     (proposal,), _ = POUR.proposals(objects, [goal])
     subtask, refused = proposal.examine(example(objects))  # whose fingers are soft
-    assert subtask is None and "tips with what lies in it" in refused[0].reason
+    assert subtask is None and "turns between fingers that are not firm" in refused[0].reason
 
 
 def test_a_container_out_of_reach_is_refused_with_a_reason_for_each_contact_point() -> None:

@@ -14,7 +14,7 @@ from vcage.models.rules.nouns import Conflict, Doubt, Noun
 from vcage.models.rules.pronouns import resolved
 from vcage.models.rules.sentence import ONE_ARM, OTHER_ARM, USING, Command, not_read, parse
 from vcage.models.rules.too_little import require_plain
-from vcage.models.rules.vessels import DUMPS, Vessels
+from vcage.models.rules.vessels import Vessels, is_dumped
 from vcage.objects.names import names_of
 from vcage.plans.actions import HOLDING
 from vcage.plans.consistency import inconsistencies, unordered_contradictions
@@ -230,7 +230,7 @@ class Goals:
         assert command.place is not None
         if command.place.but and command.place.definite:
             raise Doubt(command.place.text, "nothing can be left out of it")
-        if command.words.lower().startswith(DUMPS):
+        if is_dumped(command):
             self._vessels.require_none(command, self._named(command))
         loose = any(noun.several for noun in command.things)  # "everything" is all but the place
         spots = self._meanings.spots(command.place, command.how, [] if loose else self._named(command))

@@ -94,7 +94,7 @@ class _Selector:
             self._fill(command)
         catalogue, everything = list(self.entries.values()), quantified(self.instruction)
         clear = bystanders([self.instruction], self._there, catalogue)
-        may = {entry.name for entry in clear if not any(quantifier.covers(entry) for quantifier in everything)}
+        may = {entry.name for entry in clear if not (entry.loose or any(q.covers(entry) for q in everything))}
         self._chosen += self._occasion().standing_by(catalogue, lambda entry: entry.name not in may, self.rng)
         return Selection(objects=sorted(self._chosen, key=lambda chosen: _ROLES.index(chosen.role)))
 
@@ -312,4 +312,4 @@ def _role_and_test(command: Command) -> tuple[Role, Good]:
     if command.verb == "pour":
         return "content", lambda e: e.loose or (e.holds_loose and e.can_be_carried)
     pushed = command.verb == "put" and command.how in BESIDE
-    return "content", lambda e: e.can_be_carried or pushed
+    return "content", lambda e: (e.can_be_carried or pushed) and not e.loose

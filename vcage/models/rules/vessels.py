@@ -10,9 +10,6 @@ from vcage.models.rules.meanings import Meanings, Things
 from vcage.models.rules.nouns import Doubt, Noun
 from vcage.models.rules.sentence import Command
 
-DUMPS = "dump"
-"""To dump a vessel into another thing is to empty it, to dump anything else to put it there."""
-
 
 @dataclass(frozen=True)
 class Vessels:
@@ -85,6 +82,11 @@ class Vessels:
     def _is_vessel(self, name: str) -> bool:
         entry = self.things[name]
         return entry.holds_loose and entry.can_be_carried
+
+
+def is_dumped(command: Command) -> bool:
+    """True where things are dumped into others: a vessel is emptied so, anything else is put there."""
+    return command.how == "in" and "dump" in command.words.lower().split()
 
 
 def _said(command: Command) -> Noun | None:

@@ -87,10 +87,10 @@ def lever(target: SceneObject, at: np.ndarray, gripper: Gripper, width: float) -
         gripper: that holds it.
         width: of the material between its fingers, metres.
     """
-    return 0.0 if _firm(gripper, width) else off_middle(target, at)
+    return 0.0 if holds_firmly(gripper, width) else off_middle(target, at)
 
 
-def _firm(gripper: Gripper, width: float) -> bool:
+def holds_firmly(gripper: Gripper, width: float) -> bool:
     """True if fingers with a drive of their own press firmly on material of a width, metres."""
     return gripper.stiffness is not None and min(gripper.force, gripper.stiffness * width / 2) >= SETTINGS.firm_n
 

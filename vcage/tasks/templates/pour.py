@@ -17,7 +17,7 @@ from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.feasibility import opens_wide_enough, picks
 from vcage.tasks.findings import Feasibility, Report, best_first, reach_check, travel
 from vcage.tasks.pouring import balls_in, followed, lips, pouring_ways
-from vcage.tasks.primitives.grip import sag
+from vcage.tasks.primitives.grip import holds_firmly
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.state import lying_on
 from vcage.tasks.stowing import heaped_in, open_point
@@ -68,11 +68,12 @@ class Pouring(Proposal):
         around = tuple(o for o in others if o not in lying_on(self.thing, others))
         found, refused = dict[int, Feasibility](), list[Refusal]()
         for contact in self.thing.asset.annotation.carrying_points:
-            level = {a: k for a, k in workplace.kinematics.items() if not sag(self.thing, contact, k.arm.gripper)}
-            if level:
-                found[contact.id] = _Hold(self.thing, contact, target, around).examined(level, workplace.ground.height)
+            width = self.thing.asset.grasp_width(contact)
+            firm = {a: k for a, k in workplace.kinematics.items() if holds_firmly(k.arm.gripper, width)}
+            if firm:
+                found[contact.id] = _Hold(self.thing, contact, target, around).examined(firm, workplace.ground.height)
             else:
-                why = f"held at {contact.name!r}, {self.thing.record.phrase} tips with what lies in it"
+                why = f"held at {contact.name!r}, {self.thing.record.phrase} turns between fingers that are not firm"
                 refused.append(self.refusal(why, contact.id))
         findings, others_refused = self.judged(found)
         if not findings:
@@ -130,6 +131,8 @@ def _unfit(vessel: SceneObject, target: SceneObject, others: Sequence[SceneObjec
         return f"{strange[0].record.phrase} lies in {name}, and only balls are poured"
     if point is None:
         return f"{there} is not open at the top: nothing is poured into it"
+    if there_already := lying_on(target, others):
+        return f"{there_already[0].record.phrase} lies in {there}, and things are poured into what is empty"
     size = target.asset.opening(point).size
     if min(size) < THRESHOLDS.poured_into_m:
         room = f"{100 * size[0]:.1f} × {100 * size[1]:.1f} cm"
