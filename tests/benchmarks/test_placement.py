@@ -61,7 +61,7 @@ def test_every_object_fits_alone(stock: Stock) -> None:
 
 
 def test_contents_and_receptacles_must_be_within_reach_and_context_need_not(stock: Stock) -> None:
-    scene = stock.scene(10, 1)
+    scene = stock.scene(10, 2)
     roles = [thing.role for thing in scene.things]
     assert roles.count("content") == 3 and roles.count("receptacle") == 1
     limited = [item.allowed is not None for item in scene.items(EVERYWHERE)]

@@ -203,6 +203,7 @@ def test_balls_that_are_poured_start_in_a_cup_where_no_vessel_is_named() -> None
         ("Move the can to the side", "no goal names this side"),
         ("Put the apple in the area", "no goal names this area"),
         ("Put the glass on the tray", "give its full name"),
+        ("Put the ball next to the bowl", "balls are only poured"),
         ("Put the apple in the bowl next to the glass", "give its full name"),
         ("Open the drawer slightly", "how far"),
         ("Put every block on its plate", "a place of its own"),

@@ -171,6 +171,8 @@ class Goals:
         if arm is None and subject not in self._moved:
             self._require_holder(command, subject)
         self._unfinished.pop(subject, None)
+        if self.things[subject].loose:
+            raise Doubt(command.words, f"{subject} rolls, and balls are only poured")
         goal, arm = goal_of([subject, relation, *rest]), arm or command.arm or self._arms.get(subject)
         if goal.reference in self._meanings.excepted:
             raise Doubt(command.words, f"{goal.reference} is excepted")
