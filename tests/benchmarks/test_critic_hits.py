@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from benchmarks._critic.hits import hit_another, hit_beside, not_down
-from benchmarks._critic.played import Case, Kind, Played
+from benchmarks._critic.played import Kind, Played
 from benchmarks._critic.tools import dropped_tool, swept
-from tests.example_scenes import script_of, thing, workplace, world_of
+from tests.benchmarks.one_played import one_played
+from tests.example_scenes import thing
 from vcage.schema.goals import Goal
-from vcage.tasks.templates import TEMPLATES
 
 OBJECTS = [thing("block", (0.05, 0.05)), thing("hammer", (-0.2, -0.05), 0.6), thing("apple", (0.3, 0.15))]
 
@@ -18,24 +18,8 @@ OBJECTS = [thing("block", (0.05, 0.05)), thing("hammer", (-0.2, -0.05), 0.6), th
 @pytest.fixture(scope="module")
 def played() -> Played:
     """A block that was hit with a hammer, beside an apple."""
-    ((proposal,), _) = TEMPLATES["hit"].proposals(OBJECTS, [Goal(subject="block", relation="hit")])
-    step, _ = proposal.examine(workplace(OBJECTS))
-    assert step is not None
-    grasps = [(grasp.contact, grasp.arm) for grasp in step.grasps]
-
-    def play(task) -> None:
-        task.hit("hammer", "block", grasps)
-        task.home()
-
-    return Case(
-        subtask=step,
-        script=script_of(step, play),
-        objects={o.id: o for o in OBJECTS},
-        slots={},
-        build=lambda: world_of(OBJECTS),
-        others=(),
-        rng=np.random.default_rng(0),
-    ).play()
+    goal = Goal(subject="block", relation="hit")
+    return one_played("hit", OBJECTS, goal, lambda task, grasps: task.hit("hammer", "block", grasps), seed=0)
 
 
 def test_the_hit_itself_succeeds(played: Played) -> None:

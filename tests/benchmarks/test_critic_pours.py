@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks._critic.kinds import nothing
-from benchmarks._critic.played import Case, Kind, Played
+from benchmarks._critic.played import Kind, Played
 from benchmarks._critic.pours import (
     half_beside,
     missed,
@@ -15,9 +15,9 @@ from benchmarks._critic.pours import (
     poured_nothing,
     vessel_dropped,
 )
-from tests.example_scenes import script_of, thing, world_of
+from tests.benchmarks.one_played import one_played
+from tests.example_scenes import thing
 from tests.tasks.templates.test_pour import BOWL, CUP, GOAL, ROBOT, filled, workplace
-from vcage.tasks.templates import TEMPLATES
 
 BALLS = filled(CUP)
 OBJECTS = [CUP, BOWL, *BALLS, thing("basket", (0.3, 0.1))]
@@ -26,24 +26,8 @@ OBJECTS = [CUP, BOWL, *BALLS, thing("basket", (0.3, 0.1))]
 @pytest.fixture(scope="module")
 def played() -> Played:
     """A cup that was poured into a bowl, beside a basket."""
-    ((proposal,), _) = TEMPLATES["pour"].proposals(OBJECTS, [GOAL])
-    step, _ = proposal.examine(workplace(OBJECTS))
-    assert step is not None
-    grasps = [(grasp.contact, grasp.arm) for grasp in step.grasps]
-
-    def play(task) -> None:
-        task.pour(CUP.id, BOWL.id, grasps)
-        task.home()
-
-    return Case(
-        subtask=step,
-        script=script_of(step, play),
-        objects={o.id: o for o in OBJECTS},
-        slots={},
-        build=lambda: world_of(OBJECTS, ROBOT),
-        others=(),
-        rng=np.random.default_rng(1),
-    ).play()
+    arms = {"place": workplace(OBJECTS), "robot": ROBOT}
+    return one_played("pour", OBJECTS, GOAL, lambda task, grasps: task.pour(CUP.id, BOWL.id, grasps), seed=1, **arms)
 
 
 def away(played: Played, name: str, shots) -> float:

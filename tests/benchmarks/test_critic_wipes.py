@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from benchmarks._critic.kinds import nothing
-from benchmarks._critic.played import Case, Kind, Played
+from benchmarks._critic.played import Kind, Played
 from benchmarks._critic.tools import dropped_tool, swept
 from benchmarks._critic.wipes import wiped_above, wiped_another, wiped_beside, wiped_spot
-from tests.example_scenes import script_of, thing, workplace, world_of
+from tests.benchmarks.one_played import one_played
+from tests.example_scenes import thing
 from vcage.schema.goals import Goal
-from vcage.tasks.templates import TEMPLATES
 
 BOARD, SPONGE = thing("cutting_board", (0.05, 0.05), 0.3), thing("sponge", (-0.25, -0.02), 0.6)
 OBJECTS = [BOARD, SPONGE, thing("plate", (0.35, 0.1))]
@@ -20,24 +20,8 @@ OBJECTS = [BOARD, SPONGE, thing("plate", (0.35, 0.1))]
 @pytest.fixture(scope="module")
 def played() -> Played:
     """A board that was wiped with a sponge, beside a plate."""
-    ((proposal,), _) = TEMPLATES["wipe"].proposals(OBJECTS, [Goal(subject=BOARD.id, relation="wiped")])
-    step, _ = proposal.examine(workplace(OBJECTS))
-    assert step is not None
-    grasps = [(grasp.contact, grasp.arm) for grasp in step.grasps]
-
-    def play(task) -> None:
-        task.wipe(SPONGE.id, BOARD.id, grasps)
-        task.home()
-
-    return Case(
-        subtask=step,
-        script=script_of(step, play),
-        objects={o.id: o for o in OBJECTS},
-        slots={},
-        build=lambda: world_of(OBJECTS),
-        others=(),
-        rng=np.random.default_rng(1),
-    ).play()
+    goal = Goal(subject=BOARD.id, relation="wiped")
+    return one_played("wipe", OBJECTS, goal, lambda task, grasps: task.wipe(SPONGE.id, BOARD.id, grasps), seed=1)
 
 
 def test_the_wiping_itself_succeeds(played: Played) -> None:

@@ -76,6 +76,11 @@ class FunctionalPoint(Record):
         """True if things come in from the side: more than 45° off the vertical."""
         return self.axis[2] < 0.7
 
+    @property
+    def open_above(self) -> bool:
+        """True for the inside of a body that is open at the top: things may lie loose in it, and be poured into it."""
+        return self.link is None and self.holds == "in" and not self.sideways
+
 
 class PointRoom(Record):
     """The room at a functional point: contents must fit into it."""
@@ -223,13 +228,13 @@ class CatalogueEntry(Record):
     @property
     def holds_loose(self) -> bool:
         """True if balls lie in it: it is open at the top."""
-        return any(p.link is None and p.holds == "in" and not p.sideways for p in self.functional_points)
+        return any(point.open_above for point in self.functional_points)
 
     def takes_poured(self, least_m: float) -> bool:
         """True if an opening at its top is as wide as this, metres; or if it is not built yet, and has one."""
         sides = {room.point: min(room.size[:2]) for room in self.rooms}
-        own = [p for p in self.functional_points if p.link is None and p.holds == "in" and not p.sideways]
-        return any(sides.get(point.id, least_m) >= least_m for point in own)
+        wide = (sides.get(point.id, least_m) >= least_m for point in self.functional_points if point.open_above)
+        return any(wide)
 
     @property
     def parts(self) -> list[str]:

@@ -33,8 +33,7 @@ def point_in(asset: Asset, part: str) -> FunctionalPoint | None:
 
 def open_point(asset: Asset) -> FunctionalPoint | None:
     """The functional point at which things lie in the body of an object, open at the top; None where nothing does."""
-    points = asset.annotation.functional_points
-    return next((point for point in points if point.link is None and point.holds == "in" and not point.sideways), None)
+    return next((point for point in asset.annotation.functional_points if point.open_above), None)
 
 
 def stow(
@@ -90,7 +89,7 @@ def heaped_in(holder: SceneObject, balls: Sequence[SceneObject], rng: np.random.
     middles = None if point is None else heap(holder.asset.pieces, holder.asset.opening(point), radii, rng)
     if middles is None:
         raise InfeasibleScene(
-            f"{len(balls)} of the {balls[0].record.phrase} do not lie in {holder.record.phrase}",
+            f"{holder.record.phrase} has no room for {len(balls)} balls below its rim",
             hint="ask for fewer, or for a larger vessel that is open at the top",
             details={"objects": [ball.id for ball in balls], "container": holder.id},
         )

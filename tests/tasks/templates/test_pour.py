@@ -96,7 +96,7 @@ def test_a_narrow_or_flat_target_is_refused_by_name(name: str, why: str) -> None
 def test_more_balls_than_the_container_holds_are_refused_by_name() -> None:
     pot, bowl = thing("pot", (-0.2, 0.0)), thing("small_bowl", (0.1, 0.05))
     goal = Goal(subject=pot.id, relation="poured", reference=bowl.id)
-    assert "30 of the red ball do not lie in" in why_not(pot, bowl, *filled(pot, 30), goal=goal)
+    assert "has no room for 30 balls below its rim" in why_not(pot, bowl, *filled(pot, 30), goal=goal)
 
 
 def test_a_bowl_that_turns_between_soft_fingers_is_refused_where_it_is_held() -> None:

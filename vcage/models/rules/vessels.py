@@ -90,6 +90,6 @@ def is_dumped(command: Command) -> bool:
 
 
 def _said(command: Command) -> Noun | None:
-    """What a command says that things are poured out of."""
+    """The noun of a command for what things are poured out of."""
     relations = [other for noun in command.things for how, other in noun.relations if how == "in"]
     return next(iter(relations), command.source)

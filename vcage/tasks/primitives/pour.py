@@ -125,11 +125,11 @@ def _empty(cell: Workcell, grip: Grip, tip: JointPath, may: Allowance) -> None:
     last = points[-max(2, round(SETTINGS.jerk_share * len(points))) :]
     jerk = JointPath((Leg(last[::-1], load), Leg(last, load)))
     left = _left_after_a_while(cell, grip)
-    for _ in range(SETTINGS.jerks if left else 0):
-        cell.carry_out(grip.arm, jerk, [may])
-        left = _left_after_a_while(cell, grip)
+    for _ in range(SETTINGS.jerks):
         if not left:
             break
+        cell.carry_out(grip.arm, jerk, [may])
+        left = _left_after_a_while(cell, grip)
     if left:
         vessel = cell.object(grip.object_id).record.phrase
         raise TaskFailed("place", f"{left} of {len(grip.contents)} stay in the {vessel} when it is tipped")
@@ -138,13 +138,16 @@ def _empty(cell: Workcell, grip: Grip, tip: JointPath, may: Allowance) -> None:
 
 def _left_after_a_while(cell: Workcell, grip: Grip) -> int:
     """Number of balls in a vessel that is held; as soon as there are none, else after the longest time."""
-    left = len(grip.contents)
     for _ in range(round(SETTINGS.most_s / SETTINGS.looks_s)):
-        left = len(left_in(cell.object(grip.object_id), map(cell.object, sorted(grip.contents))))
-        if not left:
-            break
+        if not _left(cell, grip):
+            return 0
         cell.world.step(round(SETTINGS.looks_s * PHYSICS_HZ))
-    return left
+    return _left(cell, grip)
+
+
+def _left(cell: Workcell, grip: Grip) -> int:
+    """Number of balls in a vessel that is held now."""
+    return len(left_in(cell.object(grip.object_id), map(cell.object, sorted(grip.contents))))
 
 
 def _hands(load: Load, way: Sequence[Pose]) -> list[Pose]:
