@@ -152,7 +152,7 @@ def test_a_goal_that_the_runs_own_layout_fulfils_too_is_no_reason_to_refuse(fini
     told = next(r for r in relations if r.relation == "left_of")
     goals = [*chain[0].goals, chain[0].goals[0].model_copy(update=told.model_dump())]
     source = Layouts(scene, relations, [chain[0].model_copy(update={"goals": goals})], finished.context)
-    assert source.draw(np.random.default_rng(0)).refused == {}
+    assert not [why for why in source.draw(np.random.default_rng(0)).refused if why.endswith(" already")]
 
 
 def test_without_a_new_layout_the_runs_own_is_used_and_recorded(finished: Finished, tmp_path, monkeypatch):

@@ -134,7 +134,7 @@ def test_an_export_for_training_on_states_has_what_is_observed(finished: Finishe
 
 
 def test_an_episode_ends_when_it_has_lasted_too_long(finished: Finished) -> None:
-    short = make_env(finished.run.root, finished.context, pictures=False, max_steps=2)
+    short = make_env(finished.run.root, finished.context, pictures=False, max_steps=np.int64(2))
     seen, _ = short.reset(seed=0)
     ends = [short.step(seen["agent_pos"])[2:4] for _ in range(2)]
     assert ends == [(False, False), (False, True)]

@@ -112,6 +112,13 @@ def test_descriptions_arms_and_objects_left_alone_answer_words() -> None:
     assert look_at("Put the peach on the plate and leave the bowl alone", "peach on plate", untouched=("bowl",)) == []
 
 
+def test_the_right_one_of_a_swap_is_a_thing_and_no_arm() -> None:
+    swap = ["mug_white in_place_of mug_red", "mug_red in_place_of mug_white"]
+    told = "mug_white left_of mug_red, mug_red right_of mug_white"
+    assert look_at("Swap the left mug with the right one", *swap, told=told) == []
+    assert any("'right arm' is said" in one for one in look_at("Swap the mugs with the right arm", *swap))
+
+
 def test_a_side_may_tell_the_place_where_a_thing_lies_at_the_start() -> None:
     told = "peach inside bowl, bowl left_of mug_red"
     assert look_at("Take the peach from the left bowl and put it on the plate", "peach on plate", told=told) == []

@@ -177,9 +177,9 @@ def _drift(asset: Asset, seconds: float = 1.0) -> tuple[float, float]:
     return float(np.linalg.norm(pose.p)), float(np.degrees(2 * np.arccos(min(1.0, abs(pose.q[0])))))
 
 
-def test_objects_put_down_upright_stay_in_place(kinds: list[Asset]) -> None:
+def test_objects_put_down_upright_stay_in_place_but_for_balls(kinds: list[Asset]) -> None:
     def stays(asset: Asset) -> bool:
         moved, turned = _drift(asset)
         return moved < 0.002 and turned < 2.0
 
-    assert _failing(kinds, stays) == []
+    assert _failing((asset for asset in kinds if not asset.annotation.loose), stays) == []

@@ -6,10 +6,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Annotated, Any, Literal
 
-from pydantic import ConfigDict, Field, StrictBool, StrictInt, TypeAdapter, ValidationError
+import numpy as np
+from pydantic import BeforeValidator, ConfigDict, Field, StrictBool, TypeAdapter, ValidationError
 
 from vcage.base.errors import UsageError
 from vcage.evaluation.factors import Factor
+
+Whole = Annotated[
+    int, BeforeValidator(lambda given: given.item() if isinstance(given, np.integer) else given), Field(strict=True)
+]
+"""A whole number, NumPy's too."""
 
 
 @dataclass(frozen=True)
@@ -29,11 +35,11 @@ class EnvironmentOptions:
 
     __pydantic_config__ = ConfigDict(extra="forbid")
 
-    chain: StrictInt = 0
+    chain: Whole = 0
     pictures: StrictBool = True
     cameras: Sequence[str] = ()
     environment_state: StrictBool = False
-    max_steps: Annotated[int, Field(gt=0, strict=True)] | None = None
+    max_steps: Annotated[Whole, Field(gt=0)] | None = None
     randomise: str | None = None
     layout: Literal["varied", "fixed"] | None = None
     vary: Factor | None = None

@@ -179,6 +179,11 @@ def _on_side(side: str, reading: Reading) -> bool:
     return any({one.subject, one.reference} & there for one in (*(asked.goal for asked in reading.goals), *lying))
 
 
+def _swaps_side(side: str, reading: Reading) -> bool:
+    """True where a side may tell a thing that is swapped: "the left mug with the right one"."""
+    return any(asked.goal.relation == "in_place_of" for asked in reading.goals) and _on_side(side, reading)
+
+
 def wrong_arms(read: CheckedReading) -> list[str]:
     """Complaints about arms that the instruction names and no goal, or the reverse, and about the wrong giving hand."""
     text, goals = read.task.text, read.reading.goals
@@ -188,7 +193,8 @@ def wrong_arms(read: CheckedReading) -> list[str]:
         wrong = {*handed}.difference(to) if to else ()
         return [f"it is handed {arm!r}, but the instruction says 'to the {to[0]}'" for arm in sorted(wrong)]
     said, used = {*arms(text).values()}, {str(asked.arm) for asked in goals} - {"None"}
-    found = [f"'{arm} arm' is said, but no goal names that arm" for arm in sorted(said - used)]
+    missing = sorted(arm for arm in said - used if not _swaps_side(arm, read.reading))
+    found = [f"'{arm} arm' is said, but no goal names that arm" for arm in missing]
     allowed = used if said and _BOTH_ARMS.search(text) else said
     return found + [f"a goal names the {arm} arm, but the instruction does not" for arm in sorted(used - allowed)]
 

@@ -158,7 +158,8 @@ def no_asset(
         catalogue: all kinds.
         search: ranks the kinds by meaning.
     """
-    near = [entry.words.name for entry, _ in search.search(text, catalogue, SETTINGS.suggestions)]
+    found = search.search(text, catalogue, SETTINGS.suggestions)
+    near = list(dict.fromkeys(entry.words.name for entry, _ in found))
     colours = [f"{e.words.name} comes in {', '.join(v.colour for v in e.variants)} only" for e in alike]
     hint = "; ".join(colours[: SETTINGS.suggestions])
     return NoAssetFits(

@@ -51,6 +51,22 @@ def test_the_colour_of_the_owner_of_a_part_is_read() -> None:
     assert (caddy.asset, caddy.variant) == ("desk_caddy", "white")
 
 
+def test_its_lid_is_that_of_a_thing_that_is_named() -> None:
+    with pytest.raises(UnreadInstruction, match="nothing that is named before has one"):
+        selected("Put every apple in the box and close its lid")
+
+
+@pytest.mark.parametrize(("amount", "count"), [("several", 3), ("a few", 3), ("a couple of", 2)])
+def test_a_vague_amount_is_a_small_number(amount: str, count: int) -> None:
+    assert chosen(f"Put {amount} apples in the basket", "content") == ["apple"] * count
+
+
+@pytest.mark.parametrize("sentence", ["Put the card in the holder", "Put the paper in the bin"])
+def test_a_word_for_several_kinds_of_things_is_refused(sentence: str) -> None:
+    with pytest.raises(UnreadInstruction, match="give its full name"):
+        selected(sentence)
+
+
 def test_a_box_for_shoes_is_no_shoe() -> None:
     assert chosen("Put the shoe in the basket", "content") == ["shoe"]
 

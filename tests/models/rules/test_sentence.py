@@ -30,6 +30,12 @@ def test_the_form_to_follow_has_the_verb_that_is_meant(verb: str) -> None:
     assert caught.value.details["form"] == "Hit the block with the hammer"
 
 
+@pytest.mark.parametrize("angle", ["by 90 degrees", "90°", "by ninety degrees", "a half turn", "upside down"])
+def test_an_angle_is_refused_as_one(angle: str) -> None:
+    with pytest.raises(UnreadInstruction, match="by which angle"):
+        parse(f"Rotate the cereal box {angle}")
+
+
 def test_the_first_word_that_does_not_fit_is_named_with_the_nearest_form() -> None:
     with pytest.raises(UnreadInstruction) as refused:
         parse("Put the apple in the bowl and juggle the lemons")

@@ -229,6 +229,7 @@ def _words(found: Sequence[Token], *types: str) -> list[str]:
 
 def _quantity(words: list[str]) -> tuple[str, int | None]:
     """The quantifier and the number that words before a noun say."""
+    words = words[1:] if words[:1] == ["a"] and words[1:2] in (["few"], ["couple"]) else words
     numbers = [int(word) if word.isdigit() else NUMBERS[word] for word in words if word.isdigit() or word in NUMBERS]
     count, *_ = [*[0] * (len({*numbers}) > 1), *[1] * ("another" in words), *numbers, *[1] * ("any" in words), None]
     quantifiers = [_QUANTIFIERS[word] for word in words if word in _QUANTIFIERS]

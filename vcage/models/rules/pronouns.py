@@ -98,8 +98,8 @@ def _referents(pronoun: Noun, done: tuple[Command, ...], verb: str) -> list[tupl
     if pronoun.pronoun == "them":
         return _several(things, done)
     nouns = [*things, *_places(*done[-1:])] if len(things) == 1 else []
-    if nouns and done[-1].verb in USING:  # the tool that was picked up for it is still in the hand
-        nouns += _things_of(done, "pick", "lift")
+    if nouns and done[-1].verb in USING:  # the tool is still in the hand
+        nouns += [*_things_of(done, "pick", "lift"), *(noun for noun in [done[-1].place] if noun is not None)]
     if verb == "close":
         closed = _things_of(done, "close")
         nouns += [noun for noun in _things_of(done, "open") if noun not in closed]

@@ -208,6 +208,7 @@ class _Selector:
 
     def _draw(self, noun: Noun, role: Role, good: Good, place: CatalogueEntry | None) -> CatalogueEntry:
         """Choose objects for a noun; the first of its kinds."""
+        _require_no_pronoun(noun)
         taken = [(entry.name, entry.variants) for entry in self._there]
         told_apart = noun.positions(self._nouns)
         count = self._count(noun, told_apart)
@@ -292,6 +293,16 @@ class _Selector:
         """True for a kind that people call by another noun too: a paper clip box is stationery, and "the box"."""
         others = (other for other in self._nouns if other.words and other.name != noun.name)
         return any(other.fit(entry)[0] >= HEAD for other in others)
+
+
+def _require_no_pronoun(noun: Noun) -> None:
+    """Refuse "its lid" where no chosen thing has such a part.
+
+    Raises:
+        Doubt: the owner is only named by a pronoun.
+    """
+    if noun.part is not None and noun.text.lower().startswith("its "):
+        raise Doubt(noun.text, "nothing that is named before has one")
 
 
 def _part_of(noun: Noun, place: CatalogueEntry | None) -> CatalogueEntry | None:

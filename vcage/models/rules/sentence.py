@@ -25,6 +25,8 @@ REFUSED = {
     r"(every|each) (?:(?!and )[^,.;])* (in|on|into|onto|to) its":
         "no goal says that each thing has a place of its own; name the places",
     r"sorry|i mean|or rather|no wait": "a correction is not read; say only what is meant",
+    r"(by )?(\d+|ninety|forty-five)(?= ?°| degrees)|(a )?(half|quarter) turn|upside down":
+        "no goal says by which angle a thing is turned",
     r"[4-9]\d|\d{3,}": "no table holds so many; ask for 1 to 39",
     r"(corner|edge) of the (table|desk)": "this place of the table is none that a goal can name",
     r"under(neath)?|below|beneath": "what is under a thing is no place that a goal can name",
@@ -315,7 +317,7 @@ class _Commands(Transformer[Token, Any]):
         things, *order, where = parts
         named = things["things"]
         row = tuple(noun.like(named[0]) for noun in order[0]["things"]) if order else named
-        row = row if _is_order_of(row, named) else ()
+        row = row if not order or _is_order_of(row, named) else ()
         return self.__default__("row", [{"things": row[::-1] if "right to left" in where else row}], meta)
 
     def things(self, _: Any, parts: list[Any]) -> dict[str, Any]:

@@ -12,6 +12,8 @@ NEVER_ALONE = {
     "top": "say on top of which thing",
     "side": "no goal names this side; say of which thing",
     "area": "no goal names this area; say which thing it is",
+    "card": "it may be one to play with, to pay with or to give away; give its full name",
+    "paper": "it may be a sheet, a roll or a box of it; give its full name",
     "glass": "it may be one to drink from or to look through; give its full name",
 }
 """Names that say too little without another word, and why."""
