@@ -27,7 +27,7 @@ import tempfile
 import time
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -46,6 +46,7 @@ from vcage.episodes.question import Asking, verdict
 from vcage.runs.context import StageContext
 from vcage.schema.episodes import Verdict
 from vcage.schema.robot import DEFAULT_ROBOT
+from vcage.tasks.templates import TEMPLATES
 
 logger = logging.getLogger(__name__)
 
@@ -69,6 +70,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--models", default="offline", help="whose critic: offline, or a provider")
     parser.add_argument("--robot", default=DEFAULT_ROBOT, help="which one (default: %(default)s)")
     parser.add_argument("--part", choices=PARTS, default="all", help="which outcomes are made")
+    parser.add_argument("--templates", nargs="+", choices=TEMPLATES, help="only outcomes of these kinds of sub-tasks")
     parser.add_argument(
         "--count", nargs="+", choices=COUNTED, default=COUNTED, help="outcomes, the paper's tasks, or both"
     )
@@ -89,6 +91,7 @@ def run(
     models: str = "offline",
     robot: str = DEFAULT_ROBOT,
     part: str = "all",
+    templates: Sequence[str] | None = None,
     count: Sequence[str] = COUNTED,
     episodes: int = EPISODES,
     first: int = 0,
@@ -103,6 +106,7 @@ def run(
         models: whose critic.
         robot: by name.
         part: which outcomes are made.
+        templates: kinds of sub-tasks; all when not given.
         count: some of :data:`COUNTED`.
         episodes: of each task of the paper.
         first: seed of the first draw of each scene.
@@ -112,7 +116,8 @@ def run(
     """
     found: dict[str, Any] = {"rows": []}
     if "outcomes" in count:
-        draws = None if pictures else drawn(first, robot, part, quick)
+        chosen = tuple(templates or TEMPLATES)
+        draws = None if pictures else [replace(d, templates=chosen) for d in drawn(first, robot, part, quick)]
         with tempfile.TemporaryDirectory() as temporary:
             found = _of_outcomes(pictures or keep or Path(temporary), draws, quick, models, workers)
     if "tasks" in count:
@@ -126,7 +131,7 @@ def _of_outcomes(folder: Path, draws: Sequence[Draw] | None, quick: bool, models
     if draws is not None and quick:
         make(draws, folder, workers)
     elif draws is not None:
-        filled(draws, lambda more, before: make(more, folder, workers, before), Quotas())
+        filled(draws, lambda more, before: make(more, folder, workers, before), Quotas(templates=draws[0].templates))
     tasks = [_Task(folder, models, n, workers) for n in range(workers)]
     judged = [one for some in map_in_processes(_judged, tasks, workers) for one in some]
     judged.sort(key=lambda one: one.record.id)

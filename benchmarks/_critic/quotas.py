@@ -24,10 +24,12 @@ class Quotas:
     Args:
         each: successes, and failures, of each template.
         rounds: most further draws of a scene.
+        templates: that are counted.
     """
 
     each: int = 20
     rounds: int = 25
+    templates: tuple[str, ...] = tuple(TEMPLATES)
 
 
 def filled(draws: Sequence[Draw], make: Make, quotas: Quotas) -> list[OutcomeRecord]:
@@ -41,22 +43,22 @@ def filled(draws: Sequence[Draw], make: Make, quotas: Quotas) -> list[OutcomeRec
     """
     records, last = make(draws, []), max(draw.seed for draw in draws)
     for seed in range(last + 1, last + 1 + quotas.rounds):
-        missing = lacking(records, quotas.each)
+        missing = lacking(records, quotas)
         gave = {record.setting for record in records if record.template in missing}
         again = {draw.scene: draw for draw in draws if draw.scene in gave}
         if not again:
             break
         further = [replace(draw, seed=seed, templates=tuple(missing)) for draw in again.values()]
         records += make(further, records)
-    for template, (successes, failures) in lacking(records, quotas.each).items():
+    for template, (successes, failures) in lacking(records, quotas).items():
         logger.warning("%s: %d successes and %d failures, of %d each", template, successes, failures, quotas.each)
     return records
 
 
-def lacking(records: Iterable[OutcomeRecord], each: int) -> dict[str, tuple[int, int]]:
-    """Template short of outcomes → its numbers of successes and failures."""
+def lacking(records: Iterable[OutcomeRecord], quotas: Quotas) -> dict[str, tuple[int, int]]:
+    """Wanted template short of outcomes → its numbers of successes and failures."""
     counts: dict[str, Counter[bool]] = defaultdict(Counter)
     for record in records:
         counts[record.template][record.success] += 1
-    found = {template: (counts[template][True], counts[template][False]) for template in TEMPLATES}
-    return {template: both for template, both in found.items() if min(both) < each}
+    found = {template: (counts[template][True], counts[template][False]) for template in quotas.templates}
+    return {template: both for template, both in found.items() if min(both) < quotas.each}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
+from dataclasses import replace
 
 import pytest
 
@@ -47,7 +48,7 @@ def test_scenes_are_drawn_again_until_there_is_enough() -> None:
     maker = Maker()
     records = filled(DRAWS, maker, Quotas(each=2, rounds=9))
     assert len(maker.rounds) == 4
-    assert lacking(records, 2) == {}
+    assert lacking(records, Quotas(each=2)) == {}
     assert [draw.seed for draw in maker.rounds[-1]] == [7, 7], "seeds that no draw had"
 
 
@@ -78,3 +79,11 @@ def test_a_template_that_no_scene_gives_ends_nothing(caplog: pytest.LogCaptureFi
         filled(DRAWS[1:], maker, Quotas(each=1, rounds=9))
     assert len(maker.rounds) == 2
     assert "stack: 0 successes and 0 failures, of 1 each" in caplog.messages
+
+
+def test_only_the_wanted_templates_are_drawn_again() -> None:
+    maker = Maker()
+    draws = [replace(draw, templates=("stack",)) for draw in DRAWS]
+    records = filled(draws, maker, Quotas(each=2, rounds=9, templates=("stack",)))
+    assert {draw.scene for later in maker.rounds[1:] for draw in later} == {"blocks"}
+    assert {record.template for record in records} == {"stack"}
