@@ -56,7 +56,16 @@ def test_another_option_is_named_with_both_values(run):
 def test_a_changed_input_makes_it_stale(run):
     job(run).do(Export, make)
     write_text(run.compression, "{ }")
-    with pytest.raises(StaleStage, match=r"input compress/compression\.json"):
+    with pytest.raises(StaleStage, match=r"input compress/compression\.json") as caught:
+        job(run).do(Export, make)
+    assert caught.value.hint.startswith("put back what changed")
+
+
+def test_an_input_that_is_gone_is_named_as_such(run):
+    write_text(run.verdicts, "{}")
+    job(run, inputs=[run.compression, run.verdicts]).do(Export, make)
+    run.verdicts.unlink()
+    with pytest.raises(StaleStage, match=r"input verify/verdicts\.json, which is gone"):
         job(run).do(Export, make)
 
 

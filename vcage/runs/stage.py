@@ -222,7 +222,7 @@ class Job:
         named = (_with_values(one, record.provenance, keeper.made_from) for one in changed)
         raise StaleStage(
             f"{self.output} is finished, but was made with another {', '.join(named)}",
-            hint="give the same options as before, or another run folder",
+            hint=f"{_way_back(changed)}, or give another run folder",
             details={"changed": changed, "edited": edited},
         )
 
@@ -266,10 +266,19 @@ def differences(before: Provenance, now: Provenance) -> list[str]:
 
 
 def _with_values(difference: str, before: Provenance, now: Provenance) -> str:
-    """One of the :func:`differences`; of an option that is a plain word or number, with both values."""
+    """One of the :func:`differences`, an input that is gone as such, a plain option with both values."""
+    if (path := difference.removeprefix("input ")) != difference and path not in now.inputs:
+        return f"{difference}, which is gone"
     values = [provenance.options.get(difference.removeprefix("option ")) for provenance in (before, now)]
     plain = all(isinstance(value, str | int | float) and len(str(value)) <= MAX_VALUE_CHARACTERS for value in values)
     return f"{difference} ({values[0]} before, {values[1]} now)" if plain else difference
+
+
+def _way_back(changed: Sequence[str]) -> str:
+    """The way back to what a finished stage was made from."""
+    if all(difference.startswith("input ") for difference in changed):
+        return "put back what changed"
+    return "give the same options as before"
 
 
 def stage_seed(run: RunFolder, seed: int | None) -> int:
