@@ -26,8 +26,14 @@ FURTHER = (
     "Put the egg in the pot",
     "Put the bowl on the microwave",
     "Push the plate next to the mug",
+    "Pour the balls from the small bin into the dustbin",
+    "Pour the balls from the ramekin into the plastic box",
+    "Wipe the customer mat with the sponge",
+    "Hit the rubber eraser with the hammer",
+    "Hit the tissue box with the hammer",
 )
-"""Sentences beside those that are run whole: piles, deep walls, tall tops, and what can only be pushed."""
+"""Sentences beside those that are run whole: piles, deep walls, tall tops, what can only be pushed, and verbs of tools
+and vessels on kinds of objects that are untouched."""
 
 UNTOUCHED_SCENES = ("bathroom", "office_desk")
 """Scenes kept unseen while a critic is tuned."""
