@@ -84,6 +84,7 @@ class Plan:
         steps: of each training of a policy.
         localiser_share: steps of the training of a localiser, as a share of these.
         rollouts: of each policy.
+        unproven: layouts in which the expert fails are counted, too.
         actions: of an answer that are carried out between two looks.
         object_noise_m: standard deviation of the objects' places in training, where a localiser will find them.
     """
@@ -93,6 +94,7 @@ class Plan:
     steps: int = 10_000
     localiser_share: float = 0.1
     rollouts: int = 100
+    unproven: bool = False
     actions: int = 4
     object_noise_m: float = 0.004
 
@@ -110,6 +112,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     ):
         default = f"default: {getattr(Plan, name)}, with --quick {getattr(QUICK, name)}"
         parser.add_argument(f"--{name}", type=kind, help=f"{what} ({default})")
+    unproven = "count layouts in which the expert fails, too: to try them first takes long where it often does"
+    parser.add_argument("--unproven", action="store_true", default=None, help=unproven)
     parser.add_argument("--instruction", default=INSTRUCTION, help="the task (default: %(default)s)")
     parser.add_argument("--robot", default=ROBOT, help="who does it (default: %(default)s)")
     parser.add_argument("--rows", default=",".join(ROWS), help="with commas (default: %(default)s)")
@@ -250,7 +254,7 @@ class _Bench:
             command = [sys.executable, "-m", "vcage.cli.main", "evaluate", str(run.root), "--policy", address]
             command += ["--episodes", str(self.plan.rollouts), "--workers", str(self.task.workers)]
             command += ["--actions", str(self.plan.actions), "--out", str(out), "--name", weights.stem, "--videos", "0"]
-            command += options
+            command += [*options, *["--unproven"] * self.plan.unproven]
             if name in RIVALS and (rival / RECORD).exists():
                 command += ["--against", str(rival)]
             begun = time.perf_counter()

@@ -48,7 +48,7 @@ class PlayedSettings:
     """
 
     fps: int = 10
-    most_played: int = 3
+    most_played: int = 6
 
 
 SETTINGS = PlayedSettings()
@@ -97,14 +97,14 @@ def demonstrations(run: RunFolder, episodes: int, verified: bool, folder: Path, 
         workers: processes.
 
     Raises:
-        TooFewVerified: fewer than a third succeed.
+        TooFewVerified: fewer than one in :attr:`PlayedSettings.most_played` succeeds.
     """
     found, numbers = list[Played](), range(0)
     while len(found) < episodes:
-        numbers = range(numbers.stop, numbers.stop + episodes - len(found))
-        found += [one for one in played(run, numbers, folder, workers) if one.success or not verified]
         if numbers.stop > SETTINGS.most_played * episodes:
             raise TooFewVerified(f"of {numbers.stop} episodes that were played, {len(found)} can be used")
+        numbers = range(numbers.stop, numbers.stop + episodes - len(found))
+        found += [one for one in played(run, numbers, folder, workers) if one.success or not verified]
     return joined(run, found, StageContext("offline"))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from contextlib import nullcontext
 from copy import copy
 from dataclasses import replace
 from pathlib import Path
@@ -404,6 +405,18 @@ def test_policies_on_pictures_differ_only_in_what_finds_the_objects(
     for read in map(Policy.read, files):
         assert read.localiser is not None and read.cpu_s.keys() == {"policy", "localiser"}
         assert all(torch.equal(numbers, same[name]) for name, numbers in read.network.state_dict().items())
+
+
+@pytest.mark.parametrize("unproven", [False, True])
+def test_layouts_in_which_the_expert_fails_are_counted_only_where_asked(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, unproven: bool
+) -> None:
+    asked: list[list[str]] = []
+    monkeypatch.setattr(policy, "served", lambda _: nullcontext("ws://127.0.0.1:1"))
+    monkeypatch.setattr(policy, "_answer", lambda command: asked.append(command) or {"summary": {"n_success": 0}})
+    bench = policy._Bench(Task("", ROBOT, tmp_path, workers=1), policy.Plan(unproven=unproven))
+    bench._evaluated(tmp_path / "checked.pt", RunFolder(tmp_path), "checked", 0, [])
+    assert ("--unproven" in asked[0]) == unproven
 
 
 def test_an_answer_is_the_last_line_of_a_command() -> None:

@@ -46,10 +46,16 @@ def test_the_next_episodes_take_the_places_of_failures_that_are_left_out(
 
 
 def test_a_task_that_hardly_ever_succeeds_is_refused(joined: None, tmp_path: Path) -> None:
-    for number in range(8):
-        kept_episode(tmp_path / "played", number, success=False)
-    with pytest.raises(TooFewVerified, match="of 8 episodes that were played, 0 can be used"):
+    for number in range(14):
+        kept_episode(tmp_path / "played", number, success=number == 13)
+    with pytest.raises(TooFewVerified, match="of 14 episodes that were played, 1 can be used"):
         played.demonstrations(RunFolder(tmp_path), 2, True, tmp_path / "played")
+
+
+def test_the_last_episode_that_may_be_played_counts(joined: None, tmp_path: Path) -> None:
+    for number in range(8):
+        kept_episode(tmp_path / "played", number, success=number == 6)
+    assert played.demonstrations(RunFolder(tmp_path), 1, True, tmp_path / "played") == [6]
 
 
 def test_the_longest_of_the_first_episodes_that_succeeds_says_how_long_a_policy_may_take(tmp_path: Path) -> None:
