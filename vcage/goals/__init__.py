@@ -37,6 +37,7 @@ from vcage.goals.sides import SIDES
 from vcage.goals.thresholds import Thresholds
 from vcage.goals.turned import TURNED
 from vcage.goals.turned_back import TURNED_BACK
+from vcage.goals.upright import UPRIGHT
 from vcage.goals.weighed import WEIGHED
 from vcage.goals.wiped import WIPED
 
@@ -45,7 +46,7 @@ KINDS: dict[str, GoalKind] = {
     for kind in (
         INSIDE, ON, *SIDES, ROW_LEFT_OF, IN_PLACE_OF, BESIDE, NEAR, CENTRED, OPEN, CLOSED, PRESSED, TURNED, TURNED_BACK,
         HELD_UP, HELD_BY_BOTH, SCANNED, WEIGHED, PRESENTED, BACK, MOVED_AWAY, FACING_ROBOT, HANDED, LIFTED, SHAKEN,
-        HIT, WIPED, POURED,
+        HIT, WIPED, POURED, UPRIGHT,
     )
 }  # fmt: skip
 """By word, in the order in which prompts explain them."""

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
+from vcage.base.geometry import Pose
 from vcage.objects import nesting, openings
 from vcage.objects.convex import Convex, load_convex
 from vcage.objects.openings import Opening
@@ -31,11 +32,15 @@ class Asset:
         annotation: words and points.
         variant: which look.
         model: files and physical constants.
+        standing: of an object on its side, the same as it stands; None for all others.
+        stands: frame of the standing object in the frame of this one.
     """
 
     annotation: Annotation
     variant: Variant
     model: PhysicalModel
+    standing: Asset | None = None
+    stands: Pose = field(default_factory=Pose)
 
     @property
     def name(self) -> str:

@@ -14,6 +14,7 @@ from vcage.base.progress import Progress, silent
 from vcage.base.workers import cores, map_in_processes
 from vcage.objects import sources
 from vcage.objects.asset import Asset, unbuilt_entry
+from vcage.objects.lying import laid, standing_in_lying
 from vcage.objects.painting import look, looks_of
 from vcage.objects.points import check_meshes, check_points, check_size
 from vcage.objects.rooms import rooms_of
@@ -125,6 +126,8 @@ class Library:
         if shown is None:
             raise UnknownName(f"variant of {name}", variant, looks_of(annotation))
         key = (name, variant)
+        if key not in self._assets and shown.laid is not None:
+            self._assets[key] = self._laid(self._described(name, shown.laid), shown)
         if key not in self._assets:
             path = self._folders[name] / "asset.json"
             check_size(annotation, variant, path)
@@ -133,6 +136,18 @@ class Library:
             check_points(asset, path)
             self._assets[key] = asset
         return self._assets[key]
+
+    def _laid(self, standing: Asset, shown: Variant) -> Asset:
+        """An asset on its side.
+
+        Raises:
+            InputFileError: it does not lie on its side, or does not stand.
+        """
+        stands = standing_in_lying(standing)
+        if stands is None:
+            message = f"{standing.name} does not lie on a side from which it is stood up"
+            raise InputFileError(message, hint="take a bottle, a can, a cup or a carton")
+        return laid(standing, stands, shown)
 
     def entry(self, name: str) -> CatalogueEntry:
         """The entry of an asset, as models see it; meshes are read only to measure rooms that were not measured before.

@@ -18,6 +18,7 @@ from pydantic import Field, ValidationError
 
 from vcage.base.errors import SchemaMismatch
 from vcage.base.files import read_json, write_bytes, write_json, write_text
+from vcage.base.geometry import Pose
 from vcage.objects.modelling.parts import BuiltObject, MovingPart, Part
 from vcage.schema.asset import Joint, MovingLink, PhysicalModel
 from vcage.schema.base import Finite, Identifier, Point3, Record
@@ -103,6 +104,36 @@ def schema_errors(path: Path) -> Iterator[None]:
             hint="fix the field, or make the file again",
             details={"path": str(path), "field": field, "errors": error.error_count()},
         ) from error
+
+
+def write_turned(model: PhysicalModel, pose: Pose, folder: Path) -> None:
+    """Write a model without moving parts into an existing folder, as it is at a pose.
+
+    Args:
+        model: whose files are read.
+        pose: of its frame in the new one, whose origin is at the centre of the bottom there.
+    """
+    import trimesh  # slow, and only needed where a model is made
+
+    scene = trimesh.Scene()
+    for i, mesh in enumerate(trimesh.load(model.visual, force="scene", process=False).dump()):
+        scene.add_geometry(mesh.apply_transform(pose.matrix()), node_name=f"part-{i}", geom_name=f"part-{i}")
+    write_bytes(folder / "visual.glb", scene.export(file_type="glb", include_normals=True))
+    corners = []
+    for i, path in enumerate(model.hulls):
+        piece = trimesh.load(path, process=False).apply_transform(pose.matrix())
+        write_text(folder / _hull_name(i), _obj(piece, np.zeros(3)))
+        corners.append(piece.bounds)
+    lower, upper = np.min(corners, axis=(0, 1)), np.max(corners, axis=(0, 1))
+    described = {
+        "hulls": len(model.hulls),
+        "lower": [*lower[:2].round(6).tolist(), 0.0],
+        "upper": upper.round(6).tolist(),
+        "mass": model.mass,
+        "friction": model.friction,
+        "links": [],
+    }
+    write_json(folder / DESCRIPTION, described)
 
 
 def _write_link(part: MovingPart, origin: np.ndarray, folder: Path) -> dict[str, Any]:

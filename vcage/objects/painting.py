@@ -1,4 +1,4 @@
-"""Colours of objects whose look has one main colour: another variant of the same shape and mass, made on demand."""
+"""Looks that are made on demand: colours of objects whose look has one main colour, and objects on their sides."""
 
 from __future__ import annotations
 
@@ -26,6 +26,10 @@ PAINTS: dict[str, Colour] = {
 """Every colour that a look can have on demand, sRGB."""
 
 
+LYING = "_lying"
+"""End of the id of a look on its side (:mod:`vcage.objects.lying`)."""
+
+
 @dataclass(frozen=True)
 class PaintSettings:
     """How the main colour of a look is told from its other colours, and how its shades are kept.
@@ -46,8 +50,15 @@ SETTINGS = PaintSettings()
 
 def look(kind: Annotation | CatalogueEntry, variant: str) -> Variant | None:
     """The look of a kind with this id: one of its variants, or a colour that it can be painted in; None without one."""
-    found = next((own for own in kind.variants if own.id == variant), None)
-    return found or in_colour(kind, variant)
+    found = next((own for own in kind.variants if own.id == variant), None) or in_colour(kind, variant)
+    if found is None and variant.endswith(LYING) and (standing := look(kind, variant.removesuffix(LYING))):
+        return lying_look(standing)
+    return found
+
+
+def lying_look(variant: Variant) -> Variant:
+    """The look of a standing one on its side."""
+    return variant.model_copy(update={"id": f"{variant.id}{LYING}", "laid": variant.id})
 
 
 def in_colour(kind: Annotation | CatalogueEntry, colour: str) -> Variant | None:

@@ -132,7 +132,7 @@ class _Choices:
                 return error.details["wrong_objects"]
             raise
         try:
-            objects = started(objects, reading.descriptions, self._context.library)
+            objects = started(objects, reading, self._context.library)
         except InfeasibleScene as error:
             self.infeasible = error
             return error.details["problems"]

@@ -24,12 +24,14 @@ from vcage.layout.placement.view import view_rectangles
 from vcage.models.selection_check import NamedObject, room_complaints, starting_as_described
 from vcage.objects.asset import Asset
 from vcage.objects.library import Library
+from vcage.objects.lying import standing_in_lying
+from vcage.objects.painting import LYING
 from vcage.plans.actions import open_at_start
 from vcage.plans.descriptions import HOLDING, described_relations
 from vcage.plans.plain_words import in_words
 from vcage.runs.context import StageContext
 from vcage.schema.base import PoseRecord, box_record
-from vcage.schema.goals import AskedGoal, Description, Goal, in_steps, part_words
+from vcage.schema.goals import AskedGoal, Description, Goal, Reading, in_steps, part_words
 from vcage.schema.plan import TABLE
 from vcage.schema.scene import ObjectRecord, SceneTemplate
 from vcage.sim.robots import load_robot
@@ -219,13 +221,16 @@ def asset_of(o: NamedObject, context: StageContext) -> Asset:
     return context.library.asset(o.asset, o.variant)
 
 
-def started(objects: Sequence[NamedObject], descriptions: Sequence[Description], library: Library) -> list[NamedObject]:
-    """The objects as they start by the descriptions.
+def started(objects: Sequence[NamedObject], reading: Reading, library: Library) -> list[NamedObject]:
+    """The objects as they start by the descriptions and goals of a reading: what is to be stood up lies on its side.
 
     Raises:
         InfeasibleScene: descriptions contradict each other, or there is no room; names the objects and sizes.
     """
-    found, wrong = starting_as_described(objects, descriptions)
+    found, wrong = starting_as_described(objects, reading.descriptions)
+    wrong = [*wrong, *_lying_complaints(found, reading, library)]
+    if not wrong:
+        found = [_laid(o) if o.id in to_stand_up(reading) else o for o in found]
     found = [replace(o, heaped=_is_heaped(o, library)) for o in found]
     rooms = {o.id: capacity_of(o.id, library.asset(o.asset, o.variant)) for o in found}
     wrong = wrong or [*room_complaints(found, rooms), *_drawer_complaints(found, library)]
@@ -236,6 +241,26 @@ def started(objects: Sequence[NamedObject], descriptions: Sequence[Description],
             details={"problems": wrong},
         )
     return found
+
+
+def to_stand_up(reading: Reading) -> set[str]:
+    """Ids of the objects that a reading asks to be stood up."""
+    return {asked.goal.subject for asked in reading.goals if asked.goal.relation == "upright"}
+
+
+def _laid(o: NamedObject) -> NamedObject:
+    """An object that starts on its side."""
+    return o if o.variant.endswith(LYING) else replace(o, variant=f"{o.variant}{LYING}")
+
+
+def _lying_complaints(objects: Sequence[NamedObject], reading: Reading, library: Library) -> Iterator[str]:
+    for o in (o for o in objects if o.id in to_stand_up(reading)):
+        if standing_in_lying(library.asset(o.asset, o.variant)) is None:
+            yield f"{o.id} does not lie on a side from which it is stood up"
+        elif o.starts_in is not None:
+            yield f"{o.id} cannot lie on its side in or on {o.starts_in}: only what lies on the table is stood up"
+        elif above := [other.id for other in objects if other.starts_in == o.id]:
+            yield f"{', '.join(above)} cannot start in or on {o.id}, which lies on its side"
 
 
 def _is_heaped(o: NamedObject, library: Library) -> bool:

@@ -54,7 +54,7 @@ def choose_stated(
     objects = [replace(o, role=_role(o.id, kinds[o.id], [one.goal for one in goals])) for o in objects]
     for description in descriptions:
         _require_place(description, kinds)
-    objects = started(objects, descriptions, context.library)
+    objects = started(objects, Reading(goals=goals, descriptions=descriptions), context.library)
     if error := impossible(objects, Reading(goals=goals, descriptions=descriptions), template, context):
         raise error
     instruction = instruction or _sentence(goals, descriptions, objects, kinds)

@@ -128,6 +128,7 @@ class Variant(Record):
     description: str = ""
     package: PackageModel | None = None
     painted: Identifier | None = Field(default=None, description="variant of which it is another colour")
+    laid: Identifier | None = Field(default=None, description="variant of which it is the look on its side")
 
 
 class Annotation(Document):
@@ -160,8 +161,9 @@ class Annotation(Document):
         ids = [variant.id for variant in self.variants]
         if self.any_colour is not None and (self.any_colour not in ids or self.source in IMPORTED):
             raise ValueError(f"any_colour {self.any_colour!r}: expected one of {', '.join(ids)}, not imported")
-        if any(variant.painted for variant in self.variants):
-            raise ValueError("painted: other colours are made on demand; expected none in the file")
+        for made in ("painted", "laid"):
+            if any(getattr(variant, made) for variant in self.variants):
+                raise ValueError(f"{made}: such looks are made on demand; expected none in the file")
         return self
 
     @model_validator(mode="after")

@@ -94,7 +94,7 @@ class Ground:
         rng: np.random.Generator,
         taken: Iterable[np.ndarray] = (),
     ) -> Iterator[Pose]:
-        """Poses in the world at which a goal of a thing becomes true and it touches nothing.
+        """Poses in the world at which a goal of a thing becomes true and it touches nothing: what lies is stood up.
 
         Args:
             thing: where it stood at the start.
@@ -130,12 +130,13 @@ class Ground:
         rng: np.random.Generator,
     ) -> Iterator[Pose]:
         """Random poses at which a goal of a thing becomes true and it touches nothing; arms may not reach them."""
-        for yaws in _yaws(thing, goal):
-            item = replace(table_item(thing.id, thing.asset), yaws=yaws)
-            for zone in self._zones(thing, goal, near, max(item.size[:2]), rng):
+        standing, back = thing.as_standing, thing.asset.stands.inverse()
+        for yaws in _yaws(standing, goal):
+            item = replace(table_item(thing.id, standing.asset), yaws=yaws)
+            for zone in self._zones(standing, goal, near, max(item.size[:2]), rng):
                 for pose in self._poses_in(zone, item, taken, rng):
-                    if near is None or _stands(goal, world_aabb(thing.asset.bounds, pose), near.aabb):
-                        yield pose
+                    if near is None or _stands(goal, world_aabb(standing.asset.bounds, pose), near.aabb):
+                        yield pose * back
 
     def after_leaving(self, goal: Goal, others: Sequence[SceneObject]) -> list[SceneObject]:
         """The other objects, without one that still stands in the place that a goal gives to another."""
@@ -147,14 +148,15 @@ class Ground:
     def _poses_in_place(self, thing: SceneObject, stood: str, others: Sequence[SceneObject]) -> Iterator[Pose]:
         """Poses of an object in the middle of the place where another stood at the start."""
         holds, taken = self._holds(thing), [_footprint(o) for o in others]
+        bounds, back = thing.as_standing.asset.bounds, thing.asset.stands.inverse()
         for yaw in dict.fromkeys(yaw for yaws in _quarters(thing) for yaw in yaws):
-            box = world_aabb(thing.asset.bounds, Pose.from_yaw([0.0, 0.0, 0.0], yaw))
+            box = world_aabb(bounds, Pose.from_yaw([0.0, 0.0, 0.0], yaw))
             middle = self.starts[stood].mean(axis=0) - box.mean(axis=0)
             pose = Pose.from_yaw([*middle[:2], self.height - box[0, 2]], yaw)
-            room = world_aabb(thing.asset.bounds, pose)[:, :2] + np.array([[-SETTINGS.gap_m], [SETTINGS.gap_m]])
+            room = world_aabb(bounds, pose)[:, :2] + np.array([[-SETTINGS.gap_m], [SETTINGS.gap_m]])
             met = any(np.all(room[0] < other[1]) and np.all(other[0] < room[1]) for other in taken)
-            if not met and self._reached(pose, holds):
-                yield pose
+            if not met and self._reached(pose * back, holds):
+                yield pose * back
 
     def _poses_in(
         self, zone: Zone, item: TableItem, taken: Sequence[np.ndarray], rng: np.random.Generator

@@ -146,6 +146,13 @@ class SceneObject:
         """The same object at another pose, and at other joint positions if they are given."""
         return replace(self, pose=pose, joints=self.joints if joints is None else joints)
 
+    @cached_property
+    def as_standing(self) -> SceneObject:
+        """The same object at the same place, in the frame in which it stands; differs for one that starts lying."""
+        if self.asset.standing is None:
+            return self
+        return replace(self, asset=self.asset.standing, pose=self.pose * self.asset.stands)
+
     def with_part(self, part: str, position: float | None = None) -> SceneObject:
         """The same object with the joint of a moving part elsewhere.
 

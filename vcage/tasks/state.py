@@ -35,7 +35,7 @@ class StillState:
 
     def thing(self, name: str) -> SceneObject:
         """An object as it stands now."""
-        return self.objects[name]
+        return self.objects[name].as_standing
 
     def share(self, name: str, part: str) -> float:
         """Position of a moving part, as a share of its range from rest."""
@@ -171,11 +171,11 @@ class Watch(StillState):
     def thing(self, name: str) -> SceneObject:
         """An object as it stands now."""
         body = self.world.body(name)
-        return self.objects[name].moved(body.pose, body.joints)
+        return self.objects[name].moved(body.pose, body.joints).as_standing
 
     def at_start(self, name: str) -> SceneObject:
         """An object as it stood at the start of the episode."""
-        return self.objects[name]
+        return self.objects[name].as_standing
 
     def touching(self, name: str) -> set[str]:
         """Ids of objects, names of arms, and ``table``, that press on an object."""

@@ -93,7 +93,7 @@ def others_stay(subtask: Subtask, watch: Watch) -> Truth:
 
 def _moved(name: str, watch: Watch, most_m: float = THRESHOLDS.disturbed_m) -> str | None:
     """Say by how much an object was moved or tipped since a watch began; None where it was not."""
-    was, now = watch.began[name].pose, watch.world.object_pose(name)
+    was, now = watch.began[name].pose, watch.thing(name).pose
     moved = float(np.linalg.norm(now.p - was.p))
     tilt = float(np.arccos(np.clip(now.rotation()[:, 2] @ was.rotation()[:, 2], -1, 1)))
     if moved > most_m:

@@ -19,7 +19,7 @@ from vcage.tasks.workplace import Workplace
 
 _RELATIONS = (
     "left_of", "right_of", "in_front_of", "behind", "beside", "near", "row_left_of", "back", "centred", "moved_away",
-    "facing_robot", "in_place_of",
+    "facing_robot", "in_place_of", "upright",
 )  # fmt: skip
 
 

@@ -46,5 +46,6 @@ EVIDENCE: dict[str, Judgement] = {
     "hit": judge_hit,
     "wiped": judge_wiped,
     "poured": judge_poured,
+    "upright": judge_moved,
 }
 """By the name of the evidence."""
