@@ -12,7 +12,7 @@ import numpy as np
 from vcage.base.errors import InputFileError
 from vcage.base.geometry import Camera, Pose, box_corners, look_at
 from vcage.goals.presented import TOWARDS_CUSTOMER
-from vcage.models.protocols import THIN_SUPPORT_M, CriticQuestion
+from vcage.models.protocols import THIN_SUPPORT_M, CriticQuestion, StoodUp
 from vcage.plans.actions import HOLDING
 from vcage.runs.context import StageContext
 from vcage.schema.episodes import Verdict
@@ -165,6 +165,7 @@ def _question(context: StageContext, scene: Scene, asking: Asking) -> CriticQues
         **{when: _views(when, seen, taken_by) for when in ("before", "after", "moment", "later", "start")},
         uncalibrated={when: {k: p for k, p in by.items() if k not in taken_by} for when, by in seen.items()},
         references={o.id: context.look(o, opened.get(o.id, ())) for o in scene.objects},
+        stood_up={o.id: _stood_up(o, context) for o in objects.values() if o.asset.standing is not None},
         planned={o.id: o.pose.pose() for o in scene.objects},
         opened=opened,
         parts={o.id: [link.name for link in o.asset.model.links] for o in objects.values()},
@@ -185,6 +186,12 @@ def _question(context: StageContext, scene: Scene, asking: Asking) -> CriticQues
         grasped=asking.grasped,
         statements=list(asking.statements),
     )
+
+
+def _stood_up(thing: SceneObject, context: StageContext) -> StoodUp:
+    """How an object on its side looks when it stands."""
+    standing = thing.record.model_copy(update={"variant": thing.asset.variant.laid})
+    return StoodUp(context.look(standing), thing.asset.stands.inverse())
 
 
 def _with_face(kind: str, objects: Mapping[str, SceneObject]) -> list[str]:

@@ -85,6 +85,19 @@ it."""
 
 
 @dataclass(frozen=True)
+class StoodUp:
+    """How an object that lies on its side at the start looks when it stands.
+
+    Args:
+        look: from above then.
+        lying: its frame, which is that of the lying body, in the frame in which it stands.
+    """
+
+    look: Reference
+    lying: Pose
+
+
+@dataclass(frozen=True)
 class CriticQuestion:
     """Was the sub-task done? Pictures and calibration only, never simulator state.
 
@@ -93,6 +106,7 @@ class CriticQuestion:
         goals: the same in the closed vocabulary.
         before, after: view by camera name; always with ``top``, with the robot at its home in both.
         references: object id → its reference picture, for every object of the scene.
+        stood_up: the objects that lie on their sides at the start, as they look when they stand, by id.
         looks: for goals about a moving part: object id → its planned appearance before.
         draw: draws the scene's objects.
         readings: poses of one object, by id, at which it reads or is read by another: their ids, each with the pose
@@ -128,6 +142,7 @@ class CriticQuestion:
     before: dict[str, View]
     after: dict[str, View]
     references: dict[str, Reference] = field(default_factory=dict)
+    stood_up: Mapping[str, StoodUp] = field(default_factory=dict)
     looks: dict[str, Reference] = field(default_factory=dict)
     draw: DrawObject | None = None
     readings: Callable[[str, Pose, str, Pose], Iterable[Pose]] | None = None

@@ -10,7 +10,7 @@ from typing import TypeVar
 import numpy as np
 
 from vcage.base.errors import InputFileError
-from vcage.base.geometry import Camera
+from vcage.base.geometry import Camera, Pose
 from vcage.models.protocols import CriticQuestion
 from vcage.models.rules.drawings import Draw
 from vcage.models.rules.pixels import Change, grown, salience
@@ -120,6 +120,20 @@ class CriticView:
         """An object with its parts as they are by the plan; with ``upon`` it may stand on another."""
         tops = self.question.tops if upon else ()
         return replace(self._planned(name), tops=tops, rivals=[self._planned(other) for other in self._alike(name)])
+
+    def stood_up(self, name: str, turn: Pose | None = None) -> Sought:
+        """An object that lies at the start as it stands later, wherever; any other as :meth:`sought`.
+
+        Args:
+            turn: of the standing object in its own frame, to look for it in another attitude.
+        """
+        stands, thing = self.question.stood_up.get(name), self.sought(name)
+        if stands is None:
+            return thing
+        way, draw = (turn or Pose()) * stands.lying, thing.draw
+        return replace(
+            thing, look=stands.look, draw=lambda pose, camera, window: draw(pose * way, camera, window), planned=None
+        )
 
     def _planned(self, name: str) -> Sought:
         asked = self.question

@@ -22,6 +22,7 @@ from vcage.models.rules.evidence.placed import judge_placed, judge_weighed
 from vcage.models.rules.evidence.poured import judge_poured
 from vcage.models.rules.evidence.raised import in_the_air, judge_held_by_both, judge_held_up
 from vcage.models.rules.evidence.scanned import judge_scanned
+from vcage.models.rules.evidence.upright import judge_upright
 from vcage.models.rules.evidence.wiped import judge_wiped
 
 EVIDENCE: dict[str, Judgement] = {
@@ -46,6 +47,6 @@ EVIDENCE: dict[str, Judgement] = {
     "hit": judge_hit,
     "wiped": judge_wiped,
     "poured": judge_poured,
-    "upright": judge_moved,
+    "upright": judge_upright,
 }
 """By the name of the evidence."""

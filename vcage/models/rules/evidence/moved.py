@@ -68,22 +68,24 @@ class Moved:
     @classmethod
     def of(cls, view: CriticView, name: str) -> Moved:
         """Find an object before and after among what has changed; once for each question."""
-        return view.once(("moved", name), lambda: cls._gather(view, view.sought(name)))
+        return view.once(("moved", name), lambda: cls._gather(view, view.sought(name), view.stood_up(name)))
 
     @classmethod
-    def _gather(cls, view: CriticView, thing: Sought) -> Moved:
+    def _gather(cls, view: CriticView, was: Sought, thing: Sought) -> Moved:
         before, after, change = view.before, view.after, view.change
-        old = thing.found(before, change.things)
+        old = was.found(before, change.things)
         taken = view.nowhere if old is None else old.covered
         came = change.things & ~taken
-        left = 0.0 if old is None else thing.left(old, change.all, after["top"])
+        left = 0.0 if old is None else was.left(old, change.all, after["top"])
         slid = _slid(thing, old, after, change.all) if old is not None and left < LEFT_SHARE else None
         if old is not None and slid is not None:
             left = share_of(change.all, old.covered & ~slid.covered)
         new = slid or _come(thing, after, came, change.all & ~taken)
         here = new.covered & ~taken if new is not None else taken
         bare = 1 - share_of(view.stood_before, here) if here.any() else 0.0
-        return cls(left=left, old=old, new=new, bare=bare, alike=_alike(view, thing, new, came & here))
+        return cls(
+            left=left, old=old, new=new, bare=bare, alike=_alike(view, thing, new, came & here, thing is not was)
+        )
 
     def verdict(self, thing: str) -> Verdict:
         """Judge whether the object left its place and stands on the bare table."""
@@ -181,11 +183,14 @@ def judge_in_place_of(view: CriticView, goal: Goal) -> Judged:
     return Judged(decided(away <= THRESHOLDS.swapped_m + SETTINGS.seen_m, seen, 0.8, "astray"), explained)
 
 
-def _alike(view: CriticView, thing: Sought, new: Standing | None, came: np.ndarray) -> float:
-    """Share of the newly visible area (H, W) at an object's place that looks like it."""
+def _alike(view: CriticView, thing: Sought, new: Standing | None, came: np.ndarray, stood_up: bool) -> float:
+    """Share of the newly visible area (H, W) at an object's place that looks like it; of one that was stood up, of
+    which its place shows another side, the share of the evidence for a drawing of it."""
     after = view.after["top"]
     seen = smoothed(after.picture)[came]
-    if new is not None and len(seen) < SUPPORT.fewest_px:  # what has the table's colour changes it as a shadow does
+    if new is not None and (
+        stood_up or len(seen) < SUPPORT.fewest_px
+    ):  # what has the table's colour changes it as a shadow does
         share, pixels = thing.speaks(new, after, view.before["top"].picture)
         return share if pixels >= SUPPORT.fewest_px and share >= SUPPORT.shown_share else 0.0
     return float(looks_like(thing.look, seen).mean()) if len(seen) else 0.0
