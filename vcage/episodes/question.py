@@ -251,7 +251,7 @@ def _rooms(
 def _room(goal: Goal, objects: Mapping[str, SceneObject], opened: Mapping[str, Sequence[str]]) -> np.ndarray:
     """(n, 8, 3) corners of the target of an object in or on another, in the frame of that: from each floor up to its
     rim, or as high as the object stands on it."""
-    thing, holder = objects[goal.subject], objects[str(goal.reference)]
+    thing, holder = objects[goal.subject].as_standing, objects[str(goal.reference)]
     place = holder.asset
     far = {link.name: link.joint.far_end for link in place.model.links}
     joints = [far[link.name] * (link.name in opened.get(str(goal.reference), ())) for link in place.model.links]

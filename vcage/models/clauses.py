@@ -46,6 +46,9 @@ VERBS: Mapping[str, Verb] = {
     "back": _verb("back|return*"),
     "moved_away": _verb("away|aside|outwards"),
     "facing_robot": _verb("turn*|rotat*|fac*"),
+    "upright": _verb(
+        "stand*|stood|set*|put*|plac*|turn*|upright", phrase("upright"), phrase("stand (up|it up|them up)")
+    ),
     "held_up": _verb("hold*|held|keep*"),
     "held_by_both": _verb("lift*|rais*|hold*|held|pick*|grab*|tak*", phrase("both (arms|hands)")),
     "lifted": _verb("lift*|rais*"),

@@ -30,7 +30,6 @@ class LyingSettings:
     """What lies and can be stood up, and how a hand holds it.
 
     Args:
-        slender: least height of a standing object as a share of the larger side of its footprint.
         slope_rad: its side is at most this far from upright: it lies on that, not on a shoulder.
         stable_m: least distance of its middle from the edges of the side that it lies on, seen from above: half the
             width of a flat strip along a round body is 4 to 7 mm.
@@ -41,7 +40,6 @@ class LyingSettings:
         foot_m: it is held at least this far from its bottom.
     """
 
-    slender: float = 1.2
     slope_rad: float = float(np.radians(15.0))
     stable_m: float = 0.0013
     one_side_rad: float = float(np.radians(1.0))
@@ -59,7 +57,7 @@ def standing_in_lying(asset: Asset) -> Pose | None:
     Its head points along y then, and its bottom towards -y.
     """
     points = np.concatenate([piece.vertices for piece in asset.pieces])
-    if asset.articulated or asset.ball_radius or asset.size[2] < SETTINGS.slender * asset.footprint.max():
+    if asset.articulated or asset.ball_radius or not asset.entry().tall:
         return None
     middle = _middle(asset.pieces)
     sides = [(_spare(points, middle, normal), normal) for normal in _sides(points)]

@@ -171,7 +171,7 @@ def impossible(
         StartingPoses(objects, template, reading.descriptions, reading.goals, context).draw(np.random.default_rng(0))
     except (NoFeasibleTask, InfeasibleScene) as error:
         return error
-    if crowded := _crowded(reading.goals, objects, assets):
+    if crowded := _crowded(reading.goals, objects, {name: asset.standing or asset for name, asset in assets.items()}):
         return NoFeasibleTask(
             f"wherever the objects stand, {'; '.join(crowded)}", hint="ask for fewer things, or for a larger place"
         )

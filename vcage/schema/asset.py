@@ -17,6 +17,9 @@ Source = Literal["parametric", "sweethome3d", "robosuite", "ycb", "robotwin"]
 FETCHED = ("sweethome3d", "robosuite", "ycb")
 IMPORTED = ("robotwin",)
 
+TALL_SHARE = 1.2
+"""Least height of what may lie on its side and be stood up, as a share of the larger side of its footprint."""
+
 COMPARTMENT = "compartment_"
 """Beginning of the name of every compartment, as the name of a moving part begins with its kind."""
 
@@ -226,6 +229,12 @@ class CatalogueEntry(Record):
     def can_be_carried(self) -> bool:
         """True if it has a contact point to carry it by."""
         return any(point.carries for point in self.contact_points)
+
+    @property
+    def tall(self) -> bool:
+        """True if it is much higher than wide, as what may lie on its side; or if it is not built yet."""
+        x, y, z = self.size
+        return z >= TALL_SHARE * max(x, y)
 
     @property
     def holds_loose(self) -> bool:

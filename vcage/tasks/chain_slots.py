@@ -55,7 +55,10 @@ def slots_for_chain(chain: Sequence[Subtask], workplace: Workplace, drawn: bool 
             drawn,
         )
         poses = filling.poses()
-        slots |= {s.id: slot_in(objects[receptacle], point, poses[s.object], s.goals) for s in filling.subtasks}
+        slots |= {
+            s.id: slot_in(objects[receptacle], point, poses[s.object], s.goals, objects[s.object])
+            for s in filling.subtasks
+        }
     try:
         propose = _OnTable(chain, objects, slots, workplace).slots
         return slots | first_accepted(repeat(propose, LIMITS.table_slot_sets), InfeasibleScene).value
@@ -168,7 +171,7 @@ class _Filling:
         total = 0.0
         for subtask in self.subtasks:
             target, drops, around = self.objects[subtask.object], [], Obstacles(obstacles)
-            slot = slot_in(self.receptacle, self.point, poses[target.id], subtask.goals)
+            slot = slot_in(self.receptacle, self.point, poses[target.id], subtask.goals, target)
             goals = slot.poses({self.receptacle.id: self.receptacle})
             for grasp in {grasp.contact: grasp for grasp in subtask.grasps}.values():
                 width = target.asset.grasp_width(target.asset.annotation.contact_point(grasp.contact))

@@ -171,8 +171,10 @@ class Transfer:
         return cls(target, contact, "its place on the table", poses, around, (), tuple(others))
 
     def heights(self, table_height: float) -> tuple[float, ...]:
-        """z's that the object's bottom may keep on its way to the place, the highest first, metres."""
-        return transfer_heights(self.others, table_height, self.over)
+        """z's of the object's frame at which its bottom clears the others on its way to the place, the highest first,
+        metres."""
+        rise = self.target.asset.stands.inverse().p[2]
+        return tuple(height + rise for height in transfer_heights(self.others, table_height, self.over))
 
     @cached_property
     def obstacles(self) -> Obstacles:
@@ -208,6 +210,7 @@ def fits(target: SceneObject, receptacle: SceneObject, point: FunctionalPoint) -
         receptacle: its target.
         point: functional point of the receptacle.
     """
+    target = target.as_standing
     height, room = float(target.asset.size[2]), headroom(receptacle, point)
     if height > room:
         message = (

@@ -37,6 +37,7 @@ def require_way(goals: Sequence[AskedGoal], objects: Sequence[SceneObject], arms
     require_arms(goals, arms)
     require_level(goals, objects, arms.values())
     require_fronts(goals, objects)
+    require_only_stood_up(goals, objects)
     if ruled_out := _ruled_out(goals, objects):
         raise NoFeasibleTask(
             f"at any layout, nothing can achieve {'; '.join(_reported(ruled_out))}",
@@ -132,6 +133,27 @@ def require_fronts(goals: Sequence[AskedGoal], objects: Sequence[SceneObject]) -
                 hint="ask it of a thing with a front, such as a cereal box, a sign or an alarm clock",
                 details={"missing": [str(one.goal)], "reasons": ["it has no front"]},
             )
+
+
+def require_only_stood_up(goals: Sequence[AskedGoal], objects: Sequence[SceneObject]) -> None:
+    """Refuse to do more with an object that lies on its side than to put it down standing.
+
+    Raises:
+        NoFeasibleTask: names the goal and the object.
+    """
+    lying = {o.id: o.record.phrase for o in objects if o.asset.standing is not None}
+    for one in goals:
+        name = next((n for n in (one.goal.subject, one.goal.reference) if n in lying), None)
+        if name is not None and (name == one.goal.reference or one.goal.relation not in _STANDING):
+            raise NoFeasibleTask(
+                f"the {lying[name]} lies on its side at the start, and is only put down standing ({one.words!r})",
+                hint="say where it is to stand, or ask for the rest in a task of its own",
+                details={"missing": [str(one.goal)], "reasons": ["it lies on its side"]},
+            )
+
+
+_STANDING = ("upright", "inside", "on", "left_of", "right_of", "in_front_of", "behind", "beside", "near", "centred")
+"""Words of goals about where an object is put down."""
 
 
 def require_level(goals: Sequence[AskedGoal], objects: Sequence[SceneObject], arms: Collection[Arm]) -> None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import itertools
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from types import MappingProxyType
 
@@ -47,6 +47,7 @@ class Slot:
         point: id of the receptacle's functional point; None on the table.
         pose: object frame in the frame of the point's part; on the table in the world.
         turns: allowed headings there, relative to ``pose``, radians.
+        lying: frame of an object that starts on its side in the frame in which it stands; ``pose`` is of the latter.
         spare: equally good poses; on the table alone.
     """
 
@@ -55,6 +56,7 @@ class Slot:
     pose: Pose
     turns: tuple[float, ...] = (0.0, np.pi)
     spare: tuple[Pose, ...] = ()
+    lying: Pose = field(default_factory=Pose)
 
     def poses(self, objects: Mapping[str, SceneObject]) -> list[Pose]:
         """Poses of the object in the world, with the receptacles where they stand.
@@ -63,7 +65,7 @@ class Slot:
             objects: by id.
         """
         frame = Pose() if self.point is None else objects[self.receptacle].frame(self.point)
-        return [frame * self.pose * Pose.from_yaw([0, 0, 0], turn) for turn in self.turns]
+        return [frame * self.pose * Pose.from_yaw([0, 0, 0], turn) * self.lying for turn in self.turns]
 
 
 def allocate(
@@ -74,7 +76,8 @@ def allocate(
     present: Sequence[SceneObject] = (),
     headings: Mapping[str, float] = MappingProxyType({}),
 ) -> dict[str, Pose]:
-    """A place for each of ``contents`` in the receptacle: object frame in :meth:`SceneObject.frame`, by id.
+    """A place for each of ``contents`` in the receptacle: object frame in :meth:`SceneObject.frame`, by id; of what
+    starts on its side the frame in which it stands.
 
     Args:
         receptacle: where they go.
@@ -88,7 +91,7 @@ def allocate(
         InfeasibleScene: they do not fit together; names them and the area that is missing.
     """
     point = receptacle.asset.annotation.functional_point(functional_point)
-    opening = receptacle.asset.opening(point)
+    opening, contents = receptacle.asset.opening(point), [content.as_standing for content in contents]
     for content in contents:
         if (bottom := nested_bottom(content, receptacle, point)) is not None:
             return {content.id: _nested(content, bottom, receptacle, opening, [*contents, *present])}
@@ -119,7 +122,7 @@ def arrangements(
     walls, taken = _free(receptacle, functional_point, contents, present)
 
     def gap(poses: Mapping[str, Pose]) -> float:
-        boxes = [world_aabb(o.asset.bounds, poses[o.id])[:, :2] for o in contents]
+        boxes = [world_aabb(o.as_standing.asset.bounds, poses[o.id])[:, :2] for o in contents]
         to_walls = [CONTENT_GAP_M + float(min((box[0] - walls[0]).min(), (walls[1] - box[1]).min())) for box in boxes]
         pairs = itertools.chain(itertools.combinations(boxes, 2), itertools.product(boxes, taken))
         return min([*to_walls, *(float(np.maximum(a[0] - b[1], b[0] - a[1]).max()) for a, b in pairs)])
@@ -160,9 +163,13 @@ def heading_for(goals: Iterable[Goal], receptacle: SceneObject, functional_point
     return FACING[HEADING] - receptacle.frame(functional_point).yaw if asks_for_heading(goals) else None
 
 
-def slot_in(receptacle: SceneObject, functional_point: int, pose: Pose, goals: Iterable[Goal]) -> Slot:
-    """The slot at a pose in a receptacle; a thing may be turned round there unless a goal asks for its heading."""
-    return Slot(receptacle.id, functional_point, pose, (0.0,) if asks_for_heading(goals) else Slot.turns)
+def slot_in(
+    receptacle: SceneObject, functional_point: int, pose: Pose, goals: Iterable[Goal], thing: SceneObject
+) -> Slot:
+    """The slot of a thing at a pose in a receptacle, where it stands; it may be turned round there unless a goal asks
+    for its heading."""
+    turns = (0.0,) if asks_for_heading(goals) else Slot.turns
+    return Slot(receptacle.id, functional_point, pose, turns, lying=thing.asset.stands.inverse())
 
 
 def _nested(
@@ -188,6 +195,7 @@ def nested_bottom(content: SceneObject, receptacle: SceneObject, point: Function
 
     None where it does not, and where it fits like any box.
     """
+    content = content.as_standing
     room = room_for(receptacle, point.id, [content])
     if np.all(np.sort(room) >= np.sort(content.asset.footprint)):
         return None
@@ -198,7 +206,7 @@ def room_for(receptacle: SceneObject, functional_point: int, contents: Sequence[
     """(2,) the part of an opening in which things may stand, metres: not too near to its walls."""
     point = receptacle.asset.annotation.functional_point(functional_point)
     size = np.array(receptacle.asset.opening(point).size)
-    widest = np.max([np.sort(o.asset.footprint) for o in contents], axis=0)
+    widest = np.max([np.sort(o.as_standing.asset.footprint) for o in contents], axis=0)
     spare = float(np.min(np.sort(size) - widest)) / 2
     # On an object of its own size an object stands flush: a block on a block.
     flush = point.holds == "on" and spare < CONTENT_GAP_M
@@ -207,7 +215,7 @@ def room_for(receptacle: SceneObject, functional_point: int, contents: Sequence[
 
 def stands_flush(target: SceneObject, receptacle: SceneObject, point: FunctionalPoint) -> bool:
     """True where an object fills the top that it is put on, as a block on a block does."""
-    spare = np.array(receptacle.asset.opening(point).size) - target.asset.footprint
+    spare = np.array(receptacle.asset.opening(point).size) - target.as_standing.asset.footprint
     return point.holds == "on" and float(np.max(spare)) < 2 * CONTENT_GAP_M
 
 

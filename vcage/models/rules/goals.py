@@ -28,10 +28,11 @@ _EVENTS = {
     "scan": "scanned", "weigh": "weighed", "show": "presented", "lift": "lifted", "shake": "shaken", "hold": "held_up",
     "hit": "hit", "wipe": "wiped",
     "in_hands": "held_up", "hold_with_both": "held_by_both", "away": "moved_away", "face": "facing_robot",
+    "stand_up": "upright",
 }  # fmt: skip
 _OTHER = {"left": "right", "right": "left", ONE_ARM: "right"}
 """The other arm; of an arm that is left open, the right one."""
-_IN_A_HAND = ("lift", "shake", "hold", "in_hands", "hold_with_both", "away", "face")
+_IN_A_HAND = ("lift", "shake", "hold", "in_hands", "hold_with_both", "away", "face", "stand_up")
 """Commands about a thing that a hand carries."""
 _BRINGING = ("put", "hand", "tower", "show")
 """Commands that take a thing somewhere, which is lifted for it."""
@@ -414,6 +415,8 @@ def _in_order(before: Goal, goal: Goal) -> bool:
     """Check if a goal must come after another: it is of the same thing, or the other opens the way for it."""
     if goal.relation == "facing_robot" and before.relation in HOLDING and before.subject == goal.subject:
         return False  # it is put there so that it faces the robot
+    if "upright" in (goal.relation, before.relation) and before.subject == goal.subject:
+        return False  # it is put down standing
     part, place = (before, goal) if before.relation in ("open", "closed") else (goal, before)
     if part.relation not in ("open", "closed") or place.relation in ("open", "closed"):
         return before.subject == goal.subject and (before.part == goal.part or part.relation not in ("open", "closed"))

@@ -320,6 +320,8 @@ def _role_and_test(command: Command) -> tuple[Role, Good]:
         return "receptacle", lambda e: any(part_that(ACTS[command.verb], part) for part in e.moving_parts)
     if command.verb == "scan":
         return "content", lambda e: e.can_be_carried and any(face.kind == "code" for face in e.faces)
+    if command.verb == "stand_up":
+        return "content", lambda e: e.can_be_carried and e.tall
     if command.verb == "pour":
         return "content", lambda e: e.loose or (e.holds_loose and e.can_be_carried)
     pushed = command.verb == "put" and command.how in BESIDE

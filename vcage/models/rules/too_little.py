@@ -19,7 +19,19 @@ NEVER_ALONE = {
 """Names that say too little without another word, and why."""
 
 _DIRECTION = re.compile(r"\bto the (far )?(left|right)( side)?$")
-_MOTIONS = {"turn", "turn_off", "show", "lift", "shake", "hold", "in_hands", "hold_with_both", "away", "face"}
+_MOTIONS = {
+    "turn",
+    "turn_off",
+    "show",
+    "lift",
+    "shake",
+    "hold",
+    "in_hands",
+    "hold_with_both",
+    "away",
+    "face",
+    "stand_up",
+}
 """Commands after which "to the left" says where a thing is moved, not which one it is."""
 
 

@@ -136,7 +136,7 @@ class Surroundings:
     Args:
         receptacle: id of the object's receptacle, or ``table``.
         obstacles: its walls and contents, and the neighbours.
-        heights: z's that the object's bottom may keep on the way, the highest first, metres.
+        heights: z's of the object's frame at which its bottom clears what is below, the highest first, metres.
         raises: how much higher it may come to where the hand meets something, metres.
         hovers: where it is held in the air, in words; None where it is put down.
         drop_m: how far it may fall.
@@ -170,7 +170,8 @@ class Surroundings:
             holder = cell.object(receptacle)
             boxes, over, drop = [*holder.around(point), *boxes], [holder.rim(point)], largest_drop(holder, point)
             others.append(holder)
-        heights = transfer_heights(others, cell.world.table.height, over)
+        rise = cell.object(object_id).asset.stands.inverse().p[2]
+        heights = tuple(height + rise for height in transfer_heights(others, cell.world.table.height, over))
         return cls(receptacle, Obstacles(boxes), heights, drop_m=drop)
 
     def ways(

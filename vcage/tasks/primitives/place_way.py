@@ -68,7 +68,7 @@ def place_way(held: Pose, goal: Pose, obstacles: Obstacles, gripper: Gripper, wi
         obstacles: walls and contents of the receptacle, and the neighbours.
         gripper: that holds it.
         width: material between the fingers, metres.
-        height: z that the object's bottom keeps on the way, metres.
+        height: z that the object's frame keeps on the way, metres.
     """
     lowest = Pose(goal.p + [0, 0, SET_DOWN], goal.q) * held
     hand = hand_boxes(gripper, approach_opening(width, gripper), width)

@@ -37,7 +37,7 @@ from vcage.tasks.slots import (
 )
 from vcage.tasks.stowing import reached
 from vcage.tasks.templates.hand_over import examine_detour
-from vcage.tasks.templates.proposal import Proposal
+from vcage.tasks.templates.proposal import Proposal, stood_up
 from vcage.tasks.workplace import Workplace
 
 
@@ -154,7 +154,7 @@ class Pair(Proposal):
         named = lying(self.thing, self.receptacle, self.point)
         whole = _resting(self.thing, self.receptacle, self.point, self.point.link)
         heading = [] if self.facing is None else [self.facing]
-        return list(dict.fromkeys([self.goal, named, whole, *heading]))
+        return list(dict.fromkeys([self.goal, named, whole, *heading, *stood_up(self.thing)]))
 
     @property
     def templates(self) -> tuple[TemplateName, ...]:
@@ -183,7 +183,7 @@ class Pair(Proposal):
         if nested_bottom(self.thing, self.receptacle, self.point) is not None:
             return None
         room = room_for(self.receptacle, self.point.id, [self.thing])
-        if np.any(np.sort(room) < np.sort(self.thing.asset.footprint)):
+        if np.any(np.sort(room) < np.sort(self.thing.as_standing.asset.footprint)):
             need = f"less than the {CONTENT_GAP_M * 1000:.0f} mm on each side that the robot needs"
             tight = check.model_copy(update={"passed": False, "message": f"{check.message}, but with {need}"})
             return self.refusal(tight.message, checks=[tight])
@@ -192,7 +192,7 @@ class Pair(Proposal):
     def question(self) -> PairQuestion:
         """The question whether the receptacle can sensibly hold the object."""
         opening = self.receptacle.asset.opening(self.point)
-        x, y, z = self.thing.asset.size.tolist()
+        x, y, z = self.thing.as_standing.asset.size.tolist()
         return PairQuestion(
             object=self.thing.id,
             object_words=f"{self.thing.record.phrase}: {self.thing.asset.annotation.words.description}",
@@ -251,7 +251,7 @@ class Pair(Proposal):
         headings = {} if heading is None else {self.thing.id: heading}
         for number in range(slots):
             drawn = allocate(self._opened, self.point.id, [self.thing], workplace.rng, present, headings)
-            slot = slot_in(self._opened, self.point.id, drawn[self.thing.id], self.goals)
+            slot = slot_in(self._opened, self.point.id, drawn[self.thing.id], self.goals, self.thing)
             poses = slot.poses({self.receptacle.id: self._opened})
             ways = transfers(thing, self._opened, self.point.id, poses, others)
             found = {contact: examine(way, workplace) for contact, way in ways.items()}

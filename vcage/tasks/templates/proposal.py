@@ -118,6 +118,11 @@ class Proposal(ABC):
         return Subtask(id=identifier, object=self.thing.id, script=f"subtasks/{identifier}.py", **(usual | slots))
 
 
+def stood_up(thing: SceneObject) -> list[Goal]:
+    """The goal that is true besides where a thing that starts on its side is put down; none of others."""
+    return [] if thing.asset.standing is None else [Goal(subject=thing.id, relation="upright")]
+
+
 P = TypeVar("P", bound=Proposal)
 
 

@@ -14,7 +14,7 @@ from vcage.tasks.feasibility import Transfer, examine, transfers
 from vcage.tasks.findings import Feasibility, best_first
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.stowing import reached
-from vcage.tasks.templates.proposal import Proposal
+from vcage.tasks.templates.proposal import Proposal, stood_up
 from vcage.tasks.workplace import Workplace
 
 _RELATIONS = (
@@ -72,7 +72,8 @@ class Move(Proposal):
     @property
     def goals(self) -> list[Goal]:
         """Its goals: it stands on the table besides."""
-        return list(dict.fromkeys([self.goal, Goal(subject=self.thing.id, relation="on", reference=TABLE)]))
+        on_table = Goal(subject=self.thing.id, relation="on", reference=TABLE)
+        return list(dict.fromkeys([self.goal, on_table, *stood_up(self.thing)]))
 
     def impossible(self) -> Refusal | None:
         """Refuse to put an object back on the table that did not stand there."""

@@ -78,7 +78,8 @@ class Placed:
         if old is None:
             return None
         within = place.draw if goal.relation == "inside" else None
-        return _Putting(view, thing, place, rooms, others, within).measured(stands, room, old)
+        put = view.stood_up(goal.subject)
+        return _Putting(view, put, place, rooms, others, within).measured(stands, room, old)
 
     def verdict(self, goal: Goal, thing: str, place: str) -> Verdict:
         """Judge whether the object came to be in or on the other."""
