@@ -19,6 +19,7 @@ from benchmarks._critic.pours import (
 )
 from benchmarks._critic.supports import beside, knocked_over, on_the_rim, pushed_away, slid_off
 from benchmarks._critic.tools import dropped_tool, swept
+from benchmarks._critic.uprights import fell_over, on_its_head, still_held, still_lying
 from benchmarks._critic.wipes import wiped_above, wiped_another, wiped_beside, wiped_spot
 from vcage.base.geometry import Pose
 from vcage.plans.actions import HOLDING
@@ -30,7 +31,7 @@ from vcage.tasks.reading import reads
 RELATED = ("row_left_of", "left_of", "right_of", "in_front_of", "behind", "beside", "near")
 MOVED = (
     *HOLDING, *RELATED, "centred", "presented", "back", "handed", "weighed", "lifted", "shaken", "held_up",
-    "held_by_both", "moved_away", "facing_robot", "in_place_of",
+    "held_by_both", "moved_away", "facing_robot", "in_place_of", "upright",
 )  # fmt: skip
 """Goals of what is carried or pushed."""
 
@@ -347,6 +348,10 @@ FAILURES: Mapping[str, Kind] = {
     "half beside": half_beside,
     "vessel dropped": vessel_dropped,
     "poured elsewhere": poured_elsewhere,
+    "still lying": still_lying,
+    "on its head": on_its_head,
+    "fell over": fell_over,
+    "still held": still_held,
 }
 """By name."""
 

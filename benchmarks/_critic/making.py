@@ -93,7 +93,7 @@ def _made(draw: Draw, scene: Scene, folder: Path, context: StageContext, rng: np
 def _asked(objects: Sequence[SceneObject], arms: Sequence[str], rng: np.random.Generator) -> set[Goal]:
     """Goals that are tried only on request."""
     others = [o for o in objects if o.record.container is None]
-    carried = [o for o in others if o.asset.annotation.carrying_points]
+    carried = [o for o in others if o.asset.annotation.carrying_points and o.asset.standing is None]
     pushed = [o for o in others if not o.asset.annotation.carrying_points]
     found: set[Goal] = set()
     for _ in range(ASKED if len(carried) > 1 else 0):
