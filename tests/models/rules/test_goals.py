@@ -208,13 +208,51 @@ def test_both_arms_only_hold_things_up(sentence: str, why: str) -> None:
     [
         "Hang the cup on the tap",
         "Pick up the cup head-up",
-        "Stand the cup upright",
         "Shake the cup horizontally",
     ],
 )
 def test_verbs_that_no_goal_states_are_refused_by_name(sentence: str) -> None:
     with pytest.raises(UnreadInstruction, match="no goal says that a thing is hung up"):
         in_scene(sentence, "block/red", "plate/white", "cup/white")
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        "Stand the bottle up",
+        "Stand up the bottle",
+        "Stand the bottle upright",
+        "Set the lying bottle upright",
+        "Stand the fallen bottle up",
+        "Stand the bottle that has fallen over up",
+        "Stand the bottle up with its head up",
+        "Turn the bottle the right way up",
+        "Set the bottle on its bottom",
+        "Pick up the bottle and stand it up",
+        "Could you stand the bottle back up?",
+    ],
+)
+def test_what_lies_is_stood_up(sentence: str) -> None:
+    assert in_scene(sentence, "bottle/water", "plate/white", "can/corn") == ["1: bottle_water upright"]
+
+
+@pytest.mark.parametrize(
+    ("sentence", "goals"),
+    [
+        ("Put the fallen bottle upright on the plate", ["1: bottle_water on plate_white", "1: bottle_water upright"]),
+        ("Place the bottle upright on the table", ["1: bottle_water on table", "1: bottle_water upright"]),
+        ("Put the bottle upright next to the plate", ["1: bottle_water beside plate_white", "1: bottle_water upright"]),
+        ("Stand the bottle and the can upright", ["1: bottle_water upright", "1: can_corn upright"]),
+    ],
+)
+def test_things_are_stood_up_where_they_are_to_stand(sentence: str, goals: list[str]) -> None:
+    assert in_scene(sentence, "bottle/water", "plate/white", "can/corn") == goals
+
+
+@pytest.mark.parametrize("sentence", ["Put the lying bottle on the plate", "Lift the fallen bottle"])
+def test_only_what_is_stood_up_is_called_lying(sentence: str) -> None:
+    with pytest.raises(UnreadInstruction, match="bottle"):
+        in_scene(sentence, "bottle/water", "plate/white")
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,69 @@
+"""Standing up: what lies on its side is put down standing, wherever it goes."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.example_scenes import thing, workplace, world_of
+from vcage.base.errors import NoFeasibleTask
+from vcage.schema.goals import AskedGoal, Goal, goal_of
+from vcage.tasks.chain_slots import slots_for_chain
+from vcage.tasks.ruled_out import require_only_stood_up
+from vcage.tasks.state import Watch
+from vcage.tasks.task import Task
+from vcage.tasks.templates import TEMPLATES
+from vcage.tasks.truth import goals_hold
+
+BOTTLE = thing("bottle", (-0.15, -0.05), 2.0, variant="water_lying")
+TRAY = thing("tray", (0.1, 0.05))
+UPRIGHT = Goal(subject="bottle", relation="upright")
+
+
+def examined(template: str, goal: Goal, *others):
+    ((proposal,), _) = TEMPLATES[template].proposals([BOTTLE, *others], [goal])
+    return proposal.examine(workplace([BOTTLE, *others]))
+
+
+def test_it_is_put_down_standing_on_the_table() -> None:
+    ((proposal, _), _) = TEMPLATES["set_down"].proposals([BOTTLE], [UPRIGHT])
+    assert {str(goal) for goal in proposal.goals} == {"bottle upright", "bottle on table"}
+
+
+def test_in_a_receptacle_it_stands_too() -> None:
+    step, refused = examined("place", Goal(subject="bottle", relation="on", reference="tray"), TRAY)
+    assert step is not None, refused
+    assert UPRIGHT in step.goals
+    slot = slots_for_chain([step], workplace([BOTTLE, TRAY]))[step.id]
+    for pose in slot.poses({"tray": TRAY}):
+        stands = BOTTLE.moved(pose).as_standing
+        assert stands.pose.rotation()[2, 2] > 0.999 and stands.aabb[0, 2] == pytest.approx(TRAY.pose.p[2], abs=0.03)
+
+
+@pytest.mark.slow
+def test_a_lying_bottle_is_stood_up_in_the_simulator() -> None:
+    ((proposal, _), _) = TEMPLATES["set_down"].proposals([BOTTLE], [UPRIGHT])
+    place = workplace([BOTTLE])
+    step, refused = proposal.examine(place)
+    assert step is not None, refused
+    world, slots = world_of([BOTTLE]), slots_for_chain([step], place)
+    watch = Watch(world, {"bottle": BOTTLE}, step.goals)
+    task = Task(world, {"bottle": BOTTLE}, {"bottle": slots[step.id]})
+    assert not goals_hold([UPRIGHT], watch).success
+    task.pick("bottle", [(grasp.contact, grasp.arm) for grasp in step.grasps])
+    task.place()
+    task.home()
+    assert goals_hold(step.goals, watch).success, goals_hold(step.goals, watch).reason
+
+
+@pytest.mark.parametrize(
+    "goal", [["bottle", "shaken"], ["bottle", "back"], ["block", "left_of", "bottle"], ["bottle", "lifted"]]
+)
+def test_nothing_else_is_done_with_what_lies(goal: list[str]) -> None:
+    asked = [AskedGoal(goal=goal_of(one), step=1, words="so it is asked") for one in (["bottle", "upright"], goal)]
+    with pytest.raises(NoFeasibleTask, match="drink bottle lies on its side at the start"):
+        require_only_stood_up(asked, [BOTTLE, thing("block")])
+
+
+def test_a_standing_bottle_may_be_shaken() -> None:
+    asked = AskedGoal(goal=goal_of(["bottle", "shaken"]), step=1, words="Shake the bottle")
+    require_only_stood_up([asked], [thing("bottle")])
