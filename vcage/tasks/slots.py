@@ -34,6 +34,9 @@ CONTENT_GAP_M = 0.006
 HEADING = "facing_robot"
 """Word of the goal of a heading that a thing may be asked to have in or on another."""
 
+STOOD_UP_TURNS = tuple(float(turn) for turn in np.radians(range(0, 360, 45)))
+"""Headings of a round thing that is stood up in or on another, relative to its pose, radians."""
+
 FLUSH_GAP_M = 1e-4
 """Gap of an object that stands flush on another of its own size."""
 
@@ -167,8 +170,9 @@ def slot_in(
     receptacle: SceneObject, functional_point: int, pose: Pose, goals: Iterable[Goal], thing: SceneObject
 ) -> Slot:
     """The slot of a thing at a pose in a receptacle, where it stands; it may be turned round there unless a goal asks
-    for its heading."""
-    turns = (0.0,) if asks_for_heading(goals) else Slot.turns
+    for its heading. A round one that is stood up may have any: a hand comes to it from one side."""
+    round_again = thing.asset.standing is not None and thing.asset.standing.round
+    turns = (0.0,) if asks_for_heading(goals) else STOOD_UP_TURNS if round_again else Slot.turns
     return Slot(receptacle.id, functional_point, pose, turns, lying=thing.asset.stands.inverse())
 
 
