@@ -96,7 +96,7 @@ class Face(Record):
     """A marked spot of an object: a bar code, the window of the scanner that reads it, the head of a tool to hit with,
     or the pad of one to wipe with: the middle of its lower side, as the tool lies in a hand."""
 
-    kind: Literal["code", "reader", "head", "pad"]
+    kind: Literal["code", "reader", "head", "pad", "loop", "peg"]
     position: Point3 = Field(description="its middle in the object frame, metres")
     axis: UnitVec3 = Field(description="out of the surface")
 
