@@ -94,7 +94,7 @@ DEFINED = {
     "facing_robot": "Facing the robot", "held_by_both": "Held by both", "held_up": "Held up", "lifted": "Lifted",
     "moved_away": "Moved away",
     "row_left_of": "Left of in a row", "in_place_of": "In place of", "shaken": "Shaken", "turned_back": "Turned back",
-    "hit": "Hit: ", "wiped": "Wiped: ", "poured": "Poured: ", "upright": "Upright: ",
+    "hit": "Hit: ", "wiped": "Wiped: ", "poured": "Poured: ", "upright": "Upright: ", "hung_on": "Hung on: ",
 }  # fmt: skip
 """How the definition of a word begins."""
 

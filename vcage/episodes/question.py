@@ -21,6 +21,7 @@ from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Statement, Subtask
 from vcage.sim.drawer import Drawing, Window
 from vcage.sim.joints import link_poses
+from vcage.tasks.hanging import hung_poses
 from vcage.tasks.hitting import hitting_poses
 from vcage.tasks.reading import SETTINGS as READING
 from vcage.tasks.reading import reading_poses
@@ -159,6 +160,9 @@ def _question(context: StageContext, scene: Scene, asking: Asking) -> CriticQues
         for way in wiping_ways(objects[tool].moved(at), objects[thing].moved(there), above_m=0.0):
             yield way[0], way[farthest(way)]
 
+    def hangings(thing: str, at: Pose, rack: str, there: Pose) -> Iterator[Pose]:
+        return hung_poses(objects[thing].moved(at), objects[rack].moved(there), [])
+
     return CriticQuestion(
         text=asking.text,
         goals=list(goals),
@@ -178,6 +182,7 @@ def _question(context: StageContext, scene: Scene, asking: Asking) -> CriticQues
         hitters=_with_face("head", objects),
         wipings=wipings,
         wipers=_with_face("pad", objects),
+        hangings=hangings,
         contents=_contents(scene),
         table_height=scene.table.height,
         tops=_tops(objects.values(), scene.table.height),

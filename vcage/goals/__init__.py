@@ -19,6 +19,7 @@ from vcage.goals.handed import HANDED
 from vcage.goals.held_by_both import HELD_BY_BOTH
 from vcage.goals.held_up import HELD_UP
 from vcage.goals.hit import HIT
+from vcage.goals.hung_on import HUNG_ON
 from vcage.goals.in_place_of import IN_PLACE_OF
 from vcage.goals.inside import INSIDE
 from vcage.goals.kind import TABLE, GoalKind, Stated
@@ -46,7 +47,7 @@ KINDS: dict[str, GoalKind] = {
     for kind in (
         INSIDE, ON, *SIDES, ROW_LEFT_OF, IN_PLACE_OF, BESIDE, NEAR, CENTRED, OPEN, CLOSED, PRESSED, TURNED, TURNED_BACK,
         HELD_UP, HELD_BY_BOTH, SCANNED, WEIGHED, PRESENTED, BACK, MOVED_AWAY, FACING_ROBOT, HANDED, LIFTED, SHAKEN,
-        HIT, WIPED, POURED, UPRIGHT,
+        HIT, WIPED, POURED, UPRIGHT, HUNG_ON,
     )
 }  # fmt: skip
 """By word, in the order in which prompts explain them."""

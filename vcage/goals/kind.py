@@ -79,6 +79,9 @@ class State(Protocol):
     def speed_m_per_s(self, name: str) -> float:
         """Speed of an object since the last look."""
 
+    def at_rest(self, name: str) -> bool:
+        """True if an object hardly moves now."""
+
     def share(self, name: str, part: str) -> float:
         """Position of a moving part, as a share of its range from rest."""
 
@@ -108,6 +111,9 @@ class State(Protocol):
 
     def lies_in(self, name: str, other: str) -> bool:
         """True where an object rests in another, and not on its bare top."""
+
+    def hangs_on(self, name: str, rack: str) -> bool:
+        """True where a peg of a rack passes through the closed handle of an object."""
 
     def not_resting(self, goal: Stated) -> str | None:
         """Why the subject does not rest in or on the reference; None where it does."""

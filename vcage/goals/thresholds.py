@@ -38,6 +38,7 @@ class Thresholds:
         poured_into_m: side of the smallest opening that is poured into: balls come off a lip up to 2 cm to both sides.
         poured_s: how long all of its contents must have lain in the other thing without a break.
         stood_up_rad: largest lean of an object that was stood up: less than any that falls over keeps.
+        hung_m: least height over the table of the lowest point of what hangs.
         still_m_per_s: an object that moves more slowly lies still.
         code_away_m, code_aside_m: a scanner reads a code that is at most this far before its window, and this far
             beside the window's axis.
@@ -87,6 +88,7 @@ class Thresholds:
     poured_into_m: float = 0.07
     poured_s: float = 0.5
     stood_up_rad: float = math.radians(5)
+    hung_m: float = 0.02
     still_m_per_s: float = 0.01
     code_away_m: float = 0.07
     code_aside_m: float = 0.03

@@ -118,6 +118,7 @@ class CriticQuestion:
         wipings: poses of a tool on an object, each where wiping begins and where a stroke ends farthest from there:
             their ids, each with the pose that says how it stands.
         wipers: ids of the tools that have a pad.
+        hangings: poses of a thing that hangs on a rack: their ids, each with the pose that says how it stands.
         contents: ids of the balls that lie loose in a vessel at the start, by the vessel's.
         grasped: id of the object to grasp, if it is not the object of the goals.
         moment: view by camera name while a part was touched, a code was before a scanner, a tool was on what it hits or
@@ -151,6 +152,7 @@ class CriticQuestion:
     hitters: Sequence[str] = ()
     wipings: Callable[[str, Pose, str, Pose], Iterable[tuple[Pose, Pose]]] | None = None
     wipers: Sequence[str] = ()
+    hangings: Callable[[str, Pose, str, Pose], Iterable[Pose]] | None = None
     contents: Mapping[str, Sequence[str]] = field(default_factory=dict)
     grasped: str | None = None
     moment: dict[str, View] = field(default_factory=dict)

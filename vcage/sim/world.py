@@ -212,6 +212,14 @@ class World:
             self.steps += 1
             self._restored_contacts = None
 
+    def at_rest(self, object_id: str) -> bool:
+        """True if an object hardly moves now.
+
+        Raises:
+            UnknownName: there is no such object.
+        """
+        return self._object(object_id).at_rest()
+
     def settle(self, max_steps: int = 500) -> SettleReport:
         """Step until all objects are at rest, one falls, or ``max_steps`` have passed."""
         before = self.object_poses()

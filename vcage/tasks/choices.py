@@ -24,16 +24,17 @@ from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.paths import Load
 from vcage.sim.world import World
 from vcage.tasks.feasibility import picks
-from vcage.tasks.grasps import command_of
+from vcage.tasks.grasps import approach_opening, command_of
+from vcage.tasks.hanging import hanging_ways
 from vcage.tasks.hitting import free_hitting_poses, hitting_poses
 from vcage.tasks.meeting import Hold
 from vcage.tasks.pouring import SETTINGS as POURING
 from vcage.tasks.pouring import followed, pouring_ways, suits, tipped_to
+from vcage.tasks.primitives.along import require_along
 from vcage.tasks.primitives.hand_over import HandOver
 from vcage.tasks.primitives.operate import OperatePlan, Operation
 from vcage.tasks.primitives.pick import KnownPaths, LeadsOn, PickPlan, PickWay, plan_pick
 from vcage.tasks.primitives.place import Surroundings
-from vcage.tasks.primitives.pour import require_tipping
 from vcage.tasks.primitives.push import PushPlan, plan_push
 from vcage.tasks.primitives.wipe import require_way
 from vcage.tasks.reading import SETTINGS as READING
@@ -260,6 +261,32 @@ class Choices:
         ways = self._followed(vessel, target, in_turn)
         return self._choose_using(vessel, ways, grasps, f"over {target_id}", self._tipping)
 
+    def _choose_hanging(
+        self, thing_id: str, rack_id: str, grasps: Sequence[tuple[int, str]]
+    ) -> tuple[PickPlan, Surroundings, Iterator[list[Pose]]]:
+        """The first grasp that can slide a thing over a peg, its surroundings, and its ways there.
+
+        Args:
+            thing_id, rack_id, grasps: see :meth:`vcage.tasks.task.Task.hang`.
+        """
+        thing, rack = self._cell.object(thing_id), self._cell.object(rack_id)
+        ways = hanging_ways(thing, rack, self._cell.objects_but(thing_id))
+        return self._choose_using(thing, ways, grasps, f"on {rack_id}", self._sliding)
+
+    def _sliding(self, target: SceneObject, hover: Surroundings, way: list[Pose]) -> LeadsOn:
+        """Return the check that a thing can be slid along a way, and the hand drawn back where it ends."""
+
+        def check(planner: MotionPlanner, pick: PickWay, lifted: np.ndarray, contact: ContactPoint) -> None:
+            gripper, width = planner.kinematics.arm.gripper, target.asset.grasp_width(contact)
+            load = Load(command_of(width, gripper), self._cell.held(target.id, pick.grasp))
+            end = require_along(planner, lifted, load, way, "the peg is out of reach")
+            planner.check(end, Load(command_of(approach_opening(width, gripper), gripper), ignore=[target.id]))
+            here = planner.kinematics.fk(end)
+            if not planner.continues(end, [Pose(here.p + [0.0, 0.0, gripper.approach], here.q)]):
+                raise MotionFailed("the hand could not be drawn back")
+
+        return check
+
     def _followed(
         self, vessel: SceneObject, target: SceneObject, grasps: Sequence[tuple[int, str]]
     ) -> Iterator[list[Pose]]:
@@ -283,7 +310,7 @@ class Choices:
                 raise MotionFailed("a finger is where its contents roll out")
             held = self._cell.held(target.id, pick.grasp)
             load = Load(command_of(target.asset.grasp_width(contact), planner.kinematics.arm.gripper), held)
-            require_tipping(planner, lifted, load, way)
+            require_along(planner, lifted, load, way, "the place over the container is out of reach")
             back(planner, pick, lifted, contact)
 
         return check

@@ -29,14 +29,16 @@ from vcage.tasks.findings import best_first
 from vcage.tasks.grasps import command_of
 from vcage.tasks.hitting import SETTINGS as HITTING
 from vcage.tasks.pouring import balls_in
+from vcage.tasks.primitives.along import plan_along
 from vcage.tasks.primitives.come_down import way_down
+from vcage.tasks.primitives.hang import plan_hang
 from vcage.tasks.primitives.hold_with_both import plan_with_both
 from vcage.tasks.primitives.place import Surroundings
-from vcage.tasks.primitives.pour import plan_pour
+from vcage.tasks.primitives.pour import SETTINGS as POURING
 from vcage.tasks.primitives.shake import plan_shake
 from vcage.tasks.primitives.wipe import rehearse_wipe
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.search import ENDS_IN_HAND, POURS, compose, find_subtasks, judging
+from vcage.tasks.search import POURS, TAKES, compose, find_subtasks, judging
 from vcage.tasks.slots import Slot, asks_for_heading
 from vcage.tasks.stowing import heaped_in
 from vcage.tasks.synthesis import script_of
@@ -106,10 +108,19 @@ class Rehearsal(Task):
         self._picked, _, ways = self._choose_pouring(vessel_id, target_id, grasps)
         up, load = self._lifted()
         with failing_at("plan"):
-            plan_pour(cell.planner(self._picked.arm), up, load, next(ways))
+            plan_along(cell.planner(self._picked.arm), up, load, next(ways), POURING.speed)
         balls = balls_in(vessel, cell.objects_but(vessel_id))
         for name, pose in heaped_in(target, balls, np.random.default_rng(0)).items():
             self.world.set_object_pose(name, pose)
+
+    def hang(self, thing_id: str, rack_id: str, grasps: Sequence[tuple[int, str]]) -> None:
+        """Plan it; the thing is where it is let go."""
+        self._picked, _, ways = self._choose_hanging(thing_id, rack_id, grasps)
+        up, load = self._lifted()
+        way = next(ways)
+        with failing_at("plan"):
+            plan_hang(self._cell.planner(self._picked.arm), up, load, way)
+        self.world.set_object_pose(thing_id, way[-1])
 
     def wait(self, seconds: float) -> None:
         """Nothing."""
@@ -293,7 +304,7 @@ class _Stage:
             kind = _NotWithTheseSlots if touched or subtask.id in self._slots else NoFeasibleTask
             why = f"{subtask.id} cannot be planned"
             raise kind(f"{why}: {error.message}", hint=ANOTHER, details={"refused": why}) from error
-        if subtask.template in ENDS_IN_HAND:
+        if subtask.template in TAKES:
             self._moved.add(subtask.object)
         if subtask.template == POURS:
             poured = [name for name, holder in self._holders.items() if holder == (subtask.object, None)]

@@ -163,6 +163,9 @@ def _shortest(task: Task, actions: Sequence[Action]) -> list[str] | None:
 ENDS_IN_HAND: tuple[TemplateName, ...] = ("hold_up", "hold_with_both")
 """Sub-tasks after which the object is in a hand."""
 
+TAKES: tuple[TemplateName, ...] = (*ENDS_IN_HAND, "hang")
+"""Sub-tasks that take the object from its place, and have no slot for it."""
+
 POURS: TemplateName = "pour"
 """The sub-task that brings the contents of its object into another one."""
 
@@ -190,7 +193,7 @@ def _action_of(subtask: Subtask, thing: SceneObject, arms: Mapping[str, Arm]) ->
         thing: its object.
         arms: of the robot; those that it does not take may hold something up.
     """
-    moves = subtask.object if subtask.receptacle is not None or subtask.template in ENDS_IN_HAND else None
+    moves = subtask.object if subtask.receptacle is not None or subtask.template in TAKES else None
     target = subtask.goals[0].reference if subtask.template == POURS else None
     alone = subtask.receptacle if subtask.template == "weigh" else None
     takes = max(1 + (subtask.hand_to is not None), *(goal.kind.arms for goal in subtask.goals))

@@ -17,6 +17,7 @@ from vcage.schema.goals import Goal
 from vcage.schema.plan import TABLE
 from vcage.sim.joints import joint_index, joint_positions
 from vcage.sim.world import PHYSICS_HZ, World
+from vcage.tasks.hanging import hangs_on
 from vcage.tasks.hitting import hits
 from vcage.tasks.reading import reads
 from vcage.tasks.scene_objects import SceneObject
@@ -47,6 +48,10 @@ class StillState:
     def table_share(self, name: str) -> float:
         """Share of an object's weight that the table bears; 0 where no world tells."""
         return 0.0
+
+    def hangs_on(self, name: str, rack: str) -> bool:
+        """True where a peg of a rack passes through the closed handle of an object."""
+        return hangs_on(self.thing(name), self.thing(rack))
 
     def weighs(self, name: str) -> bool:
         """True where a name is that of a scale."""
@@ -210,6 +215,10 @@ class Watch(StillState):
         """True where an object rests in another, and not on its bare top."""
         point = resting_point(self.thing(name), self.thing(other))
         return point is not None and point.holds == "in" and self.table_share(name) <= THRESHOLDS.borne_share
+
+    def at_rest(self, name: str) -> bool:
+        """True if an object hardly moves now."""
+        return self.world.at_rest(name)
 
     def holds(self, arm: str, name: str) -> bool:
         """True where all fingers of an arm press on an object."""

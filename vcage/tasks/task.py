@@ -24,6 +24,7 @@ from vcage.tasks.hitting import SETTINGS as HITTING
 from vcage.tasks.holding import SETTINGS as HOLDING
 from vcage.tasks.primitives.come_down import carry_out_down, plan_down
 from vcage.tasks.primitives.grip import Grip, feel, hangs_below, minding
+from vcage.tasks.primitives.hang import carry_out_hang
 from vcage.tasks.primitives.hold_with_both import carry_out_with_both, plan_with_both
 from vcage.tasks.primitives.pick import carry_out_pick
 from vcage.tasks.primitives.place import SETTINGS, PlacePlan, Surroundings, carry_out_place, old_places, plan_place
@@ -197,6 +198,25 @@ class Task(Choices):
             self.moment, empty = carry_out_pour(cell, grip, target_id, ways)
         feel(cell, empty)
         self._set_down_at(plan.target, hover, empty)
+
+    def hang(self, thing_id: str, rack_id: str, grasps: Sequence[tuple[int, str]]) -> None:
+        """Take a thing, slide its closed handle over a free peg of a rack, and let it go there.
+
+        The hand is drawn back with the motion that follows.
+
+        Args:
+            thing_id: the thing, with a closed handle.
+            rack_id: the rack.
+            grasps: (contact point, arm) to try, in this order.
+
+        Raises:
+            TaskFailed: no way can be planned, or the thing is lost, or meets something else.
+            UnknownName: there is no such object, contact point or arm.
+        """
+        plan, _, ways = self._choose_hanging(thing_id, rack_id, grasps)
+        grip = carry_out_pick(self._cell, plan)
+        self._lift(grip)
+        carry_out_hang(self._cell, grip, rack_id, ways)
 
     def _put_back(self, stood: SceneObject, hover: Surroundings, shown: PlacePlan, leaves: str | None = None) -> None:
         """Put the object in a hand back where it stood, turned a little where the arm does not reach its heading.

@@ -4,19 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import islice
 
-import numpy as np
-
 from vcage.base.geometry import Pose
-from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.paths import JointPath, Leg, Load
 from vcage.sim.state import WorldState
 from vcage.sim.world import PHYSICS_HZ
 from vcage.tasks.pouring import left_in
+from vcage.tasks.primitives.along import first_free, plan_along
 from vcage.tasks.primitives.grip import Grip
 from vcage.tasks.touching import Allowance
-from vcage.tasks.workcell import TaskFailed, Workcell, first_reasons
+from vcage.tasks.workcell import TaskFailed, Workcell
 
 
 @dataclass(frozen=True)
@@ -60,7 +59,8 @@ def carry_out_pour(
     """
     control, start = cell.world.arms[grip.arm], cell.begun(grip.arm)
     load = replace(grip.carrying, held=cell.held(grip.object_id, control.tool_pose))
-    carry, tip = _first_free(cell.planner(grip.arm), start.end, load, ways)
+    plan = partial(plan_along, cell.planner(grip.arm), start.end, load, speed=SETTINGS.speed)
+    carry, tip = first_free(plan, islice(ways, SETTINGS.ways), "tipped over the container")
     cell.carry_out(grip.arm, start.then(carry))
     may = Allowance("load", frozenset([target_id, *cell.contents(target_id)]))
     cell.carry_out(grip.arm, tip, [may])
@@ -71,43 +71,6 @@ def carry_out_pour(
     cell.carry_out(grip.arm, JointPath((Leg(tip.points()[::-1], empty),)))
     held = cell.held(grip.object_id, control.tool_pose)
     return tipped, replace(grip, load=replace(grip.load, held=held), contents=frozenset())
-
-
-def _first_free(
-    planner: MotionPlanner, start: np.ndarray, load: Load, ways: Iterable[Sequence[Pose]]
-) -> tuple[JointPath, JointPath]:
-    """The motions along the first way that can be planned.
-
-    Raises:
-        TaskFailed: none of the first few can.
-    """
-    reasons: list[str] = []
-    for way in islice(ways, SETTINGS.ways):
-        try:
-            return plan_pour(planner, start, load, way)
-        except MotionFailed as error:
-            reasons.append(error.message)
-    raise TaskFailed("plan", f"it cannot be tipped over the container: {first_reasons(reasons)}")
-
-
-def plan_pour(
-    planner: MotionPlanner, start: np.ndarray, load: Load, way: Sequence[Pose]
-) -> tuple[JointPath, JointPath]:
-    """The motion of a lifted vessel to where a way begins, and along that.
-
-    Args:
-        planner: of the arm.
-        start: (n,) its joints, rad.
-        load: the vessel in the hand.
-        way: poses of the vessel, upright first.
-
-    Raises:
-        MotionFailed: the arm cannot go there, or touches something.
-    """
-    first, *others = _hands(load, way)
-    carry = planner.move(start, first, load, then=others)
-    tipping = Load(load.opening, None if load.held is None else replace(load.held, clearance=0.0), speed=SETTINGS.speed)
-    return carry, planner.follow(carry.end, others, tipping)
 
 
 def _empty(cell: Workcell, grip: Grip, tip: JointPath, may: Allowance) -> None:
@@ -148,31 +111,3 @@ def _left_after_a_while(cell: Workcell, grip: Grip) -> int:
 def _left(cell: Workcell, grip: Grip) -> int:
     """Number of balls in a vessel that is held now."""
     return len(left_in(cell.object(grip.object_id), map(cell.object, sorted(grip.contents))))
-
-
-def _hands(load: Load, way: Sequence[Pose]) -> list[Pose]:
-    """Poses of the gripper frame at which the object in a hand is at some poses."""
-    assert load.held is not None, "a vessel is in the hand"
-    return [pose * load.held.in_gripper.inverse() for pose in way]
-
-
-def require_tipping(planner: MotionPlanner, start: np.ndarray, load: Load, way: Sequence[Pose]) -> None:
-    """Require that a vessel can be tipped along a way, and the arm touches nothing there.
-
-    Args:
-        planner, load, way: as of :func:`plan_pour`.
-        start: (n,) joints before it is brought to the first pose, rad.
-
-    Raises:
-        MotionFailed: it cannot; says why.
-    """
-    first, *others = _hands(load, way)
-    reason = "the place over the container is out of reach"
-    for there in planner.kinematics.ik_all(first, start):
-        try:
-            planner.check(there, load)
-            planner.follow(there, others, load)
-            return
-        except MotionFailed as error:
-            reason = error.message
-    raise MotionFailed(reason)

@@ -15,6 +15,7 @@ from vcage.schema.subtasks import Refusal, Subtask, Subtasks, TemplateName
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.templates.close import CLOSE
 from vcage.tasks.templates.hand_over import HandOver
+from vcage.tasks.templates.hang import Hang
 from vcage.tasks.templates.hit import Hit
 from vcage.tasks.templates.hold_up import HoldUp
 from vcage.tasks.templates.hold_with_both import HoldWithBoth
@@ -64,7 +65,7 @@ TEMPLATES: dict[TemplateName, SubtaskTemplate] = {
     template.name: template
     for template in (
         PLACE, STACK, WEIGH, SET_DOWN, PUSH, PRESENT, Scan(), OPEN, CLOSE, PRESS, TURN, TURN_OFF, HandOver(), LIFT,
-        SHAKE, HoldUp(), HoldWithBoth(), Hit(), Wipe(), Pour(),
+        SHAKE, HoldUp(), HoldWithBoth(), Hit(), Wipe(), Pour(), Hang(),
     )
 }  # fmt: skip
 """By name, in the order in which the search goes through them."""

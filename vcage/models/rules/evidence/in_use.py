@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -87,7 +87,7 @@ class InUse:
         view: of the question.
         moved, still: ids of the object in a hand, and of the one that stays.
         held, stands: where they stood before.
-        later: True for the second moment.
+        at: views of the time that is looked at; of the moment when not given.
         as_before: True for a held object as bright as it was where it stood. A small one, drawn where the hand hides
             it, would else be taken to be as bright as the hand.
     """
@@ -100,10 +100,10 @@ class InUse:
         held: Standing,
         stands: Standing,
         *,
-        later: bool = False,
+        at: Mapping[str, View] | None = None,
         as_before: bool = False,
     ):
-        before, moment = view.before, view.later if later else view.moment
+        before, moment = view.before, view.moment if at is None else at
         self._held, self._draw = held, view.sought(moved, upon=True).draw
         draw_still = view.sought(still, upon=True).draw
         cameras = sorted(before.keys() & moment.keys())

@@ -100,7 +100,9 @@ class Wiped:
         ways = [] if question.wipings is None else [*question.wipings(tool, held.pose, thing, stands.pose)]
         if not ways:
             return None
-        first, second = (InUse(view, tool, thing, held, stands, later=late, as_before=True) for late in (False, True))
+        first, second = (
+            InUse(view, tool, thing, held, stands, at=at, as_before=True) for at in (view.moment, view.later)
+        )
         start, end = min(ways, key=lambda way: first.unseen(way[0]) + second.unseen(way[1]))
         return cls(Laid.gather(first, start, [end]), Laid.gather(second, end, [start]))
 
