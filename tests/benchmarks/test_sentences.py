@@ -26,7 +26,9 @@ from vcage.base.errors import InputFileError, UsageError
 from vcage.stages.chain import STAGES
 from vcage.tasks.templates import TEMPLATES
 
-VERBS = ("put", "pack", "open", "turn", "stack", "weigh", "hand", "push", "shake", "lift", "hit", "wipe", "pour")
+VERBS = (
+    "put", "pack", "open", "turn", "stack", "weigh", "hand", "push", "shake", "lift", "hit", "wipe", "pour", "hang",
+)  # fmt: skip
 
 
 @pytest.mark.parametrize(

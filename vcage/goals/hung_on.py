@@ -36,7 +36,7 @@ HUNG_ON = GoalKind(
     says="hang hangs hung hook hooks hooked",
     claims="hang hangs hung",
     plain="{thing} hangs {where}",
-    commands="Hang {0} on {2}.|Hang {0} up on {2}.|Hang {0} onto {2}.|Hang {0} from {2}.|Hang up {0} on {2}."
+    commands="Hang {0} on {2}.|Hang {0} up on {2}.|Hang {0} onto {2}.|Hang up {0} on {2}."
     "|Please hang {0} on {2}.|Could you hang {0} on {2}?|Take {0} and hang it on {2}."
     "|Pick up {0} and hang it on {2}.|Have {0} hung on {2}.|Hook {0} on {2} by its handle.|{1} must be hung on {2}.",
 )

@@ -56,6 +56,7 @@ VERBS: Mapping[str, Verb] = {
     "hit": _verb("hit*|beat*|tap|taps|tapp*|strik*|struck"),
     "wiped": _verb("wip*|clean*"),
     "poured": _verb("pour*|empt*|tip|tips|tipp*|dump*"),
+    "hung_on": _verb("hang*|hung|hook|hooks|hooked"),
     "presented": _verb("present*|show*|giv*|hand*|offer*"),
 }
 """The verbs by the word of the goal."""

@@ -94,11 +94,12 @@ class PointRoom(Record):
 
 class Face(Record):
     """A marked spot of an object: a bar code, the window of the scanner that reads it, the head of a tool to hit with,
-    or the pad of one to wipe with: the middle of its lower side, as the tool lies in a hand."""
+    the pad of one to wipe with (the middle of its lower side, as the tool lies in a hand), the middle of the loop of a
+    closed handle, or the tip of a peg on which such a loop hangs."""
 
     kind: Literal["code", "reader", "head", "pad", "loop", "peg"]
     position: Point3 = Field(description="its middle in the object frame, metres")
-    axis: UnitVec3 = Field(description="out of the surface")
+    axis: UnitVec3 = Field(description="out of the surface; through a loop; out of the tip of a peg")
 
 
 class Words(Record):
@@ -198,7 +199,8 @@ class Annotation(Document):
         return [point for point in self.contact_points if point.carries]
 
     def faces_of(self, kind: str) -> list[Face]:
-        """The bar codes (``code``), scanner windows (``reader``), heads (``head``) or pads (``pad``)."""
+        """The bar codes (``code``), scanner windows (``reader``), heads (``head``), pads (``pad``), loops of handles
+        (``loop``) or pegs (``peg``)."""
         return [face for face in self.faces if face.kind == kind]
 
     def functional_point(self, point_id: int) -> FunctionalPoint:
@@ -266,6 +268,16 @@ class CatalogueEntry(Record):
     def wipes(self) -> bool:
         """Check if it has a pad to wipe with."""
         return any(face.kind == "pad" for face in self.faces)
+
+    @property
+    def hangs(self) -> bool:
+        """Check if a hand takes it, and it has a closed handle to hang it by."""
+        return self.can_be_carried and any(face.kind == "loop" for face in self.faces)
+
+    @property
+    def pegs(self) -> int:
+        """The number of its pegs, on each of which one thing hangs."""
+        return sum(face.kind == "peg" for face in self.faces)
 
     @property
     def weighs(self) -> bool:

@@ -205,6 +205,11 @@ def test_a_vessel_that_is_emptied_starts_with_balls_in_it() -> None:
     assert starts("Empty the mug into the bowl") == {"mug": None, "ball": "mug", "bowl": None}
 
 
+def test_a_rack_on_which_a_mug_is_hung_is_one_with_pegs() -> None:
+    assert chosen("Hang the red mug on the rack", "receptacle") == ["mug_rack"]
+    assert chosen("Hang the red mug on the rack", "content") == ["mug"]
+
+
 def test_balls_that_are_poured_start_in_a_cup_where_no_vessel_is_named() -> None:
     assert starts("Pour five small balls into the dustbin") == {"ball": "cup", "cup": None, "dustbin": None}
     assert chosen("Pour five small balls into the dustbin", "content").count("ball") == 5

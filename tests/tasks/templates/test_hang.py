@@ -84,6 +84,14 @@ def test_a_rack_without_a_free_peg_is_refused_by_name() -> None:
     assert why_not(MUG, RACK, one, other) == "something hangs on every peg of light brown mug rack"
 
 
+def test_more_things_than_pegs_are_refused_by_name() -> None:
+    mugs = [thing("mug", (0.1 * number, -0.2), id=f"mug_{number}") for number in range(3)]
+    goals = [Goal(subject=mug.id, relation="hung_on", reference=RACK.id) for mug in mugs]
+    found, refused = HANG.proposals([*mugs, RACK], goals)
+    assert found == [] and len(refused) == 3
+    assert {one.reason for one in refused} == {"light brown mug rack has 2 pegs, and more is to hang on it"}
+
+
 def test_pegs_that_are_too_thick_are_refused_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("vcage.tasks.templates.hang.suits", lambda *_: False)
     assert "are too thick for the handle of white mug" in why_not(MUG, RACK)

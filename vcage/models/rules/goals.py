@@ -34,7 +34,7 @@ _OTHER = {"left": "right", "right": "left", ONE_ARM: "right"}
 """The other arm; of an arm that is left open, the right one."""
 _IN_A_HAND = ("lift", "shake", "hold", "in_hands", "hold_with_both", "away", "face", "stand_up")
 """Commands about a thing that a hand carries."""
-_BRINGING = ("put", "hand", "tower", "show")
+_BRINGING = ("put", "hand", "tower", "show", "hang")
 """Commands that take a thing somewhere, which is lifted for it."""
 TOOLS: dict[str, Callable[[CatalogueEntry], bool]] = {
     "scan": lambda e: e.reads_codes,
@@ -346,6 +346,20 @@ class Goals:
             self._vessels.require(command, name)
             arm = command.arm or self._arms.get(name)
             self._add(replace(command, arm=arm, words=_joined(taken, command)), name, "poured", spot.name)
+
+    def _hang(self, command: Command) -> None:
+        """Hanging brings a peg of the place that is named through the closed handle of each thing."""
+        assert command.place is not None
+        racks, names = self._meanings.objects(command.place), self._named(command)
+        pegs = self.things[racks[0]].pegs
+        if len(racks) > 1:
+            raise Doubt(command.place.text, "things are hung on one of them")
+        if len(names) > pegs:
+            raise Doubt(command.words, f"{racks[0]} has {pegs or 'no'} peg{'s' * (pegs > 1)} to hang something on")
+        for name in names:
+            if not self.things[name].hangs:
+                raise Doubt(command.words, f"{name} has no closed handle to hang it by")
+            self._add(command, name, "hung_on", racks[0])
 
     def _event(self, command: Command) -> None:
         """Add the goal of an act on a part of a thing, or on a thing with a tool."""

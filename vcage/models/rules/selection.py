@@ -30,6 +30,11 @@ from vcage.schema.scene import Role
 Good = Callable[[CatalogueEntry], bool]
 
 _TOOLS = {"scan": "barcode scanner", "weigh": "electronic scale"}
+_RECEIVERS: Mapping[str, Good] = {
+    "pour": lambda e: e.takes_poured(THRESHOLDS.poured_into_m),
+    "hang": lambda e: e.pegs > 0,
+}
+"""Commands → the test of the place that they name; of any other it has room for the things."""
 _ROLES: tuple[Role, ...] = ("content", "receptacle", "tool", "context")
 
 
@@ -160,8 +165,7 @@ class _Selector:
         if noun is not None and verb in TOOLS:
             self._take(noun, "tool", TOOLS[verb])
         elif noun is not None and not noun.of_table and not noun.pronoun:
-            wide = None if command.verb != "pour" else lambda e: e.takes_poured(THRESHOLDS.poured_into_m)
-            self._take(noun, "receptacle", wide or self._roomy(noun, command))
+            self._take(noun, "receptacle", _RECEIVERS.get(command.verb) or self._roomy(noun, command))
             for other in (one for _, one in noun.relations if not one.of_table):
                 self._take(other, "context")
 
@@ -324,5 +328,7 @@ def _role_and_test(command: Command) -> tuple[Role, Good]:
         return "content", lambda e: e.can_be_carried and e.tall
     if command.verb == "pour":
         return "content", lambda e: e.loose or (e.holds_loose and e.can_be_carried)
+    if command.verb == "hang":
+        return "content", lambda e: e.hangs
     pushed = command.verb == "put" and command.how in BESIDE
     return "content", lambda e: (e.can_be_carried or pushed) and not e.loose

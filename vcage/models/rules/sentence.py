@@ -19,7 +19,7 @@ from vcage.base.words import COLOURS, FUNCTION_WORDS, NUMBERS, is_plural, lemma,
 from vcage.models.rules.nouns import Noun, noun_of
 
 REFUSED = {
-    r"hang|head-up|horizontally": "no goal says that a thing is hung up, or which way up it is held",
+    r"head-up|horizontally": "no goal says which way up a thing is held",
     r"slightly(?! away)|twice|vigorously": "no goal says how far, how often or how hard something is done",
     r"(every|each) (?:(?!and )[^,.;])* (in|on|into|onto|to) its":
         "no goal says that each thing has a place of its own; name the places",
@@ -89,8 +89,8 @@ class Command:
 
     Args:
         verb: a rule of the grammar: put, pick, open, close, turn, turn_off, press, weigh, scan, show, hand, lift,
-            shake, hit, wipe, pour, hold, in_hands, hold_with_both, away, face, stand_up, stack, tower, stamp, row or
-            swap.
+            shake, hit, wipe, pour, hang, hold, in_hands, hold_with_both, away, face, stand_up, stack, tower, stamp,
+            row, swap.
         things: its objects; none where a row or a tower is of other things than those that are named.
         how: in, on, left_of, right_of, in_front_of, behind, beside, near, centred or to; for ``hand`` who gets it.
         place: where things go, or the tool.

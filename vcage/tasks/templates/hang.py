@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -29,8 +30,13 @@ class Hang:
 
     def proposals(self, objects: Sequence[SceneObject], asked: Collection[Goal]) -> tuple[list[Hanging], list[Refusal]]:
         """Each thing to hang on a rack that stands there, and those that cannot be carried."""
-        ids = {o.id for o in objects}
-        return carried(Hanging, NAME, "hung_on", objects, [goal for goal in asked if goal.reference in ids])
+        racks = {o.id: o for o in objects}
+        goals = [goal for goal in asked if goal.relation == "hung_on" and goal.reference in racks]
+        found, refused = carried(Hanging, NAME, "hung_on", objects, goals)
+        asks = Counter(str(goal.reference) for goal in goals)
+        over = {name: racks[name] for name, number in asks.items() if number > len(pegs_of(racks[name].asset)) > 0}
+        refused += [one.too_many(over[str(one.goal.reference)]) for one in found if one.goal.reference in over]
+        return [one for one in found if one.goal.reference not in over], refused
 
     def calls(self, subtask: Subtask) -> list[str]:
         """The lines of the script's ``play``; GRASPS is a constant of the script."""
@@ -42,6 +48,10 @@ class Hang:
 @dataclass(frozen=True)
 class Hanging(Proposal):
     """A thing, and its goal to hang on a rack."""
+
+    def too_many(self, rack: SceneObject) -> Refusal:
+        """The refusal where more things are to hang on a rack than it has pegs."""
+        return self.refusal(f"{rack.record.phrase} has {len(pegs_of(rack.asset))} pegs, and more is to hang on it")
 
     def impossible(self) -> Refusal | None:
         """The thing must have a closed handle, and stand on the table."""
