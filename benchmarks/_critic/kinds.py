@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from benchmarks._critic.hangs import fell_beside, leans_on_it, still_in_the_hand, stood_beside
 from benchmarks._critic.hits import hit_another, hit_beside, not_down
 from benchmarks._critic.played import DROP, Kind, Played, Shots
 from benchmarks._critic.pours import (
@@ -352,6 +353,10 @@ FAILURES: Mapping[str, Kind] = {
     "on its head": on_its_head,
     "fell over": fell_over,
     "still held": still_held,
+    "stands beside the rack": stood_beside,
+    "fell beside the rack": fell_beside,
+    "leans on the rack": leans_on_it,
+    "still in the hand": still_in_the_hand,
 }
 """By name."""
 

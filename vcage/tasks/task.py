@@ -216,7 +216,7 @@ class Task(Choices):
         plan, _, ways = self._choose_hanging(thing_id, rack_id, grasps)
         grip = carry_out_pick(self._cell, plan)
         self._lift(grip)
-        carry_out_hang(self._cell, grip, rack_id, ways)
+        self.moment = carry_out_hang(self._cell, grip, rack_id, ways)
 
     def _put_back(self, stood: SceneObject, hover: Surroundings, shown: PlacePlan, leaves: str | None = None) -> None:
         """Put the object in a hand back where it stood, turned a little where the arm does not reach its heading.

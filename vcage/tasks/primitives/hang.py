@@ -12,6 +12,7 @@ import numpy as np
 from vcage.base.geometry import Pose
 from vcage.sim.motion import MotionPlanner
 from vcage.sim.paths import JointPath, Load
+from vcage.sim.state import WorldState
 from vcage.sim.world import PHYSICS_HZ
 from vcage.tasks.grasps import approach_opening, command_of
 from vcage.tasks.primitives.along import first_free, hands_at, plan_along
@@ -38,8 +39,10 @@ class HangSettings:
 SETTINGS = HangSettings()
 
 
-def carry_out_hang(cell: Workcell, grip: Grip, rack_id: str, ways: Iterable[Sequence[Pose]]) -> None:
+def carry_out_hang(cell: Workcell, grip: Grip, rack_id: str, ways: Iterable[Sequence[Pose]]) -> WorldState:
     """Slide a thing over a peg, lower it, let it go, and draw the hand back upwards with the following motion.
+
+    Returns the state before it is let go.
 
     Args:
         cell: in its present state.
@@ -58,7 +61,7 @@ def carry_out_hang(cell: Workcell, grip: Grip, rack_id: str, ways: Iterable[Sequ
         cell.carry_out(grip.arm, start.then(carry))
         cell.carry_out(grip.arm, slide, [Allowance("load", frozenset([rack_id]))])
     feel(cell, grip)
-    gripper = control.arm.gripper
+    moment, gripper = cell.world.state(), control.arm.gripper
     opened = command_of(approach_opening(control.finger_width, gripper), gripper)
     control.release(opened)
     cell.let_go(grip.object_id)
@@ -68,6 +71,7 @@ def carry_out_hang(cell: Workcell, grip: Grip, rack_id: str, ways: Iterable[Sequ
     with failing_at("place"):
         rise = cell.planner(grip.arm).line(slide.end, up, away)
     cell.put_off(grip.arm, rise, [Allowance("hand", frozenset([grip.object_id]))])
+    return moment
 
 
 def plan_hang(
