@@ -34,7 +34,7 @@ class HungSettings:
     directions: int = 8
     headings: int = 4
     lifted_m: tuple[float, ...] = (0.04, 0.08)
-    seen_share: float = 0.5
+    seen_share: float = 0.65
 
 
 SETTINGS = HungSettings()
