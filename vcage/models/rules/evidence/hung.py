@@ -111,4 +111,4 @@ def judge_hung(view: CriticView, goal: Goal) -> Judged:
     verdict = hung.verdict(thing, rack)
     if verdict.accepted and (disturbed := found.disturbed(view, THRESHOLDS.disturbed_m)) is not None:
         return disturbed
-    return Judged(verdict, found.explained | there)
+    return Judged(verdict, found.explained | there | view.around(found.stands))  # its shadow falls on the rack
