@@ -116,12 +116,12 @@ def write_turned(model: PhysicalModel, pose: Pose, folder: Path) -> None:
     import trimesh  # slow, and only needed where a model is made
 
     scene = trimesh.Scene()
-    for i, mesh in enumerate(trimesh.load(model.visual, force="scene", process=False).dump()):
+    for i, mesh in enumerate(trimesh.load_scene(model.visual, process=False).dump()):
         scene.add_geometry(mesh.apply_transform(pose.matrix()), node_name=f"part-{i}", geom_name=f"part-{i}")
     write_bytes(folder / "visual.glb", scene.export(file_type="glb", include_normals=True))
     corners = []
     for i, path in enumerate(model.hulls):
-        piece = trimesh.load(path, process=False).apply_transform(pose.matrix())
+        piece = trimesh.load_mesh(path, process=False).apply_transform(pose.matrix())
         write_text(folder / _hull_name(i), _obj(piece, np.zeros(3)))
         corners.append(piece.bounds)
     lower, upper = np.min(corners, axis=(0, 1)), np.max(corners, axis=(0, 1))

@@ -68,10 +68,12 @@ class Moved:
     @classmethod
     def of(cls, view: CriticView, name: str) -> Moved:
         """Find an object before and after among what has changed; once for each question."""
-        return view.once(("moved", name), lambda: cls._gather(view, view.sought(name), view.stood_up(name)))
+        return view.once(("moved", name), lambda: cls._gather(view, name))
 
     @classmethod
-    def _gather(cls, view: CriticView, was: Sought, thing: Sought) -> Moved:
+    def _gather(cls, view: CriticView, name: str) -> Moved:
+        was = view.sought(name)
+        thing, rose = (view.stood_up(name), True) if name in view.question.stood_up else (was, False)
         before, after, change = view.before, view.after, view.change
         old = was.found(before, change.things)
         taken = view.nowhere if old is None else old.covered
