@@ -195,6 +195,6 @@ def test_what_is_to_face_the_robot_has_that_heading_wherever_the_receptacle_is_t
     heading = heading_for(facing, tray, 0)
     assert heading is not None
     (pose,) = allocate(tray, 0, [box], rng(seed), headings={box.id: heading}).values()
-    (there,) = slot_in(tray, 0, pose, facing).poses({tray.id: tray})
+    (there,) = slot_in(tray, 0, pose, facing, box).poses({tray.id: tray})
     assert np.isclose(np.cos(there.yaw), 1.0)
     assert heading_for([Goal(subject=box.id, relation="on", reference=tray.id)], tray, 0) is None

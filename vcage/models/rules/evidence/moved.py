@@ -73,7 +73,7 @@ class Moved:
     @classmethod
     def _gather(cls, view: CriticView, name: str) -> Moved:
         was = view.sought(name)
-        thing, rose = (view.stood_up(name), True) if name in view.question.stood_up else (was, False)
+        thing = view.stood_up(name) if name in view.question.stood_up else was
         before, after, change = view.before, view.after, view.change
         old = was.found(before, change.things)
         taken = view.nowhere if old is None else old.covered
