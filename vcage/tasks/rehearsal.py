@@ -27,6 +27,7 @@ from vcage.tasks.choosing import as_chosen, preferred_first
 from vcage.tasks.feasibility import feasible, transfers
 from vcage.tasks.findings import best_first
 from vcage.tasks.grasps import command_of
+from vcage.tasks.hanging import hung_poses
 from vcage.tasks.hitting import SETTINGS as HITTING
 from vcage.tasks.pouring import balls_in
 from vcage.tasks.primitives.along import plan_along
@@ -114,13 +115,16 @@ class Rehearsal(Task):
             self.world.set_object_pose(name, pose)
 
     def hang(self, thing_id: str, rack_id: str, grasps: Sequence[tuple[int, str]]) -> None:
-        """Plan it; the thing is where it is let go."""
+        """Plan it; the thing hangs where it comes to rest."""
         self._picked, _, ways = self._choose_hanging(thing_id, rack_id, grasps)
         up, load = self._lifted()
         way = next(ways)
         with failing_at("plan"):
             plan_hang(self._cell.planner(self._picked.arm), up, load, way)
-        self.world.set_object_pose(thing_id, way[-1])
+        thing, rack = self._cell.object(thing_id), self._cell.object(rack_id)
+        rests = hung_poses(thing, rack, self._cell.objects_but(thing_id))
+        nearest = min(rests, key=lambda pose: float(np.linalg.norm(pose.p - way[-1].p)))
+        self.world.set_object_pose(thing_id, nearest)
 
     def wait(self, seconds: float) -> None:
         """Nothing."""

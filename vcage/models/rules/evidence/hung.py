@@ -45,7 +45,7 @@ class Hung:
     """Measurements of a thing afterwards.
 
     Args:
-        left: changed share of its old outline.
+        left: changed share of its old outline, seen from above: from the side a thing that hangs may hide it.
         seen: share of the evidence for a drawing of the thing on a peg.
         elsewhere: the same at the likeliest alternative.
         pose: at which it is seen best on a peg.
@@ -72,7 +72,8 @@ class Hung:
         hangs, likeliest = least_unseen(use, poses)
         others = [*_beside(found), *(Pose(likeliest.p + [0, 0, up], found.held.pose.q) for up in SETTINGS.lifted_m)]
         elsewhere, _ = least_unseen(use, others)
-        return cls(use.left, 1 - hangs, 1 - elsewhere, likeliest)
+        left = found.moved.left(found.held, view.change.all, view.after["top"])
+        return cls(left, 1 - hangs, 1 - elsewhere, likeliest)
 
     def verdict(self, thing: str, rack: str) -> Verdict:
         """Judge if the thing hangs on the rack."""
