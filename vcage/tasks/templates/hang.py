@@ -35,7 +35,7 @@ class Hang:
         found, refused = carried(Hanging, NAME, "hung_on", objects, goals)
         asks = Counter(str(goal.reference) for goal in goals)
         over = {name: racks[name] for name, number in asks.items() if number > len(pegs_of(racks[name].asset)) > 0}
-        refused += [one.too_many(over[str(one.goal.reference)]) for one in found if one.goal.reference in over]
+        refused += [one.too_many(over[one.goal.reference]) for one in found if one.goal.reference in over]
         return [one for one in found if one.goal.reference not in over], refused
 
     def calls(self, subtask: Subtask) -> list[str]:
