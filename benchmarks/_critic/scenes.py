@@ -35,8 +35,8 @@ FURTHER = (
     "Set the lying can upright",
     "Put the fallen bottle upright on the tray",
 )
-"""Sentences beside those that are run whole: piles, deep walls, tall tops, what can only be pushed, what is stood up, and
-verbs of tools and vessels on kinds of objects that are untouched."""
+"""Sentences beside those that are run whole: piles, deep walls, tall tops, what can only be pushed, what is stood up,
+and verbs of tools and vessels on kinds of objects that are untouched."""
 
 UNTOUCHED_SCENES = ("bathroom", "office_desk")
 """Scenes kept unseen while a critic is tuned."""

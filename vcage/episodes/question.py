@@ -169,7 +169,7 @@ def _question(context: StageContext, scene: Scene, asking: Asking) -> CriticQues
         **{when: _views(when, seen, taken_by) for when in ("before", "after", "moment", "later", "start")},
         uncalibrated={when: {k: p for k, p in by.items() if k not in taken_by} for when, by in seen.items()},
         references={o.id: context.look(o, opened.get(o.id, ())) for o in scene.objects},
-        stood_up={o.id: _stood_up(o, context) for o in objects.values() if o.asset.standing is not None},
+        stood_up=_stood_up(objects.values(), context),
         planned={o.id: o.pose.pose() for o in scene.objects},
         opened=opened,
         parts={o.id: [link.name for link in o.asset.model.links] for o in objects.values()},
@@ -193,10 +193,12 @@ def _question(context: StageContext, scene: Scene, asking: Asking) -> CriticQues
     )
 
 
-def _stood_up(thing: SceneObject, context: StageContext) -> StoodUp:
-    """How an object on its side looks when it stands."""
-    standing = thing.record.model_copy(update={"variant": thing.asset.variant.laid})
-    return StoodUp(context.look(standing), thing.asset.stands.inverse())
+def _stood_up(things: Iterable[SceneObject], context: StageContext) -> dict[str, StoodUp]:
+    """How the objects that lie on their sides look when they stand, by id."""
+    lying = [one for one in things if one.asset.standing is not None]
+    standing = [one.record.model_copy(update={"variant": one.asset.variant.laid}) for one in lying]
+    looks = map(context.look, standing)
+    return {one.id: StoodUp(look, one.asset.stands.inverse()) for one, look in zip(lying, looks, strict=True)}
 
 
 def _with_face(kind: str, objects: Mapping[str, SceneObject]) -> list[str]:

@@ -30,6 +30,13 @@ from vcage.schema.scene import Role
 Good = Callable[[CatalogueEntry], bool]
 
 _TOOLS = {"scan": "barcode scanner", "weigh": "electronic scale"}
+_CONTENTS: Mapping[str, Good] = {
+    "scan": lambda e: e.can_be_carried and any(face.kind == "code" for face in e.faces),
+    "stand_up": lambda e: e.can_be_carried and e.tall,
+    "pour": lambda e: e.loose or (e.holds_loose and e.can_be_carried),
+    "hang": lambda e: e.hangs,
+}
+"""Commands → the test of their things; of any other they can be carried."""
 _RECEIVERS: Mapping[str, Good] = {
     "pour": lambda e: e.takes_poured(THRESHOLDS.poured_into_m),
     "hang": lambda e: e.pegs > 0,
@@ -322,13 +329,7 @@ def _role_and_test(command: Command) -> tuple[Role, Good]:
     """The role of the things of a command, and the test that they must pass."""
     if command.verb in ACTS:
         return "receptacle", lambda e: any(part_that(ACTS[command.verb], part) for part in e.moving_parts)
-    if command.verb == "scan":
-        return "content", lambda e: e.can_be_carried and any(face.kind == "code" for face in e.faces)
-    if command.verb == "stand_up":
-        return "content", lambda e: e.can_be_carried and e.tall
-    if command.verb == "pour":
-        return "content", lambda e: e.loose or (e.holds_loose and e.can_be_carried)
-    if command.verb == "hang":
-        return "content", lambda e: e.hangs
+    if good := _CONTENTS.get(command.verb):
+        return "content", good
     pushed = command.verb == "put" and command.how in BESIDE
     return "content", lambda e: (e.can_be_carried or pushed) and not e.loose
