@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from benchmarks._critic.played import DROP, Played, Shots
 from vcage.base.geometry import Pose
-from vcage.schema.episodes import Truth
 from vcage.tasks.scene_objects import SceneObject
 
 BESIDE_M = (0.11, 0.16)
@@ -50,8 +47,7 @@ def still_in_the_hand(played: Played) -> Shots | None:
     shots = played.shots
     if not _hangs(played) or shots.moment is None:
         return None
-    truth = Truth(success=False, reason="the hand still holds it")
-    return replace(shots, after=shots.moment, truth=truth)
+    return played.untrue("the hand still holds it", after=shots.moment)
 
 
 def _hangs(played: Played) -> bool:

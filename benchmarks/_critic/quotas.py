@@ -24,7 +24,7 @@ class Quotas:
     Args:
         each: successes, and failures, of each template.
         rounds: most further draws of a scene.
-        templates: that are counted.
+        templates: those to count.
     """
 
     each: int = 20
@@ -56,7 +56,7 @@ def filled(draws: Sequence[Draw], make: Make, quotas: Quotas) -> list[OutcomeRec
 
 
 def lacking(records: Iterable[OutcomeRecord], quotas: Quotas) -> dict[str, tuple[int, int]]:
-    """Wanted template short of outcomes → its numbers of successes and failures."""
+    """Templates short of outcomes → its numbers of successes and failures."""
     counts: dict[str, Counter[bool]] = defaultdict(Counter)
     for record in records:
         counts[record.template][record.success] += 1

@@ -10,7 +10,10 @@ from benchmarks._critic.played import DROP, Played, Shots
 from vcage.base.geometry import Pose
 
 TURNED_OVER = [0.0, 1.0, 0.0, 0.0]
-"""Half a turn about the x axis, as a quaternion."""
+"""Half a turn about the x axis, as a quaternion (w, x, y, z)."""
+
+TILT_RAD = np.radians(60.0)
+"""Lean of a thing that falls over."""
 
 
 def still_lying(played: Played) -> Shots | None:
@@ -41,9 +44,8 @@ def fell_over(played: Played) -> Shots | None:
     if not _stands_up(played):
         return None
     after, turn = played.ends[1], float(played.rng.uniform(0, 2 * np.pi))
-    tilt = np.radians(60.0)
-    axis = np.sin(tilt / 2) * np.array([np.cos(turn), np.sin(turn), 0.0])
-    tipped = Pose(q=[np.cos(tilt / 2), *axis]) * Pose(q=after.q)
+    axis = np.sin(TILT_RAD / 2) * np.array([np.cos(turn), np.sin(turn), 0.0])
+    tipped = Pose(q=[np.cos(TILT_RAD / 2), *axis]) * Pose(q=after.q)
     return played.instead({played.goal.subject: Pose(after.p + [0.0, 0.0, DROP], tipped.q)})
 
 

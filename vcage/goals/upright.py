@@ -11,7 +11,7 @@ from vcage.goals.thresholds import THRESHOLDS, Thresholds
 def _meaning(limits: Thresholds) -> str:
     return f"""
     Upright: the thing, which lay on its side before, stands on its bottom with its head up, and leans by at most
-    {degrees(limits.stood_up_rad)}. No hand holds it. Lying on another side, or standing on its head, is not upright.
+    {degrees(limits.stood_up_rad)}. Lying on another side, or standing on its head, is not upright.
     """
 
 

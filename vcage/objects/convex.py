@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import ConvexHull, QhullError
 
 from vcage.base.errors import DamagedFile
@@ -90,3 +91,17 @@ def load_convex(path: str | Path) -> Convex:
         raise DamagedFile(
             f"{path} is not a convex mesh: {error}", hint="delete the folder it lies in; it is built again on demand"
         ) from error
+
+
+def centre_of_mass(pieces: Sequence[Convex]) -> NDArray[np.float64]:
+    """(3,) centre of mass of some pieces of one density, metres."""
+    centres, volumes = zip(*(_centre_of(piece) for piece in pieces), strict=True)
+    return np.average(centres, axis=0, weights=volumes)
+
+
+def _centre_of(piece: Convex) -> tuple[NDArray[np.float64], float]:
+    """(3,) centre of a convex piece, and its volume: those of the pyramids from a point in it to its faces."""
+    inner = piece.vertices.mean(axis=0)
+    corners = piece.vertices[ConvexHull(piece.vertices).simplices] - inner
+    volumes = np.abs(np.linalg.det(corners)) / 6
+    return inner + (corners.sum(axis=1) / 4 * volumes[:, None]).sum(axis=0) / volumes.sum(), float(volumes.sum())

@@ -141,11 +141,11 @@ class Library:
         """An asset on its side.
 
         Raises:
-            InputFileError: it does not lie on its side, or does not stand.
+            InputFileError: it cannot lie stably on its side.
         """
         stands = standing_in_lying(standing)
         if stands is None:
-            message = f"{standing.name} does not lie on a side from which it is stood up"
+            message = f"{standing.name} cannot lie stably on its side"
             raise InputFileError(message, hint="take a bottle, a can, a cup or a carton")
         return laid(standing, stands, shown)
 

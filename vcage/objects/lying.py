@@ -7,7 +7,7 @@ grasps an object takes it as it lies. :attr:`vcage.objects.asset.Asset.stands` t
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -16,10 +16,10 @@ import numpy as np
 from scipy.spatial import ConvexHull
 
 from vcage.base.files import atomic_folder, cache_dir, cache_path
-from vcage.base.geometry import Pose
+from vcage.base.geometry import Pose, frame_from_axes
 from vcage.base.hold import one_at_a_time
 from vcage.objects.asset import Asset
-from vcage.objects.convex import Convex
+from vcage.objects.convex import centre_of_mass
 from vcage.objects.model import read_model, write_turned
 from vcage.objects.painting import lying_look
 from vcage.schema.asset import Annotation, ContactPoint, PhysicalModel, Variant
@@ -38,6 +38,7 @@ class LyingSettings:
             when the object stands.
         along_m: where it is held: distances from its middle towards its head, metres.
         foot_m: it is held at least this far from its bottom.
+        plane_m: points this near to a plane lie in it.
     """
 
     slope_rad: float = float(np.radians(15.0))
@@ -46,6 +47,7 @@ class LyingSettings:
     towards_head_rad: float = float(np.radians(30.0))
     along_m: tuple[float, ...] = (0.0, 0.015, 0.03)
     foot_m: float = 0.03
+    plane_m: float = 1e-4
 
 
 SETTINGS = LyingSettings()
@@ -59,14 +61,12 @@ def standing_in_lying(asset: Asset) -> Pose | None:
     points = np.concatenate([piece.vertices for piece in asset.pieces])
     if asset.articulated or asset.ball_radius or not asset.entry().tall:
         return None
-    middle = _middle(asset.pieces)
+    middle = centre_of_mass(asset.pieces)
     sides = [(_spare(points, middle, normal), normal) for normal in _sides(points)]
     spare, normal = max(sides, key=lambda found: round(found[0], 4), default=(0.0, np.zeros(3)))
     if spare < SETTINGS.stable_m:
         return None
-    head = np.array([0.0, 0.0, 1.0]) - normal[2] * normal
-    head /= np.linalg.norm(head)
-    turn = Pose.from_matrix(_matrix(np.stack([np.cross(head, -normal), head, -normal])))
+    turn = frame_from_axes([0, 0, 0], -normal, [0, 0, 1]).inverse()
     corners = turn.apply(points)
     lower, upper = corners.min(axis=0), corners.max(axis=0)
     return Pose([*-(lower + upper)[:2] / 2, -lower[2]], turn.q)
@@ -107,43 +107,19 @@ def _sides(points: np.ndarray) -> Iterator[np.ndarray]:
 def _spare(points: np.ndarray, middle: np.ndarray, normal: np.ndarray) -> float:
     """How far inside a side of a hull its middle is, seen along the normal, metres; negative outside."""
     heights = points @ normal
-    side = points[heights >= heights.max() - SIDE_M]
+    side = points[heights >= heights.max() - SETTINGS.plane_m]
     along = np.array([-normal[1], normal[0], 0.0]) / np.hypot(*normal[:2])
     axes = np.stack([along, np.cross(normal, along)])
     flat = side @ axes.T
-    if len(flat) < 3 or np.linalg.matrix_rank(flat - flat[0], tol=SIDE_M) < 2:
+    if len(flat) < 3 or np.linalg.matrix_rank(flat - flat[0], tol=SETTINGS.plane_m) < 2:
         return -np.inf
     edges = ConvexHull(flat).equations
     return float(-(edges[:, :2] @ (axes @ middle) + edges[:, 2]).max())
 
 
-SIDE_M = 1e-4
-"""Points this near to a plane are in it, metres."""
-
-
-def _middle(pieces: Sequence[Convex]) -> np.ndarray:
-    """(3,) middle of the mass of some pieces."""
-    middles, volumes = zip(*(_middle_of(piece) for piece in pieces), strict=True)
-    return np.average(middles, axis=0, weights=volumes)
-
-
-def _middle_of(piece: Convex) -> tuple[np.ndarray, float]:
-    """(3,) middle of a convex piece, and its volume: those of the pyramids from a point in it to its faces."""
-    inner = piece.vertices.mean(axis=0)
-    corners = piece.vertices[ConvexHull(piece.vertices).simplices] - inner
-    volumes = np.abs(np.linalg.det(corners)) / 6
-    return inner + (corners.sum(axis=1) / 4 * volumes[:, None]).sum(axis=0) / volumes.sum(), float(volumes.sum())
-
-
-def _matrix(rotation: np.ndarray) -> np.ndarray:
-    found = np.eye(4)
-    found[:3, :3] = rotation
-    return found
-
-
 def _contact_points(standing: Asset, stands: Pose) -> list[ContactPoint]:
     """Points along the axis of a lying object at which a hand closes across it, the nearest to its middle first."""
-    lean, height = SETTINGS.towards_head_rad, _middle(standing.pieces)[2]
+    lean, height = SETTINGS.towards_head_rad, centre_of_mass(standing.pieces)[2]
     heights = sorted({max(float(height) + along, SETTINGS.foot_m) for along in SETTINGS.along_m})
     found = []
     for number, at in enumerate(heights):

@@ -107,7 +107,7 @@ def schema_errors(path: Path) -> Iterator[None]:
 
 
 def write_turned(model: PhysicalModel, pose: Pose, folder: Path) -> None:
-    """Write a model without moving parts into an existing folder, as it is at a pose.
+    """Write a model without moving parts, turned to a pose, into an existing folder.
 
     Args:
         model: whose files are read.

@@ -27,7 +27,7 @@ PAINTS: dict[str, Colour] = {
 
 
 LYING = "_lying"
-"""End of the id of a look on its side (:mod:`vcage.objects.lying`)."""
+"""Suffix of the id of a look on its side (:mod:`vcage.objects.lying`)."""
 
 
 @dataclass(frozen=True)

@@ -99,7 +99,13 @@ class Face(Record):
 
     kind: Literal["code", "reader", "head", "pad", "loop", "peg"]
     position: Point3 = Field(description="its middle in the object frame, metres")
-    axis: UnitVec3 = Field(description="out of the surface; through a loop; out of the tip of a peg")
+    axis: UnitVec3 = Field(description="out of the surface; through a loop; out of the tip of a peg, not straight up")
+
+    @model_validator(mode="after")
+    def _pegs_are_not_vertical(self) -> Face:
+        if self.kind == "peg" and abs(self.axis[2]) > 0.99:
+            raise ValueError("axis: expected that of a peg to lean at least 8 degrees from the vertical")
+        return self
 
 
 class Words(Record):

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vcage.base.geometry import Pose, frame_from_axes
+from vcage.objects.convex import centre_of_mass
 from vcage.objects.pegs import Loop, Peg, depth_through, loops_of, pegs_of
 from vcage.schema.asset import ContactPoint
 from vcage.schema.robot import Gripper
@@ -24,7 +25,7 @@ class HangingSettings:
         depths_m: of the loop behind the tip when it is let go, in the order to try: the deepest first, since what
             hangs on a rising peg slides on to the post.
         gap_m: between loop and peg when it is let go.
-        rests_m: depths at which what hangs comes to rest, near the post: its body leans on that.
+        from_post_m: distances from the post at which what hangs comes to rest: its body leans on that.
         turns: about the peg that are tried for the one at which its weight is lowest.
         room_m: least gap between a peg in the middle of a loop and that all around.
     """
@@ -33,7 +34,7 @@ class HangingSettings:
     step_m: float = 0.02
     depths_m: tuple[float, ...] = (0.06, 0.05, 0.04, 0.03)
     gap_m: float = 0.002
-    rests_m: tuple[float, ...] = (0.076, 0.066, 0.056)
+    from_post_m: tuple[float, ...] = (0.012, 0.022, 0.032)
     turns: int = 72
     room_m: float = 0.003
 
@@ -100,18 +101,16 @@ def hung_poses(thing: SceneObject, rack: SceneObject, others: Iterable[SceneObje
         thing, rack, others: as of :func:`hanging_ways`.
     """
     pegs = free_pegs(rack, others)
-    for depth in SETTINGS.rests_m:
-        for peg in (peg for peg in pegs if depth < peg.length):
+    for gap in SETTINGS.from_post_m:
+        for peg in (peg for peg in pegs if gap < peg.length):
             for loop in (loop for loop in loops_of(thing.asset) if suits(loop, peg)):
-                yield from (_at_rest(thing, loop, peg, depth, turned) for turned in (1, -1))
+                yield from (_at_rest(thing, loop, peg, peg.length - gap, turned) for turned in (1, -1))
 
 
 def _at_rest(thing: SceneObject, loop: Loop, peg: Peg, depth: float, turned: int) -> Pose:
     """The pose of a thing whose loop lies across a peg, its weight as low as it goes."""
-    pieces = thing.asset.pieces
-    volumes = np.array([piece.volume for piece in pieces])
-    weight = volumes @ np.array([piece.vertices.mean(axis=0) for piece in pieces]) / volumes.sum()
-    across = frame_from_axes([0, 0, 0], turned * peg.axis, _upright_to(peg.axis)) * Pose(q=loop.frame.q).inverse()
+    weight = centre_of_mass(thing.asset.pieces)
+    across = frame_from_axes([0, 0, 0], turned * peg.axis, [0, 0, 1]) * Pose(q=loop.frame.q).inverse()
 
     def turned_by(angle: float) -> Pose:
         about = Pose(q=[np.cos(angle / 2), *(np.sin(angle / 2) * peg.axis)]) * across
@@ -122,9 +121,3 @@ def _at_rest(thing: SceneObject, loop: Loop, peg: Peg, depth: float, turned: int
 
     poses = map(turned_by, np.linspace(-np.pi, np.pi, SETTINGS.turns, endpoint=False).tolist())
     return min(poses, key=lambda pose: float(pose.apply(weight)[2]))
-
-
-def _upright_to(axis: np.ndarray) -> np.ndarray:
-    """(3,) the unit vector across an axis that points up as far as it can."""
-    up = np.array([0.0, 0.0, 1.0]) - axis[2] * axis
-    return up / np.linalg.norm(up)

@@ -1,6 +1,6 @@
 """A post of 0.14 m on a heavy foot, with a peg to the left and one to the right, both rising.
 
-The pegs are smooth and steep: a mug slides down to the post and leans on it, where it swings no more.
+The pegs are smooth and steep: a mug slides down to the post and leans on it, which stops its swinging.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from vcage.objects.modelling.parts import BuiltObject, paint, variant_rng
 
 FOOT_RADIUS, FOOT_HEIGHT, POST_RADIUS = 0.075, 0.016, 0.009
 PEG_RADIUS, PEG_LENGTH, PEG_HEIGHT, PEG_RISE = 0.004, 0.1, 0.125, np.radians(30.0)
-"""Of a peg from the middle of the post on: metres, and the angle with the table."""
+"""Radius of a peg, its length from the post's axis and the height of its root, metres; its rise, radians."""
 
 
 def build(variant: str) -> BuiltObject:

@@ -52,7 +52,7 @@ def test_the_colour_of_the_owner_of_a_part_is_read() -> None:
 
 
 def test_its_lid_is_that_of_a_thing_that_is_named() -> None:
-    with pytest.raises(UnreadInstruction, match="nothing that is named before has one"):
+    with pytest.raises(UnreadInstruction, match="nothing named before it has one"):
         selected("Put every apple in the box and close its lid")
 
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.example_scenes import kinematics, thing, world_of
+from tests.example_scenes import thing, world_of
 from tests.example_scenes import workplace as example
 from vcage.base.geometry import Pose
 from vcage.goals import KINDS
@@ -16,7 +16,7 @@ from vcage.schema.goals import Goal
 from vcage.schema.robot import Robot
 from vcage.sim.kinematics import kinematics_of
 from vcage.sim.robots import load_robot
-from vcage.tasks.hanging import free_pegs, hangs_on, hung_poses
+from vcage.tasks.hanging import SETTINGS, free_pegs, hangs_on, hung_poses
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.state import Watch
 from vcage.tasks.task import Task
@@ -81,7 +81,7 @@ def test_what_has_no_peg_is_refused_by_name() -> None:
 def test_a_rack_without_a_free_peg_is_refused_by_name() -> None:
     one, other = hanging("one", 0), hanging("other", 2)
     assert len(free_pegs(RACK, [one])) == 1 and free_pegs(RACK, [one, other]) == []
-    assert why_not(MUG, RACK, one, other) == "something hangs on every peg of light brown mug rack"
+    assert why_not(MUG, RACK, one, other) == "every peg of light brown mug rack is taken"
 
 
 def test_more_things_than_pegs_are_refused_by_name() -> None:
@@ -89,11 +89,11 @@ def test_more_things_than_pegs_are_refused_by_name() -> None:
     goals = [Goal(subject=mug.id, relation="hung_on", reference=RACK.id) for mug in mugs]
     found, refused = HANG.proposals([*mugs, RACK], goals)
     assert found == [] and len(refused) == 3
-    assert {one.reason for one in refused} == {"light brown mug rack has 2 pegs, and more is to hang on it"}
+    assert {one.reason for one in refused} == {"light brown mug rack has 2 pegs, and more things are to hang on it"}
 
 
 def test_pegs_that_are_too_thick_are_refused_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("vcage.tasks.templates.hang.suits", lambda *_: False)
+    monkeypatch.setattr("vcage.tasks.hanging.SETTINGS", replace(SETTINGS, room_m=0.02))
     assert "are too thick for the handle of white mug" in why_not(MUG, RACK)
 
 
@@ -125,7 +125,6 @@ def test_the_robot_hangs_the_mug_and_lets_it_go(robot: str) -> None:
 
 
 def test_a_mug_hangs_near_the_poses_at_which_it_is_expected() -> None:
-    assert len(kinematics()) == 2
     mug = hanging(MUG.id, 0)
     world = world_of([mug, RACK])
     world.set_object_pose(mug.id, mug.pose)

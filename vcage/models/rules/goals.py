@@ -351,9 +351,9 @@ class Goals:
         """Hanging brings a peg of the place that is named through the closed handle of each thing."""
         assert command.place is not None
         racks, names = self._meanings.objects(command.place), self._named(command)
-        pegs = self.things[racks[0]].pegs
         if len(racks) > 1:
             raise Doubt(command.place.text, "things are hung on one of them")
+        pegs = self.things[racks[0]].pegs
         if len(names) > pegs:
             raise Doubt(command.words, f"{racks[0]} has {pegs or 'no'} peg{'s' * (pegs > 1)} to hang something on")
         for name in names:

@@ -36,7 +36,7 @@ _CONTENTS: Mapping[str, Good] = {
     "pour": lambda e: e.loose or (e.holds_loose and e.can_be_carried),
     "hang": lambda e: e.hangs,
 }
-"""Commands → the test of their things; of any other they can be carried."""
+"""Commands → the test that their things must pass; things of other commands must be portable."""
 _RECEIVERS: Mapping[str, Good] = {
     "pour": lambda e: e.takes_poured(THRESHOLDS.poured_into_m),
     "hang": lambda e: e.pegs > 0,
@@ -313,7 +313,7 @@ def _require_no_pronoun(noun: Noun) -> None:
         Doubt: the owner is only named by a pronoun.
     """
     if noun.part is not None and noun.text.lower().startswith("its "):
-        raise Doubt(noun.text, "nothing that is named before has one")
+        raise Doubt(noun.text, "nothing named before it has one")
 
 
 def _part_of(noun: Noun, place: CatalogueEntry | None) -> CatalogueEntry | None:

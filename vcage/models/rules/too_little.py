@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 
+from vcage.base.words import word_set
 from vcage.models.rules.nouns import Doubt, Noun
 from vcage.models.rules.sentence import Command
 
@@ -19,19 +20,7 @@ NEVER_ALONE = {
 """Names that say too little without another word, and why."""
 
 _DIRECTION = re.compile(r"\bto the (far )?(left|right)( side)?$")
-_MOTIONS = {
-    "turn",
-    "turn_off",
-    "show",
-    "lift",
-    "shake",
-    "hold",
-    "in_hands",
-    "hold_with_both",
-    "away",
-    "face",
-    "stand_up",
-}
+_MOTIONS = word_set("turn turn_off show lift shake hold in_hands hold_with_both away face stand_up")
 """Commands after which "to the left" says where a thing is moved, not which one it is."""
 
 

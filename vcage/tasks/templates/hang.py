@@ -30,11 +30,11 @@ class Hang:
 
     def proposals(self, objects: Sequence[SceneObject], asked: Collection[Goal]) -> tuple[list[Hanging], list[Refusal]]:
         """Each thing to hang on a rack that stands there, and those that cannot be carried."""
-        racks = {o.id: o for o in objects}
-        goals = [goal for goal in asked if goal.relation == "hung_on" and goal.reference in racks]
+        by_id = {o.id: o for o in objects}
+        goals = [goal for goal in asked if goal.relation == "hung_on" and goal.reference in by_id]
         found, refused = carried(Hanging, NAME, "hung_on", objects, goals)
         asks = Counter(str(goal.reference) for goal in goals)
-        over = {name: racks[name] for name, number in asks.items() if number > len(pegs_of(racks[name].asset)) > 0}
+        over = {name: by_id[name] for name, number in asks.items() if number > len(pegs_of(by_id[name].asset)) > 0}
         refused += [one.too_many(over[one.goal.reference]) for one in found if one.goal.reference in over]
         return [one for one in found if one.goal.reference not in over], refused
 
@@ -51,7 +51,9 @@ class Hanging(Proposal):
 
     def too_many(self, rack: SceneObject) -> Refusal:
         """The refusal where more things are to hang on a rack than it has pegs."""
-        return self.refusal(f"{rack.record.phrase} has {len(pegs_of(rack.asset))} pegs, and more is to hang on it")
+        return self.refusal(
+            f"{rack.record.phrase} has {len(pegs_of(rack.asset))} pegs, and more things are to hang on it"
+        )
 
     def impossible(self) -> Refusal | None:
         """The thing must have a closed handle, and stand on the table."""
@@ -142,7 +144,7 @@ def _unfit(thing: SceneObject, rack: SceneObject, others: Sequence[SceneObject])
         return f"{there} has no peg to hang something on"
     free = free_pegs(rack, others)
     if not free:
-        return f"something hangs on every peg of {there}"
+        return f"every peg of {there} is taken"
     if not any(suits(loop, peg) for loop in loops_of(thing.asset) for peg in free):
         return f"the pegs of {there} are too thick for the handle of {name}"
     return None

@@ -58,7 +58,7 @@ class Hung:
 
     @classmethod
     def gather(cls, view: CriticView, goal: Goal, found: Found) -> Hung | None:
-        """Measure if a thing hangs on a rack; None where it does not fit on that.
+        """Measure how well a thing is seen to hang on a rack; None where it does not fit on a peg.
 
         Args:
             view, goal: of the question.
@@ -81,16 +81,15 @@ class Hung:
             return refused(f"the {thing} stands where it was", 1 - self.left, "lost")
         seen = f"{100 * self.seen:.0f} % of the {thing} is seen hanging on the {rack}"
         words = f"{seen}, {100 * self.elsewhere:.0f} % beside it"
-        sure = 0.5 + abs(self.seen - SETTINGS.seen_share)
-        return decided(self.seen >= max(SETTINGS.seen_share, self.elsewhere), words, sure, "astray")
+        least = max(SETTINGS.seen_share, self.elsewhere)
+        return decided(self.seen >= least, words, 0.5 + abs(self.seen - least), "astray")
 
 
 def _beside(found: Found) -> Iterator[Pose]:
     """Poses of the thing on the table beside the rack, standing and lying."""
     x, y, z = found.stands.pose.p
     height = found.held.size[2]
-    lies = Pose([0.0, 0.0, found.held.size[1] / 2], [np.cos(np.pi / 4), np.sin(np.pi / 4), 0.0, 0.0])
-    lies = Pose(lies.p + [0.0, height / 2, 0.0], lies.q)
+    lies = Pose([0.0, height / 2, found.held.size[1] / 2], [np.cos(np.pi / 4), np.sin(np.pi / 4), 0.0, 0.0])
     ways = np.linspace(0, 2 * np.pi, SETTINGS.directions, endpoint=False)
     headings = np.linspace(0, 2 * np.pi, SETTINGS.headings, endpoint=False)
     for far, way, heading in product(SETTINGS.around_m, ways.tolist(), headings.tolist()):

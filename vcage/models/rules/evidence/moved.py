@@ -185,14 +185,15 @@ def judge_in_place_of(view: CriticView, goal: Goal) -> Judged:
     return Judged(decided(away <= THRESHOLDS.swapped_m + SETTINGS.seen_m, seen, 0.8, "astray"), explained)
 
 
-def _alike(view: CriticView, thing: Sought, new: Standing | None, came: np.ndarray, stood_up: bool) -> float:
-    """Share of the newly visible area (H, W) at an object's place that looks like it; of one that was stood up, of
-    which its place shows another side, the share of the evidence for a drawing of it."""
+def _alike(view: CriticView, thing: Sought, new: Standing | None, came: np.ndarray, by_drawing: bool) -> float:
+    """Share of the newly visible area (H, W) at an object's place that looks like it.
+
+    An object that was stood up shows another side there: for it, the share of the evidence for its drawing.
+    """
     after = view.after["top"]
     seen = smoothed(after.picture)[came]
-    if new is not None and (
-        stood_up or len(seen) < SUPPORT.fewest_px
-    ):  # what has the table's colour changes it as a shadow does
+    # What has the table's colour changes it as a shadow does.
+    if new is not None and (by_drawing or len(seen) < SUPPORT.fewest_px):
         share, pixels = thing.speaks(new, after, view.before["top"].picture)
         return share if pixels >= SUPPORT.fewest_px and share >= SUPPORT.shown_share else 0.0
     return float(looks_like(thing.look, seen).mean()) if len(seen) else 0.0
