@@ -38,6 +38,12 @@ def test_to_switch_on_or_off_names_no_switch(said: str) -> None:
     assert [noun.words for noun in nouns("Press the switch", kinds)] == ["switch"]
 
 
+def test_to_stand_something_up_names_no_stand() -> None:
+    kinds = [*KINDS, entry("stand", "stand", "furniture")]
+    assert [noun.words for noun in nouns("Stand up the tin can", kinds)] == ["tin can"]
+    assert [noun.words for noun in nouns("Put the tin can on the stand", kinds)] == ["tin can", "stand"]
+
+
 def test_colours_belong_to_the_noun_after_them() -> None:
     (blocks, plate) = nouns("Put the red and blue blocks on the white plate", KINDS)
     assert sorted(blocks.colours) == ["blue", "red"] and plate.colours == ("white",)

@@ -42,7 +42,7 @@ _KNOWN = FUNCTION_WORDS | VERBS | DETERMINERS | NUMBERS.keys()
 _FOLLOWS_A_VERB = DETERMINERS - {"of"} | NUMBERS.keys() | {"it", "them", "everything"}
 _BEFORE_A_COMMAND = frozenset(("", ",", ".", "and", "or", "then", "please", "to", "you"))
 _FOLLOWS_CAN = VERBS | {"go", "be", "you", "we", "i", "it"}
-_TURNING = (("switch", "on"), ("switch", "off"))
+_PHRASAL_VERBS = (("switch", "on"), ("switch", "off"), ("stand", "up"))
 _BEFORE_A_NOUN = DETERMINERS | COLOURS | NUMBERS.keys()
 
 
@@ -144,7 +144,7 @@ def is_verb(said: Sequence[str], at: int) -> bool:
         return True
     if before in _BEFORE_A_NOUN or (before.isalpha() and before not in _KNOWN):
         return False
-    begins = before in _BEFORE_A_COMMAND and (word in ("tap", "present") or (word, after) in _TURNING)
+    begins = before in _BEFORE_A_COMMAND and (word in ("tap", "present") or (word, after) in _PHRASAL_VERBS)
     return after in _FOLLOWS_A_VERB or word == "can" or begins
 
 
