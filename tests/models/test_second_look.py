@@ -112,6 +112,10 @@ def test_descriptions_arms_and_objects_left_alone_answer_words() -> None:
     assert look_at("Put the peach on the plate and leave the bowl alone", "peach on plate", untouched=("bowl",)) == []
 
 
+def test_the_right_way_up_is_no_side() -> None:
+    assert not any("right_of" in one for one in look_at("Turn the peach the right way up", "peach upright"))
+
+
 def test_the_right_one_of_a_swap_is_a_thing_and_no_arm() -> None:
     swap = ["mug_white in_place_of mug_red", "mug_red in_place_of mug_white"]
     told = "mug_white left_of mug_red, mug_red right_of mug_white"

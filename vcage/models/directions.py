@@ -87,7 +87,7 @@ def place(text: str, found: re.Match[str]) -> int:
     return text.count(" ", 0, found.start())
 
 
-_WHICH = compiled(r"\bthe (left|right)(?:most|hand| hand)? (?!arm\b|hand\b|gripper\b|side\b|of\b|one\b)\w+")
+_WHICH = compiled(r"\bthe (left|right)(?:most|hand| hand)? (?!arm\b|hand\b|gripper\b|side\b|way\b|of\b|one\b)\w+")
 """One of several things: "the leftmost mug"."""
 _BOTH_ARMS = compiled(
     phrase("(arms|hands|grippers)"), phrase("(other|each|one|either|opposite) (arm|hand|gripper|one)")

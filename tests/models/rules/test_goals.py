@@ -357,7 +357,6 @@ def test_what_is_not_poured_is_refused_by_name(sentence: str, why: str) -> None:
         "Hang up the mug on the mug rack",
         "Hang the mug up on the rack",
         "Hang the mug onto the mug tree",
-        "Hang the mug on its peg",
         "Hook the mug on the rack",
         "Take the mug and hang it on the mug rack",
         "Please hang the mug on the cup holder",
@@ -504,6 +503,11 @@ def test_a_hit_and_what_else_is_done_with_its_tool_are_done_as_said() -> None:
 def test_counted_things_are_put_in_a_row_without_an_order() -> None:
     things = ("block/red", "block/green", "block/blue")
     assert len(in_scene("Line up the three blocks from left to right", *things)) == 2
+
+
+def test_what_is_hung_beside_a_rack_is_refused() -> None:
+    with pytest.raises(UnreadInstruction, match="hung on something, not beside"):
+        in_scene("Hang the mug next to the mug rack", "mug/red", "mug_rack/wood")
 
 
 def test_two_things_change_places_and_not_three() -> None:

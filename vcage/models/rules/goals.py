@@ -350,6 +350,8 @@ class Goals:
     def _hang(self, command: Command) -> None:
         """Hanging brings a peg of the place that is named through the closed handle of each thing."""
         assert command.place is not None
+        if command.how != "on":
+            raise Doubt(command.words, "things are hung on something, not beside, in or to it")
         racks, names = self._meanings.objects(command.place), self._named(command)
         if len(racks) > 1:
             raise Doubt(command.place.text, "things are hung on one of them")
