@@ -29,7 +29,7 @@ def one_played(
     place: Workplace | None = None,
     robot: Robot | None = None,
 ) -> Played:
-    """What came of it.
+    """Return the outcome.
 
     Args:
         name: of the template.

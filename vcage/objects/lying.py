@@ -27,7 +27,7 @@ from vcage.schema.asset import Annotation, ContactPoint, PhysicalModel, Variant
 
 @dataclass(frozen=True)
 class LyingSettings:
-    """What lies and can be stood up, and how a hand holds it.
+    """Limits for objects that lie on their side to be stood up, and where a hand holds them.
 
     Args:
         slope_rad: its side is at most this far from upright: it lies on that, not on a shoulder.
