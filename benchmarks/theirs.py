@@ -17,7 +17,7 @@ import logging
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from benchmarks._sentences.sources import Sentence
 from benchmarks._sentences.whole import Ran, Whole, ran
@@ -30,6 +30,11 @@ from vcage.runs.context import StageContext
 logger = logging.getLogger(__name__)
 
 QUICK_TASKS = 12
+
+FPS: Final = 5
+"""Frames per second of a recording that nobody keeps: the state is watched at every step of the physics, and the critic
+sees pictures of the moments between sub-tasks."""
+
 REASON_CHARACTERS = 160
 
 Told = Sequence[tuple[Task, Found]]
@@ -103,7 +108,9 @@ def _runs(
         if one.told_by is not None:
             stated = task.options(context.catalogue) if one.told_by == "goals" else {}
             sentence = Sentence(task.text, task.id)
-            yield Whole(sentence, seed, robot, keep, accept="state", on_failure="abort", longest_s=longest, **stated)
+            yield Whole(
+                sentence, seed, robot, keep, FPS, accept="state", on_failure="abort", longest_s=longest, **stated
+            )
 
 
 def outcome(one: Ran) -> str:
