@@ -18,6 +18,7 @@ import vcage
 from benchmarks._process_times import Timed, timed
 from vcage.base.errors import VcageError
 from vcage.base.files import RunFolder
+from vcage.campaigns.folder import CampaignFolder
 from vcage.objects.library import Library
 from vcage.schema.episodes import Episodes
 
@@ -90,6 +91,9 @@ def run(quick: bool) -> dict[str, object]:
       compressed, exported, and the report), divided by the pick-and-places in the episodes that were accepted. CPU
       seconds are those of all its processes. The models of the objects are built before, and our modules are compiled,
       as an installation leaves them. ``…_long`` are those of a run of more episodes, which share its fixed cost.
+    - ``…_job``: those of the second job of a campaign, of as many episodes as the longer run, in a process that ran the
+      first job before: it begins at the CRFs of that one, and writes no report. What a process does once is left out:
+      all jobs of a worker share it.
     - ``floor_seconds``, ``floor_cpu_seconds``: the accepted frames drawn once, in worlds built from the recorded starts
       and looks, and encoded once at the CRF that the run chose, to the same bytes, in a process of its own
       (:mod:`benchmarks._floor`). Without what a process does once, Python's start, imports and its first picture, and
@@ -101,34 +105,33 @@ def run(quick: bool) -> dict[str, object]:
       at what it wrote.
     - ``maniskill_seconds_minimal``, ``maniskill_cpu_seconds_minimal``: the same with its fastest shaders, which its
       runner offers on demand.
-    - ``ratio``, ``cpu_ratio``: ours divided by theirs. ``floor_ratio``, ``floor_ratio_long``: our CPU seconds divided
-      by those of the floor.
+    - ``ratio``, ``cpu_ratio``: ours divided by theirs. ``floor_ratio``: our CPU seconds divided by those of the floor.
     - ``stages``, ``stages_cpu``: our wall and CPU seconds by stage, of the same unit, and before the first (``start``,
-      most of it imports). The last one has the report and the end.
+      most of it imports). The last one has the report and the end. A job of a campaign does not tell its stages.
     - ``frames``: per pick-and-place, ours and theirs.
 
     Args:
-        quick: one episode instead of three, and no long run.
+        quick: one episode instead of three, no long run and no campaign.
     """
     Library.load().entries()
     compileall.compile_dir(Path(vcage.__file__).parent, quiet=1)  # also where PYTHONDONTWRITEBYTECODE is set
     half = 3 if quick else 7
     before = [_maniskill(half, shaders) for shaders in SHADERS]
     with tempfile.TemporaryDirectory() as folder:
-        ours = [_vcage(Path(folder) / str(count), count) for count in ((1,) if quick else (3, LONG))]
+        ours = {"": _vcage(Path(folder) / "short", 1 if quick else 3)}
+        if not quick:
+            ours |= {"_long": _vcage(Path(folder) / "long", LONG), "_job": _job(Path(folder) / "campaign", LONG)}
     after = [_maniskill(half, shaders) for shaders in SHADERS]
     theirs, fastest = map(_mean, before, after)
-    short, long = ours[0], ours[-1]
-    more = {} if quick else {f"{name}_long": value for name, value in long.figures().items()}
+    short = ours[""]
     return {
-        **short.figures(),
-        **more,
+        **{f"{name}{row}": value for row, chain in ours.items() for name, value in chain.figures().items()},
         "maniskill_seconds": round(theirs.wall_s, 2),
         "maniskill_cpu_seconds": round(theirs.cpu_s, 2),
         "maniskill_seconds_minimal": round(fastest.wall_s, 2),
         "maniskill_cpu_seconds_minimal": round(fastest.cpu_s, 2),
         "ratio": round(short.wall_s / theirs.wall_s, 3),
-        "cpu_ratio": round(short.cpu_s / theirs.cpu_s, 3),
+        **{f"cpu_ratio{row}": round(chain.cpu_s / theirs.cpu_s, 3) for row, chain in ours.items()},
         "frames": {"vcage": round(short.frames, 1), "maniskill": round(theirs.frames, 1)},
         "pick_and_places": short.placed,
     }
@@ -147,12 +150,34 @@ def _vcage(folder: Path, episodes: int) -> Chain:
         raise VcageError(f"vcage run ended with {done.code}: {done.stdout[-500:]}", hint="run: vcage doctor")
     summary = json.loads(done.stdout.splitlines()[-1])["summary"]
     logger.info("vcage run: %.1f s, %.1f CPU s, %s", done.wall_s, done.cpu_s, summary)
+    return _chain(folder, done.wall_s, done.cpu_s, _stages(done))
+
+
+def _job(folder: Path, episodes: int) -> Chain:
+    """Time the second job of a campaign of the same instruction, and then its floor."""
+    told = {"tasks": [{"instruction": INSTRUCTION}], "robots": [ROBOT], "options": {"models": "offline"}}
+    plan = folder.with_suffix(".yml")
+    plan.write_text(json.dumps({"name": "chain", "episodes": 2 * episodes, "episodes_per_job": episodes, **told}))
+    command = [sys.executable, "-m", "vcage.cli.main", "campaign", str(plan), "--out", str(folder), "--workers", "1"]
+    done = timed(command)
+    if done.code != 0:
+        raise VcageError(f"vcage campaign ended with {done.code}: {done.stdout[-500:]}", hint="run: vcage doctor")
+    campaign = CampaignFolder(folder)
+    second = campaign.plan.job(campaign.plan.cells[0], 1)
+    record = campaign.record(second)
+    assert record is not None, "a campaign that ended well settled all of its jobs"
+    logger.info("second job: %.1f s, %.1f CPU s, %d verified", record.seconds, record.cpu_seconds, record.verified)
+    return _chain(campaign.run(second).root, record.seconds, record.cpu_seconds, {})
+
+
+def _chain(folder: Path, wall_s: float, cpu_s: float, stages: dict[str, np.ndarray]) -> Chain:
+    """The cost of a run for each pick-and-place of its accepted episodes, and that of its floor."""
     accepted = [e for e in Episodes.read(RunFolder(folder).episodes).episodes if e.accepted]
     placed = sum(len(episode.subtasks) for episode in accepted)
     return Chain(
-        wall_s=done.wall_s / placed,
-        cpu_s=done.cpu_s / placed,
-        stages={stage: spent / placed for stage, spent in _stages(done).items()},
+        wall_s=wall_s / placed,
+        cpu_s=cpu_s / placed,
+        stages={stage: spent / placed for stage, spent in stages.items()},
         floor={part: spent / placed for part, spent in _floor(folder).items()},
         frames=sum(episode.frames for episode in accepted) / placed,
         placed=placed,
