@@ -10,7 +10,7 @@ from typing import Any
 
 import yaml
 
-from vcage.campaigns.figures import Status
+from vcage.campaigns.figures import Status, duration
 from vcage.campaigns.folder import CampaignFolder
 from vcage.campaigns.plan import Job, Plan
 from vcage.campaigns.status import status_of
@@ -134,7 +134,7 @@ class Estimate:
         rows = [
             ("", "an episode", "all that are left"),
             ("CPU", f"{costs.cpu_seconds:.1f} s", f"{hours:,.1f} h"),
-            *((f"on {n} cores", "", _time(hours / max(1, min(n, self.jobs_left)))) for n in CORES),
+            *((f"on {n} cores", "", duration(hours / max(1, min(n, self.jobs_left)))) for n in CORES),
             ("disk", _size(costs.bytes), _size(found["bytes"])),
             ("files and folders", f"{costs.files:.1f}", f"{found['files']:,}"),
             ("memory of a process", "", _size(costs.memory_bytes)),
@@ -149,12 +149,6 @@ class Estimate:
         again = f", jobs to be tried again: {self.again:,}" if self.again else ""
         above = [f"{head}{many}, {found['left']:,} left{again}", f"unit costs: {costs.source}", ""]
         return "\n".join([*above, *lines])
-
-
-def _time(hours: float) -> str:
-    if hours < 1:
-        return f"{60 * hours:.0f} min"
-    return f"{hours:,.1f} h" if hours < 100 else f"{hours / 24:,.1f} days"
 
 
 def _size(count: float) -> str:

@@ -17,6 +17,13 @@ from vcage.models.bill import Spent
 from vcage.schema.episodes import CriticCounts, Spread
 
 
+def duration(hours: float) -> str:
+    """Return a long time in words: minutes, hours or days."""
+    if hours < 1:
+        return f"{max(1, 60 * hours):.0f} min"
+    return f"{hours:,.1f} h" if hours < 100 else f"{hours / 24:,.1f} days"
+
+
 @dataclass(frozen=True)
 class RunningJob:
     """A job that a process holds.
@@ -191,10 +198,10 @@ class Status:
         return sum(cell.left for cell in self.cells)
 
     @property
-    def hours_left(self) -> float | None:
-        """Hours until the missing episodes are there, with as many processes as run now; None where that is unknown."""
+    def time_left(self) -> str | None:
+        """Until the missing episodes are there, with as many processes as run now; None where that is unknown."""
         rate = self.total.per_worker_hour
-        return self.left / rate / len(self.running) if rate and self.running and self.left else None
+        return duration(self.left / rate / len(self.running)) if rate and self.running and self.left else None
 
     @property
     def ended(self) -> bool:

@@ -78,7 +78,7 @@ def table(status: Status, most: int = 60) -> str:
         f"{len(status.running)} jobs running, {total.jobs['done']} done, {len(status.not_done)} not done"
     ]
     if total.per_worker_hour:
-        left = f", about {status.hours_left:.1f} h left" if status.hours_left else ""
+        left = f", about {status.time_left} left" if status.time_left else ""
         lines.append(f"{total.per_worker_hour:.1f} verified episodes an hour and process{left}")
     if status.spent:
         lines.append(f"models: {status.calls} answers, {status.usd:.4f} USD")
