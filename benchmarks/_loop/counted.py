@@ -9,7 +9,7 @@ from benchmarks._loop.planted import Causes
 from vcage.base.geometry import Pose
 from vcage.schema.goals import Goal
 from vcage.schema.subtasks import Grasp, Subtask
-from vcage.tasks.choices import Failed, Retry, blamed
+from vcage.tasks.retries import Failed, Retry, blamed
 from vcage.tasks.slots import Slot
 
 GRASPS = [(0, "left"), (0, "right"), (1, "left"), (1, "right")]

@@ -11,8 +11,8 @@ from tests.example_scenes import ON_PLATE, TABLE_TOP, block_and_plate, thing, wo
 from vcage.base.errors import UnknownName
 from vcage.base.geometry import Pose
 from vcage.schema.goals import Goal
-from vcage.tasks.choices import Failed, Retry
 from vcage.tasks.primitives.place import Surroundings
+from vcage.tasks.retries import Failed, Retry
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import Slot
 from vcage.tasks.task import Task, TaskFailed

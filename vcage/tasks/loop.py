@@ -23,7 +23,7 @@ from vcage.schema.subtasks import Subtask
 from vcage.sim.recording import StateLog
 from vcage.sim.state import WorldState
 from vcage.sim.world import World
-from vcage.tasks.choices import Failed, Retry, blamed
+from vcage.tasks.retries import Failed, Retry, blamed
 from vcage.tasks.setting import PicturesByCamera, Seen, Setting, begin
 from vcage.tasks.slots import Slot
 from vcage.tasks.state import Watch

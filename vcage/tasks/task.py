@@ -19,7 +19,7 @@ from vcage.sim.motion import MotionFailed
 from vcage.sim.paths import JointPath
 from vcage.sim.state import WorldState
 from vcage.sim.world import PHYSICS_HZ, World
-from vcage.tasks.choices import Choices, Retry
+from vcage.tasks.choices import Choices
 from vcage.tasks.hitting import SETTINGS as HITTING
 from vcage.tasks.holding import SETTINGS as HOLDING
 from vcage.tasks.primitives.come_down import carry_out_down, plan_down
@@ -32,6 +32,7 @@ from vcage.tasks.primitives.pour import carry_out_pour
 from vcage.tasks.primitives.push import carry_out_push
 from vcage.tasks.primitives.shake import carry_out_shake
 from vcage.tasks.primitives.wipe import carry_out_wipe
+from vcage.tasks.retries import Retry
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import Slot
 from vcage.tasks.touching import Allowance

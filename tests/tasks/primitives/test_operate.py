@@ -29,8 +29,8 @@ from vcage.sim.bodies import Body
 from vcage.sim.recording import StateLog
 from vcage.sim.world import World
 from vcage.tasks.assemble import episode_data
-from vcage.tasks.choices import Failed, Retry
 from vcage.tasks.primitives.operate import OperatePlan, Operation
+from vcage.tasks.retries import Failed, Retry
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.task import Task, TaskFailed
 

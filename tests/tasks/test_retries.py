@@ -8,7 +8,7 @@ import pytest
 
 from vcage.base.geometry import Pose
 from vcage.schema.episodes import AttemptStage, Failure
-from vcage.tasks.choices import Choice, Failed, Retry, blamed
+from vcage.tasks.retries import Choice, Failed, Retry, blamed
 from vcage.tasks.slots import Slot
 
 GRASPS = [(0, "left"), (1, "left"), (0, "right")]
