@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks._sentences.sources import Sentence, by_template, sentences
-from benchmarks._sentences.whole import Ran, Tried, Whole, ran
+from benchmarks._sentences.whole import Ran, Tried, Whole, counts, ran
 from vcage.base.errors import UsageError
 from vcage.base.workers import cores, map_in_processes
 from vcage.tasks.templates import TEMPLATES
@@ -110,12 +110,12 @@ def figures(done: Sequence[Ran]) -> dict[str, Any]:
     return {"rows": rows, "sentences": [_sentence(one) for one in done]}
 
 
-def _row(name: str, done: Sequence[Ran], counts: Callable[[Tried], bool]) -> dict[str, Any]:
+def _row(name: str, done: Sequence[Ran], is_of_it: Callable[[Tried], bool]) -> dict[str, Any]:
     return {
         "template": name,
         "sentences": len(done),
         "exit_0": sum(one.exit_code == 0 for one in done),
-        **_counts([tried for one in done for tried in one.tried if counts(tried)]),
+        **counts([tried for one in done for tried in one.tried if is_of_it(tried)]),
         "wrong_episodes": sum(bool(one.wrong_episode) for one in done),
         "seconds": round(sum(one.seconds for one in done) / max(len(done), 1), 1),
     }
@@ -128,18 +128,8 @@ def _sentence(one: Ran) -> dict[str, Any]:
         "seed": one.seed,
         "exit_code": one.exit_code,
         "templates": " ".join(one.templates),
-        **_counts(one.tried),
+        **counts(one.tried),
         "wrong_episode": one.wrong_episode,
         "seconds": one.seconds,
         "reason": one.reason,
-    }
-
-
-def _counts(tried: Sequence[Tried]) -> dict[str, int]:
-    return {
-        "attempts": len(tried),
-        "true": sum(t.true is True for t in tried),
-        "accepted": sum(t.accepted is True for t in tried),
-        "false_accepted": sum(t.false_accepted for t in tried),
-        "false_refused": sum(t.false_refused for t in tried),
     }

@@ -7,7 +7,8 @@ read as something else than its task is wrong, and is not run. A run plays one e
 told, by sentence or by goals; ``by_goals`` those told by goals alone. ``feasible`` are tasks for which the robot found
 a chain of sub-tasks with at least one seed. ``success`` is the share of all their runs whose goals hold at the end, by
 the simulator's state; ``verified`` that of runs in which the critic said yes to every sub-task too. ``seconds`` is the
-mean time of a run.
+mean time of a run. ``motions`` counts the attempts at sub-tasks by template, and those in which the critic was wrong:
+it accepted what is not so (``false_accepted``), or refused what is (``false_refused``).
 """
 
 from __future__ import annotations
@@ -20,12 +21,13 @@ from pathlib import Path
 from typing import Any, Final
 
 from benchmarks._sentences.sources import Sentence
-from benchmarks._sentences.whole import Ran, Whole, ran
+from benchmarks._sentences.whole import Ran, Whole, counts, ran
 from benchmarks._theirs.reading import Found, found
 from benchmarks._theirs.tasks import SUITES, Task, tasks
 from vcage.base.errors import UsageError
 from vcage.base.workers import cores, map_in_processes
 from vcage.runs.context import StageContext
+from vcage.tasks.templates import TEMPLATES
 
 logger = logging.getLogger(__name__)
 
@@ -62,7 +64,7 @@ def run(
     keep: Path | None = None,
     workers: int = 1,
 ) -> dict[str, Any]:
-    """A row for each suite, and the commonest reasons of failure; what is not read goes to the log.
+    """A row for each suite, the commonest reasons of failure, and attempts; what is not read goes to the log.
 
     Args:
         quick: 12 tasks, 1 seed.
@@ -125,7 +127,7 @@ def outcome(one: Ran) -> str:
 
 
 def figures(told: Told, done: Sequence[Ran]) -> dict[str, Any]:
-    """The figures to print: a row for each suite, and the commonest reasons of failure of each."""
+    """The figures to print: a row for each suite, its commonest reasons of failure, and attempts by template."""
     suites = list(dict.fromkeys(task.suite for task, _ in told))
     rows, failures = [], []
     for suite in suites:
@@ -133,7 +135,14 @@ def figures(told: Told, done: Sequence[Ran]) -> dict[str, Any]:
         rows.append(_row(suite, [one for task, one in told if task.suite == suite], of_it))
         reasons = Counter(outcome(one)[:REASON_CHARACTERS] for one in of_it if not one.first_verified)
         failures += [{"suite": suite, "count": n, "reason": reason} for reason, n in reasons.most_common(10)]
-    return {"rows": rows, **({"failures": failures} if failures else {})}
+    tried = [one for run in done for one in run.tried]
+    motions = [
+        {"template": name, **counts(of_it)}
+        for name in TEMPLATES
+        if (of_it := [one for one in tried if one.template == name])
+    ]
+    found = {"failures": failures, "motions": motions}
+    return {"rows": rows, **{name: rows for name, rows in found.items() if rows}}
 
 
 def _row(suite: str, told: Sequence[Found], done: Sequence[Ran]) -> dict[str, Any]:

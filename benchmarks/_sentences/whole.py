@@ -7,6 +7,7 @@ import logging
 import shutil
 import tempfile
 import time
+from collections.abc import Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import lru_cache
@@ -76,6 +77,17 @@ class Tried(Record):
     def false_refused(self) -> bool:
         """The critic said no of what is so."""
         return self.true is True and not self.accepted
+
+
+def counts(tried: Sequence[Tried]) -> dict[str, int]:
+    """Count attempts: those that are true, those that the critic accepted, and those in which it was wrong."""
+    return {
+        "attempts": len(tried),
+        "true": sum(t.true is True for t in tried),
+        "accepted": sum(t.accepted is True for t in tried),
+        "false_accepted": sum(t.false_accepted for t in tried),
+        "false_refused": sum(t.false_refused for t in tried),
+    }
 
 
 class Ran(Document):

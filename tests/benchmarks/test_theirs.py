@@ -105,6 +105,11 @@ def test_figures_count_runs_of_feasible_tasks_and_those_that_failed_by_reason() 
     assert reasons == ["done, but the critic says no: unseen", "failed: it slipped", "not feasible: nothing fits"]
 
 
+def test_a_refusal_of_what_is_so_counts_against_the_critic() -> None:
+    (motion,) = figures([], [ended("a", tried=[refused()])])["motions"]
+    assert (motion["template"], motion["attempts"], motion["accepted"], motion["false_refused"]) == ("place", 1, 0, 1)
+
+
 def refused() -> Tried:
     return Tried(
         template="place", subtask="a-in-b", step=0, attempt=0, true=True, accepted=False, stage="done", reason="unseen",
