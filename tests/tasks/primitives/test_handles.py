@@ -83,6 +83,12 @@ def test_other_ways_turn_less_and_end_at_the_same_place(handles):
     np.testing.assert_allclose(ends, np.broadcast_to(ends[0], ends.shape), atol=1e-9)
 
 
+def test_a_handle_turns_between_the_fingers_of_a_hand_that_turns_less(handles):
+    for way in ways(handles["lid"], LID_RANGE):
+        turned = 2 * np.arccos(min(1, abs(way.grasp.q @ way.motion[-1].q)))
+        assert way.turning == (turned < LID_RANGE - 1e-6)
+
+
 def test_a_knob_is_turned_by_hands_that_turn_all_the_way(handles):
     lid = handles["lid"]
     knob = replace(lid, contact=lid.contact.model_copy(update={"position": lid.link.joint.origin}))

@@ -20,13 +20,14 @@ from tests.articulated import (
     push_button,
     standing,
 )
-from tests.example_scenes import TABLE_TOP, robot, template, thing
+from tests.example_scenes import TABLE_TOP, robot, template, thing, world_of
 from vcage.base.attempts import LIMITS
 from vcage.base.errors import UnknownName
 from vcage.base.geometry import Pose
 from vcage.objects.asset import Asset
 from vcage.sim.bodies import Body
 from vcage.sim.recording import StateLog
+from vcage.sim.robots import load_robot
 from vcage.sim.world import World
 from vcage.tasks.assemble import episode_data
 from vcage.tasks.primitives.operate import OperatePlan, Operation
@@ -96,6 +97,17 @@ def test_a_lid_is_opened_and_closed(task_with):
     assert task.world.object_joints("chest") == pytest.approx([LID_RANGE], abs=0.1)
     task.operate("chest", 0, 0.0)
     assert task.world.object_joints("chest") == pytest.approx([0.0], abs=0.1)
+
+
+@pytest.mark.slow
+def test_a_laptop_stays_where_it_stands_while_its_tab_turns_between_firm_fingers():
+    laptop = thing("laptop", (0.0, -0.036), -np.radians(15))
+    world = world_of([laptop], load_robot("aloha_agilex"))
+    world.settle()
+    task, before = Task(world, {laptop.id: laptop}, {}), world.object_pose(laptop.id)
+    task.operate(laptop.id, 0, 1.75)
+    assert world.object_joints(laptop.id) == pytest.approx([1.75], abs=0.1)
+    np.testing.assert_allclose(world.object_pose(laptop.id).p, before.p, atol=0.01)
 
 
 def test_a_pressed_button_goes_down_and_comes_back(task_with):

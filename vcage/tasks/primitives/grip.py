@@ -14,6 +14,7 @@ from vcage.schema.robot import Arm, Gripper
 from vcage.sim.collision import Held
 from vcage.sim.paths import Load
 from vcage.sim.world import World
+from vcage.tasks.grasps import command_of
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.workcell import TaskFailed, Workcell
 
@@ -28,6 +29,8 @@ class CarrySettings:
         firm_n: least force of each finger for a firm hold: what is held far from its middle then stays level, with
             contents too. Fingers of 10,000 N/m press with 25 N on the rim of a bowl (5 mm) and hold it within 1 degree
             with an apple in it; with 20 N (4 mm) a box with a can in it tips by 22.
+        loose_n: force of each finger between which a handle turns: with 70 N the tab of a laptop does not, and the hand
+            pushes the laptop over the table.
         sag_share: share of that distance by which it then sags: the sine of 35 degrees.
         hanging_speed: share of the speed limit for carrying a sagging object: faster it slips out of the fingers.
         clearance_m: free height below a carried object, which sways between the fingers.
@@ -36,6 +39,7 @@ class CarrySettings:
 
     swing_lever_m: float = 0.03
     firm_n: float = 22.0
+    loose_n: float = 7.0
     sag_share: float = 0.6
     hanging_speed: float = 0.4
     clearance_m: float = 0.01
@@ -93,6 +97,14 @@ def lever(target: SceneObject, at: np.ndarray, gripper: Gripper, width: float) -
 def holds_firmly(gripper: Gripper, width: float) -> bool:
     """True if fingers with a drive of their own press firmly on material of a width, metres."""
     return gripper.stiffness is not None and min(gripper.force, gripper.stiffness * width / 2) >= SETTINGS.firm_n
+
+
+def loose(gripper: Gripper, width: float) -> float:
+    """The command of fingers between which material of a width, metres, can turn; without a drive of their own they are
+    closed, as the arm's is soft."""
+    if gripper.stiffness is None:
+        return 0.0
+    return max(0.0, command_of(width - 2 * SETTINGS.loose_n / gripper.stiffness, gripper))
 
 
 def off_middle(target: SceneObject, at: np.ndarray) -> float:

@@ -7,7 +7,7 @@ pushing it. Geometry only: reach and obstacles are for the planner.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -90,6 +90,7 @@ class OperatingWay:
         pushed: number of poses of ``motion`` until the joint is at its target.
         after: where the hand is drawn back to.
         opening: of the fingers on the way to the handle and away, metres; 0 for a press.
+        turning: True if the handle turns between the fingers.
     """
 
     before: Pose
@@ -98,6 +99,7 @@ class OperatingWay:
     pushed: int
     after: Pose
     opening: float
+    turning: bool = False
 
 
 def operating_ways(handle: Handle, target: float, gripper: Gripper, support: float) -> Iterator[OperatingWay]:
@@ -115,7 +117,7 @@ def operating_ways(handle: Handle, target: float, gripper: Gripper, support: flo
         frames = [held_frame(handle, position, share) for position in _positions(handle, target)]
         for contact in _holds(handle):
             for held in grasp_poses(frames[0], contact, gripper, support, TILTS if turns else FINE_TILTS):
-                yield _way(frames, held.in_object, handle, gripper)
+                yield replace(_way(frames, held.in_object, handle, gripper), turning=share < 1)
 
 
 def _holds(handle: Handle) -> list[ContactPoint]:
