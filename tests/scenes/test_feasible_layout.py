@@ -17,13 +17,14 @@ from vcage.scenes.layout_items import Targets
 from vcage.schema.goals import AskedGoal, Description, goal_of
 
 
-def test_what_must_face_the_customer_is_turned_by_a_quarter_more_in_each_further_layout(
-    monkeypatch: pytest.MonkeyPatch,
+@pytest.mark.parametrize("relation", ["presented", "held_by_both"])
+def test_what_must_be_at_some_heading_is_turned_by_a_quarter_more_in_each_further_layout(
+    relation: str, monkeypatch: pytest.MonkeyPatch
 ):
     sign, block = thing("payment_sign", (0.0, 0.0), 0.2, "content"), thing("block", (0.2, 0.0), 0.3, "content")
-    asked = [AskedGoal(goal=goal_of(("payment_sign", "presented")), step=1, words="show it")]
+    asked = [AskedGoal(goal=goal_of(("payment_sign", relation)), step=1, words="do it")]
     described = [Description(subject="block", relation="right_of", reference="table", words="the block on the right")]
-    scene = scene_of([sign, block], "Show it").model_copy(update={"goals": asked, "descriptions": described})
+    scene = scene_of([sign, block], "Do it").model_copy(update={"goals": asked, "descriptions": described})
     tried = list[dict[str, float]]()
 
     def no_layout(_scene: Any, targets: Targets, *_: Any) -> None:

@@ -24,6 +24,10 @@ from vcage.tasks.rehearsal import require_chain
 
 logger = logging.getLogger(__name__)
 
+HEADED = (*FACING, "held_by_both")
+"""Goals of things that must end at a heading which they may not have at the start, or that only lie in the reach of two
+hands at some headings."""
+
 SHIFT_STEP_M = 0.03
 """Standard deviation by which the targets of each layout are shifted more than those of the one before it."""
 
@@ -58,9 +62,9 @@ class NearestFeasible:
     def layout(self) -> LaidOut:
         """The layout nearest to the targets in which the instruction can be carried out.
 
-        Layouts near targets that are shifted further and further are tried, and things to be put down at a heading are
-        turned by one more quarter in each: an arm's wrist turns a thing only so far. If none does, the nearest is taken
-        in which all descriptions are true, and the search for sub-tasks reports its faults.
+        Layouts near targets that are shifted further and further are tried, and in each what must be put down at a
+        heading, or held by both arms, is turned by one more quarter: an arm's wrist turns a thing only so far. If none
+        does, the nearest is taken in which all descriptions are true, and the search for sub-tasks reports its faults.
 
         Raises:
             InfeasibleScene: there is no layout, or none in which all descriptions are true; names the fault.
@@ -120,8 +124,8 @@ class NearestFeasible:
         return LaidOut(replace(result, displaced=displaced), laid_out, round(shift_m, 3))
 
     def _turned(self, name: str, target: Pose, turn: float) -> Pose:
-        """The target of an object; turned where it must end at a heading that it may not have at the start."""
-        headed = any(asked.goal.subject == name and asked.goal.relation in FACING for asked in self.scene.goals)
+        """The target of an object; turned where the task depends on its heading."""
+        headed = any(asked.goal.subject == name and asked.goal.relation in HEADED for asked in self.scene.goals)
         if not headed or self.context.asset(self.scene.object(name)).articulated:
             return target
         return Pose.from_yaw(target.p, target.yaw + turn)
