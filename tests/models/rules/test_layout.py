@@ -11,7 +11,7 @@ from tests.example_scenes import library, scene_of, thing
 from vcage.models.rules.layout import MAX_ROW, plan_layout, plan_scene
 from vcage.plans.check import plan_complaints
 from vcage.schema.goals import AskedGoal, Goal
-from vcage.schema.plan import LayoutPlan, Relation
+from vcage.schema.plan import LayoutPlan, Relation, RelationWord
 from vcage.schema.scene import Role, Scene
 
 RECEPTACLES = ["packaging_box", "cabinet_two_drawers", "pen_tray"]
@@ -90,6 +90,16 @@ def test_things_start_around_the_receptacle_that_they_go_to():
     planned = plan_layout(found.model_copy(update={"goals": goals}), library().entries(), np.random.default_rng(0))
     around = {r.subject: r.reference for r in planned.relations if r.subject in wanted and r.relation != "near"}
     assert around == wanted
+
+
+@pytest.mark.parametrize(
+    ("goal", "start"), [("left_of", "in_front_of"), ("right_of", "in_front_of"), ("in_front_of", "left_of")]
+)
+def test_what_goes_to_a_side_starts_on_the_next_one(goal: RelationWord, start: str):
+    found = laid(["plate"], ["apple"])
+    asked = [AskedGoal(goal=Goal(subject="apple", relation=goal, reference="plate"), step=0, words="x")]
+    planned = plan_layout(found.model_copy(update={"goals": asked}), library().entries(), np.random.default_rng(0))
+    assert places(planned, start)["apple"] == "plate"
 
 
 def test_things_that_go_to_no_receptacle_are_shared_out():
