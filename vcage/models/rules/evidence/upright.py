@@ -24,12 +24,14 @@ class UprightSettings:
         unlike_lab: mean colour distance to drawings of it from which on it is not seen to stand.
         on_side_lab, on_head_lab: by this much drawings of it in other attitudes must be less like the pictures: of a
             white cup on its side by 1.4 to 2.0, of a can, which differs by its label only, on its head by 0.7 to 1.2.
+        sure_lab: by this much less like on its side, the verdict is certain.
     """
 
     headings: int = 8
     unlike_lab: float = 14.0
     on_side_lab: float = 0.5
     on_head_lab: float = 0.3
+    sure_lab: float = 10.0
 
 
 SETTINGS = UprightSettings()
@@ -51,7 +53,8 @@ def judge_upright(view: CriticView, goal: Goal) -> Judged:
         f"drawings of the {thing} on its side are less like the pictures by {on_side:.1f}, on its head by {on_head:.1f}"
     )
     clear = on_side >= SETTINGS.on_side_lab and on_head >= SETTINGS.on_head_lab and stands <= SETTINGS.unlike_lab
-    return Judged(decided(clear, f"{seen} in colour", 0.5 + min(0.5, on_side / 20), "astray"), explained)
+    confidence = 0.5 + 0.5 * min(1.0, on_side / SETTINGS.sure_lab)
+    return Judged(decided(clear, f"{seen} in colour", confidence, "astray"), explained)
 
 
 def _around(there: Standing) -> list[Pose]:
