@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,7 @@ from tests.example_scenes import library, template
 from vcage.base.errors import InfeasibleScene
 from vcage.goals.thresholds import THRESHOLDS
 from vcage.models.selection_check import NamedObject
+from vcage.objects.lying import LIES, standing_in_lying
 from vcage.runs.context import StageContext
 from vcage.scenes.starting_poses import StartingPoses, started
 from vcage.schema.goals import AskedGoal, Description, Goal, Reading
@@ -47,5 +50,21 @@ def test_it_does_not_lie_on_another_thing():
 
 def test_what_cannot_lie_is_not_stood_up():
     asked = [AskedGoal(goal=Goal(subject="plate", relation="upright"), step=1, words="stand the plate up")]
-    with pytest.raises(InfeasibleScene, match="plate cannot lie stably on its side"):
+    with pytest.raises(InfeasibleScene, match="plate cannot lie stably on its side") as caught:
         started([CAN, PLATE], Reading(goals=asked), library())
+    assert f"such as {LIES}" in caught.value.hint
+
+
+def test_what_hints_say_lies_on_its_side_does():
+    names = [name.removeprefix("a ").replace(" ", "_") for name in re.split(", | or ", LIES)]
+    assert len(names) == 4 and all(standing_in_lying(library().asset(name)) is not None for name in names)
+
+
+def test_what_stands_on_another_thing_is_not_hung():
+    mug = NamedObject("mug", "mug", "red", "red mug", "content")
+    rack = NamedObject("rack", "mug_rack", "wood", "light brown mug rack", "receptacle")
+    asked = [AskedGoal(goal=Goal(subject="mug", relation="hung_on", reference="rack"), step=1, words="hang it up")]
+    there = Description(subject="mug", relation="on", reference="plate", words="the mug on the plate")
+    with pytest.raises(InfeasibleScene, match="mug cannot be hung from in or on plate") as caught:
+        started([mug, rack, PLATE], Reading(goals=asked, descriptions=[there]), library())
+    assert "hang what stands on the table" in caught.value.hint

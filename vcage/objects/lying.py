@@ -52,6 +52,9 @@ class LyingSettings:
 
 SETTINGS = LyingSettings()
 
+LIES = "a bottle, a can, a cup or a juice carton"
+"""Things that lie on their side, for hints."""
+
 
 def standing_in_lying(asset: Asset) -> Pose | None:
     """The frame of a standing object in that of the same object on its side; None where it does not lie stably.

@@ -24,7 +24,7 @@ from vcage.layout.placement.view import view_rectangles
 from vcage.models.selection_check import NamedObject, room_complaints, starting_as_described
 from vcage.objects.asset import Asset
 from vcage.objects.library import Library
-from vcage.objects.lying import standing_in_lying
+from vcage.objects.lying import LIES, standing_in_lying
 from vcage.objects.painting import LYING
 from vcage.plans.actions import open_at_start
 from vcage.plans.descriptions import HOLDING, described_relations
@@ -228,19 +228,28 @@ def started(objects: Sequence[NamedObject], reading: Reading, library: Library) 
         InfeasibleScene: descriptions contradict each other, or there is no room; names the objects and sizes.
     """
     found, wrong = starting_as_described(objects, reading.descriptions)
-    wrong = [*wrong, *_lying_complaints(found, reading, library)]
+    for complaints, way_out in (
+        (_lying_complaints(found, reading, library), f"stand up what lies on its side on the table, such as {LIES}"),
+        (_hanging_complaints(found, reading), "hang what stands on the table"),
+    ):
+        if unfit := list(complaints):
+            raise _cannot_start([*wrong, *unfit], way_out)
     if not wrong:
         found = [_laid(o) if o.id in to_stand_up(reading) else o for o in found]
     found = [replace(o, heaped=_is_heaped(o, library)) for o in found]
     rooms = {o.id: capacity_of(o.id, library.asset(o.asset, o.variant)) for o in found}
     wrong = wrong or [*room_complaints(found, rooms), *_drawer_complaints(found, library)]
     if wrong:
-        raise InfeasibleScene(
-            f"not all can start where the instruction says: {'; '.join(wrong)}",
-            hint="ask for a smaller thing, or for a place with more room; another --seed does not help",
-            details={"problems": wrong},
-        )
+        raise _cannot_start(wrong, "ask for a smaller thing, or for a place with more room")
     return found
+
+
+def _cannot_start(wrong: list[str], way_out: str) -> InfeasibleScene:
+    return InfeasibleScene(
+        f"not all can start as the instruction says: {'; '.join(wrong)}",
+        hint=f"{way_out}; another --seed does not help",
+        details={"problems": wrong},
+    )
 
 
 def to_stand_up(reading: Reading) -> set[str]:
@@ -263,6 +272,13 @@ def _lying_complaints(objects: Sequence[NamedObject], reading: Reading, library:
             yield f"{o.id} cannot lie on its side in or on {o.starts_in}: only what lies on the table is stood up"
         elif above := [other.id for other in objects if other.starts_in == o.id]:
             yield f"{', '.join(above)} cannot start in or on {o.id}, which lies on its side"
+
+
+def _hanging_complaints(objects: Sequence[NamedObject], reading: Reading) -> Iterator[str]:
+    """Why objects that are to be hung cannot be taken from where they start."""
+    hung = {asked.goal.subject for asked in reading.goals if asked.goal.relation == "hung_on"}
+    for o in (o for o in objects if o.id in hung and o.starts_in is not None):
+        yield f"{o.id} cannot be hung from in or on {o.starts_in}: only what stands on the table is hung"
 
 
 def _is_heaped(o: NamedObject, library: Library) -> bool:
