@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from typing import get_args
 
 from vcage.plans.actions import AT_START, HOLDING, lasting, overrides
@@ -22,7 +22,8 @@ def inconsistencies(goals: Sequence[AskedGoal], descriptions: Iterable[Descripti
     placed = [d for d in descriptions if (d.relation, d.reference) != ("center", TABLE)]
     found = [f"the goals of one step contradict each other: {text}" for step in steps for text in _clashes(step)]
     end = lasting(steps)
-    for texts in (_clashes(end), _held_elsewhere(steps), _crowded(end), _covered(steps), _poured_on(steps)):
+    in_turn = (look(steps) for look in (_covered, _hung_from, _once_hung, _poured_on))
+    for texts in (_clashes(end), _held_elsewhere(steps), _crowded(end), *in_turn):
         found = found or [f"the goals contradict each other: {text}" for text in texts]
     return found + [f"the start conditions contradict each other: {text}" for text in _clashes(placed)]
 
@@ -52,13 +53,42 @@ def _crowded(goals: Sequence[Goal]) -> list[str]:
 
 def _covered(steps: Sequence[Collection[Goal]]) -> list[str]:
     """Pairs of goals by which a thing is put on another that is wiped later, which takes an empty one, in words."""
-    found, lying = list[str](), dict[str, Goal]()
-    for step in steps:
+    found = list[str]()
+    for step, put in _put_before(steps):
         wiped = {goal.subject: goal for goal in step if goal.relation == "wiped"}
-        found += [f"{on} and then {wiped[place]}" for on in lying.values() if (place := on.reference) in wiped]
-        lying |= {goal.subject: goal for goal in step if not goal.kind.event and goal.part is None}
-        lying = {name: goal for name, goal in lying.items() if goal.relation == "on"}
+        on = (goal for goal in put.values() if goal.relation == "on" and goal.part is None)
+        found += [f"{goal} and then {wiped[place]}" for goal in on if (place := goal.reference) in wiped]
     return found
+
+
+def _hung_from(steps: Sequence[Collection[Goal]]) -> list[str]:
+    """Pairs of goals by which a thing is put in or on another and is hung from there later, in words."""
+    return [
+        f"{put[goal.subject]} and then {goal}, and only what stands on the table is hung"
+        for step, put in _put_before(steps)
+        for goal in step
+        if goal.relation == "hung_on" and goal.subject in put
+    ]
+
+
+def _once_hung(steps: Sequence[Collection[Goal]]) -> list[str]:
+    """Pairs of goals of which the second is about a thing that hangs by the first, where no hand takes it, in words."""
+    found, hung = list[str](), dict[str | None, Goal]()
+    for step in steps:
+        later = ((name, goal) for goal in step for name in (goal.subject, goal.reference) if name in hung)
+        found += [f"{hung[name]} and then {goal}, and nothing more is done with what hangs" for name, goal in later]
+        hung |= {goal.subject: goal for goal in step if goal.relation == "hung_on"}
+    return found
+
+
+def _put_before(steps: Sequence[Collection[Goal]]) -> Iterator[tuple[Collection[Goal], dict[str, Goal]]]:
+    """Each step with the goals by which things were put in or on others before, by thing."""
+    put = dict[str, Goal]()
+    for step in steps:
+        yield step, put
+        moved = {goal.subject for goal in step if goal.kind.moves and not goal.kind.event}
+        held = {goal.subject: goal for goal in step if goal.relation in HOLDING and goal.reference != TABLE}
+        put = {name: goal for name, goal in put.items() if name not in moved} | held
 
 
 def _poured_on(steps: Sequence[Collection[Goal]]) -> list[str]:
