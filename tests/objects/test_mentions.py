@@ -40,7 +40,8 @@ def test_to_switch_on_or_off_names_no_switch(said: str) -> None:
 
 def test_to_stand_something_up_names_no_stand() -> None:
     kinds = [*KINDS, entry("stand", "stand", "furniture")]
-    assert [noun.words for noun in nouns("Stand up the tin can", kinds)] == ["tin can"]
+    for sentence in ("Stand up the tin can", "Stand tin can up", "Stand tin can upright on the table"):
+        assert [noun.words for noun in nouns(sentence, kinds)] == ["tin can"]
     assert [noun.words for noun in nouns("Put the tin can on the stand", kinds)] == ["tin can", "stand"]
 
 

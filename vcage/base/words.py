@@ -250,6 +250,6 @@ VERBS = HANDLING | word_set(
 
 AFTER_A_NOUN = word_set(
     "behind beside near close left separately belong against neatly carefully above below went alone untouched",
-    "top bottom nearest closest ends ended sits stands tucked stored kept packed laid placed",
+    "top bottom nearest closest ends ended sits stands tucked stored kept packed laid placed upright",
 )
 """Words that may follow a noun and do not make it part of a longer name."""

@@ -42,7 +42,8 @@ _KNOWN = FUNCTION_WORDS | VERBS | DETERMINERS | NUMBERS.keys()
 _FOLLOWS_A_VERB = DETERMINERS - {"of"} | NUMBERS.keys() | {"it", "them", "everything"}
 _BEFORE_A_COMMAND = frozenset(("", ",", ".", "and", "or", "then", "please", "to", "you"))
 _FOLLOWS_CAN = VERBS | {"go", "be", "you", "we", "i", "it"}
-_PHRASAL_VERBS = (("switch", "on"), ("switch", "off"), ("stand", "up"))
+_PHRASAL_VERBS = (("switch", "on"), ("switch", "off"))
+_UPRIGHT = frozenset(("up", "upright"))
 _BEFORE_A_NOUN = DETERMINERS | COLOURS | NUMBERS.keys()
 
 
@@ -94,7 +95,7 @@ def nouns(sentence: str, entries: Iterable[CatalogueEntry]) -> list[Noun]:
             found.append(_noun(words, at, end, lemmas_of(words[at:end]), last))
         elif end == at and words[at] in ("one", "ones") and at and words[at - 1] in COLOURS:
             found.append(_noun(words, at, at + 1, (), last))
-        last = end if end > at else last
+        last = end if end > at and not _is_lone_verb(words, at, end) else last
         at = max(end, at + 1)
     return found
 
@@ -144,7 +145,8 @@ def is_verb(said: Sequence[str], at: int) -> bool:
         return True
     if before in _BEFORE_A_NOUN or (before.isalpha() and before not in _KNOWN):
         return False
-    begins = before in _BEFORE_A_COMMAND and (word in ("tap", "present") or (word, after) in _PHRASAL_VERBS)
+    phrasal = (word, after) in _PHRASAL_VERBS or (word == "stand" and not _UPRIGHT.isdisjoint(said[at:]))
+    begins = before in _BEFORE_A_COMMAND and (word in ("tap", "present") or phrasal)
     return after in _FOLLOWS_A_VERB or word == "can" or begins
 
 
@@ -177,11 +179,16 @@ def _is_something_else(words: Sequence[str], at: int, end: int, last: int, known
     after = words[end] if end < len(words) else ""
     if last and (at == last or words[last:at] in (["of"], ["of", "the"])):
         return True  # "chips tube lid", "a tin of tomatoes"
-    if end - at == 1 and is_verb(words, at):
+    if _is_lone_verb(words, at, end):
         return True
     if words[at] in COLOURS and after in ("one", "ones"):
         return True
     return after != "can" if (lemma(after),) in known else _is_noun(after)
+
+
+def _is_lone_verb(words: Sequence[str], at: int, end: int) -> bool:
+    """True if a name of one word is a verb."""
+    return end - at == 1 and is_verb(words, at)
 
 
 def _is_noun(word: str) -> bool:
