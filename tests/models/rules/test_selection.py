@@ -61,7 +61,10 @@ def test_a_vague_amount_is_a_small_number(amount: str, count: int) -> None:
     assert chosen(f"Put {amount} apples in the basket", "content") == ["apple"] * count
 
 
-@pytest.mark.parametrize("sentence", ["Put the card in the holder", "Put the paper in the bin"])
+@pytest.mark.parametrize(
+    "sentence",
+    ["Put the card in the holder", "Put the paper in the bin", "Put the lamp in the box", "Put the soap in the dish"],
+)
 def test_a_word_for_several_kinds_of_things_is_refused(sentence: str) -> None:
     with pytest.raises(UnreadInstruction, match="give its full name"):
         selected(sentence)
@@ -210,6 +213,22 @@ def test_a_rack_on_which_a_mug_is_hung_is_one_with_pegs() -> None:
     assert chosen("Hang the red mug on the rack", "content") == ["mug"]
 
 
+def test_a_mug_is_hung_on_a_mug_rack_where_no_place_is_named() -> None:
+    assert chosen("Hang up the mug", "receptacle") == ["mug_rack"]
+
+
+def test_the_rack_on_which_a_mug_is_put_may_be_one_to_hang_it_on() -> None:
+    with pytest.raises(UnreadInstruction, match="it may be the mug rack or the wine rack; say hang, or give the full"):
+        selected("Put the mug on the rack")
+    assert chosen("Put the wine bottle on the rack", "receptacle") == ["wine_rack"]
+
+
+def test_the_dish_is_the_one_that_was_named_before_and_the_dishes_are_crockery() -> None:
+    sentence = "Put the soap in the soap dish and the lemon next to the dish"
+    assert chosen(sentence, "receptacle") == ["soap_dish"]
+    assert chosen("Put the dishes in the basket", "content")
+
+
 def test_balls_that_are_poured_start_in_a_cup_where_no_vessel_is_named() -> None:
     assert starts("Pour five small balls into the dustbin") == {"ball": "cup", "cup": None, "dustbin": None}
     assert chosen("Pour five small balls into the dustbin", "content").count("ball") == 5
@@ -218,6 +237,7 @@ def test_balls_that_are_poured_start_in_a_cup_where_no_vessel_is_named() -> None
 @pytest.mark.parametrize(
     ("sentence", "why"),
     [
+        ("Stand the fallen one up", "nothing before it says which of several things is meant"),
         ("Put the block on top", "on top of which thing"),
         ("Put the bowl on the plate and put the apple on top", "on top of which thing"),
         ("Put the apple on the left side", "no goal names this side"),

@@ -13,7 +13,7 @@ from vcage.models.rules.meanings import Meanings, Things
 from vcage.models.rules.nouns import Conflict, Doubt, Noun
 from vcage.models.rules.pronouns import resolved
 from vcage.models.rules.sentence import ONE_ARM, OTHER_ARM, USING, Command, not_read, parse
-from vcage.models.rules.too_little import require_plain
+from vcage.models.rules.too_little import require_plain, with_relations
 from vcage.models.rules.vessels import Vessels, is_dumped
 from vcage.objects.names import names_of
 from vcage.plans.actions import HOLDING
@@ -143,11 +143,23 @@ class Goals:
         subjects = {asked.goal.subject for asked in goals}
         if command := next(iter(self._unfinished.values()), None):
             raise Doubt(command.words, "picking up is no goal by itself; say where it goes, or to hold it up")
+        self._require_stood_up({asked.goal.subject for asked in goals if asked.goal.relation == "upright"})
         descriptions = list(found.descriptions.values())
         if clashes := inconsistencies(goals, descriptions):
             raise Conflict("", "; ".join(clashes))
         untouched = [name for name in dict.fromkeys(found.excepted) if name not in subjects]
         return Reading(goals=goals, untouched=untouched, descriptions=descriptions)
+
+    def _require_stood_up(self, stood_up: Collection[str]) -> None:
+        """Refuse to call a thing fallen over that is not stood up.
+
+        Raises:
+            Doubt: names it, and what to ask for.
+        """
+        nouns = with_relations(*(noun for c in self.commands for noun in (*c.things, c.place, c.source)))
+        for noun in (noun for noun in nouns if noun.lies and not stood_up.issuperset(self._meanings.objects(noun))):
+            example = "stand it up, or put it upright on the tray"
+            raise Doubt(noun.text, f"only what is stood up lies on its side at the start; say so, as in: {example}")
 
     def _in_steps(self, group: Sequence[Command], first: int) -> list[AskedGoal]:
         """The goals of commands that no word puts in order: as said, if one of them needs another."""
@@ -240,7 +252,7 @@ class Goals:
         names = self._named(command, [spot.name for spot in spots], least=len(spots))
         for name, spot in zip(names[:most], itertools.cycle(spots), strict=False):
             if spot.relation in ("inside", "on") and not self.things[name].can_be_carried:
-                raise Doubt(command.words, f"{name} cannot be lifted")
+                raise _not_lifted(command, name)
             self._add(command, name, spot.relation, spot.name or None, spot.part)
 
     def _tower(self, command: Command) -> None:
@@ -276,7 +288,7 @@ class Goals:
             raise Conflict(command.words, f"{why}; say where each of them goes")
         for name, other in (names, names[::-1]):
             if not self.things[name].can_be_carried:
-                raise Doubt(command.words, f"{name} cannot be lifted")
+                raise _not_lifted(command, name)
             self._add(command, name, "in_place_of", other)
 
     def _row(self, command: Command) -> None:
@@ -348,16 +360,21 @@ class Goals:
             self._add(replace(command, arm=arm, words=_joined(taken, command)), name, "poured", spot.name)
 
     def _hang(self, command: Command) -> None:
-        """Hanging brings a peg of the place that is named through the closed handle of each thing."""
-        assert command.place is not None
-        if command.how != "on":
+        """Hanging brings a peg of the named place, or of the only rack, through the closed handle of each thing."""
+        if command.how not in ("on", ""):
             raise Doubt(command.words, "things are hung on something, not beside, in or to it")
-        racks, names = self._meanings.objects(command.place), self._named(command)
-        if len(racks) > 1:
-            raise Doubt(command.place.text, "things are hung on one of them")
+        with_pegs = [name for name, entry in self.things.items() if entry.pegs]
+        racks = with_pegs if command.place is None else self._meanings.objects(command.place)
+        names = self._named(command)
+        if len(racks) != 1:
+            example = listed(racks) or "a mug rack"
+            raise Doubt(command.words, f"say on what it is hung, one thing with pegs such as {example}")
         pegs = self.things[racks[0]].pegs
         if len(names) > pegs:
-            raise Doubt(command.words, f"{racks[0]} has {pegs or 'no'} peg{'s' * (pegs > 1)} to hang something on")
+            more = f", and {len(names)} things are to hang there" if pegs else ""
+            raise Doubt(
+                command.words, f"{racks[0]} has {pegs or 'no'} peg{'s' * (pegs > 1)} to hang something on{more}"
+            )
         for name in names:
             if not self.things[name].hangs:
                 raise Doubt(command.words, f"{name} has no closed handle to hang it by")
@@ -378,8 +395,15 @@ class Goals:
         self._meanings.tools += tools
         for name in self._named(command, tools):
             if command.verb in _IN_A_HAND and not self.things[name].can_be_carried:
-                raise Doubt(command.words, f"{name} cannot be lifted")
+                raise _not_lifted(command, name)
             self._add(command, name, _EVENTS[command.verb])
+
+
+def _not_lifted(command: Command, name: str) -> Doubt:
+    """The refusal of a thing that no hand lifts, which may be meant all the same."""
+    if command.may_be:
+        return Conflict(command.words, f"it may be {' or '.join(command.may_be)}; name the one that is meant")
+    return Doubt(command.words, f"{name} cannot be lifted")
 
 
 def _joined(before: Command, command: Command) -> str:

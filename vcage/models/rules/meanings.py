@@ -208,6 +208,11 @@ class Meanings:
             for point in entry.functional_points
             if how == "to" or (how == "in" if point.link else shallow or point.holds == how)
         }
+        if not suits and entry.pegs:
+            name = " ".join(names_of(entry).words)
+            raise Doubt(
+                noun.text, f"nothing is put on a {name} or hangs there at the start; a mug is hung on it: say hang"
+            )
         if len(suits) != 1:
             raise Doubt(noun.text, f"nothing can be put {how} it, or not without saying where")
         ((link, holds),) = suits

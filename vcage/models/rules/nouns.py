@@ -29,6 +29,10 @@ _QUANTIFIERS = {
 }  # fmt: skip
 
 
+_FALLEN = re.compile(r"\b((lying|fallen|toppled|overturned)( over)?|(tipped|knocked) over) (?=\S)")
+"""Words of a thing that has fallen over, before its name."""
+
+
 class Doubt(Exception):
     """Words that mean nothing or too much in a scene, and why; of the whole sentence if empty."""
 
@@ -51,6 +55,7 @@ class Noun:
         position: left, right, middle, front or back among several, or on the table; of parts top, middle or bottom.
         relations: (preposition, noun) that identify the object, or give its place at the start; (side, the table) too.
         but: the exceptions.
+        lies: True where it is said to have fallen over.
         pronoun: it or them, if it is one.
         text, at: as typed, and where in the sentence.
     """
@@ -64,6 +69,7 @@ class Noun:
     position: str | None = None
     relations: tuple[tuple[str, Noun], ...] = ()
     but: tuple[Noun, ...] = ()
+    lies: bool = False
     pronoun: str = ""
     text: str = ""
     at: int = 0
@@ -186,8 +192,11 @@ def noun_of(found: Sequence[Token], text: str, at: int) -> Noun:
     quantifier, count = _quantity(_words(found, "DET", "REST", "EVERYTHING"))
     last, *_ = [*_words(found, "WORD", "ONE")[-1:], ""]
     plural = "EVERYTHING" in types or is_plural(last)
-    noun = Noun(quantifier=quantifier, count=count, plural=plural, text=text, at=at)
-    words, sides = list(map(lemma, _words(found, "WORD"))), _words(found, "AT")
+    words, lies = _on_end(_words(found, "WORD"), "ONE" in types)
+    noun = Noun(
+        quantifier=quantifier, count=count, plural=plural, lies=lies or "FALLEN_OVER" in types, text=text, at=at
+    )
+    words, sides = list(map(lemma, words)), _words(found, "AT")
     idle = ("empty", "different") if plural else ("empty",)
     words = [SIZES.get(word, word) for word in words if word not in idle]  # nothing lies in what is not said to hold it
     known = COLOURS if "EVERYTHING" in types else COLOURS - {"orange"}
@@ -200,6 +209,18 @@ def noun_of(found: Sequence[Token], text: str, at: int) -> Noun:
     thirds = [SIDES[word] for word in _words(found, "AT_TABLE") if word in SIDES]
     on_table = tuple((third, Noun(words=("table",), text=text, at=at)) for third in thirds)
     return replace(noun, relations=on_table)
+
+
+def _on_end(words: Sequence[str], one: bool) -> tuple[list[str], bool]:
+    """The words without those by which the thing has fallen over, and True where there were some.
+
+    Args:
+        words: of a noun phrase, the name last.
+        one: True where "one" follows them.
+    """
+    said = " ".join([*words, *["one"] * one])
+    told = _FALLEN.sub("", said)
+    return told.split()[: -1 if one else None], told != said
 
 
 def _owner(words: Sequence[str], head: str) -> tuple[list[str], list[str]]:

@@ -24,7 +24,15 @@ def resolved(commands: tuple[Command, ...], done: tuple[Command, ...] = ()) -> I
     things = (_things_for(noun, done, command) for noun in command.things)
     for chosen, place in itertools.product(itertools.product(*things), _places_for(command, done)):
         named = tuple(noun for nouns in chosen for noun in nouns)
-        yield from resolved(tuple(later), (*done, replace(command, things=named, place=place)))
+        found = replace(command, things=named, place=place, may_be=_tool_or_thing(command, done))
+        yield from resolved(tuple(later), (*done, found))
+
+
+def _tool_or_thing(command: Command, done: tuple[Command, ...]) -> tuple[str, ...]:
+    """What the pronoun of a command may be after one that takes a tool, as typed; nothing where that is plain."""
+    pronouns = [noun for noun in command.things if noun.pronoun] if done and done[-1].verb in USING else []
+    found = [nouns[0].text for noun in pronouns for nouns in _referents(noun, done, command.verb)]
+    return tuple(found) if len(found) > 1 else ()
 
 
 def _things_for(noun: Noun, done: tuple[Command, ...], command: Command) -> list[tuple[Noun, ...]]:

@@ -29,7 +29,8 @@ from vcage.schema.scene import Role
 
 Good = Callable[[CatalogueEntry], bool]
 
-_TOOLS = {"scan": "barcode scanner", "weigh": "electronic scale"}
+_UNSAID = {"scan": "barcode scanner", "weigh": "electronic scale", "hang": "mug rack"}
+"""Commands → what they take where nothing is named."""
 _CONTENTS: Mapping[str, Good] = {
     "scan": lambda e: e.can_be_carried and any(face.kind == "code" for face in e.faces),
     "stand_up": lambda e: e.can_be_carried and e.tall,
@@ -167,14 +168,27 @@ class _Selector:
     def _place(self, command: Command) -> None:
         """Choose the target, the neighbour, or the tool of a command."""
         noun, verb = command.place, command.verb
-        if noun is None and verb in _TOOLS:
-            noun = Noun(words=tuple(_TOOLS[verb].split()), text=_TOOLS[verb], at=-1)
+        if noun is None and verb in _UNSAID:
+            noun = Noun(words=tuple(_UNSAID[verb].split()), text=_UNSAID[verb], at=-1)
         if noun is not None and verb in TOOLS:
             self._take(noun, "tool", TOOLS[verb])
         elif noun is not None and not noun.of_table and not noun.pronoun:
+            self._require_one_meaning(noun, command)
             self._take(noun, "receptacle", _RECEIVERS.get(command.verb) or self._roomy(noun, command))
             for other in (one for _, one in noun.relations if not one.of_table):
                 self._take(other, "context")
+
+    def _require_one_meaning(self, noun: Noun, command: Command) -> None:
+        """Refuse to put a mug on "the rack", on which it may be hung as well.
+
+        Raises:
+            Doubt: names the kinds that are meant.
+        """
+        kinds = [entry for entry, _ in self._kinds(noun)] if command.verb == "put" and command.how == "on" else []
+        names, known = sorted({entry.words.name for entry in kinds}), any(self._same(noun, e) for e in self._there)
+        hangs = any(entry.hangs for thing in command.things for entry, _ in self._kinds(thing))
+        if hangs and len(names) > 1 and any(entry.pegs for entry in kinds) and not known:
+            raise Doubt(noun.text, f"it may be the {' or the '.join(names)}; say hang, or give the full name")
 
     def _roomy(self, noun: Noun, command: Command) -> Good:
         """Tells of a kind if the contents go in, on or to it, and have room there."""
@@ -287,8 +301,8 @@ class _Selector:
             NoAssetFits: it does not; the hint lists the sizes that there are.
             Doubt: no kind is named.
         """
-        if noun.headless and noun.size:
-            raise Doubt(noun.text, "nothing before it says which of several sizes is meant; name the thing")
+        if noun.headless and (noun.size or noun.lies):
+            raise Doubt(noun.text, "nothing before it says which of several things is meant; name the thing")
         plain = replace(noun, size=None)
         if noun.size is None or not (kinds := [entry for entry, _ in self._kinds(plain)]):
             return

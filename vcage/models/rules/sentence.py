@@ -55,6 +55,7 @@ _ASKS_TO_DO = re.compile(r"^(.*\b(could|can|would|will) you\b.*)\?(?= *$)")
 _CLAUSE_ENDS = re.compile(r"[,.;]|\b(and|then)\b")
 _COLOUR = "|".join(sorted(COLOURS))
 _TWO_COLOURED = re.compile(rf"\b({_COLOUR}) and ({_COLOUR})(?= (?P<name>[a-z]+))")
+_FALLEN_OVER = re.compile(r"\b(?<!has )(fallen|toppled|tipped|knocked) over(?= (?!up\b)[a-z])")
 _NOT_READ = re.compile(r"[^a-z0-9 ,.;'-]")
 
 
@@ -99,6 +100,7 @@ class Command:
         group: commands of a lower group come first.
         at: where in the sentence it begins.
         words: of the sentence, from there to the next command.
+        may_be: what its pronoun may be, as typed, where that is a tool or what was hit or wiped with it.
     """
 
     verb: str
@@ -110,6 +112,7 @@ class Command:
     group: float = 0
     at: int = 0
     words: str = ""
+    may_be: tuple[str, ...] = ()
 
 
 _GRAMMAR = Path(__file__).with_name("instruction.lark").read_text("utf-8").replace("~?", " *").replace("~", " +")
@@ -186,7 +189,7 @@ def _normal(typed: str) -> str:
     text = re.sub(r" - ", " ; ", _ASKS_TO_DO.sub(r"\1 ", text).replace("!", ".").replace(":", ";"))
     for blank in (_POLITE, _ENDS):
         text = blank.sub(lambda found: " " * len(found[0]), text)
-    text = _TWO_COLOURED.sub(_joined, text)
+    text = _FALLEN_OVER.sub(r"\1-over", _TWO_COLOURED.sub(_joined, text))
     odd = _NOT_READ.search(text)
     if odd or len(text) != len(typed):
         raise not_read(typed, _word_at(typed, odd.start() if odd else 0), "it is no plain statement in English")
@@ -307,9 +310,11 @@ class _Commands(Transformer[Token, Any]):
 
     def stand_up(self, meta: Any, parts: list[Any]) -> list[Command]:
         """Standing something up somewhere is putting it there, upright."""
-        things, *place = parts
-        put = [Command("put", things["things"], **where, at=meta.start_pos) for where in place]
-        return [*put, Command("stand_up", things["things"], at=meta.start_pos)]
+        things, *rest = parts
+        but = [noun for part in rest if isinstance(part, list) for noun in part]
+        named = tuple(noun.without(but) for noun in things["things"])
+        put = [Command("put", named, **place, at=meta.start_pos) for place in rest if isinstance(place, dict)]
+        return [*put, Command("stand_up", named, at=meta.start_pos)]
 
     def stamp(self, meta: Any, parts: list[Noun]) -> list[Command]:
         it = Noun(pronoun="it", text="stamp", at=meta.start_pos)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 
-from vcage.base.words import word_set
+from vcage.base.words import CATEGORIES, word_set
 from vcage.models.rules.nouns import Doubt, Noun
 from vcage.models.rules.sentence import Command
 
@@ -16,31 +16,52 @@ NEVER_ALONE = {
     "card": "it may be one to play with, to pay with or to give away; give its full name",
     "paper": "it may be a sheet, a roll or a box of it; give its full name",
     "glass": "it may be one to drink from or to look through; give its full name",
+    "dish": "it may be a bowl, or one for soap, for butter or for the oven; give its full name",
+    "lamp": "it may be one that stands or one for the pocket; give its full name",
+    "gun": "it may be one that reads bar codes or another; give its full name",
+    "ring": "it may be one of bread or another; give its full name",
+    "tree": "it may be one to hang mugs on or another; give its full name",
+    "machine": "no name tells what it does; give its full name",
 }
-"""Names that say too little without another word, and why."""
+"""Names that say too little without another word, and why; "the dishes" is a kind of things."""
 
 _DIRECTION = re.compile(r"\bto the (far )?(left|right)( side)?$")
 _MOTIONS = word_set("turn turn_off show lift shake hold in_hands hold_with_both away face stand_up")
 """Commands after which "to the left" says where a thing is moved, not which one it is."""
+_PEGS = word_set("peg hook")
 
 
 def require_plain(commands: Sequence[Command]) -> None:
-    """Refuse nouns that only count with another word, and directions in which nothing is moved.
+    """Refuse nouns that only count with another word, and those by which a command asks for what no goal says.
 
     Raises:
         Doubt: names the noun.
     """
-    for noun in (noun for c in commands for noun in _with_relations(*c.things, c.place, c.source)):
-        if why := NEVER_ALONE.get(" ".join(noun.words)):
+    nouns = list(with_relations(*(noun for c in commands for noun in (*c.things, c.place, c.source))))
+    whole = {noun.words[-1] for noun in nouns if len(noun.words) > 1}
+    for noun in nouns:
+        why = NEVER_ALONE.get(" ".join(noun.words))
+        if why and noun.words[-1] not in whole and not (noun.several and noun.words[-1] in CATEGORIES):
             raise Doubt(noun.text, why)
-    for noun in (noun for c in commands if c.verb in _MOTIONS for noun in c.things):
-        if _DIRECTION.search(noun.text.lower()):
-            raise Doubt(noun.text, "no goal says in which direction it is moved; say which one as in: the left one")
+    for noun, why in (found for command in commands for found in _beyond_goals(command)):
+        raise Doubt(noun.text, why)
 
 
-def _with_relations(*nouns: Noun | None) -> Iterator[Noun]:
+def _beyond_goals(command: Command) -> Iterator[tuple[Noun, str]]:
+    """Nouns of a command by which it asks for what no goal says, and why."""
+    for noun in command.things:
+        if command.verb == "wipe" and noun.of_table:
+            yield noun, "the table itself stays as it is; wipe a flat thing on it, as in: wipe the mat with the sponge"
+        if command.verb in _MOTIONS and _DIRECTION.search(noun.text.lower()):
+            yield noun, "no goal says in which direction it is moved; say which one as in: the left one"
+    place = command.place
+    if command.verb == "hang" and place is not None and not _PEGS.isdisjoint(place.words[-1:]):
+        yield place, "no goal says on which peg it hangs; say on what, as in: hang the mug on the mug rack"
+
+
+def with_relations(*nouns: Noun | None) -> Iterator[Noun]:
     """Nouns, and those that they are described by: "the bowl on the side" has two."""
     for noun in nouns:
         if noun is not None:
             yield noun
-            yield from _with_relations(*(other for _, other in noun.relations), *noun.but)
+            yield from with_relations(*(other for _, other in noun.relations), *noun.but)
