@@ -6,6 +6,7 @@ Objects that are filled and then moved are carried with their contents, if they 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -136,15 +137,17 @@ def require_fronts(goals: Sequence[AskedGoal], objects: Sequence[SceneObject]) -
 
 
 def require_only_stood_up(goals: Sequence[AskedGoal], objects: Sequence[SceneObject]) -> None:
-    """Refuse to do more with an object that lies on its side than to put it down standing.
+    """Refuse to do more with an object that lies on its side than to put it down standing, and things beside it then.
 
     Raises:
         NoFeasibleTask: names the goal and the object.
     """
     lying = {o.id: o.record.phrase for o in objects if o.asset.standing is not None}
+    stands = {one.goal.subject: one.step for one in goals if one.goal.relation == "upright"}
     for one in goals:
         name = next((n for n in (one.goal.subject, one.goal.reference) if n in lying), None)
-        if name is not None and (name == one.goal.reference or one.goal.relation not in _STANDING):
+        beside = name == one.goal.reference and one.goal.relation in _BESIDE and one.step >= stands.get(name, math.inf)
+        if name is not None and not beside and (name == one.goal.reference or one.goal.relation not in _STANDING):
             raise NoFeasibleTask(
                 f"the {lying[name]} lies on its side at the start, and is only put down standing ({one.words!r})",
                 hint="say where it is to stand, or ask for the rest in a task of its own",
@@ -152,7 +155,8 @@ def require_only_stood_up(goals: Sequence[AskedGoal], objects: Sequence[SceneObj
             )
 
 
-_STANDING = ("upright", "inside", "on", "left_of", "right_of", "in_front_of", "behind", "beside", "near", "centred")
+_BESIDE = ("left_of", "right_of", "in_front_of", "behind", "beside", "near")
+_STANDING = ("upright", "inside", "on", "centred", *_BESIDE)
 """Words of goals about where an object is put down."""
 
 

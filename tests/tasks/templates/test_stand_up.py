@@ -56,12 +56,28 @@ def test_a_lying_bottle_is_stood_up_in_the_simulator() -> None:
 
 
 @pytest.mark.parametrize(
-    "goal", [["bottle", "shaken"], ["bottle", "back"], ["block", "left_of", "bottle"], ["bottle", "lifted"]]
+    "goal", [["bottle", "shaken"], ["bottle", "back"], ["block", "on", "bottle"], ["bottle", "lifted"]]
 )
 def test_nothing_else_is_done_with_what_lies(goal: list[str]) -> None:
     asked = [AskedGoal(goal=goal_of(one), step=1, words="so it is asked") for one in (["bottle", "upright"], goal)]
     with pytest.raises(NoFeasibleTask, match="drink bottle lies on its side at the start"):
         require_only_stood_up(asked, [BOTTLE, thing("block")])
+
+
+@pytest.mark.parametrize(("before", "after"), [(1, 1), (1, 2)])
+def test_a_thing_is_put_beside_what_was_stood_up(before: int, after: int) -> None:
+    require_only_stood_up(beside_it(before, after), [BOTTLE, thing("block")])
+
+
+def test_a_thing_is_not_put_beside_what_still_lies() -> None:
+    with pytest.raises(NoFeasibleTask, match="drink bottle lies on its side at the start"):
+        require_only_stood_up(beside_it(2, 1), [BOTTLE, thing("block")])
+
+
+def beside_it(upright: int, beside: int) -> list[AskedGoal]:
+    """A bottle is stood up, and a block put beside it, each in a step."""
+    goals = ((upright, UPRIGHT), (beside, goal_of(["block", "beside", "bottle"])))
+    return [AskedGoal(goal=goal, step=step, words="so it is asked") for step, goal in goals]
 
 
 def test_a_standing_bottle_may_be_shaken() -> None:

@@ -112,7 +112,7 @@ def judge_related(view: CriticView, goal: Goal) -> Judged:
     verdict, explained = judge_moved(view, goal)
     if not verdict.accepted or moved.new is None:
         return Judged(verdict, explained)
-    other = replace(view.sought(str(goal.reference)), taken=moved.new.covered)
+    other = replace(view.stood_up(str(goal.reference)), taken=moved.new.covered)
     word = goal.relation.replace("_", " ")
     reference = other.found(view.after)
     if reference is None or reference.unlike > STANDING.unlike_lab:
