@@ -83,3 +83,19 @@ def test_what_did_not_lie_at_the_start_is_not_judged() -> None:
     shots = {camera: shoot(world, one) for camera, one in cameras(scene, goals).items()}
     told = verdict(StageContext("offline"), scene, Asking("Stand it up", goals, {"before": shots, "after": shots}))
     assert not told.accepted and "lay on its side" in told.reason
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("there", "accepted"), [((0.25, 0.0), True), ((0.25, 0.25), False)])
+def test_a_thing_is_seen_beside_what_was_stood_up_before(there: tuple[float, float], accepted: bool) -> None:
+    block = thing("block", (-0.25, 0.2))
+    scene = scene_of([BOTTLE, block])
+    models = {one.id: one.asset.model for one in (BOTTLE, block)}
+    world = World.of_scene(scene, models, load_robot(scene.robot), render=True)
+    world.set_object_pose("bottle", standing("bottle"))
+    goals, seen = [Goal(subject="block", relation="beside", reference="bottle")], {}
+    for when, at in (("before", block.pose), ("after", Pose.from_yaw([*there, block.pose.p[2]], 0.0))):
+        world.set_object_pose("block", at)
+        seen[when] = {camera: shoot(world, one) for camera, one in cameras(scene, goals).items()}
+    told = verdict(StageContext("offline"), scene, Asking("Put the block beside the bottle", goals, seen))
+    assert told.accepted == accepted, told.reason
