@@ -145,9 +145,10 @@ def require_only_stood_up(goals: Sequence[AskedGoal], objects: Sequence[SceneObj
     lying = {o.id: o.record.phrase for o in objects if o.asset.standing is not None}
     stands = {one.goal.subject: one.step for one in goals if one.goal.relation == "upright"}
     for one in goals:
-        name = next((n for n in (one.goal.subject, one.goal.reference) if n in lying), None)
-        beside = name == one.goal.reference and one.goal.relation in _BESIDE and one.step >= stands.get(name, math.inf)
-        if name is not None and not beside and (name == one.goal.reference or one.goal.relation not in _STANDING):
+        beside = one.goal.relation in _BESIDE and one.step >= stands.get(str(one.goal.reference), math.inf)
+        able = {one.goal.subject: one.goal.relation in _STANDING, one.goal.reference: beside}
+        name = next((n for n, fine in able.items() if n in lying and not fine), None)
+        if name is not None:
             raise NoFeasibleTask(
                 f"the {lying[name]} lies on its side at the start, and is only put down standing ({one.words!r})",
                 hint="say where it is to stand, or ask for the rest in a task of its own",

@@ -74,6 +74,14 @@ def test_a_thing_is_not_put_beside_what_still_lies() -> None:
         require_only_stood_up(beside_it(2, 1), [BOTTLE, thing("block")])
 
 
+def test_a_thing_is_not_stood_up_beside_what_is_stood_up_later() -> None:
+    can = thing("can", variant="corn_lying")
+    wanted = (UPRIGHT, goal_of(["bottle", "beside", "can"])), (goal_of(["can", "upright"]),)
+    asked = [AskedGoal(goal=goal, step=step, words="it") for step, goals in enumerate(wanted) for goal in goals]
+    with pytest.raises(NoFeasibleTask, match="can lies on its side at the start"):
+        require_only_stood_up(asked, [BOTTLE, can])
+
+
 def beside_it(upright: int, beside: int) -> list[AskedGoal]:
     """A bottle is stood up, and a block put beside it, each in a step."""
     goals = ((upright, UPRIGHT), (beside, goal_of(["block", "beside", "bottle"])))

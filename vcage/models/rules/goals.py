@@ -150,7 +150,7 @@ class Goals:
         untouched = [name for name in dict.fromkeys(found.excepted) if name not in subjects]
         return Reading(goals=goals, untouched=untouched, descriptions=descriptions)
 
-    def _require_stood_up(self, stood_up: Collection[str]) -> None:
+    def _require_stood_up(self, stood_up: set[str]) -> None:
         """Refuse to call a thing fallen over that is not stood up.
 
         Raises:
