@@ -171,3 +171,18 @@ def test_a_hand_keeps_its_distance_from_what_its_fingers_may_not_touch(world, mo
     contact = scene.first_contact(home)
     assert contact is not None and contact.moving not in scene.kinematics.finger_links
     assert scene.first_contact(home, fingers_may_touch=["table", *world.object_ids]) is None
+
+
+def test_arms_that_are_apart_do_not_press_on_each_other():
+    robot, table, rng = load_robot("aloha_agilex"), load_template("office_desk").table, np.random.default_rng(0)
+    near = {"left": [0.001, 0.299, 0.798, -1.103, -0.004, 0.001], "right": [1.276, 2.151, 1.413, 0.456, 0.784, 0.186]}
+    world, apart = World(table, {}, robot), 0
+    for _ in range(40):  # a hand of one beside a finger of the other
+        joints = {arm: np.array(values) + rng.normal(0.0, 0.003, 6) for arm, values in near.items()}
+        if CollisionScene(robot, "right", table, {}, joints).first_contact(joints["right"]) is None:
+            apart += 1
+            for arm, control in world.arms.items():
+                control.reset(joints[arm] - control.arm.home)
+            world.step()
+            assert not list(world.presses(near))
+    assert apart > 30

@@ -64,6 +64,21 @@ class FirmFingerSettings:
 FIRM_FINGERS = FirmFingerSettings()
 
 
+@dataclass(frozen=True)
+class ContactSettings:
+    """Contacts of an arm's links.
+
+    Args:
+        offset_m: of a link's shapes. Contacts begin where two shapes are as near as the sum of theirs. With SAPIEN's
+            10 mm, a finger and a hand that are 19 mm apart press on each other with 100 N, at points outside of both.
+    """
+
+    offset_m: float = 0.002
+
+
+CONTACTS = ContactSettings()
+
+
 def build_arm(scene: sapien.Scene, arm: Arm, visual_faces: float | None) -> sapien.physx.PhysxArticulation:
     """Add the arm to the scene at its home, gripper open, gravity compensated.
 
@@ -77,6 +92,8 @@ def build_arm(scene: sapien.Scene, arm: Arm, visual_faces: float | None) -> sapi
     articulation.set_root_pose(to_sapien(arm.base.pose()))
     for link in articulation.links:
         link.disable_gravity = True
+        for shape in link.collision_shapes:
+            shape.contact_offset = CONTACTS.offset_m
     if arm.gripper.stiffness is not None:
         articulation.set_solver_position_iterations(FIRM_FINGERS.iterations)
     return articulation
