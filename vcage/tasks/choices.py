@@ -22,7 +22,7 @@ from vcage.tasks.hanging import hanging_ways
 from vcage.tasks.hitting import free_hitting_poses, hitting_poses
 from vcage.tasks.meeting import Hold
 from vcage.tasks.pouring import SETTINGS as POURING
-from vcage.tasks.pouring import followed, pouring_ways, suits, tipped_to
+from vcage.tasks.pouring import pouring_ways, suits, tipped_to
 from vcage.tasks.primitives.along import require_along
 from vcage.tasks.primitives.hand_over import HandOver
 from vcage.tasks.primitives.operate import OperatePlan, Operation
@@ -36,6 +36,7 @@ from vcage.tasks.retries import Retry
 from vcage.tasks.scene_objects import Obstacles, SceneObject
 from vcage.tasks.slots import Slot, other_slots
 from vcage.tasks.state import lying_on
+from vcage.tasks.ways import followed
 from vcage.tasks.wiping import free_wiping_ways, wiping_ways
 from vcage.tasks.workcell import TaskFailed, Workcell
 

@@ -10,7 +10,6 @@ import numpy as np
 
 from vcage.base.geometry import Pose
 from vcage.schema.asset import ContactPoint
-from vcage.sim.kinematics import ArmKinematics
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.state import lying_on
 from vcage.tasks.stowing import open_point
@@ -22,8 +21,7 @@ class PouringSettings:
 
     Args:
         lean_rad: how far it is tipped at the end: past level by more than walls slope inwards.
-        step_rad, largest_jump_rad: between two poses of the way, and change of a joint there.
-        ik_starts: starts of inverse kinematics for its last pose.
+        step_rad: between two poses of the way.
         above_m: heights of its lip over the container at the end, in the order to try: a hand below it needs room.
         clear_m: least height of all of it over the container on the way.
         directions: in which it is tipped, and sides of it over which all rolls out.
@@ -38,8 +36,6 @@ class PouringSettings:
 
     lean_rad: float = float(np.radians(110.0))
     step_rad: float = float(np.radians(9.0))
-    largest_jump_rad: float = 0.4
-    ik_starts: int = 2
     above_m: tuple[float, ...] = (0.06, 0.12)
     clear_m: float = 0.02
     directions: int = 12
@@ -123,34 +119,6 @@ def tipped_to(way: Sequence[Pose]) -> np.ndarray:
     """(2,) side of a vessel, in its frame, over which a way tips it."""
     towards = way[0].rotation().T @ (way[-1].rotation()[:, 2] * [1.0, 1.0, 0.0])
     return towards[:2] / np.linalg.norm(towards[:2])
-
-
-def followed(kinematics: ArmKinematics, way: Sequence[Pose], held: Pose, start: np.ndarray) -> list[np.ndarray] | None:
-    """Joints (n,) along a way of a vessel in a hand; None where the arm cannot go it.
-
-    Args:
-        kinematics: of the arm.
-        way: poses of the vessel.
-        held: gripper frame in the vessel's frame.
-        start: (n,) joints before, rad.
-    """
-    last = way[-1] * held  # the hardest
-    if kinematics.too_far(last) or not kinematics.reachable(last, SETTINGS.ik_starts):
-        return None
-    hands = [pose * held for pose in way]
-    paths = (_continued(kinematics, hands[1:], first) for first in kinematics.ik_all(hands[0], start))
-    return next((path for path in paths if path is not None), None)
-
-
-def _continued(kinematics: ArmKinematics, hands: Sequence[Pose], first: np.ndarray) -> list[np.ndarray] | None:
-    """Joints (n,) from the first on through poses of the gripper, without a jump; None where there is one."""
-    path = [first]
-    for hand in hands:
-        joints = kinematics.ik(hand, path[-1], attempts=0)
-        if joints is None or np.abs(joints - path[-1]).max() > SETTINGS.largest_jump_rad:
-            return None
-        path.append(joints)
-    return path
 
 
 def _lip(vessel: SceneObject, side: np.ndarray) -> np.ndarray:

@@ -89,7 +89,7 @@ def test_more_things_than_pegs_are_refused_by_name() -> None:
     goals = [Goal(subject=mug.id, relation="hung_on", reference=RACK.id) for mug in mugs]
     found, refused = HANG.proposals([*mugs, RACK], goals)
     assert found == [] and len(refused) == 3
-    assert {one.reason for one in refused} == {"light brown mug rack has 2 pegs, and more things are to hang on it"}
+    assert {one.reason for one in refused} == {"light brown mug rack has 2 pegs, and 3 things are to hang on it"}
 
 
 def test_pegs_that_are_too_thick_are_refused_by_name(monkeypatch: pytest.MonkeyPatch) -> None:

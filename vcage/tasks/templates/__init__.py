@@ -15,14 +15,14 @@ from vcage.schema.subtasks import Refusal, Subtask, Subtasks, TemplateName
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.templates.close import CLOSE
 from vcage.tasks.templates.hand_over import HandOver
-from vcage.tasks.templates.hang import Hang
+from vcage.tasks.templates.hang import HANG
 from vcage.tasks.templates.hit import Hit
 from vcage.tasks.templates.hold_up import HoldUp
 from vcage.tasks.templates.hold_with_both import HoldWithBoth
 from vcage.tasks.templates.lift import LIFT
 from vcage.tasks.templates.open import OPEN
 from vcage.tasks.templates.place import PLACE
-from vcage.tasks.templates.pour import Pour
+from vcage.tasks.templates.pour import POUR
 from vcage.tasks.templates.present import PRESENT
 from vcage.tasks.templates.press import PRESS
 from vcage.tasks.templates.proposal import Proposal
@@ -65,7 +65,7 @@ TEMPLATES: dict[TemplateName, SubtaskTemplate] = {
     template.name: template
     for template in (
         PLACE, STACK, WEIGH, SET_DOWN, PUSH, PRESENT, Scan(), OPEN, CLOSE, PRESS, TURN, TURN_OFF, HandOver(), LIFT,
-        SHAKE, HoldUp(), HoldWithBoth(), Hit(), Wipe(), Pour(), Hang(),
+        SHAKE, HoldUp(), HoldWithBoth(), Hit(), Wipe(), POUR, HANG,
     )
 }  # fmt: skip
 """By name, in the order in which the search goes through them."""

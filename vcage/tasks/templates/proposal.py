@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
@@ -127,12 +127,16 @@ P = TypeVar("P", bound=Proposal)
 
 
 def carried(
-    kind: type[P], name: TemplateName, word: str, objects: Sequence[SceneObject], asked: Collection[Goal]
+    kind: Callable[[TemplateName, SceneObject, Goal], P],
+    name: TemplateName,
+    word: str,
+    objects: Sequence[SceneObject],
+    asked: Collection[Goal],
 ) -> tuple[list[P], list[Refusal]]:
     """A proposal for each requested goal of a word, and the refusals of those whose object cannot be carried.
 
     Args:
-        kind: of the proposals.
+        kind: makes a proposal.
         name: of the template.
         word: of the goals.
         objects: of the scene.
