@@ -32,6 +32,21 @@ def test_an_object_no_arm_reaches_here_may_be_reached_elsewhere():
 
 
 @pytest.mark.parametrize(
+    ("name", "relation", "other", "why"),
+    [
+        ("mug", "hung_on", "plate", "plate has no peg to hang something on"),
+        ("cup", "hung_on", "mug_rack", "cup has no closed handle to hang it by"),
+        ("block", "poured", "bowl", "block is no vessel"),
+    ],
+)
+def test_two_that_do_not_suit_each_other_are_refused_for_that_alone(name: str, relation: str, other: str, why: str):
+    goal = Goal(subject=name, relation=relation, reference=other)
+    with pytest.raises(NoFeasibleTask, match=why) as caught:
+        wanting(goal, [thing(name, role="content"), thing(other, (0.2, 0.0), role="receptacle")])
+    assert "functional point" not in caught.value.message
+
+
+@pytest.mark.parametrize(
     ("event", "tool"),
     [
         ("scanned", "scanner"),

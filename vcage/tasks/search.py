@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from vcage.base.errors import InputFileError, NoFeasibleTask
-from vcage.plans.actions import AT_START, Action
+from vcage.plans.actions import AT_START, HOLDING, Action
 from vcage.plans.planner import Task, complaints, find_chain
 from vcage.schema.goals import AskedGoal, Goal, in_steps, part_that
 from vcage.schema.plan import TABLE
@@ -240,9 +240,9 @@ def _positions_of(o: SceneObject) -> Iterator[Goal]:
 
 
 def is_about(refusal: Refusal, goal: Goal) -> bool:
-    """True if a refusal concerns the way to bring about a goal."""
+    """True if a refusal concerns the way to bring about a goal; without one, it is about putting things on or in."""
     if refusal.goal is None:
-        return (refusal.object, refusal.receptacle) == (goal.subject, goal.reference)
+        return goal.relation in HOLDING and (refusal.object, refusal.receptacle) == (goal.subject, goal.reference)
     return refusal.goal == goal
 
 
