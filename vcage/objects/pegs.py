@@ -104,11 +104,12 @@ def _peg(asset: Asset, face: Face) -> Peg:
 
 def loops_of(asset: Asset) -> list[Loop]:
     """The holes of an object that its material closes all around."""
-    found = [_loop(asset, face) for face in asset.annotation.faces_of("loop")]
+    found = [loop_at(asset, face) for face in asset.annotation.faces_of("loop")]
     return [loop for loop in found if loop.reaches.max() <= SETTINGS.widest_m]
 
 
-def _loop(asset: Asset, face: Face) -> Loop:
+def loop_at(asset: Asset, face: Face) -> Loop:
+    """The section of a hole at a face in its middle; infinitely wide where nothing closes it."""
     axis = np.asarray(face.axis, dtype=np.float64)
     frame = frame_from_axes(face.position, axis, np.array([0.0, 0.0, 1.0]))
     turns = np.arange(SETTINGS.directions) * 2 * np.pi / SETTINGS.directions

@@ -95,16 +95,20 @@ class PointRoom(Record):
 class Face(Record):
     """A marked spot of an object: a bar code, the window of the scanner that reads it, the head of a tool to hit with,
     the pad of one to wipe with (the middle of its lower side, as the tool lies in a hand), the middle of the loop of a
-    closed handle, or the tip of a peg on which such a loop hangs."""
+    closed handle, the tip of a peg on which such a loop hangs, the middle of a straight hole, or that of a shaft that
+    goes into one."""
 
-    kind: Literal["code", "reader", "head", "pad", "loop", "peg"]
+    kind: Literal["code", "reader", "head", "pad", "loop", "peg", "hole", "shaft"]
     position: Point3 = Field(description="its middle in the object frame, metres")
-    axis: UnitVec3 = Field(description="out of the surface; through a loop; out of the tip of a peg, not straight up")
+    axis: UnitVec3 = Field(
+        description="out of the surface; through a loop or a hole; along a shaft; out of the tip of a peg; the last "
+        "three are not vertical"
+    )
 
     @model_validator(mode="after")
-    def _pegs_are_not_vertical(self) -> Face:
-        if self.kind == "peg" and abs(self.axis[2]) > 0.99:
-            raise ValueError("axis: expected that of a peg to lean at least 8 degrees from the vertical")
+    def _slid_along_a_leaning_axis(self) -> Face:
+        if self.kind in ("peg", "hole", "shaft") and abs(self.axis[2]) > 0.99:
+            raise ValueError(f"axis: expected that of a {self.kind} to lean at least 8 degrees from the vertical")
         return self
 
 
@@ -206,7 +210,7 @@ class Annotation(Document):
 
     def faces_of(self, kind: str) -> list[Face]:
         """The bar codes (``code``), scanner windows (``reader``), heads (``head``), pads (``pad``), loops of handles
-        (``loop``) or pegs (``peg``)."""
+        (``loop``), pegs (``peg``), holes (``hole``) or shafts (``shaft``)."""
         return [face for face in self.faces if face.kind == kind]
 
     def functional_point(self, point_id: int) -> FunctionalPoint:
@@ -284,6 +288,16 @@ class CatalogueEntry(Record):
     def pegs(self) -> int:
         """The number of its pegs, on each of which one thing hangs."""
         return sum(face.kind == "peg" for face in self.faces)
+
+    @property
+    def goes_into_holes(self) -> bool:
+        """Check if a hand takes it, and it has a shaft that goes into a hole."""
+        return self.can_be_carried and any(face.kind == "shaft" for face in self.faces)
+
+    @property
+    def holes(self) -> int:
+        """The number of its holes, into each of which one shaft goes."""
+        return sum(face.kind == "hole" for face in self.faces)
 
     @property
     def weighs(self) -> bool:
