@@ -95,6 +95,7 @@ DEFINED = {
     "moved_away": "Moved away",
     "row_left_of": "Left of in a row", "in_place_of": "In place of", "shaken": "Shaken", "turned_back": "Turned back",
     "hit": "Hit: ", "wiped": "Wiped: ", "poured": "Poured: ", "upright": "Upright: ", "hung_on": "Hung on: ",
+    "inserted_in": "Inserted in: ",
 }  # fmt: skip
 """How the definition of a word begins."""
 

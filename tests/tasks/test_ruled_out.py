@@ -36,6 +36,8 @@ def test_an_object_no_arm_reaches_here_may_be_reached_elsewhere():
     [
         ("mug", "hung_on", "plate", "plate has no peg to hang something on"),
         ("cup", "hung_on", "mug_rack", "cup has no closed handle to hang it by"),
+        ("mug", "inserted_in", "peg_block", "mug is no peg that goes into a hole"),
+        ("peg", "inserted_in", "bowl", "bowl has no hole to insert something in"),
         ("block", "poured", "bowl", "block is no vessel"),
     ],
 )

@@ -76,6 +76,7 @@ def test_every_template_keeps_its_reasons():
         Goal(subject="electronic_scale", relation="wiped"),
         Goal(subject="block", relation="poured", reference="electronic_scale"),
         Goal(subject="block", relation="hung_on", reference="electronic_scale"),
+        Goal(subject="block", relation="inserted_in", reference="electronic_scale"),
         Goal(subject="block", relation="beside", reference="electronic_scale"),
         Goal(subject="cabinet_one_drawer", relation="beside", reference="block"),
         Goal(subject="block", relation="handed", reference="right"),

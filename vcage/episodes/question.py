@@ -23,6 +23,7 @@ from vcage.sim.drawer import Drawing, Window
 from vcage.sim.joints import link_poses
 from vcage.tasks.hanging import hung_poses
 from vcage.tasks.hitting import hitting_poses
+from vcage.tasks.inserting import inserted_poses
 from vcage.tasks.reading import SETTINGS as READING
 from vcage.tasks.reading import reading_poses
 from vcage.tasks.scene_objects import SceneObject
@@ -163,6 +164,9 @@ def _question(context: StageContext, scene: Scene, asking: Asking) -> CriticQues
     def hangings(thing: str, at: Pose, rack: str, there: Pose) -> Iterator[Pose]:
         return hung_poses(objects[thing].moved(at), objects[rack].moved(there), [])
 
+    def insertions(thing: str, at: Pose, place: str, there: Pose) -> Iterator[tuple[float, Pose]]:
+        return inserted_poses(objects[thing].moved(at), objects[place].moved(there))
+
     return CriticQuestion(
         text=asking.text,
         goals=list(goals),
@@ -183,6 +187,7 @@ def _question(context: StageContext, scene: Scene, asking: Asking) -> CriticQues
         wipings=wipings,
         wipers=_with_face("pad", objects),
         hangings=hangings,
+        insertions=insertions,
         contents=_contents(scene),
         table_height=scene.table.height,
         tops=_tops(objects.values(), scene.table.height),

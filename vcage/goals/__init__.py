@@ -21,6 +21,7 @@ from vcage.goals.held_up import HELD_UP
 from vcage.goals.hit import HIT
 from vcage.goals.hung_on import HUNG_ON
 from vcage.goals.in_place_of import IN_PLACE_OF
+from vcage.goals.inserted_in import INSERTED_IN
 from vcage.goals.inside import INSIDE
 from vcage.goals.kind import TABLE, GoalKind, Stated
 from vcage.goals.lifted import LIFTED
@@ -47,7 +48,7 @@ KINDS: dict[str, GoalKind] = {
     for kind in (
         INSIDE, ON, *SIDES, ROW_LEFT_OF, IN_PLACE_OF, BESIDE, NEAR, CENTRED, OPEN, CLOSED, PRESSED, TURNED, TURNED_BACK,
         HELD_UP, HELD_BY_BOTH, SCANNED, WEIGHED, PRESENTED, BACK, MOVED_AWAY, FACING_ROBOT, HANDED, LIFTED, SHAKEN,
-        HIT, WIPED, POURED, UPRIGHT, HUNG_ON,
+        HIT, WIPED, POURED, UPRIGHT, HUNG_ON, INSERTED_IN,
     )
 }  # fmt: skip
 """By word, in the order in which prompts explain them."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
-from typing import Any, Literal, Protocol
+from typing import Any, Literal, NamedTuple, Protocol
 
 from vcage.base.geometry import Pose
 from vcage.goals.thresholds import Thresholds
@@ -51,6 +51,20 @@ class Thing(Protocol):
     @property
     def lowest(self) -> float:
         """z of its lowest point, metres."""
+
+
+class Inserted(NamedTuple):
+    """How a shaft lies in a hole.
+
+    Args:
+        share: of the length of the hole that it fills.
+        aside_m: largest distance between their axes in the hole, metres.
+        leans_rad: angle between their axes, radians.
+    """
+
+    share: float
+    aside_m: float
+    leans_rad: float
 
 
 class State(Protocol):
@@ -114,6 +128,9 @@ class State(Protocol):
 
     def hangs_on(self, name: str, rack: str) -> bool:
         """True where a peg of a rack passes through the closed handle of an object."""
+
+    def inserted(self, name: str, place: str) -> Inserted | None:
+        """How the shaft of an object lies in a hole of a place; None where one has none."""
 
     def not_resting(self, goal: Stated) -> str | None:
         """Why the subject does not rest in or on the reference; None where it does."""

@@ -39,6 +39,10 @@ class Thresholds:
         poured_s: how long all of its contents must have lain in the other thing without a break.
         stood_up_rad: largest lean of an object that was stood up: less than any that falls over keeps.
         hung_m: least height over the table of the lowest point of what hangs.
+        inserted_share: least share of the length of a hole that is filled by what is inserted in it: ManiSkill's pegs
+            must come to within 1.5 cm of the end.
+        inserted_rad, inserted_aside_m: largest angle and distance between its axis and that of the hole: in a hole of
+            6 cm that is 3 mm wider all around it leans by 6 degrees at most, and lies 3 mm low.
         still_m_per_s: an object that moves more slowly lies still.
         code_away_m, code_aside_m: a scanner reads a code that is at most this far before its window, and this far
             beside the window's axis.
@@ -89,6 +93,9 @@ class Thresholds:
     poured_s: float = 0.5
     stood_up_rad: float = math.radians(5)
     hung_m: float = 0.02
+    inserted_share: float = 0.75
+    inserted_rad: float = math.radians(10)
+    inserted_aside_m: float = 0.006
     still_m_per_s: float = 0.01
     code_away_m: float = 0.07
     code_aside_m: float = 0.03

@@ -57,6 +57,7 @@ VERBS: Mapping[str, Verb] = {
     "wiped": _verb("wip*|clean*"),
     "poured": _verb("pour*|empt*|tip|tips|tipp*|dump*"),
     "hung_on": _verb("hang*|hung|hook|hooks|hooked"),
+    "inserted_in": _verb("insert*|put*|push*|slid*|stick*|stuck|plug*|plac*|shov*|slip*"),
     "presented": _verb("present*|show*|giv*|hand*|offer*"),
 }
 """The verbs by the word of the goal."""

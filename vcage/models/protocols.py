@@ -119,6 +119,8 @@ class CriticQuestion:
             their ids, each with the pose that says how it stands.
         wipers: ids of the tools that have a pad.
         hangings: poses of a thing that hangs on a rack: their ids, each with the pose that says how it stands.
+        insertions: poses of a thing in line with a hole of another, each with the share of the hole's length that it
+            fills: their ids, each with the pose that says how it stands.
         contents: ids of the balls that lie loose in a vessel at the start, by the vessel's.
         grasped: id of the object to grasp, if it is not the object of the goals.
         moment: view by camera name while a part was touched, a code was before a scanner, a tool was on what it hits or
@@ -153,6 +155,7 @@ class CriticQuestion:
     wipings: Callable[[str, Pose, str, Pose], Iterable[tuple[Pose, Pose]]] | None = None
     wipers: Sequence[str] = ()
     hangings: Callable[[str, Pose, str, Pose], Iterable[Pose]] | None = None
+    insertions: Callable[[str, Pose, str, Pose], Iterable[tuple[float, Pose]]] | None = None
     contents: Mapping[str, Sequence[str]] = field(default_factory=dict)
     grasped: str | None = None
     moment: dict[str, View] = field(default_factory=dict)

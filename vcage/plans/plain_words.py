@@ -11,7 +11,7 @@ _BETWEEN: Mapping[str, str] = {
     "inside": "inside", "on": "on", "left_of": "to the left of", "right_of": "to the right of",
     "in_front_of": "in front of", "behind": "behind", "beside": "beside", "near": "near",
     "center": "in the middle of", "row_left_of": "in a row to the left of",
-    "in_place_of": "at the old place of", "poured": "into", "hung_on": "on",
+    "in_place_of": "at the old place of", "poured": "into", "hung_on": "on", "inserted_in": "in",
 }  # fmt: skip
 _ON_TABLE: Mapping[str, str] = {
     "on": "on", "left_of": "on the left of", "right_of": "on the right of", "in_front_of": "at the front of",

@@ -205,7 +205,7 @@ def _met(goal: Goal, objects: dict[str, SceneObject]) -> set[str]:
     if goal.kind.tool is not None:
         return {o.id for o in objects.values() if goal.relation in o.kind().tool_for}
     below = objects.get(goal.reference or "")
-    if goal.relation in ("poured", "hung_on") and below is not None:
+    if goal.relation in ("poured", "hung_on", "inserted_in") and below is not None:
         return {below.id}
     if goal.relation == "on" and below is not None:
         points = [point for point in below.asset.annotation.functional_points if point.is_of(goal.part)]

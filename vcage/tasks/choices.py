@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from vcage.tasks.feasibility import picks
 from vcage.tasks.grasps import approach_opening, command_of
 from vcage.tasks.hanging import hanging_ways
 from vcage.tasks.hitting import free_hitting_poses, hitting_poses
+from vcage.tasks.inserting import inserting_ways
 from vcage.tasks.meeting import Hold
 from vcage.tasks.pouring import SETTINGS as POURING
 from vcage.tasks.pouring import pouring_ways, suits, tipped_to
@@ -29,6 +31,7 @@ from vcage.tasks.primitives.operate import OperatePlan, Operation
 from vcage.tasks.primitives.pick import KnownPaths, LeadsOn, PickPlan, PickWay, plan_pick
 from vcage.tasks.primitives.place import Surroundings
 from vcage.tasks.primitives.push import PushPlan, plan_push
+from vcage.tasks.primitives.slide import INTO_A_HOLE, OVER_A_PEG, Sliding
 from vcage.tasks.primitives.wipe import require_way
 from vcage.tasks.reading import SETTINGS as READING
 from vcage.tasks.reading import free_reading_poses, reading_poses
@@ -170,15 +173,30 @@ class Choices:
         """
         thing, rack = self._cell.object(thing_id), self._cell.object(rack_id)
         ways = hanging_ways(thing, rack, self._cell.objects_but(thing_id))
-        return self._choose_using(thing, ways, grasps, f"on {rack_id}", self._sliding)
+        return self._choose_using(thing, ways, grasps, f"on {rack_id}", partial(self._sliding, OVER_A_PEG))
 
-    def _sliding(self, target: SceneObject, hover: Surroundings, way: list[Pose]) -> LeadsOn:
+    def _choose_inserting(
+        self, thing_id: str, place_id: str, grasps: Sequence[tuple[int, str]]
+    ) -> tuple[PickPlan, Surroundings, Iterator[list[Pose]]]:
+        """The first grasp that can slide a thing into a hole, its surroundings, and its ways there.
+
+        Args:
+            thing_id, place_id, grasps: see :meth:`vcage.tasks.task.Task.insert`.
+        """
+        thing, place = self._cell.object(thing_id), self._cell.object(place_id)
+        others = self._cell.objects_but(thing_id)
+        in_turn = [contact for _, some in self._retry.choices(grasps, [None]) for contact, _ in some]
+        contacts = map(thing.asset.annotation.contact_point, dict.fromkeys(in_turn))
+        ways = (way for contact in contacts for way in inserting_ways(thing, place, contact, others))
+        return self._choose_using(thing, ways, grasps, f"in {place_id}", partial(self._sliding, INTO_A_HOLE))
+
+    def _sliding(self, sliding: Sliding, target: SceneObject, hover: Surroundings, way: list[Pose]) -> LeadsOn:
         """Return the check that a thing can be slid along a way, and the hand drawn back where it ends."""
 
         def check(planner: MotionPlanner, pick: PickWay, lifted: np.ndarray, contact: ContactPoint) -> None:
             gripper, width = planner.kinematics.arm.gripper, target.asset.grasp_width(contact)
             load = Load(command_of(width, gripper), self._cell.held(target.id, pick.grasp))
-            end = require_along(planner, lifted, load, way, "the peg is out of reach")
+            end = require_along(planner, lifted, load, way, f"{sliding.where} is out of reach")
             planner.check(end, Load(command_of(approach_opening(width, gripper), gripper), ignore=[target.id]))
             here = planner.kinematics.fk(end)
             if not planner.continues(end, [Pose(here.p + [0.0, 0.0, gripper.approach], here.q)]):

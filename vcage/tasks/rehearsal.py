@@ -32,11 +32,11 @@ from vcage.tasks.hitting import SETTINGS as HITTING
 from vcage.tasks.pouring import balls_in
 from vcage.tasks.primitives.along import plan_along
 from vcage.tasks.primitives.come_down import way_down
-from vcage.tasks.primitives.hang import plan_hang
 from vcage.tasks.primitives.hold_with_both import plan_with_both
 from vcage.tasks.primitives.place import Surroundings
 from vcage.tasks.primitives.pour import SETTINGS as POURING
 from vcage.tasks.primitives.shake import plan_shake
+from vcage.tasks.primitives.slide import INTO_A_HOLE, OVER_A_PEG, Sliding, plan_slide
 from vcage.tasks.primitives.wipe import rehearse_wipe
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import POURS, TAKES, compose, find_subtasks, judging
@@ -117,14 +117,23 @@ class Rehearsal(Task):
     def hang(self, thing_id: str, rack_id: str, grasps: Sequence[tuple[int, str]]) -> None:
         """Plan it; the thing hangs where it comes to rest."""
         self._picked, _, ways = self._choose_hanging(thing_id, rack_id, grasps)
-        up, load = self._lifted()
-        way = next(ways)
-        with failing_at("plan"):
-            plan_hang(self._cell.planner(self._picked.arm), up, load, way)
+        way = self._slid(next(ways), OVER_A_PEG)
         thing, rack = self._cell.object(thing_id), self._cell.object(rack_id)
         rests = hung_poses(thing, rack, self._cell.objects_but(thing_id))
         nearest = min(rests, key=lambda pose: float(np.linalg.norm(pose.p - way[-1].p)))
         self.world.set_object_pose(thing_id, nearest)
+
+    def insert(self, thing_id: str, place_id: str, grasps: Sequence[tuple[int, str]]) -> None:
+        """Plan it; the thing is where it is let go."""
+        self._picked, _, ways = self._choose_inserting(thing_id, place_id, grasps)
+        self.world.set_object_pose(thing_id, self._slid(next(ways), INTO_A_HOLE)[-1])
+
+    def _slid(self, way: Sequence[Pose], sliding: Sliding) -> Sequence[Pose]:
+        """Plan that what was picked is lifted and slid along a way, which is returned."""
+        up, load = self._lifted()
+        with failing_at("plan"):
+            plan_slide(self._cell.planner(self._picked.arm), up, load, way, sliding)
+        return way
 
     def wait(self, seconds: float) -> None:
         """Nothing."""

@@ -163,7 +163,7 @@ def _shortest(task: Task, actions: Sequence[Action]) -> list[str] | None:
 ENDS_IN_HAND: tuple[TemplateName, ...] = ("hold_up", "hold_with_both")
 """Sub-tasks after which the object is in a hand."""
 
-TAKES: tuple[TemplateName, ...] = (*ENDS_IN_HAND, "hang")
+TAKES: tuple[TemplateName, ...] = (*ENDS_IN_HAND, "hang", "insert")
 """Sub-tasks that take the object from its place, and have no slot for it."""
 
 POURS: TemplateName = "pour"

@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterable, Mapping
 
 import numpy as np
 
-from vcage.goals.kind import Stated
+from vcage.goals.kind import Inserted, Stated
 from vcage.goals.thresholds import THRESHOLDS
 from vcage.plans.relations import holds
 from vcage.schema.asset import FunctionalPoint
@@ -19,6 +19,7 @@ from vcage.sim.joints import joint_index, joint_positions
 from vcage.sim.world import PHYSICS_HZ, World
 from vcage.tasks.hanging import hangs_on
 from vcage.tasks.hitting import hits
+from vcage.tasks.inserting import inserted
 from vcage.tasks.reading import reads
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.wiping import cells_of, under_pad
@@ -52,6 +53,10 @@ class StillState:
     def hangs_on(self, name: str, rack: str) -> bool:
         """True where a peg of a rack passes through the closed handle of an object."""
         return hangs_on(self.thing(name), self.thing(rack))
+
+    def inserted(self, name: str, place: str) -> Inserted | None:
+        """How the shaft of an object lies in a hole of a place; None where one has none."""
+        return inserted(self.thing(name), self.thing(place))
 
     def weighs(self, name: str) -> bool:
         """True where a name is that of a scale."""

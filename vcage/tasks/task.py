@@ -24,13 +24,13 @@ from vcage.tasks.hitting import SETTINGS as HITTING
 from vcage.tasks.holding import SETTINGS as HOLDING
 from vcage.tasks.primitives.come_down import carry_out_down, plan_down
 from vcage.tasks.primitives.grip import Grip, feel, hangs_below, minding
-from vcage.tasks.primitives.hang import carry_out_hang
 from vcage.tasks.primitives.hold_with_both import carry_out_with_both, plan_with_both
 from vcage.tasks.primitives.pick import carry_out_pick
 from vcage.tasks.primitives.place import SETTINGS, PlacePlan, Surroundings, carry_out_place, old_places, plan_place
 from vcage.tasks.primitives.pour import carry_out_pour
 from vcage.tasks.primitives.push import carry_out_push
 from vcage.tasks.primitives.shake import carry_out_shake
+from vcage.tasks.primitives.slide import INTO_A_HOLE, OVER_A_PEG, carry_out_slide
 from vcage.tasks.primitives.wipe import carry_out_wipe
 from vcage.tasks.retries import Retry
 from vcage.tasks.scene_objects import SceneObject
@@ -217,7 +217,26 @@ class Task(Choices):
         plan, _, ways = self._choose_hanging(thing_id, rack_id, grasps)
         grip = carry_out_pick(self._cell, plan)
         self._lift(grip)
-        self.moment = carry_out_hang(self._cell, grip, rack_id, ways)
+        self.moment = carry_out_slide(self._cell, grip, rack_id, ways, OVER_A_PEG)
+
+    def insert(self, thing_id: str, place_id: str, grasps: Sequence[tuple[int, str]]) -> None:
+        """Take a thing, slide its shaft into a free hole along that, and let it go there.
+
+        The hand is drawn back with the motion that follows.
+
+        Args:
+            thing_id: the thing, with a shaft.
+            place_id: what has the hole.
+            grasps: (contact point, arm) to try, in this order.
+
+        Raises:
+            TaskFailed: no way can be planned, or the thing is lost, or meets something else.
+            UnknownName: there is no such object, contact point or arm.
+        """
+        plan, _, ways = self._choose_inserting(thing_id, place_id, grasps)
+        grip = carry_out_pick(self._cell, plan)
+        self._lift(grip)
+        self.moment = carry_out_slide(self._cell, grip, place_id, ways, INTO_A_HOLE)
 
     def _put_back(self, stood: SceneObject, hover: Surroundings, shown: PlacePlan, leaves: str | None = None) -> None:
         """Put the object in a hand back where it stood, turned a little where the arm does not reach its heading.

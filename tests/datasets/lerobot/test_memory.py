@@ -9,7 +9,7 @@ from vcage.goals import KINDS
 
 PAST_VERBS = {
     "put", "handed", "showed", "opened", "closed", "pressed", "turned", "scanned", "weighed", "pushed", "held", "moved",
-    "lifted", "shook", "hit", "wiped", "poured", "hung", "stood",
+    "lifted", "shook", "hit", "wiped", "poured", "hung", "stood", "inserted",
 }  # fmt: skip
 """Of all sub-tasks that the library makes."""
 

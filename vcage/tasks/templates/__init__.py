@@ -19,6 +19,7 @@ from vcage.tasks.templates.hang import HANG
 from vcage.tasks.templates.hit import Hit
 from vcage.tasks.templates.hold_up import HoldUp
 from vcage.tasks.templates.hold_with_both import HoldWithBoth
+from vcage.tasks.templates.insert import INSERT
 from vcage.tasks.templates.lift import LIFT
 from vcage.tasks.templates.open import OPEN
 from vcage.tasks.templates.place import PLACE
@@ -65,7 +66,7 @@ TEMPLATES: dict[TemplateName, SubtaskTemplate] = {
     template.name: template
     for template in (
         PLACE, STACK, WEIGH, SET_DOWN, PUSH, PRESENT, Scan(), OPEN, CLOSE, PRESS, TURN, TURN_OFF, HandOver(), LIFT,
-        SHAKE, HoldUp(), HoldWithBoth(), Hit(), Wipe(), POUR, HANG,
+        SHAKE, HoldUp(), HoldWithBoth(), Hit(), Wipe(), POUR, HANG, INSERT,
     )
 }  # fmt: skip
 """By name, in the order in which the search goes through them."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 from vcage.models.rules.evidence.handed import judge_handed
 from vcage.models.rules.evidence.hit import judge_hit
 from vcage.models.rules.evidence.hung import judge_hung
+from vcage.models.rules.evidence.inserted import judge_inserted
 from vcage.models.rules.evidence.judgement import Judgement
 from vcage.models.rules.evidence.moved import (
     judge_centred,
@@ -50,5 +51,6 @@ EVIDENCE: dict[str, Judgement] = {
     "poured": judge_poured,
     "upright": judge_upright,
     "hung": judge_hung,
+    "inserted": judge_inserted,
 }
 """By the name of the evidence."""

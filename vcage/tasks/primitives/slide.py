@@ -1,4 +1,4 @@
-"""Hang: the loop of a thing in a hand is slid over a peg and lowered onto it, and the thing is let go."""
+"""Slide: a thing in a hand is slid over a peg or into a hole, and let go there."""
 
 from __future__ import annotations
 
@@ -22,50 +22,58 @@ from vcage.tasks.workcell import CAREFUL_SPEED_SHARE, Workcell, failing_at
 
 
 @dataclass(frozen=True)
-class HangSettings:
-    """The motion of hanging.
+class Sliding:
+    """A motion of a thing along a peg or a hole.
 
     Args:
-        speed: share of the speed limit along the peg.
-        swings_s: how long the hand waits, open, for the thing to swing down.
+        done: as in "it cannot be slid over the peg".
+        where: the place, in words.
+        speed: share of the speed limit along it.
+        waits_s: how long the hand waits, open, for the thing to come to rest.
         ways: that are tried at most with the thing in the hand.
     """
 
+    done: str
+    where: str
     speed: float = 0.3
-    swings_s: float = 0.6
+    waits_s: float = 0.6
     ways: int = 12
 
 
-SETTINGS = HangSettings()
+OVER_A_PEG = Sliding("slid over the peg", "the peg")
+INTO_A_HOLE = Sliding("slid into the hole", "the hole", speed=0.2, waits_s=0.3)
 
 
-def carry_out_hang(cell: Workcell, grip: Grip, rack_id: str, ways: Iterable[Sequence[Pose]]) -> WorldState:
-    """Slide a thing over a peg, lower it, let it go, and draw the hand back upwards with the following motion.
+def carry_out_slide(
+    cell: Workcell, grip: Grip, target_id: str, ways: Iterable[Sequence[Pose]], sliding: Sliding
+) -> WorldState:
+    """Slide a thing along one of some ways, let it go, and draw the hand back upwards with the following motion.
 
     Returns the state before it is let go.
 
     Args:
         cell: in its present state.
         grip: the thing in the hand, lifted.
-        rack_id: id of the rack.
+        target_id: id of what has the peg or the hole, which the thing may touch.
         ways: poses of the thing; in the order to try.
+        sliding: how it is slid.
 
     Raises:
         TaskFailed: no way can be planned, the thing is lost, or something else is touched.
     """
     control, start = cell.world.arms[grip.arm], cell.begun(grip.arm)
     load = replace(grip.carrying, held=cell.held(grip.object_id, control.tool_pose))
-    plan = partial(plan_hang, cell.planner(grip.arm), start.end, load)
-    carry, slide = first_free(plan, islice(ways, SETTINGS.ways), "slid over the peg")
+    plan = partial(plan_slide, cell.planner(grip.arm), start.end, load, sliding=sliding)
+    carry, slide = first_free(plan, islice(ways, sliding.ways), sliding.done)
     with minding(cell, grip):
         cell.carry_out(grip.arm, start.then(carry))
-        cell.carry_out(grip.arm, slide, [Allowance("load", frozenset([rack_id]))])
+        cell.carry_out(grip.arm, slide, [Allowance("load", frozenset([target_id]))])
     feel(cell, grip)
     moment, gripper = cell.world.state(), control.arm.gripper
     opened = command_of(approach_opening(control.finger_width, gripper), gripper)
     control.release(opened)
     cell.let_go(grip.object_id)
-    cell.world.step(round(SETTINGS.swings_s * PHYSICS_HZ))
+    cell.world.step(round(sliding.waits_s * PHYSICS_HZ))
     up = Pose(control.tool_pose.p + [0.0, 0.0, gripper.approach], control.tool_pose.q)
     away = Load(opened, ignore=cell.parts(grip.object_id), speed=CAREFUL_SPEED_SHARE)
     with failing_at("place"):
@@ -74,21 +82,22 @@ def carry_out_hang(cell: Workcell, grip: Grip, rack_id: str, ways: Iterable[Sequ
     return moment
 
 
-def plan_hang(
-    planner: MotionPlanner, start: np.ndarray, load: Load, way: Sequence[Pose]
+def plan_slide(
+    planner: MotionPlanner, start: np.ndarray, load: Load, way: Sequence[Pose], sliding: Sliding
 ) -> tuple[JointPath, JointPath]:
-    """The motion of a lifted thing to before the tip of a peg, and over the peg and down on it.
+    """The motion of a lifted thing to where a way begins, and along that, with a stop before its last pose.
 
     Args:
         planner: of the arm.
         start: (n,) its joints, rad.
         load: the thing in the hand.
-        way: poses of the thing, the lowered one last.
+        way: poses of the thing.
+        sliding: how it is slid.
 
     Raises:
         MotionFailed: the arm cannot go there, or touches something.
     """
-    *sliding, lowered = way
-    carry, slide = plan_along(planner, start, load, sliding, SETTINGS.speed)
-    down = planner.line(slide.end, hands_at(load, [lowered])[0], slide.legs[-1].load)
-    return carry, slide.then(down)
+    *before, last = way
+    carry, slide = plan_along(planner, start, load, before, sliding.speed)
+    end = planner.line(slide.end, hands_at(load, [last])[0], slide.legs[-1].load)
+    return carry, slide.then(end)
