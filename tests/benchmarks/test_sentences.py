@@ -28,7 +28,7 @@ from vcage.tasks.templates import TEMPLATES
 
 VERBS = (
     "put", "pack", "open", "turn", "stack", "weigh", "hand", "push", "shake", "lift", "hit", "wipe", "pour", "hang",
-    "stand",
+    "insert", "stand",
 )  # fmt: skip
 
 

@@ -244,7 +244,7 @@ HANDLING = word_set(
 VERBS = HANDLING | word_set(
     "stack pack open close shut press push pull turn switch scan weigh show hand give pass present return clear",
     "tidy clean prepare store load fill empty drop throw slide sort arrange build make serve bag box belong",
-    "belongs sit stay shake raise swap exchange hit beat strike wipe pour tip dump hang",
+    "belongs sit stay shake raise swap exchange hit beat strike wipe pour tip dump hang insert plug",
 )
 """Verbs that instructions often have."""
 

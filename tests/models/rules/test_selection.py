@@ -229,6 +229,13 @@ def test_the_dish_is_the_one_that_was_named_before_and_the_dishes_are_crockery()
     assert chosen("Put the dishes in the basket", "content")
 
 
+@pytest.mark.parametrize(
+    "sentence", ["Insert the peg into the hole", "Put the peg in the peg block", "Push the peg into the peg hole"]
+)
+def test_a_peg_is_chosen_with_a_block_that_has_a_hole(sentence: str) -> None:
+    assert chosen(sentence, "content") == ["peg"] and chosen(sentence, "receptacle") == ["peg_block"]
+
+
 def test_balls_that_are_poured_start_in_a_cup_where_no_vessel_is_named() -> None:
     assert starts("Pour five small balls into the dustbin") == {"ball": "cup", "cup": None, "dustbin": None}
     assert chosen("Pour five small balls into the dustbin", "content").count("ball") == 5

@@ -61,6 +61,46 @@ _WORDS = {
 """Commands → their words."""
 
 
+class SlidWords(NamedTuple):
+    """The words of a goal for which a thing is slid over or into something.
+
+    Args:
+        ends: an infinitive that says how things end.
+        spot, purpose: what each thing takes one of, and what for.
+        spots: their number of a kind.
+        able: the test of a thing.
+        unable: a refusal of others.
+    """
+
+    ends: str
+    spot: str
+    purpose: str
+    spots: Callable[[CatalogueEntry], int]
+    able: Callable[[CatalogueEntry], bool]
+    unable: str
+
+
+_SLID = {
+    "hung_on": SlidWords(
+        ends="hang",
+        spot="peg",
+        purpose="to hang something on",
+        spots=lambda e: e.pegs,
+        able=lambda e: e.hangs,
+        unable="has no closed handle to hang it by",
+    ),
+    "inserted_in": SlidWords(
+        ends="be inserted",
+        spot="hole",
+        purpose="to insert something in",
+        spots=lambda e: e.holes,
+        able=lambda e: e.goes_into_holes,
+        unable="is no peg that goes into a hole",
+    ),
+}
+"""Goals → their words."""
+
+
 def read_goals(instruction: str, things: Things, lying: Mapping[str, str] | None = None) -> Reading:
     """The goals of an instruction in a scene.
 
@@ -247,6 +287,8 @@ class Goals:
             raise Doubt(command.place.text, "nothing can be left out of it")
         if is_dumped(command):
             self._vessels.require_none(command, self._named(command))
+        if command.how in ("in", "to") and self._is_hole(command.place):
+            return self._insert(command)
         loose = any(noun.several for noun in command.things)  # "everything" is all but the place
         spots = self._meanings.spots(command.place, command.how, [] if loose else self._named(command))
         names = self._named(command, [spot.name for spot in spots], least=len(spots))
@@ -365,20 +407,36 @@ class Goals:
             raise Doubt(command.words, "things are hung on something, not beside, in or to it")
         with_pegs = [name for name, entry in self.things.items() if entry.pegs]
         racks = with_pegs if command.place is None else self._meanings.objects(command.place)
-        names = self._named(command)
         if len(racks) != 1:
             example = listed(racks) or "a mug rack"
             raise Doubt(command.words, f"say on what it is hung, one thing with pegs such as {example}")
-        pegs = self.things[racks[0]].pegs
-        if len(names) > pegs:
-            more = f", and {len(names)} things are to hang there" if pegs else ""
+        self._slide(command, "hung_on", racks[0])
+
+    def _is_hole(self, place: Noun) -> bool:
+        """True for a noun that means a thing with a hole, into which others are inserted."""
+        return any(self.things[name].holes for name in place.named(self.things, short=True))
+
+    def _insert(self, command: Command) -> None:
+        """Inserting slides each thing into a hole of the place that is named."""
+        assert command.place is not None
+        places = self._meanings.objects(command.place)
+        if len(places) > 1:
+            raise Doubt(command.place.text, "things are inserted in one of them")
+        self._slide(command, "inserted_in", places[0])
+
+    def _slide(self, command: Command, relation: str, place: str) -> None:
+        """Each thing is slid over or into a spot of its own at a place."""
+        words, names = _SLID[relation], self._named(command)
+        spots = words.spots(self.things[place])
+        if len(names) > spots:
+            more = f", and {len(names)} things are to {words.ends} there" if spots else ""
             raise Doubt(
-                command.words, f"{racks[0]} has {pegs or 'no'} peg{'s' * (pegs > 1)} to hang something on{more}"
+                command.words, f"{place} has {spots or 'no'} {words.spot}{'s' * (spots > 1)} {words.purpose}{more}"
             )
         for name in names:
-            if not self.things[name].hangs:
-                raise Doubt(command.words, f"{name} has no closed handle to hang it by")
-            self._add(command, name, "hung_on", racks[0])
+            if not words.able(self.things[name]):
+                raise Doubt(command.words, f"{name} {words.unable}")
+            self._add(command, name, relation, place)
 
     def _event(self, command: Command) -> None:
         """Add the goal of an act on a part of a thing, or on a thing with a tool."""

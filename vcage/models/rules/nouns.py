@@ -224,8 +224,8 @@ def _on_end(words: Sequence[str], one: bool) -> tuple[list[str], bool]:
 
 
 def _owner(words: Sequence[str], head: str) -> tuple[list[str], list[str]]:
-    """The words after "of": the colours of the owner of a part, and the others; of no part, all belong to the name."""
-    own = [word for word in words if head in PART_WORDS and word in COLOURS]
+    """The words after "of": the colours of the owner of a part or hole, and the others; else all belong to the name."""
+    own = [word for word in words if (head in PART_WORDS or head == "hole") and word in COLOURS]
     return own, [word for word in words if word not in own]
 
 
