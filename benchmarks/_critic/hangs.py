@@ -43,9 +43,10 @@ def leans_on_it(played: Played) -> Shots | None:
 
 
 def still_in_the_hand(played: Played) -> Shots | None:
-    """It was slid over the peg, and the hand did not let it go."""
+    """It was slid over the peg, or into the hole, and the hand did not let it go."""
     shots = played.shots
-    if not _hangs(played) or shots.moment is None:
+    slid = played.goal.relation in ("hung_on", "inserted_in")
+    if not slid or not shots.truth.success or shots.moment is None:
         return None
     return played.untrue("the hand still holds it", after=shots.moment)
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from benchmarks._critic.hangs import fell_beside, leans_on_it, still_in_the_hand, stood_beside
 from benchmarks._critic.hits import hit_another, hit_beside, not_down
+from benchmarks._critic.inserts import block_pushed, half_in, lies_before_the_hole, lies_beside, lies_on_top
 from benchmarks._critic.played import DROP, Kind, Played, Shots
 from benchmarks._critic.pours import (
     half_beside,
@@ -357,6 +358,11 @@ FAILURES: Mapping[str, Kind] = {
     "fell beside the rack": fell_beside,
     "leans on the rack": leans_on_it,
     "still in the hand": still_in_the_hand,
+    "beside the block": lies_beside,
+    "before the hole": lies_before_the_hole,
+    "on the block": lies_on_top,
+    "half in": half_in,
+    "block pushed": block_pushed,
 }
 """By name."""
 
