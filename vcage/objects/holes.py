@@ -98,19 +98,21 @@ def holes_of(asset: Asset) -> list[Hole]:
 
 def _hole(asset: Asset, face: Face) -> Hole | None:
     loop = loop_at(asset, face)
-    if loop.reaches.max() > SETTINGS.widest_m:
+    walls = _walls(asset, loop) if loop.reaches.max() <= SETTINGS.widest_m else None
+    if walls is None:
         return None
-    axis, turns = loop.frame.rotation()[:, 2], np.arange(4) * np.pi / 2
+    across = material_along(asset.pieces, loop.frame.p, loop.frame.rotation()[:, 2])
+    bottom = max((end for _, end in across if walls[0] < end < 0), default=None)
+    top = min((start for start, _ in across if 0 < start < walls[1]), default=None)
+    ends = walls[0] if bottom is None else bottom, walls[1] if top is None else top
+    return Hole(loop, ends, (bottom is None, top is None))
+
+
+def _walls(asset: Asset, loop: Loop) -> tuple[float, float] | None:
+    """z of the ends of the material around a hole; None where it is open on one side."""
+    turns = np.arange(4) * np.pi / 2
     ways = np.stack([np.cos(turns), np.sin(turns)], axis=1)
-    walls = [loop.frame.apply([*((loop.reach(way) + SETTINGS.beside_m) * way), 0.0]) for way in ways]
-    stretches = [material_along(asset.pieces, at, axis) for at in walls]
-    around = [(start, end) for several in stretches for start, end in several if start < 0 < end]
-    if len(around) < len(walls):
-        return None
-    ends = max(start for start, _ in around), min(end for _, end in around)
-    across = material_along(asset.pieces, loop.frame.p, axis)
-    bottom = max((end for _, end in across if ends[0] < end < 0), default=None)
-    top = min((start for start, _ in across if 0 < start < ends[1]), default=None)
-    return Hole(
-        loop, (ends[0] if bottom is None else bottom, ends[1] if top is None else top), (bottom is None, top is None)
-    )
+    beside = [loop.frame.apply([*((loop.reach(way) + SETTINGS.beside_m) * way), 0.0]) for way in ways]
+    lines = (material_along(asset.pieces, at, loop.frame.rotation()[:, 2]) for at in beside)
+    around = [(start, end) for several in lines for start, end in several if start < 0 < end]
+    return (max(start for start, _ in around), min(end for _, end in around)) if len(around) == len(beside) else None

@@ -287,7 +287,7 @@ class Goals:
             raise Doubt(command.place.text, "nothing can be left out of it")
         if is_dumped(command):
             self._vessels.require_none(command, self._named(command))
-        if command.how in ("in", "to") and self._is_hole(command.place):
+        if command.how == "in" and self._is_hole(command.place):
             return self._insert(command)
         loose = any(noun.several for noun in command.things)  # "everything" is all but the place
         spots = self._meanings.spots(command.place, command.how, [] if loose else self._named(command))
