@@ -16,12 +16,12 @@ DEPTH, WIDTH, HEIGHT = 0.06, 0.1, 0.085
 HOLE, MIDDLE, BEVEL = 0.03, 0.055, 0.003
 """Width of the hole, height of its middle, and width and depth of the bevel around its mouths, metres."""
 
-PAINTS = {"white": (228, 228, 224), "black": (40, 40, 42)}
+PAINTS = {"green": (46, 122, 70), "blue": (38, 82, 178), "black": (40, 40, 42)}
 
 
 def build(variant: str) -> BuiltObject:
     rng = variant_rng("peg_block", variant)
-    coat = materials.wood(rng, materials.BEECH) if variant == "wood" else materials.plastic(rng, PAINTS[variant], 128)
+    coat = materials.plastic(rng, PAINTS[variant], 128)
     mouth = HOLE / 2 + BEVEL
     walls = [
         solids.box((DEPTH, WIDTH, MIDDLE - mouth)),

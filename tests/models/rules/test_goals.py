@@ -441,7 +441,7 @@ def test_what_does_not_hang_is_refused_by_name(sentence: str, why: str) -> None:
         "Insert the peg into the hole of the block",
         "Insert the peg into the hole in the block",
         "Put the peg in the peg block",
-        "Put the red peg in the hole of the white peg block",
+        "Put the red peg in the hole of the green peg block",
         "Push the peg into the hole",
         "Stick the peg in its hole",
         "Slide the peg into the hole of the peg block",
@@ -450,15 +450,15 @@ def test_what_does_not_hang_is_refused_by_name(sentence: str, why: str) -> None:
     ],
 )
 def test_a_peg_is_inserted_in_a_hole(sentence: str) -> None:
-    read = in_scene(sentence, "peg/red", "peg_block/white", "apple/red")
-    assert read == ["1: peg_red inserted_in peg_block_white"]
+    read = in_scene(sentence, "peg/red", "peg_block/green", "apple/red")
+    assert read == ["1: peg_red inserted_in peg_block_green"]
 
 
 @pytest.mark.parametrize(
     ("sentence", "why"),
     [
         ("Insert the mug into the hole", "mug_red is no peg that goes into a hole"),
-        ("Insert the red and the blue peg into the hole", "peg_block_white has 1 hole to insert something in"),
+        ("Insert the red and the blue peg into the hole", "peg_block_green has 1 hole to insert something in"),
         ("Put the peg on the peg block", "nothing can be put on it"),
         ("Insert the peg into the apple", "nothing can be put in it"),
     ],
@@ -466,7 +466,7 @@ def test_a_peg_is_inserted_in_a_hole(sentence: str) -> None:
 def test_what_is_not_inserted_is_refused_by_name(sentence: str, why: str) -> None:
     pegs = ["peg/red"] if "blue" not in sentence else ["peg/red", "peg/blue"]
     with pytest.raises(UnreadInstruction, match=why):
-        in_scene(sentence, *pegs, "peg_block/white", "apple/red", "mug/red")
+        in_scene(sentence, *pegs, "peg_block/green", "apple/red", "mug/red")
 
 
 def test_a_peg_is_still_put_in_a_bowl() -> None:

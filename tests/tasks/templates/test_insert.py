@@ -63,7 +63,7 @@ def test_a_peg_in_reach_of_a_block_is_inserted_in_it_by_either_end() -> None:
     subtask, _ = examined(PEG, BLOCK)
     assert subtask is not None and subtask.goals == [GOAL]
     assert (subtask.object, subtask.grasped, subtask.receptacle) == (PEG.id, PEG.id, None)
-    assert subtask.text == "Insert the red peg into the white peg block."
+    assert subtask.text == "Insert the red peg into the green peg block."
     assert len({subtask.text, *subtask.texts}) >= 10
 
 
@@ -86,14 +86,14 @@ def test_what_has_no_hole_is_refused_by_name() -> None:
 
 def test_a_peg_that_is_too_thick_is_refused_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("vcage.tasks.templates.insert.suits", lambda *_: False)
-    assert why_not(PEG, BLOCK) == "red peg is too thick for the hole of white peg block"
+    assert why_not(PEG, BLOCK) == "red peg is too thick for the hole of green peg block"
 
 
 @pytest.mark.parametrize("share", [0.5, 1.2])
 def test_a_hole_with_a_peg_in_it_is_taken(share: float) -> None:
     other = in_line(share, id="other")
     assert free_holes(BLOCK, [other]) == []
-    assert why_not(PEG, BLOCK, other) == "every hole of white peg block is taken"
+    assert why_not(PEG, BLOCK, other) == "every hole of green peg block is taken"
 
 
 def test_a_peg_before_a_hole_leaves_it_free() -> None:
@@ -105,13 +105,13 @@ def test_more_pegs_than_holes_are_refused_by_name() -> None:
     goals = [Goal(subject=peg.id, relation="inserted_in", reference=BLOCK.id) for peg in pegs]
     found, refused = INSERT.proposals([*pegs, BLOCK], goals)
     assert found == []
-    assert {one.reason for one in refused} == {"white peg block has 1 hole, and 2 things are to be inserted in it"}
+    assert {one.reason for one in refused} == {"green peg block has 1 hole, and 2 things are to be inserted in it"}
 
 
 def test_a_block_out_of_reach_is_refused() -> None:
     subtask, refused = examined(PEG, thing("peg_block", (0.0, 1.0)))
     assert subtask is None
-    assert any("does not reach the hole of white peg block" in one.reason for one in refused)
+    assert any("does not reach the hole of green peg block" in one.reason for one in refused)
 
 
 def test_the_end_that_goes_in_is_far_from_the_hand() -> None:
