@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -34,13 +35,14 @@ def plan_along(
     return carry, planner.follow(carry.end, others, going)
 
 
-def first_free(
-    plan: Callable[[Sequence[Pose]], tuple[JointPath, JointPath]], ways: Iterable[Sequence[Pose]], what: str
-) -> tuple[JointPath, JointPath]:
-    """The motions along the first way that can be planned.
+Planned = TypeVar("Planned")
+
+
+def first_free(plan: Callable[[Sequence[Pose]], Planned], ways: Iterable[Sequence[Pose]], what: str) -> Planned:
+    """The plan of the first way that can be planned.
 
     Args:
-        plan: returns the motion to where a way begins, and along that; raises :class:`MotionFailed`.
+        plan: plans the motion along a way; raises :class:`MotionFailed`.
         ways: in the order to try.
         what: cannot be done where there is none, as in "tipped over the container".
 

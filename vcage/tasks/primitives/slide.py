@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from itertools import islice
 
 import numpy as np
@@ -15,7 +14,7 @@ from vcage.sim.paths import JointPath, Load
 from vcage.sim.state import WorldState
 from vcage.sim.world import PHYSICS_HZ
 from vcage.tasks.grasps import approach_opening, command_of
-from vcage.tasks.primitives.along import first_free, hands_at, plan_along
+from vcage.tasks.primitives.along import first_free, hands_at
 from vcage.tasks.primitives.grip import Grip, feel, minding
 from vcage.tasks.touching import Allowance
 from vcage.tasks.workcell import CAREFUL_SPEED_SHARE, Workcell, failing_at
@@ -63,10 +62,17 @@ def carry_out_slide(
     """
     control, start = cell.world.arms[grip.arm], cell.begun(grip.arm)
     load = replace(grip.carrying, held=cell.held(grip.object_id, control.tool_pose))
-    plan = partial(plan_slide, cell.planner(grip.arm), start.end, load, sliding=sliding)
-    carry, slide = first_free(plan, islice(ways, sliding.ways), sliding.done)
+    planner = cell.planner(grip.arm)
+
+    def planned(way: Sequence[Pose]) -> tuple[JointPath, Sequence[Pose]]:
+        return plan_slide(planner, start.end, load, way, sliding)[0], way
+
+    carry, way = first_free(planned, islice(ways, sliding.ways), sliding.done)
     with minding(cell, grip):
         cell.carry_out(grip.arm, start.then(carry))
+        now = replace(load, held=cell.held(grip.object_id, control.tool_pose))  # it may have shifted on the way
+        with failing_at("place"):
+            slide = _along(planner, carry.end, now, way, sliding)
         cell.carry_out(grip.arm, slide, [Allowance("load", frozenset([target_id]))])
     feel(cell, grip)
     moment, gripper = cell.world.state(), control.arm.gripper
@@ -97,7 +103,14 @@ def plan_slide(
     Raises:
         MotionFailed: the arm cannot go there, or touches something.
     """
-    *before, last = way
-    carry, slide = plan_along(planner, start, load, before, sliding.speed)
-    end = planner.line(slide.end, hands_at(load, [last])[0], slide.legs[-1].load)
-    return carry, slide.then(end)
+    first, *others = hands_at(load, way)
+    carry = planner.move(start, first, load, then=others)
+    return carry, _along(planner, carry.end, load, way, sliding)
+
+
+def _along(planner: MotionPlanner, start: np.ndarray, load: Load, way: Sequence[Pose], sliding: Sliding) -> JointPath:
+    """The motion along a way from near its first pose; arguments and errors as of :func:`plan_slide`."""
+    *before, last = hands_at(load, way)
+    going = Load(load.opening, None if load.held is None else replace(load.held, clearance=0.0), speed=sliding.speed)
+    slide = planner.follow(start, before, going)
+    return slide.then(planner.line(slide.end, last, going))
