@@ -86,6 +86,16 @@ def test_a_thing_that_hangs_low_from_its_handle_is_lifted_on_until_all_of_it_is_
     assert pan.moved(world.object_pose(pan.id)).lowest >= TABLE_TOP + THRESHOLDS.lifted_m
 
 
+def test_time_may_pass_again_and_again_while_a_hand_holds_something():
+    world, by_id = world_of([CAN], robot()), {CAN.id: CAN}
+    world.settle()
+    task = Task(world, by_id, {})
+    task.pick(CAN.id, [(point.id, "left") for point in CAN.asset.annotation.carrying_points])
+    for _ in range(6):
+        task.wait(0.1)
+    assert CAN.moved(world.object_pose(CAN.id)).lowest >= TABLE_TOP + THRESHOLDS.lifted_m
+
+
 def test_what_a_hand_holds_is_not_put_down_again():
     with pytest.raises(NoFeasibleTask, match="in no order all of them"):
         planned([CAN, BLOCK], ["can", "held_up"], ["can", "beside", "block"])

@@ -328,7 +328,7 @@ class Task(Choices):
         """Lift what was picked, as far as that is still to do."""
         feel(self._cell, grip)
         with minding(self._cell, grip):
-            self._cell.carry_out(grip.arm, self._cell.begun(grip.arm))
+            self._cell.finish(grip.arm)
 
     def _lift_on(self, grip: Grip) -> None:
         """Lift an object that turns between the fingers so high that all of it stays in the air while it does.

@@ -130,6 +130,15 @@ class Workcell:
         here = JointPath((Leg(self.world.arms[arm].command[None, :-1], OPEN_HAND),))
         return self._put_off[arm][0] if arm in self._put_off else here
 
+    def finish(self, arm: str) -> None:
+        """Carry out the arm's postponed motion, if it has one.
+
+        Raises:
+            TaskFailed: as :meth:`carry_out`.
+        """
+        if arm in self._put_off:
+            self.carry_out(arm, self.begun(arm))
+
     def put_off(self, arm: str, path: JointPath, allowed: Sequence[Allowance] = ()) -> None:
         """Begin the arm's next motion with ``path``, so that it need not stop at its end.
 

@@ -19,4 +19,5 @@ def build(variant: str) -> BuiltObject:
         paint(soft, holes, tiled(0.07), roughness=0.95),
         paint(rough, materials.felt(rng, (44, 104, 62)), tiled(0.04), roughness=0.95),
     ]
-    return BuiltObject(parts, [soft.convex_hull, rough], mass=0.02, friction=0.9)
+    # Damp, it slides over a mat; with a coefficient of 0.9 it takes the mat along.
+    return BuiltObject(parts, [soft.convex_hull, rough], mass=0.02, friction=0.5)

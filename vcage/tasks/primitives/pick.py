@@ -282,7 +282,7 @@ def _lifted(cell: Workcell, grip: Grip, target: SceneObject, plan: PickPlan) -> 
     """Lift the held object now, and measure how it has shifted or turned between the fingers."""
     control = cell.world.arms[grip.arm]
     with minding(cell, grip):
-        cell.carry_out(grip.arm, cell.begun(grip.arm))
+        cell.finish(grip.arm)
     feel(cell, grip)
     held = cell.held(grip.object_id, control.tool_pose)
     width = target.asset.grasp_width(target.asset.annotation.contact_point(plan.contact))
