@@ -13,6 +13,7 @@ from vcage.models.rules.meanings import Meanings, Things
 from vcage.models.rules.nouns import Conflict, Doubt, Noun
 from vcage.models.rules.pronouns import resolved
 from vcage.models.rules.sentence import ONE_ARM, OTHER_ARM, USING, Command, not_read, parse
+from vcage.models.rules.slid import Slid
 from vcage.models.rules.too_little import require_plain, with_relations
 from vcage.models.rules.vessels import Vessels, is_dumped
 from vcage.objects.names import names_of
@@ -59,46 +60,6 @@ _WORDS = {
     "wipe": ToolWords("wiped", "wipe", "sponge", "is nothing to wipe with"),
 }
 """Commands → their words."""
-
-
-class SlidWords(NamedTuple):
-    """The words of a goal for which a thing is slid over or into something.
-
-    Args:
-        ends: an infinitive that says how things end.
-        spot, purpose: what each thing takes one of, and what for.
-        spots: their number of a kind.
-        able: the test of a thing.
-        unable: a refusal of others.
-    """
-
-    ends: str
-    spot: str
-    purpose: str
-    spots: Callable[[CatalogueEntry], int]
-    able: Callable[[CatalogueEntry], bool]
-    unable: str
-
-
-_SLID = {
-    "hung_on": SlidWords(
-        ends="hang",
-        spot="peg",
-        purpose="to hang something on",
-        spots=lambda e: e.pegs,
-        able=lambda e: e.hangs,
-        unable="has no closed handle to hang it by",
-    ),
-    "inserted_in": SlidWords(
-        ends="be inserted",
-        spot="hole",
-        purpose="to insert something in",
-        spots=lambda e: e.holes,
-        able=lambda e: e.goes_into_holes,
-        unable="is no peg that goes into a hole",
-    ),
-}
-"""Goals → their words."""
 
 
 def read_goals(instruction: str, things: Things, lying: Mapping[str, str] | None = None) -> Reading:
@@ -176,7 +137,7 @@ class Goals:
         self.commands = _with_arms(self.commands)
         nouns = [noun for c in self.commands for noun in (*c.things, c.place) if noun is not None]
         self._meanings = found = Meanings(self.things, self.lying, nouns)
-        self._vessels = Vessels(self.things, self.lying, found)
+        self._vessels, self._slid = Vessels(self.things, self.lying, found), Slid(self.things, found)
         goals: list[AskedGoal] = []
         for _, group in itertools.groupby(self.commands, lambda command: command.group):
             goals += self._in_steps(list(group), max((asked.step + 1 for asked in goals), default=1))
@@ -281,16 +242,21 @@ class Goals:
         return bool(brought & {(noun.name, noun.colour) for noun in command.things})
 
     def _put(self, command: Command, most: int | None = None) -> None:
-        """The counted objects in, on or beside their target; of several drawers each gets one in turn."""
+        """The counted objects in, on or beside their target, or in a hole of it."""
         assert command.place is not None
         if command.place.but and command.place.definite:
             raise Doubt(command.place.text, "nothing can be left out of it")
         if is_dumped(command):
             self._vessels.require_none(command, self._named(command))
-        if command.how == "in" and self._is_hole(command.place):
-            return self._insert(command)
+        if block := self._slid.block(command):
+            self._slide(command, "inserted_in", block)
+        else:
+            self._set_down(command, command.place, most)
+
+    def _set_down(self, command: Command, place: Noun, most: int | None) -> None:
+        """The counted objects in, on or beside a place; of several drawers each gets one in turn."""
         loose = any(noun.several for noun in command.things)  # "everything" is all but the place
-        spots = self._meanings.spots(command.place, command.how, [] if loose else self._named(command))
+        spots = self._meanings.spots(place, command.how, [] if loose else self._named(command))
         names = self._named(command, [spot.name for spot in spots], least=len(spots))
         for name, spot in zip(names[:most], itertools.cycle(spots), strict=False):
             if spot.relation in ("inside", "on") and not self.things[name].can_be_carried:
@@ -403,39 +369,13 @@ class Goals:
 
     def _hang(self, command: Command) -> None:
         """Hanging brings a peg of the named place, or of the only rack, through the closed handle of each thing."""
-        if command.how not in ("on", ""):
-            raise Doubt(command.words, "things are hung on something, not beside, in or to it")
-        with_pegs = [name for name, entry in self.things.items() if entry.pegs]
-        racks = with_pegs if command.place is None else self._meanings.objects(command.place)
-        if len(racks) != 1:
-            example = listed(racks) or "a mug rack"
-            raise Doubt(command.words, f"say on what it is hung, one thing with pegs such as {example}")
-        self._slide(command, "hung_on", racks[0])
-
-    def _is_hole(self, place: Noun) -> bool:
-        """True for a noun that means a thing with a hole, into which others are inserted."""
-        return any(self.things[name].holes for name in place.named(self.things, short=True))
-
-    def _insert(self, command: Command) -> None:
-        """Inserting slides each thing into a hole of the place that is named."""
-        assert command.place is not None
-        places = self._meanings.objects(command.place)
-        if len(places) > 1:
-            raise Doubt(command.place.text, "things are inserted in one of them")
-        self._slide(command, "inserted_in", places[0])
+        self._slide(command, "hung_on", self._slid.rack(command))
 
     def _slide(self, command: Command, relation: str, place: str) -> None:
         """Each thing is slid over or into a spot of its own at a place."""
-        words, names = _SLID[relation], self._named(command)
-        spots = words.spots(self.things[place])
-        if len(names) > spots:
-            more = f", and {len(names)} things are to {words.ends} there" if spots else ""
-            raise Doubt(
-                command.words, f"{place} has {spots or 'no'} {words.spot}{'s' * (spots > 1)} {words.purpose}{more}"
-            )
+        names = self._named(command)
+        self._slid.require(command, relation, names, place)
         for name in names:
-            if not words.able(self.things[name]):
-                raise Doubt(command.words, f"{name} {words.unable}")
             self._add(command, name, relation, place)
 
     def _event(self, command: Command) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from lark import Token
@@ -192,10 +192,8 @@ def noun_of(found: Sequence[Token], text: str, at: int) -> Noun:
     quantifier, count = _quantity(_words(found, "DET", "REST", "EVERYTHING"))
     last, *_ = [*_words(found, "WORD", "ONE")[-1:], ""]
     plural = "EVERYTHING" in types or is_plural(last)
-    words, lies = _on_end(_words(found, "WORD"), "ONE" in types)
-    noun = Noun(
-        quantifier=quantifier, count=count, plural=plural, lies=lies or "FALLEN_OVER" in types, text=text, at=at
-    )
+    words, lies = _on_end(_words(found, "WORD"), types)
+    noun = Noun(quantifier=quantifier, count=count, plural=plural, lies=lies, text=text, at=at)
     words, sides = list(map(lemma, words)), _words(found, "AT")
     idle = ("empty", "different") if plural else ("empty",)
     words = [SIZES.get(word, word) for word in words if word not in idle]  # nothing lies in what is not said to hold it
@@ -211,16 +209,17 @@ def noun_of(found: Sequence[Token], text: str, at: int) -> Noun:
     return replace(noun, relations=on_table)
 
 
-def _on_end(words: Sequence[str], one: bool) -> tuple[list[str], bool]:
-    """The words without those by which the thing has fallen over, and True where there were some.
+def _on_end(words: Sequence[str], types: Collection[str]) -> tuple[list[str], bool]:
+    """The words without those by which the thing has fallen over, and True where it has.
 
     Args:
         words: of a noun phrase, the name last.
-        one: True where "one" follows them.
+        types: of the phrase's tokens; "one" follows the words where ONE is among them.
     """
+    one = "ONE" in types
     said = " ".join([*words, *["one"] * one])
     told = _FALLEN.sub("", said)
-    return told.split()[: -1 if one else None], told != said
+    return told.split()[: -1 if one else None], told != said or "FALLEN_OVER" in types
 
 
 def _owner(words: Sequence[str], head: str) -> tuple[list[str], list[str]]:

@@ -184,10 +184,12 @@ class _Selector:
         Raises:
             Doubt: names the kinds that are meant.
         """
-        kinds = [entry for entry, _ in self._kinds(noun)] if command.verb == "put" and command.how == "on" else []
-        names, known = sorted({entry.words.name for entry in kinds}), any(self._same(noun, e) for e in self._there)
+        if (command.verb, command.how) != ("put", "on") or any(self._same(noun, entry) for entry in self._there):
+            return
+        kinds = [entry for entry, _ in self._kinds(noun)]
+        names = sorted({entry.words.name for entry in kinds})
         hangs = any(entry.hangs for thing in command.things for entry, _ in self._kinds(thing))
-        if hangs and len(names) > 1 and any(entry.pegs for entry in kinds) and not known:
+        if hangs and len(names) > 1 and any(entry.pegs for entry in kinds):
             raise Doubt(noun.text, f"it may be the {' or the '.join(names)}; say hang, or give the full name")
 
     def _roomy(self, noun: Noun, command: Command) -> Good:

@@ -1,0 +1,118 @@
+"""Things that a sentence asks to slide over or into something: hung on pegs by their handles, inserted in holes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from vcage.base.text import listed
+from vcage.models.rules.meanings import Meanings, Things
+from vcage.models.rules.nouns import Doubt
+from vcage.models.rules.sentence import Command
+from vcage.schema.asset import CatalogueEntry
+
+
+class SlidWords(NamedTuple):
+    """The words of a goal for which a thing is slid over or into something.
+
+    Args:
+        ends: an infinitive that says how things end.
+        spot, purpose: what each thing takes one of, and what for.
+        spots: their number of a kind.
+        able: the test of a thing.
+        unable: a refusal of others.
+    """
+
+    ends: str
+    spot: str
+    purpose: str
+    spots: Callable[[CatalogueEntry], int]
+    able: Callable[[CatalogueEntry], bool]
+    unable: str
+
+
+_WORDS = {
+    "hung_on": SlidWords(
+        ends="hang",
+        spot="peg",
+        purpose="to hang something on",
+        spots=lambda e: e.pegs,
+        able=lambda e: e.hangs,
+        unable="has no closed handle to hang it by",
+    ),
+    "inserted_in": SlidWords(
+        ends="be inserted",
+        spot="hole",
+        purpose="to insert something in",
+        spots=lambda e: e.holes,
+        able=lambda e: e.goes_into_holes,
+        unable="is no peg that goes into a hole",
+    ),
+}
+"""Goals → their words."""
+
+
+@dataclass(frozen=True)
+class Slid:
+    """The pegs and holes of a scene.
+
+    Args:
+        things: catalogue's entries by object id.
+        meanings: of the sentence's nouns.
+    """
+
+    things: Things
+    meanings: Meanings
+
+    def rack(self, command: Command) -> str:
+        """The place on which a command hangs things: the one that it names, or else the only one with pegs.
+
+        Raises:
+            Doubt: there is none, or more than one.
+        """
+        if command.how not in ("on", ""):
+            raise Doubt(command.words, "things are hung on something, not beside, in or to it")
+        with_pegs = [name for name, entry in self.things.items() if entry.pegs]
+        racks = with_pegs if command.place is None else self.meanings.objects(command.place)
+        if len(racks) != 1:
+            example = listed(racks) or "a mug rack"
+            raise Doubt(command.words, f"say on what it is hung, one thing with pegs such as {example}")
+        return racks[0]
+
+    def block(self, command: Command) -> str | None:
+        """The place in whose hole a command puts things; None where the place that it names has none.
+
+        Raises:
+            Doubt: it names several.
+        """
+        assert command.place is not None
+        kinds = command.place.named(self.things, short=True) if command.how == "in" else ()
+        if not any(self.things[name].holes for name in kinds):
+            return None
+        places = self.meanings.objects(command.place)
+        if len(places) > 1:
+            raise Doubt(command.place.text, "things are inserted in one of them")
+        return places[0]
+
+    def require(self, command: Command, relation: str, names: Sequence[str], place: str) -> None:
+        """Refuse a place without a spot for each of some things, and things that do not go there.
+
+        Args:
+            command: that brings them there.
+            relation: of the goal.
+            names: of the things.
+            place: object id.
+
+        Raises:
+            Doubt: says which.
+        """
+        words = _WORDS[relation]
+        spots = words.spots(self.things[place])
+        if len(names) > spots:
+            named = f"{place} has {spots or 'no'} {words.spot}{'s' * (spots > 1)} {words.purpose}"
+            more = f", and {len(names)} things are to {words.ends} there" if spots else ""
+            raise Doubt(command.words, named + more)
+        for name in names:
+            if not words.able(self.things[name]):
+                raise Doubt(command.words, f"{name} {words.unable}")
