@@ -135,14 +135,14 @@ def figures(told: Told, done: Sequence[Ran]) -> dict[str, Any]:
         rows.append(_row(suite, [one for task, one in told if task.suite == suite], of_it))
         reasons = Counter(outcome(one)[:REASON_CHARACTERS] for one in of_it if not one.first_verified)
         failures += [{"suite": suite, "count": n, "reason": reason} for reason, n in reasons.most_common(10)]
-    tried = [one for run in done for one in run.tried]
+    tried = [attempt for one in done for attempt in one.tried]
     motions = [
         {"template": name, **counts(of_it)}
         for name in TEMPLATES
         if (of_it := [one for one in tried if one.template == name])
     ]
-    found = {"failures": failures, "motions": motions}
-    return {"rows": rows, **{name: rows for name, rows in found.items() if rows}}
+    more = {"failures": failures, "motions": motions}
+    return {"rows": rows, **{name: found for name, found in more.items() if found}}
 
 
 def _row(suite: str, told: Sequence[Found], done: Sequence[Ran]) -> dict[str, Any]:

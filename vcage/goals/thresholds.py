@@ -39,8 +39,8 @@ class Thresholds:
         poured_s: how long all of its contents must have lain in the other thing without a break.
         stood_up_rad: largest lean of an object that was stood up: less than any that falls over keeps.
         hung_m: least height over the table of the lowest point of what hangs.
-        inserted_share: least share of the length of a hole that is filled by what is inserted in it: ManiSkill's pegs
-            must come to within 1.5 cm of the end.
+        inserted_share: least share of the length of a hole that must be filled: more than ManiSkill asks, whose peg
+            must come to within 1.5 cm of the middle of the hole.
         inserted_rad, inserted_aside_m: largest angle and distance between its axis and that of the hole: in a hole of
             6 cm that is 3 mm wider all around it leans by 6 degrees at most, and lies 3 mm low.
         still_m_per_s: an object that moves more slowly lies still.

@@ -19,6 +19,9 @@ AT_START = "back"
 HOLDING = ("inside", "on")
 """Words that say what an object lies in or stands on, of goals and of relations."""
 
+SLID = {"hung_on": "hung", "inserted_in": "inserted"}
+"""Words of goals whose thing must come from the table, and is not taken again → their participles."""
+
 
 @dataclass(frozen=True)
 class Action:

@@ -6,7 +6,7 @@ import itertools
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from typing import get_args
 
-from vcage.plans.actions import AT_START, HOLDING, lasting, overrides
+from vcage.plans.actions import AT_START, HOLDING, SLID, lasting, overrides
 from vcage.plans.check import contradictions
 from vcage.schema.goals import AskedGoal, Description, Goal, RelationWord, in_steps
 from vcage.schema.plan import TABLE, Relation
@@ -22,7 +22,7 @@ def inconsistencies(goals: Sequence[AskedGoal], descriptions: Iterable[Descripti
     placed = [d for d in descriptions if (d.relation, d.reference) != ("center", TABLE)]
     found = [f"the goals of one step contradict each other: {text}" for step in steps for text in _clashes(step)]
     end = lasting(steps)
-    in_turn = (look(steps) for look in (_covered, _hung_from, _once_hung, _poured_on))
+    in_turn = (look(steps) for look in (_covered, _slid_from, _once_slid, _poured_on))
     for texts in (_clashes(end), _held_elsewhere(steps), _crowded(end), *in_turn):
         found = found or [f"the goals contradict each other: {text}" for text in texts]
     return found + [f"the start conditions contradict each other: {text}" for text in _clashes(placed)]
@@ -61,23 +61,25 @@ def _covered(steps: Sequence[Collection[Goal]]) -> list[str]:
     return found
 
 
-def _hung_from(steps: Sequence[Collection[Goal]]) -> list[str]:
-    """Pairs of goals by which a thing is put in or on another and is hung from there later, in words."""
+def _slid_from(steps: Sequence[Collection[Goal]]) -> list[str]:
+    """Pairs of goals by which a thing is put in or on another and is hung or inserted from there later, in words."""
     return [
-        f"{put[goal.subject]} and then {goal}, and only what stands on the table is hung"
+        f"{put[goal.subject]} and then {goal}, and only what stands on the table is {SLID[goal.relation]}"
         for step, put in _put_before(steps)
         for goal in step
-        if goal.relation == "hung_on" and goal.subject in put
+        if goal.relation in SLID and goal.subject in put
     ]
 
 
-def _once_hung(steps: Sequence[Collection[Goal]]) -> list[str]:
-    """Pairs of goals of which the second is about a thing that hangs by the first, where no hand takes it, in words."""
-    found, hung = list[str](), dict[str | None, Goal]()
+def _once_slid(steps: Sequence[Collection[Goal]]) -> list[str]:
+    """Pairs of goals of which the second is about a thing that is hung or inserted by the first, where no hand takes
+    it, in words."""
+    found, slid = list[str](), dict[str | None, Goal]()
     for step in steps:
-        later = ((name, goal) for goal in step for name in (goal.subject, goal.reference) if name in hung)
-        found += [f"{hung[name]} and then {goal}, and nothing more is done with what hangs" for name, goal in later]
-        hung |= {goal.subject: goal for goal in step if goal.relation == "hung_on"}
+        for goal in step:
+            before = [slid[name] for name in (goal.subject, goal.reference) if name in slid]
+            found += [f"{b} and then {goal}, and nothing more is done with what is {SLID[b.relation]}" for b in before]
+        slid |= {goal.subject: goal for goal in step if goal.relation in SLID}
     return found
 
 

@@ -26,7 +26,7 @@ from vcage.objects.asset import Asset
 from vcage.objects.library import Library
 from vcage.objects.lying import LIES, standing_in_lying
 from vcage.objects.painting import LYING
-from vcage.plans.actions import open_at_start
+from vcage.plans.actions import SLID, open_at_start
 from vcage.plans.descriptions import HOLDING, described_relations
 from vcage.plans.plain_words import in_words
 from vcage.runs.context import StageContext
@@ -230,7 +230,7 @@ def started(objects: Sequence[NamedObject], reading: Reading, library: Library) 
     found, wrong = starting_as_described(objects, reading.descriptions)
     for complaints, way_out in (
         (_lying_complaints(found, reading, library), f"stand up what lies on its side on the table, such as {LIES}"),
-        (_hanging_complaints(found, reading), "hang what stands on the table"),
+        (_sliding_complaints(found, reading), "hang what stands on the table"),
     ):
         if unfit := list(complaints):
             raise _cannot_start([*wrong, *unfit], way_out)
@@ -274,11 +274,12 @@ def _lying_complaints(objects: Sequence[NamedObject], reading: Reading, library:
             yield f"{', '.join(above)} cannot start in or on {o.id}, which lies on its side"
 
 
-def _hanging_complaints(objects: Sequence[NamedObject], reading: Reading) -> Iterator[str]:
-    """Why objects that are to be hung cannot be taken from where they start."""
-    hung = {asked.goal.subject for asked in reading.goals if asked.goal.relation == "hung_on"}
-    for o in (o for o in objects if o.id in hung and o.starts_in is not None):
-        yield f"{o.id} cannot be hung from in or on {o.starts_in}: only what stands on the table is hung"
+def _sliding_complaints(objects: Sequence[NamedObject], reading: Reading) -> Iterator[str]:
+    """Why objects that are to be hung or inserted cannot be taken from where they start."""
+    done = {asked.goal.subject: SLID[asked.goal.relation] for asked in reading.goals if asked.goal.relation in SLID}
+    for o in (o for o in objects if o.id in done and o.starts_in is not None):
+        there = f"in or on {o.starts_in}: only what stands on the table is {done[o.id]}"
+        yield f"{o.id} cannot be {done[o.id]} from {there}"
 
 
 def _is_heaped(o: NamedObject, library: Library) -> bool:

@@ -101,8 +101,8 @@ class Face(Record):
     kind: Literal["code", "reader", "head", "pad", "loop", "peg", "hole", "shaft"]
     position: Point3 = Field(description="its middle in the object frame, metres")
     axis: UnitVec3 = Field(
-        description="out of the surface; through a loop or a hole; along a shaft; out of the tip of a peg; the last "
-        "three are not vertical"
+        description="out of the surface; through a loop or a hole; along a shaft; out of the tip of a peg; axes of "
+        "holes, shafts and pegs lean at least 8 degrees from the vertical"
     )
 
     @model_validator(mode="after")

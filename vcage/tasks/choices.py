@@ -39,7 +39,7 @@ from vcage.tasks.retries import Retry
 from vcage.tasks.scene_objects import Obstacles, SceneObject
 from vcage.tasks.slots import Slot, other_slots
 from vcage.tasks.state import lying_on
-from vcage.tasks.ways import followed
+from vcage.tasks.ways import continuous_path
 from vcage.tasks.wiping import free_wiping_ways, wiping_ways
 from vcage.tasks.workcell import TaskFailed, Workcell
 
@@ -215,7 +215,7 @@ class Choices:
             for pick in picks(vessel, contact_id, others, arm, kinematics, self.world.table.height):
                 if pick.path is not None:
                     held, start = pick.grasp.in_object, pick.path[-1]
-                    free = (way for way in ways if followed(kinematics, way, held, start) is not None)
+                    free = (way for way in ways if continuous_path(kinematics, way, held, start) is not None)
                     yield from itertools.islice(free, POURING.ways_of_a_hold)
 
     def _tipping(self, target: SceneObject, hover: Surroundings, way: list[Pose]) -> LeadsOn:

@@ -24,7 +24,7 @@ class InsertingSettings:
             a millimetre or two, and bevels guide it.
         before_m: distance of the end that goes in from the mouth where the way begins.
         step_m: between two poses of the way.
-        shares: of the hole's depth at which the end is let go, in the order to try. Beyond 1 it looks out of the other
+        shares: of the hole's depth at which the end is let go, in the order to try. Beyond 1 it sticks out of the other
             side; at 1.25 a peg of 14 cm has its middle inside a hole of 6 cm, and lies flat in it.
         hand_m: length of the shaft between the mouth and the contact point that a hand needs: half the width of a
             finger, and a gap.
@@ -110,7 +110,7 @@ def at_depth(shaft: Shaft, end: int, mouth: Pose, depth: float) -> Pose:
 
 
 def inserted_poses(thing: SceneObject, place: SceneObject) -> Iterator[tuple[float, Pose]]:
-    """Poses of a thing that lies on the ground of a hole, from before its mouth to deep in it, each with the share of
+    """Poses of a thing that lies on the bottom of a hole, from before its mouth to deep in it, each with the share of
     the hole's length that it fills there; arguments as of :func:`inserting_ways`."""
     pairs = [pair for pair in product(shafts_of(thing.asset), holes_of(place.asset)) if suits(*pair)]
     for depth, (shaft, hole) in product(SETTINGS.seen_shares, pairs):

@@ -137,7 +137,7 @@ def require_fronts(goals: Sequence[AskedGoal], objects: Sequence[SceneObject]) -
 
 
 def require_only_stood_up(goals: Sequence[AskedGoal], objects: Sequence[SceneObject]) -> None:
-    """Refuse to do more with an object that lies on its side than to put it down standing, and things beside it then.
+    """Refuse anything with an object that lies on its side but standing it up, and putting things beside it after that.
 
     Raises:
         NoFeasibleTask: names the goal and the object.

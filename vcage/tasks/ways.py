@@ -27,8 +27,10 @@ class WaySettings:
 SETTINGS = WaySettings()
 
 
-def followed(kinematics: ArmKinematics, way: Sequence[Pose], held: Pose, start: np.ndarray) -> list[np.ndarray] | None:
-    """Joints (n,) along a way of an object in a hand; None where the arm cannot go it.
+def continuous_path(
+    kinematics: ArmKinematics, way: Sequence[Pose], held: Pose, start: np.ndarray
+) -> list[np.ndarray] | None:
+    """Joints (n,) along a way of an object in a hand, without a jump; None where the arm cannot follow it.
 
     Args:
         kinematics: of the arm.

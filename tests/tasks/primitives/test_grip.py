@@ -9,7 +9,7 @@ from tests.example_scenes import TABLE_TOP, thing, with_fingers, world_of
 from vcage.base.geometry import Pose
 from vcage.schema.robot import Robot
 from vcage.sim.robots import load_robot
-from vcage.tasks.primitives.grip import SETTINGS, loose, sag, stays_level
+from vcage.tasks.primitives.grip import SETTINGS, sag, stays_level, turning_command
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import Slot
 from vcage.tasks.state import resting_point
@@ -107,10 +107,10 @@ def test_a_bar_stays_in_the_middle_between_the_fingers_of_aloha_agilex():
 
 def test_firm_fingers_between_which_something_turns_press_with_little_force():
     gripper = with_fingers(10_000.0).arms["left"].gripper
-    pressed = 0.014 - loose(gripper, 0.014) * gripper.max_width
+    pressed = 0.014 - turning_command(gripper, 0.014) * gripper.max_width
     assert pressed / 2 * 10_000.0 == pytest.approx(SETTINGS.loose_n)
-    assert loose(gripper, 0.0001) == 0.0
+    assert turning_command(gripper, 0.0001) == 0.0
 
 
 def test_soft_fingers_between_which_something_turns_are_closed():
-    assert loose(with_fingers(None).arms["left"].gripper, 0.014) == 0.0
+    assert turning_command(with_fingers(None).arms["left"].gripper, 0.014) == 0.0

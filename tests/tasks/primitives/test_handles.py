@@ -84,7 +84,9 @@ def test_other_ways_turn_less_and_end_at_the_same_place(handles):
 
 
 def test_a_handle_turns_between_the_fingers_of_a_hand_that_turns_less(handles):
-    for way in ways(handles["lid"], LID_RANGE):
+    found = ways(handles["lid"], LID_RANGE)
+    assert {way.turning for way in found} == {True, False}
+    for way in found:
         turned = 2 * np.arccos(min(1, abs(way.grasp.q @ way.motion[-1].q)))
         assert way.turning == (turned < LID_RANGE - 1e-6)
 

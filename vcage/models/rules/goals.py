@@ -398,7 +398,7 @@ class Goals:
 
 
 def _not_lifted(command: Command, name: str) -> Doubt:
-    """The refusal of a thing that no hand lifts, which may be meant all the same."""
+    """The refusal of a thing that no hand lifts; a conflict where its pronoun may mean another one."""
     if command.may_be:
         return Conflict(command.words, f"it may be {' or '.join(command.may_be)}; name the one that is meant")
     return Doubt(command.words, f"{name} cannot be lifted")

@@ -18,12 +18,12 @@ from vcage.schema.scene import ObjectRecord, Scene
 _PLACES: tuple[RelationWord, ...] = ("left_of", "right_of", "in_front_of")
 """Places of contents around a receptacle, in turn, so that both arms have something to do."""
 
-_BEFORE_ITS_GOAL: Mapping[str | None, RelationWord] = {
+_START_FOR_GOAL: Mapping[str | None, RelationWord] = {
     "left_of": "in_front_of",
     "right_of": "in_front_of",
     "in_front_of": "left_of",
 }
-"""Where contents start whose goal is a side: an arm does not always reach from one side to the other."""
+"""Goal at a side → where the object starts: an arm does not always reach from one side to the other."""
 
 _SIDES: tuple[RelationWord, ...] = ("left_of", "right_of")
 """Places out of the way if there is no room behind anything."""
@@ -117,8 +117,8 @@ def _anchor_relations(anchors: Sequence[ObjectRecord]) -> list[Relation]:
 def _around(contents: Sequence[ObjectRecord], anchors: Sequence[ObjectRecord], scene: Scene) -> list[Relation]:
     """Contents around the receptacle that they go to; in turn to the left, to the right and in front.
 
-    Contents that go to none are dealt out to all. Later ones stand next to the one before them there. An object to be
-    brought to a side starts next to that.
+    Contents that go to none are dealt out to all. Later ones stand next to the one before them there. An object
+    whose goal is the left or the right starts in front, and one whose goal is in front starts on the left.
     """
     asked = {(a.goal.subject, a.goal.reference): a.goal.relation for a in scene.goals}
     relations = []
@@ -131,7 +131,7 @@ def _around(contents: Sequence[ObjectRecord], anchors: Sequence[ObjectRecord], s
         around[anchor.id] += 1
         if len(anchors) > 1:
             place = "left_of" if anchor is anchors[0] else "right_of" if anchor is anchors[-1] else "in_front_of"
-        place = _BEFORE_ITS_GOAL.get(asked.get((item.id, anchor.id)), place)
+        place = _START_FOR_GOAL.get(asked.get((item.id, anchor.id)), place)
         before = last.get((anchor.id, place))
         relations.append(relation(item, place, anchor))
         if before is not None:

@@ -29,7 +29,7 @@ def resolved(commands: tuple[Command, ...], done: tuple[Command, ...] = ()) -> I
 
 
 def _tool_or_thing(command: Command, done: tuple[Command, ...]) -> tuple[str, ...]:
-    """What the pronoun of a command may be after one that takes a tool, as typed; nothing where that is plain."""
+    """The things that a pronoun may mean after a command with a tool, as typed; empty where one is meant."""
     pronouns = [noun for noun in command.things if noun.pronoun] if done and done[-1].verb in USING else []
     found = [nouns[0].text for noun in pronouns for nouns in _referents(noun, done, command.verb)]
     return tuple(found) if len(found) > 1 else ()

@@ -17,11 +17,11 @@ NEVER_ALONE = {
     "paper": "it may be a sheet, a roll or a box of it; give its full name",
     "glass": "it may be one to drink from or to look through; give its full name",
     "dish": "it may be a bowl, or one for soap, for butter or for the oven; give its full name",
-    "lamp": "it may be one that stands or one for the pocket; give its full name",
-    "gun": "it may be one that reads bar codes or another; give its full name",
-    "ring": "it may be one of bread or another; give its full name",
-    "tree": "it may be one to hang mugs on or another; give its full name",
-    "machine": "no name tells what it does; give its full name",
+    "lamp": "it may be a desk lamp or a torch; give its full name",
+    "gun": "it may be a bar code scanner or another tool; give its full name",
+    "ring": "it may be something to eat or to wear; give its full name",
+    "tree": "it may be a rack for mugs or a plant; give its full name",
+    "machine": "it says too little; give its full name",
 }
 """Names that say too little without another word, and why; "the dishes" is a kind of things."""
 
@@ -29,10 +29,11 @@ _DIRECTION = re.compile(r"\bto the (far )?(left|right)( side)?$")
 _MOTIONS = word_set("turn turn_off show lift shake hold in_hands hold_with_both away face stand_up")
 """Commands after which "to the left" says where a thing is moved, not which one it is."""
 _PEGS = word_set("peg hook")
+"""Last words of a place that name a peg, not a rack."""
 
 
 def require_plain(commands: Sequence[Command]) -> None:
-    """Refuse nouns that only count with another word, and those by which a command asks for what no goal says.
+    """Refuse nouns that are too vague alone, and requests that no goal states.
 
     Raises:
         Doubt: names the noun.

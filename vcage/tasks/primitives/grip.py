@@ -99,9 +99,15 @@ def holds_firmly(gripper: Gripper, width: float) -> bool:
     return gripper.stiffness is not None and min(gripper.force, gripper.stiffness * width / 2) >= SETTINGS.firm_n
 
 
-def loose(gripper: Gripper, width: float) -> float:
-    """The command of fingers between which material of a width, metres, can turn; without a drive of their own they are
-    closed, as the arm's is soft."""
+def turning_command(gripper: Gripper, width: float) -> float:
+    """The finger command at which a handle can turn between the fingers, 0 closed to 1 open.
+
+    Soft fingers, which have no stiffness of their own, are closed.
+
+    Args:
+        gripper: of the arm.
+        width: of the handle, metres.
+    """
     if gripper.stiffness is None:
         return 0.0
     return max(0.0, command_of(width - 2 * SETTINGS.loose_n / gripper.stiffness, gripper))

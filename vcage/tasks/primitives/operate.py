@@ -18,7 +18,7 @@ from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.paths import JointPath, Load
 from vcage.sim.state import WorldState
 from vcage.tasks.grasps import command_of
-from vcage.tasks.primitives.grip import loose
+from vcage.tasks.primitives.grip import turning_command
 from vcage.tasks.primitives.handles import Handle, OperatingWay, operating_ways
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.touching import Allowance
@@ -125,7 +125,7 @@ class Operation:
         control.command_gripper(command_of(plan.way.opening, control.arm.gripper))
         self._cell.carry_out(plan.arm, plan.reach, self._allowed)
         if self._contact.use == "grasp":
-            control.grip(loose(control.arm.gripper, self._handle.width) if plan.way.turning else 0.0)
+            control.grip(turning_command(control.arm.gripper, self._handle.width) if plan.way.turning else 0.0)
             if control.empty:
                 where = f"{self._contact.name!r} of {self._thing.record.phrase}"
                 raise TaskFailed("grasp", f"the fingers closed on nothing where {where} should be")

@@ -20,7 +20,7 @@ from vcage.tasks.feasibility import Pick, opens_wide_enough, picks
 from vcage.tasks.findings import Feasibility, Report, best_first, reach_check, travel
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.templates.proposal import Proposal, carried
-from vcage.tasks.ways import followed
+from vcage.tasks.ways import continuous_path
 from vcage.tasks.workplace import Workplace
 
 
@@ -125,7 +125,7 @@ class AlongWay(Proposal):
                 found = found or pick.checks
                 continue
             held, start = pick.grasp.in_object, pick.path[-1]
-            paths = (followed(kinematics, way, held, start) for way in ways)
+            paths = (continuous_path(kinematics, way, held, start) for way in ways)
             path = next((path for path in paths if path is not None), None)
             found = [*pick.checks, reach_check("reach_motion", self.where, path is not None, arm)]
             if path is not None:
@@ -160,9 +160,13 @@ class AlongTemplate:
             return self.kind(name, thing, goal, by_id[str(goal.reference)])
 
         found, refused = carried(proposal, self.name, self.word, objects, goals)
-        whys = [one.too_many(number[one.target.id]) for one in found]
-        refused += [one.refusal(why) for one, why in zip(found, whys, strict=True) if why is not None]
-        return [one for one, why in zip(found, whys, strict=True) if why is None], refused
+        possible = list[AlongWay]()
+        for one in found:
+            if (why := one.too_many(number[one.target.id])) is None:
+                possible.append(one)
+            else:
+                refused.append(one.refusal(why))
+        return possible, refused
 
     def calls(self, subtask: Subtask) -> list[str]:
         """The lines of the script's ``play``; GRASPS is a constant of the script."""

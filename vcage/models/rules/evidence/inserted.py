@@ -24,14 +24,15 @@ class InsertedSettings:
     """Alternatives at which nothing is inserted, and limits for a yes.
 
     Args:
-        around_m, directions, headings: distances from the middle of what has the hole, and directions, in which the
-            thing may lie on the table or on the top, and its headings there.
+        around_m, directions: distances from the middle of what has the hole, and directions, in which the thing may lie
+            on the table.
+        headings: of it there and on the top.
         seen_share: share of the evidence for a drawing of the thing in the hole.
-        less_share: a drawing that is seen by at most this less than the best is as likely. Of these the least deep one
-            counts: what is deeper shows less, all of which is seen where the thing sticks out farther.
+        less_share: drawings within this share of the best count as equal. The shallowest of them is taken: a deeper
+            one shows less of the thing, so it matches just as well.
     """
 
-    around_m: tuple[float, ...] = (0.0, 0.05, 0.1, 0.15)
+    around_m: tuple[float, ...] = (0.05, 0.1, 0.15)
     directions: int = 8
     headings: int = 6
     seen_share: float = 0.6
@@ -97,12 +98,11 @@ class InTheHole:
 
 def _beside(found: Found) -> Iterator[Pose]:
     """Poses of the thing as it lay, on the table beside what has the hole and on its top."""
-    x, y, z = found.stands.pose.p
     ways = np.linspace(0, 2 * np.pi, SETTINGS.directions, endpoint=False)
     headings = np.linspace(0, np.pi, SETTINGS.headings, endpoint=False)
-    for far, way, heading in product(SETTINGS.around_m, ways.tolist(), headings.tolist()):
-        height = found.stands.size[2] if far == 0 else 0.0
-        yield Pose.from_yaw([x + far * np.cos(way), y + far * np.sin(way), z + height], heading)
+    around = [(far * np.cos(way), far * np.sin(way), 0.0) for far, way in product(SETTINGS.around_m, ways.tolist())]
+    for shift, heading in product([(0.0, 0.0, found.stands.size[2]), *around], headings.tolist()):
+        yield Pose.from_yaw(found.stands.pose.p + shift, heading)
 
 
 def judge_inserted(view: CriticView, goal: Goal) -> Judged:

@@ -24,7 +24,7 @@ class UprightSettings:
         unlike_lab: mean colour distance to drawings of it from which on it is not seen to stand.
         on_side_lab, on_head_lab: by this much drawings of it in other attitudes must be less like the pictures: of a
             white cup on its side by 1.4 to 2.0, of a can, which differs by its label only, on its head by 0.7 to 1.2.
-        sure_lab: by this much less like on its side, the verdict is certain.
+        sure_lab: a drawing on its side that is less like the pictures by this much makes a yes certain.
     """
 
     headings: int = 8
