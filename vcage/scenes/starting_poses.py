@@ -230,7 +230,7 @@ def started(objects: Sequence[NamedObject], reading: Reading, library: Library) 
     found, wrong = starting_as_described(objects, reading.descriptions)
     for complaints, way_out in (
         (_lying_complaints(found, reading, library), f"stand up what lies on its side on the table, such as {LIES}"),
-        (_sliding_complaints(found, reading), "hang what stands on the table"),
+        (_sliding_complaints(found, reading), "leave out where it starts, and it stands on the table"),
     ):
         if unfit := list(complaints):
             raise _cannot_start([*wrong, *unfit], way_out)

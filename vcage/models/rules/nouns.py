@@ -192,7 +192,7 @@ def noun_of(found: Sequence[Token], text: str, at: int) -> Noun:
     quantifier, count = _quantity(_words(found, "DET", "REST", "EVERYTHING"))
     last, *_ = [*_words(found, "WORD", "ONE")[-1:], ""]
     plural = "EVERYTHING" in types or is_plural(last)
-    words, lies = _on_end(_words(found, "WORD"), types)
+    words, lies = _without_fallen(_words(found, "WORD"), types)
     noun = Noun(quantifier=quantifier, count=count, plural=plural, lies=lies, text=text, at=at)
     words, sides = list(map(lemma, words)), _words(found, "AT")
     idle = ("empty", "different") if plural else ("empty",)
@@ -209,8 +209,8 @@ def noun_of(found: Sequence[Token], text: str, at: int) -> Noun:
     return replace(noun, relations=on_table)
 
 
-def _on_end(words: Sequence[str], types: Collection[str]) -> tuple[list[str], bool]:
-    """The words without those by which the thing has fallen over, and True where it has.
+def _without_fallen(words: Sequence[str], types: Collection[str]) -> tuple[list[str], bool]:
+    """Drop the words for having fallen over; True where there were some.
 
     Args:
         words: of a noun phrase, the name last.

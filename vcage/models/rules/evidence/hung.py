@@ -9,12 +9,9 @@ from itertools import product
 import numpy as np
 
 from vcage.base.geometry import Pose
-from vcage.goals.thresholds import THRESHOLDS
-from vcage.models.rules.critic_view import VIEW, CriticView
-from vcage.models.rules.drawings import drawn_whole
+from vcage.models.rules.critic_view import CriticView
 from vcage.models.rules.evidence.in_use import Found, InUse, least_unseen
 from vcage.models.rules.evidence.judgement import LEFT_SHARE, Judged, decided, refused, unseen
-from vcage.models.rules.pixels import grown
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal
 
@@ -107,8 +104,4 @@ def judge_hung(view: CriticView, goal: Goal) -> Judged:
     hung, thing, rack = Hung.gather(view, goal, found), found.moved.look.phrase, found.still.look.phrase
     if hung is None:
         return Judged(refused(f"the {thing} does not fit on a peg of the {rack}", 1.0), found.explained)
-    there = grown(drawn_whole(found.moved.draw, hung.pose, view.camera).covered, VIEW.around_px)
-    verdict = hung.verdict(thing, rack)
-    if verdict.accepted and (disturbed := found.disturbed(view, THRESHOLDS.disturbed_m)) is not None:
-        return disturbed
-    return Judged(verdict, found.explained | there | view.around(found.stands))  # its shadow falls on the rack
+    return found.judged(view, hung.verdict(thing, rack), hung.pose)

@@ -8,12 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from vcage.base.geometry import Camera, Pose
-from vcage.models.rules.critic_view import CriticView
+from vcage.goals.thresholds import THRESHOLDS
+from vcage.models.rules.critic_view import VIEW, CriticView
 from vcage.models.rules.drawings import Draw, as_bright, brightness, cut, drawn_whole, inside, refined, window_around
 from vcage.models.rules.evidence.judgement import Judged, refused
 from vcage.models.rules.pixels import changed_between, grown, share_of
 from vcage.models.rules.standing import SETTINGS as STANDING
 from vcage.models.rules.standing import Sought, Standing
+from vcage.schema.episodes import Verdict
 from vcage.vision.colour import distance, smoothed, to_lab
 from vcage.vision.protocols import View
 
@@ -70,6 +72,13 @@ class Found:
     def explained(self) -> np.ndarray:
         """(H, W) bool, pixels of the picture from above whose change the use explains: those of the old place."""
         return grown(self.held.covered, SETTINGS.put_back_px)
+
+    def judged(self, view: CriticView, verdict: Verdict, pose: Pose) -> Judged:
+        """A verdict on the moved object, seen at a pose; a refusal where a yes meets a disturbed object that stays."""
+        if verdict.accepted and (disturbed := self.disturbed(view, THRESHOLDS.disturbed_m)) is not None:
+            return disturbed
+        there = grown(drawn_whole(self.moved.draw, pose, view.camera).covered, VIEW.around_px)
+        return Judged(verdict, self.explained | there | view.around(self.stands))  # its shadow falls there
 
     def disturbed(self, view: CriticView, most_m: float) -> Judged | None:
         """The verdict where what stays is seen farther than some metres from where it stood; None elsewhere."""

@@ -10,11 +10,9 @@ import numpy as np
 
 from vcage.base.geometry import Pose
 from vcage.goals.thresholds import THRESHOLDS
-from vcage.models.rules.critic_view import VIEW, CriticView
-from vcage.models.rules.drawings import drawn_whole
+from vcage.models.rules.critic_view import CriticView
 from vcage.models.rules.evidence.in_use import Found, InUse, least_unseen
 from vcage.models.rules.evidence.judgement import LEFT_SHARE, Judged, decided, refused, unseen
-from vcage.models.rules.pixels import grown
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal
 
@@ -115,8 +113,4 @@ def judge_inserted(view: CriticView, goal: Goal) -> Judged:
     lies, thing, place = InTheHole.gather(view, goal, found), found.moved.look.phrase, found.still.look.phrase
     if lies is None:
         return Judged(refused(f"the {thing} does not go into a hole of the {place}", 1.0), found.explained)
-    there = grown(drawn_whole(found.moved.draw, lies.pose, view.camera).covered, VIEW.around_px)
-    verdict = lies.verdict(thing, place)
-    if verdict.accepted and (disturbed := found.disturbed(view, THRESHOLDS.disturbed_m)) is not None:
-        return disturbed
-    return Judged(verdict, found.explained | there | view.around(found.stands))  # its shadow falls on the place
+    return found.judged(view, lies.verdict(thing, place), lies.pose)
