@@ -99,6 +99,7 @@ def test_words_that_no_goal_answers_are_named() -> None:
         ("Put the mugs away", ["mug_red inside bowl", "mug_white inside bowl"]),
         ("Fill the bowl", ["peach inside bowl"]),
         ("Pass the peach from the left arm to the right arm", ["peach handed right"]),
+        ("Hang up the red mug and put the red apple on the plate", ["mug_red hung_on bowl", "apple_red on plate"]),
     ],
 )
 def test_a_right_reading_is_left_alone(task: str, goals: list[str]) -> None:

@@ -181,8 +181,13 @@ def _unnamed(read: CheckedReading) -> Iterator[str]:
             continue  # "put the pens away" leaves open where to, "fill the box" with what
         unnamed = read.things.keys() - set[str]().union(*(meant(noun, read.things, mine) for noun in said))
         for name, goal in zip(mine, read.goals, strict=True):
-            if name in unnamed and not _names_part(words, goal):
+            unsaid = mine is references and goal.relation in _PLACE_UNSAID
+            if name in unnamed and not unsaid and not _names_part(words, goal):
                 yield f"{name} is in the goal {goal}, but the instruction names no such object"
+
+
+_PLACE_UNSAID = ("hung_on",)
+"""Goals whose place need not be named: "hang up the mug" leaves open where."""
 
 
 def _names_part(words: Iterable[str], goal: Goal) -> bool:

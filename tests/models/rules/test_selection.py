@@ -269,3 +269,24 @@ def test_balls_that_are_poured_start_in_a_cup_where_no_vessel_is_named() -> None
 def test_words_that_say_too_little_are_refused(sentence: str, why: str) -> None:
     with pytest.raises(UnreadInstruction, match=why):
         selected(sentence)
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        "Insert the peg into the left hole of the block",
+        "Insert the peg into the red hole in the blue block",
+        "Insert the peg into the hole in each block",
+        "Insert the peg into the hole in the fallen block",
+        "Put the block on the plate, then insert the peg into its hole",
+        "Hit the block with the hammer, then insert the peg into the hole of the block",
+    ],
+)
+def test_a_hole_that_no_block_has_as_it_is_said_is_refused(sentence: str) -> None:
+    with pytest.raises((UnreadInstruction, NoAssetFits)):
+        selected(sentence)
+
+
+def test_the_block_that_has_the_hole_stands_where_it_is_said_to_stand() -> None:
+    _, reading = read("Insert the peg into the hole in the block in the middle of the table")
+    assert [(d.relation, d.reference) for d in reading.descriptions] == [("center", "table")]

@@ -203,7 +203,7 @@ def noun_of(found: Sequence[Token], text: str, at: int) -> Noun:
         return replace(noun, words=noun.words or ("thing",) * ("EVERYTHING" in types))
     owner = [SIZES.get(word, word) for word in map(lemma, _words(found, "OF"))]
     colours, name = _owner(owner, words[-1])
-    noun = _named(noun, [*colours, *words[:-1]], [*name, words[-1]], _telling_apart(words[-1]), sides)
+    noun = _named(noun, [*colours, *words[:-1]], [*name, words[-1]], _telling_apart(words), sides)
     thirds = [SIDES[word] for word in _words(found, "AT_TABLE") if word in SIDES]
     on_table = tuple((third, Noun(words=("table",), text=text, at=at)) for third in thirds)
     return replace(noun, relations=on_table)
@@ -228,9 +228,14 @@ def _owner(words: Sequence[str], head: str) -> tuple[list[str], list[str]]:
     return own, [word for word in words if word not in own]
 
 
-def _telling_apart(head: str) -> Mapping[str, str]:
-    """Words that tell apart what a noun names: parts by their height or side, all else by its side."""
-    return {**SIDES, **WHICH_PART} if head in PART_WORDS else SIDES
+def _telling_apart(words: Sequence[str]) -> Mapping[str, str]:
+    """Words that tell apart what a noun names: parts by their height or side, all else by its side.
+
+    "The left hole" is one of the mouths of a hole, not the hole of the thing on the left.
+    """
+    if words[-1] == "hole" and words[-2:-1] and words[-2] in SIDES:
+        return {}
+    return {**SIDES, **WHICH_PART} if words[-1] in PART_WORDS else SIDES
 
 
 def _named(noun: Noun, before: list[str], name: list[str], sides: Mapping[str, str], at: list[str]) -> Noun:

@@ -368,7 +368,8 @@ class _Commands(Transformer[Token, Any]):
         noun, where = parts
         if noun.words == ("hole",) and isinstance(where, dict) and where["how"] in ("in", "on"):
             block = where["place"]  # "the hole in the block"
-            return replace(noun, words=(*block.words, "of", *noun.words), colour=block.colour, size=block.size)
+            if noun.colour is None and noun.position is None and not block.pronoun:
+                return replace(block, words=(*block.words, "of", *noun.words), text=noun.text, at=noun.at)
         several = where if isinstance(where, list) else [where]
         where = [(one["how"], one["place"]) for one in several if one["how"] != "on" or not one["place"].of_table]
         return replace(noun, relations=(*noun.relations, *where))

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from vcage.base.text import listed
 from vcage.models.rules.meanings import Meanings, Things
-from vcage.models.rules.nouns import Doubt
+from vcage.models.rules.nouns import Conflict, Doubt, Noun
 from vcage.models.rules.sentence import Command
 from vcage.schema.asset import CatalogueEntry
 
@@ -90,10 +90,22 @@ class Slid:
         kinds = command.place.named(self.things, short=True) if command.how == "in" else ()
         if not any(self.things[name].holes for name in kinds):
             return None
+        self._require_own(command, command.place)
         places = self.meanings.objects(command.place)
         if len(places) > 1:
             raise Doubt(command.place.text, "things are inserted in one of them")
         return places[0]
+
+    def _require_own(self, command: Command, place: Noun) -> None:
+        """Refuse the hole of something that is named elsewhere in the sentence, and has none.
+
+        Raises:
+            Conflict: says what to name.
+        """
+        others = [noun for noun in self.meanings.nouns if noun != place and noun not in command.things]
+        owner = place.words[: place.words.index("of")] if "of" in place.words else ()
+        if any(noun.words == owner for noun in others) or (others and place.text.lower().startswith("its ")):
+            raise Conflict(place.text, "say whose hole it is by its full name, as in: the hole of the peg block")
 
     def require(self, command: Command, relation: str, names: Sequence[str], place: str) -> None:
         """Refuse a place without a spot for each of some things, and things that do not go there.
