@@ -31,8 +31,12 @@ def plan_along(
     """
     first, *others = hands_at(load, way)
     carry = planner.move(start, first, load, then=others)
-    going = Load(load.opening, None if load.held is None else replace(load.held, clearance=0.0), speed=speed)
-    return carry, planner.follow(carry.end, others, going)
+    return carry, planner.follow(carry.end, others, going(load, speed))
+
+
+def going(load: Load, speed: float) -> Load:
+    """The load along a way: at a share of the speed limit, and with no free room kept below it."""
+    return Load(load.opening, None if load.held is None else replace(load.held, clearance=0.0), speed=speed)
 
 
 Planned = TypeVar("Planned")

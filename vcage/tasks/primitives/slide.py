@@ -14,7 +14,7 @@ from vcage.sim.paths import JointPath, Load
 from vcage.sim.state import WorldState
 from vcage.sim.world import PHYSICS_HZ
 from vcage.tasks.grasps import approach_opening, command_of
-from vcage.tasks.primitives.along import first_free, hands_at
+from vcage.tasks.primitives.along import first_free, going, hands_at
 from vcage.tasks.primitives.grip import Grip, feel, minding
 from vcage.tasks.touching import Allowance
 from vcage.tasks.workcell import CAREFUL_SPEED_SHARE, Workcell, failing_at
@@ -64,13 +64,15 @@ def carry_out_slide(
     load = replace(grip.carrying, held=cell.held(grip.object_id, control.tool_pose))
     planner = cell.planner(grip.arm)
 
-    def planned(way: Sequence[Pose]) -> tuple[JointPath, Sequence[Pose]]:
-        return plan_slide(planner, start.end, load, way, sliding)[0], way
+    def carried_to(way: Sequence[Pose]) -> tuple[JointPath, Sequence[Pose]]:
+        return plan_slide(planner, start.end, load, way, sliding)[
+            0
+        ], way  # the slide is planned again, as it is held then
 
-    carry, way = first_free(planned, islice(ways, sliding.ways), sliding.done)
+    carry, way = first_free(carried_to, islice(ways, sliding.ways), sliding.done)
     with minding(cell, grip):
         cell.carry_out(grip.arm, start.then(carry))
-        now = replace(load, held=cell.held(grip.object_id, control.tool_pose))  # it may have shifted on the way
+        now = replace(load, held=cell.held(grip.object_id, control.tool_pose))  # shifted on the way
         with failing_at("place"):
             slide = _along(planner, carry.end, now, way, sliding)
         cell.carry_out(grip.arm, slide, [Allowance("load", frozenset([target_id]))])
@@ -111,6 +113,6 @@ def plan_slide(
 def _along(planner: MotionPlanner, start: np.ndarray, load: Load, way: Sequence[Pose], sliding: Sliding) -> JointPath:
     """The motion along a way from near its first pose; arguments and errors as of :func:`plan_slide`."""
     *before, last = hands_at(load, way)
-    going = Load(load.opening, None if load.held is None else replace(load.held, clearance=0.0), speed=sliding.speed)
-    slide = planner.follow(start, before, going)
-    return slide.then(planner.line(slide.end, last, going))
+    slow = going(load, sliding.speed)
+    slide = planner.follow(start, before, slow)
+    return slide.then(planner.line(slide.end, last, slow))

@@ -43,7 +43,30 @@ class Pouring(AlongWay):
 
     def unfit(self, others: Sequence[SceneObject]) -> str | None:
         """All that lies in the vessel must be balls, for which an empty, upright container has room."""
-        return _unfit(self.thing, self.target, others)
+        vessel, target = self.thing, self.target
+        name, there = vessel.record.phrase, target.record.phrase
+        contents = lying_on(vessel, others)
+        strange = [o for o in contents if o.asset.ball_radius is None]
+        point = open_point(target.asset)
+        if not contents:
+            return f"nothing lies in {name} that could be poured"
+        if strange:
+            return f"{strange[0].record.phrase} lies in {name}, and only balls are poured"
+        if point is None:
+            return f"{there} is not open at the top: nothing is poured into it"
+        if there_already := lying_on(target, others):
+            return f"{there_already[0].record.phrase} lies in {there}, and things are poured into what is empty"
+        size = target.asset.opening(point).size
+        if min(size) < THRESHOLDS.poured_into_m:
+            room = f"{100 * size[0]:.1f} × {100 * size[1]:.1f} cm"
+            return f"{there} is too narrow to pour into: {room}, and {100 * THRESHOLDS.poured_into_m:.0f} cm are needed"
+        if target.pose.rotation()[2, 2] < np.cos(THRESHOLDS.upright_rad):
+            return f"{there} is tipped"
+        try:
+            heaped_in(target, balls_in(vessel, others), np.random.default_rng(0))
+        except InfeasibleScene as error:
+            return error.message
+        return None
 
     def suitable(
         self, contact: ContactPoint, kinematics: Mapping[str, ArmKinematics]
@@ -61,33 +84,6 @@ class Pouring(AlongWay):
         """All but the contents of the vessel."""
         contents = lying_on(self.thing, others)
         return tuple(o for o in others if o not in contents)
-
-
-def _unfit(vessel: SceneObject, target: SceneObject, others: Sequence[SceneObject]) -> str | None:
-    """Why a vessel is not poured into a container, whatever an arm can do; None where it may be."""
-    name, there = vessel.record.phrase, target.record.phrase
-    contents = lying_on(vessel, others)
-    strange = [o for o in contents if o.asset.ball_radius is None]
-    point = open_point(target.asset)
-    if not contents:
-        return f"nothing lies in {name} that could be poured"
-    if strange:
-        return f"{strange[0].record.phrase} lies in {name}, and only balls are poured"
-    if point is None:
-        return f"{there} is not open at the top: nothing is poured into it"
-    if there_already := lying_on(target, others):
-        return f"{there_already[0].record.phrase} lies in {there}, and things are poured into what is empty"
-    size = target.asset.opening(point).size
-    if min(size) < THRESHOLDS.poured_into_m:
-        room = f"{100 * size[0]:.1f} × {100 * size[1]:.1f} cm"
-        return f"{there} is too narrow to pour into: {room}, and {100 * THRESHOLDS.poured_into_m:.0f} cm are needed"
-    if target.pose.rotation()[2, 2] < np.cos(THRESHOLDS.upright_rad):
-        return f"{there} is tipped"
-    try:
-        heaped_in(target, balls_in(vessel, others), np.random.default_rng(0))
-    except InfeasibleScene as error:
-        return error.message
-    return None
 
 
 POUR = AlongTemplate("pour", "poured", Pouring)
