@@ -19,6 +19,11 @@ def lay_out(run: RunFolder, begun: select_place.Options, context: StageContext) 
         VcageError: a stage refuses.
     """
     select_place.execute(run, begun, context)
-    inpaint_plan.execute(run, inpaint_plan.Options(models="offline", seed=begun.seed), context)
-    match.execute(run, match.Options(models="offline", seed=begun.seed), context)
-    optimize.execute(run, optimize.Options(seed=begun.seed), context)
+    lay_out_placed(run, begun.seed, context)
+
+
+def lay_out_placed(run: RunFolder, seed: int | None, context: StageContext) -> None:
+    """Write what :func:`lay_out` writes after ``place/``, with one seed for the stages."""
+    inpaint_plan.execute(run, inpaint_plan.Options(models="offline", seed=seed), context)
+    match.execute(run, match.Options(models="offline", seed=seed), context)
+    optimize.execute(run, optimize.Options(seed=seed), context)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import logging
 import tempfile
 import zlib
@@ -9,6 +10,7 @@ from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 from functools import lru_cache, partial
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +20,7 @@ from benchmarks._critic.outcome import SUCCESS, Outcome, OutcomeRecord, neutral_
 from benchmarks._critic.played import Case, Shots
 from benchmarks._critic.scenes import UNTOUCHED_SCENES, Draw, part_of, settings
 from benchmarks._critic.ugly import UGLY
-from benchmarks._laying_out import lay_out
+from benchmarks._laying_out import lay_out_placed
 from vcage.base.errors import InfeasibleScene, UsageError, VcageError
 from vcage.base.files import RunFolder
 from vcage.episodes.photographs import Photographer, light_look
@@ -30,6 +32,7 @@ from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask
 from vcage.sim.robots import load_robot
 from vcage.sim.world import World
+from vcage.stages import select_place
 from vcage.tasks.chain_slots import slots_for_chain
 from vcage.tasks.ground import Ground
 from vcage.tasks.scene_objects import SceneObject
@@ -55,11 +58,11 @@ def outcomes(draw: Draw) -> list[Outcome]:
     context, rng = _context(), np.random.default_rng([draw.seed, zlib.crc32(draw.scene.encode())])
     with tempfile.TemporaryDirectory() as folder:
         try:
-            scene = _laid_out(draw, RunFolder(Path(folder) / "run"), context)
+            scene = _laid_out(draw, RunFolder(Path(folder) / "run"), context, rng)
         except UsageError as error:
             logger.warning("%s, draw %d, is left out: %s", draw.scene, draw.seed, error.message)
             return []
-        return list(_made(draw, scene, Path(folder), context, rng))
+        return [] if scene is None else list(_made(draw, scene, Path(folder), context, rng))
 
 
 @lru_cache(maxsize=1)
@@ -67,27 +70,49 @@ def _context() -> StageContext:
     return StageContext("offline")
 
 
-def _laid_out(draw: Draw, run: RunFolder, context: StageContext) -> Scene:
-    lay_out(run, replace(settings()[draw.scene], models="offline", seed=draw.seed, robot=draw.robot), context)
+def _laid_out(draw: Draw, run: RunFolder, context: StageContext, rng: np.random.Generator) -> Scene | None:
+    """Lay out the scene of a draw; None if the draw names templates, and none has a sub-task for what is placed."""
+    begun = replace(settings()[draw.scene], models="offline", seed=draw.seed, robot=draw.robot)
+    select_place.execute(run, begun, context)
+    if draw.templates and not _proposed(draw, Scene.read(run.scene), context, copy.deepcopy(rng)):
+        return None
+    lay_out_placed(run, begun.seed, context)
     return Scene.read(run.layout)
 
 
+def _proposed(draw: Draw, scene: Scene, context: StageContext, rng: np.random.Generator) -> bool:
+    """True if a named template has a sub-task, feasible or not, of a thing of the wanted part of the outcomes."""
+    objects, asked = _asked_of(scene, context, rng)
+    proposals = chain.from_iterable(TEMPLATES[name].proposals(objects, asked)[0] for name in draw.templates)
+    return any(_of_part(draw, p.thing) for p in proposals if p.impossible() is None)
+
+
+def _of_part(draw: Draw, thing: SceneObject) -> bool:
+    return draw.part in ("all", part_of(draw.scene, thing.record.asset))
+
+
 def _made(draw: Draw, scene: Scene, folder: Path, context: StageContext, rng: np.random.Generator) -> Iterator[Outcome]:
-    objects = context.objects(scene)
     own = {asked.goal for asked in scene.goals}
-    asked = own | _asked(objects, sorted(load_robot(scene.robot).arms), rng)
+    objects, asked = _asked_of(scene, context, rng)
     judge = partial(context.models.reasoner.judge_pairs, instruction=scene.instruction)
     kept = find_subtasks(Workplace.of(scene, objects, rng), judge, asked).kept
     used: Counter[str] = Counter()
-    assets = {o.id: o.record.asset for o in objects}
-    wanted = [s for s in kept if draw.part in ("all", part_of(draw.scene, assets[s.object]))]
-    wanted = [s for s in wanted if s.template in (draw.templates or TEMPLATES)]
+    wanted = [s for s in kept if s.template in (draw.templates or TEMPLATES)]
+    of_part = {o.id for o in objects if _of_part(draw, o)}
+    wanted = [s for s in wanted if s.object in of_part]
     for number, subtask in enumerate(_spread(wanted, own, rng)[: draw.subtasks]):
         name = f"{draw.scene}-{draw.seed:03d}-{number:02d}"
         try:
             yield from _Maker(draw, scene, subtask, kept, folder, context, rng, name).outcomes(used)
         except VcageError as error:
             logger.info("%s, %s: %s", name, subtask.id, error.message)
+
+
+def _asked_of(scene: Scene, context: StageContext, rng: np.random.Generator) -> tuple[Sequence[SceneObject], set[Goal]]:
+    """The objects of a scene, and the goals to try: its own, and some that are tried only on request."""
+    objects = context.objects(scene)
+    own = {asked.goal for asked in scene.goals}
+    return objects, own | _asked(objects, sorted(load_robot(scene.robot).arms), rng)
 
 
 def _asked(objects: Sequence[SceneObject], arms: Sequence[str], rng: np.random.Generator) -> set[Goal]:

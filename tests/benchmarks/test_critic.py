@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from benchmarks import critic
+from benchmarks._critic import making
 from benchmarks._critic.kinds import FAILURES
 from benchmarks._critic.making import outcomes
 from benchmarks._critic.outcome import (
@@ -151,6 +152,12 @@ def test_a_number_names_an_outcome_and_follows_from_seed_and_name() -> None:
     numbers = {neutral_id(f"kitchen-000-{n:02d}-{kind}", seed) for n in range(9) for kind in "ab" for seed in (0, 1)}
     assert len(numbers) == 36 and all(len(n) == 12 and n.isdigit() for n in numbers)
     assert neutral_id("kitchen-000-00-a", 0) in numbers
+
+
+def test_a_scene_is_not_laid_out_if_the_named_templates_have_no_sub_task_in_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    laid_out: list[object] = []
+    monkeypatch.setattr(making, "lay_out_placed", lambda *given: laid_out.append(given))
+    assert outcomes(Draw("office_desk", 0, "dual_panda", 2, templates=("insert",))) == [] and not laid_out
 
 
 @pytest.mark.slow
