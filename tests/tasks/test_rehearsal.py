@@ -27,7 +27,9 @@ from vcage.sim.bodies import Body
 from vcage.sim.motion import MotionFailed
 from vcage.sim.world import World
 from vcage.tasks import rehearsal
-from vcage.tasks.rehearsal import Rehearsal, examined, rehearsed, require_chain
+from vcage.tasks.proof import require_chain
+from vcage.tasks.rehearsal import Rehearsal
+from vcage.tasks.rehearsed_chain import examined, rehearsed
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import find_subtasks
 from vcage.tasks.slots import Slot

@@ -33,7 +33,8 @@ from vcage.schema.subtasks import Grasp, Subtask
 from vcage.sim.robots import load_robot
 from vcage.tasks.described import complaints
 from vcage.tasks.ground import FACING
-from vcage.tasks.rehearsal import examined, proven
+from vcage.tasks.proof import proven
+from vcage.tasks.rehearsed_chain import examined
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import Slot
 from vcage.tasks.state import StillState
