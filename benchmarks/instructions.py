@@ -19,7 +19,7 @@ from scipy.optimize import linear_sum_assignment
 
 from benchmarks._instructions.tasks import counted, outcome, possible
 from vcage.base.errors import VcageError
-from vcage.models.rules.goals import read_goals
+from vcage.models.rules.readings import read_goals
 from vcage.objects.library import Library
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import AskedGoal

@@ -9,7 +9,7 @@ import pytest
 
 from benchmarks._sentences.sources import REPOSITORY, of_libero, of_pages
 from tests.models.rules.scenes import read
-from vcage.models.rules.sentence import FORMS
+from vcage.models.rules.grammar import FORMS
 
 PAGE = (REPOSITORY / "docs/instructions.md").read_text(encoding="utf-8")
 EXAMPLES = re.findall(r"^> (.+)$", PAGE, re.MULTILINE)

@@ -1,26 +1,23 @@
-"""From a sentence to goals in a scene: every reading of it is grounded, and all that can be must agree."""
+"""Goals that the commands of one reading of a sentence ask for in a scene."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple
 
-from vcage.base.errors import NoAssetFits
-from vcage.base.text import listed
+from vcage.models.rules.arms import with_arms
+from vcage.models.rules.commands import USING, Command
 from vcage.models.rules.meanings import Meanings, Things
 from vcage.models.rules.nouns import Conflict, Doubt, Noun
-from vcage.models.rules.pronouns import resolved
-from vcage.models.rules.sentence import ONE_ARM, OTHER_ARM, USING, Command, not_read, parse
+from vcage.models.rules.order import must_follow
 from vcage.models.rules.slid import Slid
-from vcage.models.rules.too_little import require_plain, with_relations
+from vcage.models.rules.too_little import with_relations
+from vcage.models.rules.tools import TOOLS, WORDS, Tools
 from vcage.models.rules.vessels import Vessels, is_dumped
 from vcage.objects.names import names_of
-from vcage.plans.actions import HOLDING
 from vcage.plans.consistency import inconsistencies, unordered_contradictions
-from vcage.schema.asset import CatalogueEntry
-from vcage.schema.goals import AskedGoal, Goal, Reading, goal_of, part_that
+from vcage.schema.goals import AskedGoal, Reading, goal_of, part_that
 
 ACTS = {"open": "open", "close": "open", "turn": "turn", "turn_off": "turn", "press": "press"}
 """Commands → actions on moving parts (:func:`part_that`)."""
@@ -31,86 +28,10 @@ _EVENTS = {
     "in_hands": "held_up", "hold_with_both": "held_by_both", "away": "moved_away", "face": "facing_robot",
     "stand_up": "upright",
 }  # fmt: skip
-_OTHER = {"left": "right", "right": "left", ONE_ARM: "right"}
-"""The other arm; of an arm that is left open, the right one."""
 _IN_A_HAND = ("lift", "shake", "hold", "in_hands", "hold_with_both", "away", "face", "stand_up")
 """Commands about a thing that a hand carries."""
 _BRINGING = ("put", "hand", "tower", "show", "hang")
 """Commands that take a thing somewhere, which is lifted for it."""
-TOOLS: dict[str, Callable[[CatalogueEntry], bool]] = {
-    "scan": lambda e: e.reads_codes,
-    "weigh": lambda e: e.weighs,
-    "hit": lambda e: e.hits,
-    "wipe": lambda e: e.wipes,
-}
-"""Commands → the test of a tool for them."""
-
-
-class ToolWords(NamedTuple):
-    """The words of a command that takes a tool: past participle, verb, an example of a tool, a refusal of others."""
-
-    done: str
-    verb: str
-    example: str
-    unable: str
-
-
-_WORDS = {
-    "hit": ToolWords("hit", "hit", "hammer", "has no head to hit with"),
-    "wipe": ToolWords("wiped", "wipe", "sponge", "is nothing to wipe with"),
-}
-"""Commands → their words."""
-
-
-def read_goals(instruction: str, things: Things, lying: Mapping[str, str] | None = None) -> Reading:
-    """The goals of an instruction in a scene.
-
-    Args:
-        instruction: a sentence of one of the forms of docs/instructions.md.
-        things: catalogue's entries by object id, each with the object's own look only.
-        lying: object id → id of its container or support.
-
-    Raises:
-        UnreadInstruction: the sentence is of no form that is read, or its readings differ in this scene.
-    """
-    return agreed(instruction, lambda commands: Goals(things, lying or {}, commands).read(), in_words)
-
-
-def agreed(instruction: str, ground: Callable[[tuple[Command, ...]], Any], as_text: Callable[[Any], str]) -> Any:
-    """Ground every reading of a sentence; all that can be grounded must agree.
-
-    Args:
-        instruction: the sentence.
-        ground: turns the commands of one reading into goals; a :class:`Doubt` drops the reading.
-        as_text: the goals in plain words, which differ where the readings do.
-
-    Raises:
-        UnreadInstruction: the readings differ, or there is none.
-    """
-    found: dict[str, Any] = {}
-    doubts: list[Doubt | NoAssetFits] = []
-    for commands in (way for parsed in parse(instruction) for way in resolved(parsed)):
-        try:
-            require_plain(commands)
-            result = ground(commands)
-            found.setdefault(as_text(result), result)
-        except (Doubt, NoAssetFits) as doubt:
-            doubts.append(doubt)
-    conflicts = [doubt for doubt in doubts if isinstance(doubt, Conflict)]
-    if len(found) > 1:
-        conflicts.append(Conflict("", f"it can mean two things: {'; or '.join([*found][:2])}"))
-    if not conflicts and found:
-        return next(iter(found.values()))
-    doubt = [*conflicts, *doubts, Doubt("", "what 'it' or 'them' means is open")][0]
-    raise not_read(instruction, *doubt.args) if isinstance(doubt, Doubt) else doubt
-
-
-def in_words(reading: Reading) -> str:
-    """A reading in plain words."""
-    goals = sorted((asked.step, str(asked.goal), asked.arm or "") for asked in reading.goals)
-    texts = [f"{goal}{f' by the {arm} arm' if arm else ''}" for _, goal, arm in goals]
-    texts += [f"{one} at the start" for one in sorted(map(str, reading.descriptions))]
-    return ", ".join([*texts, *(f"{name} left alone" for name in sorted(reading.untouched))])
 
 
 @dataclass
@@ -134,10 +55,11 @@ class Goals:
         Raises:
             Doubt: a noun means nothing or too much here, or something cannot be done so.
         """
-        self.commands = _with_arms(self.commands)
+        self.commands = with_arms(self.commands)
         nouns = [noun for c in self.commands for noun in (*c.things, c.place) if noun is not None]
         self._meanings = found = Meanings(self.things, self.lying, nouns)
         self._vessels, self._slid = Vessels(self.things, self.lying, found), Slid(self.things, found)
+        self._tools = Tools(self.things, found)
         goals: list[AskedGoal] = []
         for _, group in itertools.groupby(self.commands, lambda command: command.group):
             goals += self._in_steps(list(group), max((asked.step + 1 for asked in goals), default=1))
@@ -176,7 +98,7 @@ class Goals:
             complaints.append("say for each thing that is done which arm does it")
         if complaints:
             raise Conflict("", "; ".join(complaints))
-        ordered = any(_needs(before, after) for before, after in itertools.combinations(added, 2))
+        ordered = any(must_follow(before, after) for before, after in itertools.combinations(added, 2))
         ordered |= not self._used.isdisjoint(asked.goal.subject for asked in goals)
         steps = enumerate(filter(None, added))
         return [a.model_copy(update={"step": first + number * ordered}) for number, several in steps for a in several]
@@ -315,10 +237,7 @@ class Goals:
 
     def _use(self, command: Command) -> None:
         """Hitting takes a tool with a head, and wiping one with a pad, which keeps the arm that took it."""
-        done = _WORDS[command.verb].done
-        if part := next((noun for noun in command.things if noun.of_part(self.things.values())), None):
-            raise Doubt(part.text, f"no goal says that a part of a thing is {done}; name the thing")
-        tool = self._tool(command)
+        tool = self._tools.of(command, [name for name in self._picked if name not in self._moved])
         if tool not in self._moved:
             self._require_holder(command, tool)
         arm, taken = self._arms.get(tool), self._picked.pop(tool, command)
@@ -328,28 +247,11 @@ class Goals:
         self._event(replace(command, arm=command.arm or arm, words=_joined(taken, command)))
         subjects = [asked.goal.subject for asked in self._added]
         if held := next((name for name in subjects if name in self._held), None):
+            done = WORDS[command.verb].done
             raise Doubt(command.words, f"{held} is held up, and only what stands there is {done}")
-        self._require_one_tool(command, named, subjects)
+        self._tools.require_one(command, named, subjects)
 
     _hit = _wipe = _use
-
-    def _require_one_tool(self, command: Command, named: Noun, subjects: Collection[str]) -> None:
-        """Refuse a tool that is one of several, which are no subjects, unless any of these may be taken."""
-        able, done = TOOLS[command.verb], _WORDS[command.verb].done
-        tools = {name: entry for name, entry in self.things.items() if able(entry) and name not in subjects}
-        if len(tools) > 1 and (named.definite or tools.keys() != named.named(tools, short=True).keys()):
-            raise Doubt(named.text, f"no goal says which of {listed(tools)} it is {done} with")
-
-    def _tool(self, command: Command) -> str:
-        """The tool that a command uses: the one that it names, or that was picked up for it."""
-        words = _WORDS[command.verb]
-        held = [name for name in self._picked if name not in self._moved]
-        tools = held if command.place is None else self._meanings.objects(command.place)
-        if len(tools) != 1:
-            raise Doubt(command.words, f"say what to {words.verb} it with, one tool such as the {words.example}")
-        if not TOOLS[command.verb](self.things[tools[0]]):
-            raise Doubt(command.words, f"{tools[0]} {words.unable}")
-        return tools[0]
 
     def _pour(self, command: Command) -> None:
         """Pouring tips the vessel that is named, that balls are poured out of, or that was picked up for it."""
@@ -407,55 +309,3 @@ def _not_lifted(command: Command, name: str) -> Doubt:
 def _joined(before: Command, command: Command) -> str:
     """The words of a command with those of the one by which its tool was taken, if that is another."""
     return command.words if before is command else f"{before.words} {command.words}"
-
-
-def _with_arms(commands: Sequence[Command]) -> list[Command]:
-    """Commands with an arm only where it must be that one: "the other arm" is named by what came before.
-
-    While one arm holds something up, the other is the only one that can do what comes then.
-
-    Raises:
-        Conflict: nothing before it named an arm.
-    """
-    last: str | None = None
-    holds, later = False, 0.0
-    found = []
-    for command in commands:
-        if command.arm == OTHER_ARM and last == ONE_ARM and holds:
-            command, later = replace(command, arm=ONE_ARM), 0.5  # after its own group, before the next
-        command, holds = replace(command, group=command.group + later), holds or command.verb == "hold"
-        command = _with_other_arm(command, last)
-        last = command.arm or last
-        found.append(replace(command, arm=None) if command.arm == ONE_ARM else command)
-    return found
-
-
-def _with_other_arm(command: Command, last: str | None) -> Command:
-    """A command with the arm that "the other arm" means after the arm that was named last.
-
-    Raises:
-        Conflict: no arm was named.
-    """
-    if OTHER_ARM not in (command.arm, command.how):
-        return command
-    before = last if command.arm == OTHER_ARM else command.arm or last
-    if before is None or (before == ONE_ARM and command.how != OTHER_ARM):
-        raise Conflict(command.words, "say which arm it is: left or right")
-    other = _OTHER[before]
-    return replace(command, arm=other) if command.arm == OTHER_ARM else replace(command, how=other)
-
-
-def _needs(before: Sequence[AskedGoal], after: Sequence[AskedGoal]) -> bool:
-    return any(_in_order(a.goal, b.goal) for a, b in itertools.product(before, after))
-
-
-def _in_order(before: Goal, goal: Goal) -> bool:
-    """Check if a goal must come after another: it is of the same thing, or the other opens the way for it."""
-    if goal.relation == "facing_robot" and before.relation in HOLDING and before.subject == goal.subject:
-        return False  # it is put there so that it faces the robot
-    if "upright" in (goal.relation, before.relation) and before.subject == goal.subject:
-        return False  # it is put down standing
-    part, place = (before, goal) if before.relation in ("open", "closed") else (goal, before)
-    if part.relation not in ("open", "closed") or place.relation in ("open", "closed"):
-        return before.subject == goal.subject and (before.part == goal.part or part.relation not in ("open", "closed"))
-    return place.reference == part.subject and place.part in (None, part.part)

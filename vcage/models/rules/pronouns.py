@@ -6,8 +6,8 @@ import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
+from vcage.models.rules.commands import USING, Command
 from vcage.models.rules.nouns import Noun
-from vcage.models.rules.sentence import USING, Command
 
 
 def resolved(commands: tuple[Command, ...], done: tuple[Command, ...] = ()) -> Iterator[tuple[Command, ...]]:

@@ -10,9 +10,9 @@ import numpy as np
 from vcage.base.errors import ModelRefused
 from vcage.models.checked_reading import Instructed
 from vcage.models.rules import PROVIDER
-from vcage.models.rules.goals import read_goals
 from vcage.models.rules.layout import plan_layout, plan_scene
 from vcage.models.rules.pairs import judge_object_and_place
+from vcage.models.rules.readings import read_goals
 from vcage.models.rules.selection import select_assets
 from vcage.models.wordings import TaskToWord, TaskWordings
 from vcage.plans.check import PlanCheck
@@ -61,7 +61,7 @@ class OfflineReasoner:
         return [SlotAnswer(subtask=question.subtask) for question in questions]
 
     def read_goals(self, asked: Instructed) -> Reading:
-        """See :func:`vcage.models.rules.goals.read_goals`."""
+        """See :func:`vcage.models.rules.readings.read_goals`."""
         return read_goals(asked.instruction, asked.things, asked.lying)
 
     def word_task(self, task: TaskToWord, plain: Sequence[str]) -> TaskWordings:

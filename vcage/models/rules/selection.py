@@ -7,23 +7,25 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from vcage.base.errors import NoAssetFits
-from vcage.base.text import listed
-from vcage.base.words import SIZES, tokens
+from vcage.base.words import tokens
 from vcage.goals.thresholds import THRESHOLDS
 from vcage.models.occasion import Occasion, one_of_each
 from vcage.models.quantifiers import quantified
-from vcage.models.rules.goals import ACTS, TOOLS, Goals, agreed, in_words
+from vcage.models.rules.absent import require_part, require_size
+from vcage.models.rules.commands import Command
+from vcage.models.rules.goals import ACTS, Goals
 from vcage.models.rules.meanings import BESIDE
 from vcage.models.rules.nouns import Doubt, Noun
-from vcage.models.rules.sentence import LIMITS, Command
+from vcage.models.rules.plain_text import LIMITS
+from vcage.models.rules.readings import agreed, in_words
+from vcage.models.rules.tools import TOOLS
 from vcage.models.search import best_search, no_asset
 from vcage.models.selection_check import entries_of, name_objects
 from vcage.objects.bystanders import bystanders
-from vcage.objects.names import HEAD, colour_level, sizes_of
+from vcage.objects.names import HEAD, colour_level
 from vcage.objects.painting import with_look
 from vcage.schema.asset import CatalogueEntry, Variant
-from vcage.schema.goals import Reading, part_that, part_words
+from vcage.schema.goals import Reading, part_that
 from vcage.schema.plan import SelectedAsset, Selection
 from vcage.schema.scene import Role
 
@@ -273,48 +275,14 @@ class _Selector:
         kinds = noun.named(self.entries)
         able = [entry for entry, _ in self._kinds(noun) if good(entry)] or [self.entries[name] for name in kinds]
         if not able:
-            self._require_part(noun)
-            self._require_size(noun)
+            require_part(noun, self.entries)
+            require_size(noun, self.entries)
             bare = [entry for entry, _ in self._kinds(replace(noun, colour=None))]
             raise no_asset(noun.text, bare, list(self.entries.values()), best_search())
         able = [entry for entry in able if not self._answers_another(noun, entry)] or able
         able = self._occasion().suiting(able, place, noun.several, least=min(2, count or 2))
         able = [able[i] for i in self.rng.permutation(len(able))] if noun.several else able[:1]
         return [(entry, kinds[entry.name]) for entry in able]
-
-    def _require_part(self, noun: Noun) -> None:
-        """Require that the owner of a part, where it names a kind, has that part.
-
-        Raises:
-            NoAssetFits: it has none of that name; the hint lists those it has.
-        """
-        owners = [] if noun.owner is noun else [e for e in self.entries.values() if noun.owner.fit(e)[0] >= HEAD]
-        if owners and not any(noun.names_part(part) for entry in owners for part in entry.parts):
-            parts = {e.words.name: listed([f"the {part_words(p)}" for p in e.parts]) or "no parts" for e in owners}
-            has = "; ".join(f"the {name} has {parts}" for name, parts in list(parts.items())[:3])
-            raise NoAssetFits(
-                f"there is no {noun.text.removeprefix('the ')!r}", hint=has, details={"unmatched": [noun.text]}
-            )
-
-    def _require_size(self, noun: Noun) -> None:
-        """Require that a kind that is named with a size comes in it.
-
-        Raises:
-            NoAssetFits: it does not; the hint lists the sizes that there are.
-            Doubt: no kind is named.
-        """
-        if noun.headless and (noun.size or noun.lies):
-            raise Doubt(noun.text, "nothing before it says which of several things is meant; name the thing")
-        plain = replace(noun, size=None)
-        if noun.size is None or not (kinds := [entry for entry, _ in self._kinds(plain)]):
-            return
-        found = [size for entry in self.entries.values() for size in sizes_of(entry, noun.words)]
-        sizes = listed(sorted({*found}, key=list(SIZES).index))
-        name = " ".join(noun.words) or kinds[0].words.name
-        hint = f"sizes of the {name}: {sizes}" if sizes else f"the {name} comes in one size: leave the size out"
-        raise NoAssetFits(
-            f"there is no {noun.text.removeprefix('the ')!r}", hint=hint, details={"unmatched": [noun.text]}
-        )
 
     def _answers_another(self, noun: Noun, entry: CatalogueEntry) -> bool:
         """True for a kind that people call by another noun too: a paper clip box is stationery, and "the box"."""

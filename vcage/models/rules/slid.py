@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from vcage.base.text import listed
+from vcage.models.rules.commands import Command
 from vcage.models.rules.meanings import Meanings, Things
 from vcage.models.rules.nouns import Conflict, Doubt, Noun
-from vcage.models.rules.sentence import Command
 from vcage.schema.asset import CatalogueEntry
 
 

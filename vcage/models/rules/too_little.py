@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterator, Sequence
 
 from vcage.base.words import CATEGORIES, word_set
+from vcage.models.rules.commands import Command
 from vcage.models.rules.nouns import Doubt, Noun
-from vcage.models.rules.sentence import Command
 
 NEVER_ALONE = {
     "top": "say on top of which thing",

@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from vcage.base.text import listed
+from vcage.models.rules.commands import Command
 from vcage.models.rules.meanings import Meanings, Things
 from vcage.models.rules.nouns import Doubt, Noun
-from vcage.models.rules.sentence import Command
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ import pytest
 
 from tests.models.rules.scenes import goals, kinds, read
 from vcage.base.errors import NoAssetFits, UnreadInstruction
-from vcage.models.rules.goals import read_goals
+from vcage.models.rules.readings import read_goals
 from vcage.models.selection_check import name_objects
 from vcage.objects.names import best_looks
 from vcage.schema.asset import CatalogueEntry

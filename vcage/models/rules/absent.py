@@ -1,0 +1,48 @@
+"""Refusals of nouns that the catalogue has no object for: parts that a kind lacks, sizes that it does not come in."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from vcage.base.errors import NoAssetFits
+from vcage.base.text import listed
+from vcage.base.words import SIZES
+from vcage.models.rules.nouns import Doubt, Noun
+from vcage.objects.names import HEAD, sizes_of
+from vcage.schema.asset import CatalogueEntry
+from vcage.schema.goals import part_words
+
+
+def require_part(noun: Noun, entries: Mapping[str, CatalogueEntry]) -> None:
+    """Require that the owner of a part, where it names a kind, has that part.
+
+    Raises:
+        NoAssetFits: it has none of that name; the hint lists those it has.
+    """
+    owners = [] if noun.owner is noun else [e for e in entries.values() if noun.owner.fit(e)[0] >= HEAD]
+    if owners and not any(noun.names_part(part) for entry in owners for part in entry.parts):
+        parts = {e.words.name: listed([f"the {part_words(p)}" for p in e.parts]) or "no parts" for e in owners}
+        has = "; ".join(f"the {name} has {parts}" for name, parts in list(parts.items())[:3])
+        raise NoAssetFits(
+            f"there is no {noun.text.removeprefix('the ')!r}", hint=has, details={"unmatched": [noun.text]}
+        )
+
+
+def require_size(noun: Noun, entries: Mapping[str, CatalogueEntry]) -> None:
+    """Require that a kind that is named with a size comes in it.
+
+    Raises:
+        NoAssetFits: it does not; the hint lists the sizes that there are.
+        Doubt: no kind is named.
+    """
+    if noun.headless and (noun.size or noun.lies):
+        raise Doubt(noun.text, "nothing before it says which of several things is meant; name the thing")
+    plain = replace(noun, size=None)
+    if noun.size is None or not (kinds := [entries[name] for name in plain.named(entries)]):
+        return
+    found = [size for entry in entries.values() for size in sizes_of(entry, noun.words)]
+    sizes = listed(sorted({*found}, key=list(SIZES).index))
+    name = " ".join(noun.words) or kinds[0].words.name
+    hint = f"sizes of the {name}: {sizes}" if sizes else f"the {name} comes in one size: leave the size out"
+    raise NoAssetFits(f"there is no {noun.text.removeprefix('the ')!r}", hint=hint, details={"unmatched": [noun.text]})
