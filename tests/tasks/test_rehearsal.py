@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -24,7 +25,7 @@ from vcage.schema.goals import AskedGoal, Goal
 from vcage.schema.plan import TABLE
 from vcage.schema.subtasks import Grasp, Subtask
 from vcage.sim.bodies import Body
-from vcage.sim.motion import MotionFailed
+from vcage.sim.motion import MotionFailed, MotionPlanner
 from vcage.sim.world import World
 from vcage.tasks import rehearsal
 from vcage.tasks.proof import require_chain
@@ -143,11 +144,11 @@ def test_contents_go_along_with_their_container():
     assert np.linalg.norm(world.object_pose("mug").p[:2] - tray.pose.p[:2]) < 0.01
 
 
-def rehearsal_of(*things: SceneObject) -> Rehearsal:
+def rehearsal_of(*things: SceneObject, slots: Mapping[str, Slot] | None = None) -> Rehearsal:
     """A rehearsal among some objects."""
     objects = {o.id: o for o in things}
     world = World(template().table, {o.id: Body(o.asset.model, o.pose) for o in things}, robot())
-    return Rehearsal(world, objects, {})
+    return Rehearsal(world, objects, slots or {})
 
 
 HIT_BLOCK, HAMMER = thing("block", (0.05, 0.05)), thing("hammer", (-0.2, -0.05), 0.6)
@@ -214,3 +215,26 @@ def test_what_has_no_way_to_where_a_code_is_read_is_said_to_have_none_before_the
     monkeypatch.setattr(rehearsal, "LIMITS", replace(rehearsal.LIMITS, ways_past_arms=0))
     with pytest.raises(TaskFailed, match=f"{moved} cannot be brought before {still}"):
         task.show(moved, still, grasps)
+
+
+def test_past_an_arm_that_holds_something_up_only_simple_ways_are_promised(monkeypatch):
+    """A random tree that finds a way here may find none a millimetre away, where the robot will be."""
+    can, block, plate = thing("can", (-0.2, 0.05)), thing("block", (0.25, -0.1)), thing("plate", (0.2, 0.12))
+    searched: list[bool] = []
+    move = MotionPlanner.move
+
+    def noted(*args, search: bool = True, **more):
+        searched.append(search)
+        return move(*args, search=search, **more)
+
+    monkeypatch.setattr(MotionPlanner, "move", noted)
+    for held_up in (True, False):
+        task = rehearsal_of(can, block, plate, slots={"block": Slot("plate", 0, Pose([0.0, 0.0, 0.0066]))})
+        task.pick("can", [(point.id, "left") for point in can.asset.annotation.carrying_points])
+        if held_up:
+            task.hold()
+        after = Rehearsal(task.world, {o.id: o for o in (can, block, plate)}, task._slots)
+        searched.clear()
+        after.pick("block", [(0, "right"), (1, "right")])
+        after.place("plate")
+        assert (False in searched) == held_up

@@ -11,6 +11,8 @@ from tests.example_scenes import ON_PLATE, TABLE_TOP, block_and_plate, thing, wo
 from vcage.base.errors import UnknownName
 from vcage.base.geometry import Pose
 from vcage.schema.goals import Goal
+from vcage.sim.motion import OPEN_HAND, MotionFailed, MotionPlanner
+from vcage.sim.paths import JointPath, Load
 from vcage.tasks.primitives.place import Surroundings
 from vcage.tasks.retries import Failed, Retry
 from vcage.tasks.scene_objects import SceneObject
@@ -161,6 +163,22 @@ def test_a_receptacle_out_of_reach_fails_at_the_plan(task: Task):
     with pytest.raises(TaskFailed, match="block cannot be brought to plate") as caught:
         task.place("plate")
     assert caught.value.stage == "plan"
+
+
+def test_nothing_is_put_where_the_hand_could_not_be_drawn_back(task: Task, monkeypatch):
+    """As between the arm that holds a pan up and the pan."""
+    free = MotionPlanner.line
+
+    def line(planner: MotionPlanner, q: np.ndarray, pose: Pose, load: Load = OPEN_HAND) -> JointPath:
+        if "block" in load.ignore:
+            raise MotionFailed("the hand would touch the other arm")
+        return free(planner, q, pose, load)
+
+    task.pick("block", GRASPS)
+    monkeypatch.setattr(MotionPlanner, "line", line)
+    with pytest.raises(TaskFailed, match="the hand would touch the other arm") as failed:
+        task.place("plate")
+    assert failed.value.stage == "plan" and task.world.holds(task.arm, "block")
 
 
 @pytest.mark.parametrize(

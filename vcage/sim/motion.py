@@ -106,7 +106,12 @@ class MotionPlanner:
         return _path(path, load)
 
     def move(
-        self, q: np.ndarray, goal: Pose | np.ndarray, load: Load = OPEN_HAND, then: Sequence[Pose] = ()
+        self,
+        q: np.ndarray,
+        goal: Pose | np.ndarray,
+        load: Load = OPEN_HAND,
+        then: Sequence[Pose] = (),
+        search: bool = True,
     ) -> JointPath:
         """Move to a gripper pose or to joints, by any free path.
 
@@ -115,12 +120,14 @@ class MotionPlanner:
             goal: pose of the gripper frame, or (n,) joints.
             then: poses that straight lines must reach from there in turn, obstacles aside; joint goals from which
                 they do not are left out.
+            search: a random tree is grown where no simple path is free. Where it succeeds, it may fail a millimetre
+                away.
 
         Raises:
             MotionFailed: no free path was found.
         """
         reasons: list[str] = []
-        for way in self._ways(q, goal, load, then):
+        for way in self._ways(q, goal, load, then, search):
             try:
                 return way()
             except MotionFailed as error:
@@ -142,7 +149,7 @@ class MotionPlanner:
     # --- alternatives ---
 
     def _ways(
-        self, q: np.ndarray, goal: Pose | np.ndarray, load: Load, then: Sequence[Pose]
+        self, q: np.ndarray, goal: Pose | np.ndarray, load: Load, then: Sequence[Pose], search: bool
     ) -> Iterator[Callable[[], JointPath]]:
         """Planners of the alternatives, the simplest first."""
         if isinstance(goal, Pose):
@@ -160,7 +167,7 @@ class MotionPlanner:
         for rise in SETTINGS.rises_m:
             for g in goals[: SETTINGS.raised_goals]:
                 yield lambda g=g, rise=rise: self._raised(q, g, rise, load)
-        for g in goals[: SETTINGS.raised_goals]:
+        for g in goals[: SETTINGS.raised_goals] if search else ():
             yield lambda g=g: self._around(q, g, load)
 
     def _raised(self, q: np.ndarray, goal: np.ndarray, rise: float, load: Load) -> JointPath:

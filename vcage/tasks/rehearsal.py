@@ -21,7 +21,7 @@ from vcage.tasks.pouring import balls_in
 from vcage.tasks.primitives.along import plan_along
 from vcage.tasks.primitives.come_down import way_down
 from vcage.tasks.primitives.hold_with_both import plan_with_both
-from vcage.tasks.primitives.place import Surroundings
+from vcage.tasks.primitives.place import Surroundings, leaving
 from vcage.tasks.primitives.pour import SETTINGS as POURING
 from vcage.tasks.primitives.shake import plan_shake
 from vcage.tasks.primitives.slide import INTO_A_HOLE, OVER_A_PEG, Sliding, plan_slide
@@ -160,6 +160,7 @@ class Rehearsal(Task):
         cell, (up, load) = self._cell, self._lifted()
         thing, planner = self._picked.target, cell.planner(self._picked.arm)
         held, width = thing.pose.inverse() * self._picked.way.grasp, thing.asset.grasp_width(self._contact)
+        away = leaving(cell, thing.id, around.receptacle, planner.kinematics.arm.gripper, width)
         reasons: list[str] = []
         for poses in filter(None, groups):
             try:
@@ -169,10 +170,13 @@ class Rehearsal(Task):
                 continue
             for way in ways:
                 try:
-                    carry = planner.move(up, way.above, load, then=[way.release, way.after])
+                    onward = [way.release, way.after]
+                    carry = planner.move(up, way.above, load, then=onward, search=not self._keeping)
                     there = planner.line(carry.end, way.release, load).end
                     if then is not None:
                         then(planner, there, load)
+                    elif around.hovers is None:
+                        planner.line(there, way.after, away)
                     return
                 except MotionFailed as error:
                     reasons.append(error.message)

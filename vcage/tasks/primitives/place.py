@@ -10,6 +10,7 @@ import numpy as np
 
 from vcage.base.geometry import Pose
 from vcage.schema.plan import TABLE
+from vcage.schema.robot import Gripper
 from vcage.sim.collision import Held
 from vcage.sim.kinematics import ArmKinematics
 from vcage.sim.motion import MotionFailed, MotionPlanner
@@ -98,6 +99,7 @@ def plan_place(
     """
     control = cell.world.arms[grip.arm]
     planner, begun = cell.planner(grip.arm), cell.begun(grip.arm)
+    away = leaving(cell, grip.object_id, around.receptacle, control.arm.gripper, control.finger_width)
     reasons: list[str] = []
     for choice, poses in choices:
         for held, raised in _holds(cell, grip, around):
@@ -113,6 +115,8 @@ def plan_place(
                 try:
                     carry = planner.move(begun.end, way.above, grip.carrying, then=[way.release, way.after])
                     lower = planner.line(carry.end, way.release, lowering)
+                    if around.hovers is None:
+                        planner.line(lower.end, way.after, away)
                     return PlacePlan(grip, around.receptacle, way, begun.then(carry).then(lower)), choice
                 except MotionFailed as error:
                     reasons.append(error.message)
@@ -240,24 +244,36 @@ class Surroundings:
         raise MotionFailed(f"at its place, {first_reasons(reasons)}")
 
 
+def leaving(cell: Workcell, object_id: str, receptacle: str, gripper: Gripper, width: float) -> Load:
+    """The load of a hand on its way back from an object that it has let go of.
+
+    Args:
+        cell: before it lets go.
+        object_id: the object.
+        receptacle: id of what receives it, or ``table``.
+        gripper: that held it.
+        width: of the material between its fingers, metres.
+    """
+    place = () if receptacle == TABLE else cell.parts(receptacle)
+    near = [*place, *cell.parts(*cell.contents(object_id))]
+    opened = command_of(approach_opening(width, gripper), gripper)
+    return Load(opened, ignore=cell.parts(object_id), speed=CAREFUL_SPEED_SHARE, fingers_may_touch=near)
+
+
 def carry_out_place(cell: Workcell, plan: PlacePlan) -> None:
     """Carry and release; the arm's next motion starts with the retreat of the hand.
 
     Raises:
         TaskFailed: the object was lost on the way, or the hand cannot be drawn back.
     """
-    grip, gripper = plan.grip, cell.world.arms[plan.grip.arm].arm.gripper
-    control = cell.world.arms[grip.arm]
+    grip, control = plan.grip, cell.world.arms[plan.grip.arm]
     allowed = at_rest(plan.way.release, grip.object_id, _around_place(cell, plan))
     with minding(cell, grip):
         cell.carry_out(grip.arm, plan.path, allowed)
     feel(cell, grip)
-    opened = command_of(approach_opening(control.finger_width, gripper), gripper)
-    control.release(opened)
-    place = () if plan.receptacle == TABLE else cell.parts(plan.receptacle)
+    away = leaving(cell, grip.object_id, plan.receptacle, control.arm.gripper, control.finger_width)
+    control.release(away.opening)
     cell.let_go(grip.object_id)
-    near = [*place, *cell.parts(*grip.contents)]
-    away = Load(opened, ignore=cell.parts(grip.object_id), speed=CAREFUL_SPEED_SHARE, fingers_may_touch=near)
     with failing_at("place"):
         cell.put_off(grip.arm, cell.planner(grip.arm).line(plan.path.end, plan.way.after, away), allowed)
 
