@@ -9,6 +9,7 @@ from vcage.models.occasion import Occasion, one_of_each
 
 BOX = entry("box", "box", "container", size=(0.2, 0.15, 0.1), holds="in")
 SMALL = entry("die", "die", "toy", tags=("playroom",))
+BREAD = (("bagel", 0.07), ("roll", 0.06))
 LARGE = entry("globe", "globe", "toy", size=(0.3, 0.3, 0.3))
 
 
@@ -16,6 +17,13 @@ def test_an_object_larger_than_the_inside_does_not_go_in() -> None:
     assert Occasion("table").goes_in(SMALL, BOX) and not Occasion("table").goes_in(LARGE, BOX)
     tight = entry("tight", "tight", "toy", size=(0.2, 0.14, 0.1))
     assert not Occasion("table").goes_in(tight, BOX)
+
+
+def test_a_place_takes_as_many_things_as_have_room_for_fingers_between_them() -> None:
+    bagels, rolls = ([entry(name, name, "bread", size=(side, side, 0.03))] * 5 for name, side in BREAD)
+    assert Occasion("table").takes(BOX, bagels) == 2
+    assert Occasion("table").takes(BOX, rolls) == 3
+    assert Occasion("table").takes(BOX, [LARGE] * 3) == 3
 
 
 def test_fitting_objects_of_the_scene_are_preferred_while_there_are_any() -> None:

@@ -24,6 +24,8 @@ class Occasion:
         tags: scene tags of the objects chosen already.
         wall_m: thickness of the walls of receptacles.
         share_of_place: largest share of a place's outer rectangle for one of several contents.
+        gap_m: between several contents, for the fingers.
+        filled: largest share of a room that several contents fill, with their gaps.
         context: number of clutter objects.
         context_footprint_m2: the largest footprint of a clutter object.
     """
@@ -32,6 +34,8 @@ class Occasion:
     tags: frozenset[str] = frozenset()
     wall_m: float = 0.01
     share_of_place: float = 0.25
+    gap_m: float = 0.02
+    filled: float = 0.7
     context: int = 2
     context_footprint_m2: float = 0.03
 
@@ -78,6 +82,13 @@ class Occasion:
             all(mine <= its for mine, its in zip(wide, sides, strict=True)) and (not roof or high <= roof)
             for sides, roof in rooms
         )
+
+    def takes(self, place: CatalogueEntry, several: Sequence[CatalogueEntry]) -> int:
+        """How many of several things, the first of them, a place takes side by side: two at least, and all where it
+        takes none, which is refused with the sizes."""
+        room = max((room.size[0] * room.size[1] for room in place.rooms), default=place.size[0] * place.size[1])
+        filled = np.cumsum([(kind.size[0] + self.gap_m) * (kind.size[1] + self.gap_m) for kind in several])
+        return max(2, int(np.count_nonzero(filled <= self.filled * room)) or len(several))
 
     def standing_by(
         self, kinds: Sequence[CatalogueEntry], mistaken: Callable[[CatalogueEntry], bool], rng: np.random.Generator

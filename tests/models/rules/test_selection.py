@@ -236,6 +236,19 @@ def test_a_peg_is_chosen_with_a_block_that_has_a_hole(sentence: str) -> None:
     assert chosen(sentence, "content") == ["peg"] and chosen(sentence, "receptacle") == ["peg_block"]
 
 
+@pytest.mark.parametrize("seed", range(8))
+def test_balls_that_are_poured_have_other_colours_than_what_they_lie_in(seed: int) -> None:
+    found = selected("Pour the balls from the small bin into the dustbin", seed).objects
+    around = {o.variant for o in found if o.asset in ("small_bin", "dustbin")}
+    assert around.isdisjoint(o.variant for o in found if o.asset == "ball")
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_as_many_of_several_things_are_chosen_as_their_place_takes(seed: int) -> None:
+    found = selected("Put every bread in the basket", seed).objects
+    assert sum(o.role == "content" for o in found) == 2
+
+
 def test_balls_that_are_poured_start_in_a_cup_where_no_vessel_is_named() -> None:
     assert starts("Pour five small balls into the dustbin") == {"ball": "cup", "cup": None, "dustbin": None}
     assert chosen("Pour five small balls into the dustbin", "content").count("ball") == 5

@@ -9,7 +9,7 @@ import numpy as np
 
 from vcage.base.words import tokens
 from vcage.goals.thresholds import THRESHOLDS
-from vcage.models.occasion import Occasion, one_of_each
+from vcage.models.occasion import Look, Occasion, one_of_each
 from vcage.models.quantifiers import quantified
 from vcage.models.rules.absent import require_part, require_size
 from vcage.models.rules.commands import Command
@@ -241,20 +241,31 @@ class _Selector:
         taken = [(entry.name, entry.variants) for entry in self._there]
         told_apart = noun.positions(self._nouns)
         count = self._count(noun, told_apart)
-        looks = one_of_each(self._able(noun, good, place, count), self.rng)
+        looks = self._seen_in_vessels(one_of_each(self._able(noun, good, place, count), self.rng))
         # "move the blocks, and stack the red on the blue one"
         if count is None and (told := self._told_by_colour(noun)):
             looks = [look for look in looks if any(one.fit(with_look(*look))[0] for one in told)]
             count = len(told)
         fresh = [(entry, look) for entry, look in looks if (entry.name, [look]) not in taken] or looks
         before = len(self._there)
-        for number in range(count or min(LIMITS.several, max(2, len(fresh)))):
+        for number in range(count or self._several(fresh, place)):
             entry, look = fresh[number % len(fresh)]
             asked: Role = role if noun.position is None or number < len(told_apart) else "context"
             reason = f"asked for: {noun.text!r}"
             self._chosen.append(SelectedAsset(asset=entry.name, variant=look.id, role=asked, reason=reason))
             self._there.append(with_look(entry, look))
         return self._there[before]
+
+    def _seen_in_vessels(self, looks: Sequence[Look]) -> Sequence[Look]:
+        """Looks of balls in other colours than the vessels that are there, as far as there are any; all of others."""
+        vessels = [entry for entry in self._there if entry.holds_loose]
+        hidden = {word for entry in vessels for look in entry.variants for word in look.colour.split()}
+        return [look for look in looks if not look[0].loose or look[1].colour not in hidden] or looks
+
+    def _several(self, looks: Sequence[Look], place: CatalogueEntry | None) -> int:
+        """The number of objects that are chosen where a noun says only "several": as many as their place takes."""
+        most = min(LIMITS.several, max(2, len(looks)))
+        return most if place is None else min(most, self._occasion().takes(place, [entry for entry, _ in looks[:most]]))
 
     def _told_by_colour(self, noun: Noun) -> list[Noun]:
         """The nouns for one thing each that name all of several things by their colours; none where there is one."""
