@@ -34,7 +34,7 @@ class PouringSettings:
         beside_share: others are at most at this share of the lip's distance from the middle, seen in its direction.
     """
 
-    lean_rad: float = float(np.radians(110.0))
+    lean_rad: float = float(np.radians(120.0))
     step_rad: float = float(np.radians(9.0))
     above_m: tuple[float, ...] = (0.06, 0.12)
     clear_m: float = 0.02
