@@ -18,7 +18,7 @@ from vcage.base.geometry import Camera, Pose
 from vcage.models.rules.critic_view import VIEW, CriticView
 from vcage.models.rules.drawings import Draw, brightness, drawn_whole
 from vcage.models.rules.evidence.judgement import Judged, decided, refused
-from vcage.models.rules.pixels import changed, grown
+from vcage.models.rules.pixels import changed, grown, share_of
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal, part_words
 from vcage.sim.drawer import Drawing
@@ -45,6 +45,8 @@ class PartSettings:
         stirred_share: share of its range by which a part must be seen to have moved.
         margin_share: share of the range of costs by which the positions that a goal allows must beat all others.
         touched_share: share of a button's visible area that the hand covers while it presses it.
+        around_px, around_share: how far the surroundings of a button go, and the changed share of them from which the
+            hand covers it too, though it may have its colour.
     """
 
     blur_px: float = 1.3
@@ -59,6 +61,8 @@ class PartSettings:
     stirred_share: float = 0.2
     margin_share: float = 0.08
     touched_share: float = 0.15
+    around_px: float = 4.0
+    around_share: float = 0.6
 
 
 SETTINGS = PartSettings()
@@ -74,7 +78,8 @@ class PartEvidence:
         costs: (17,) how unlike the picture afterwards the drawing at each of :data:`POSITIONS` is, in edges and hues.
         rival: by how much less unlike the best of them is than the best drawing in which another part of the object
             moved instead; inf where it has no other.
-        touched: changed share of the part's visible area in the picture of the moment; 0 without one.
+        touched: changed share of the part's visible area in the picture of the moment, or of its surroundings; 0
+            without one.
         covered: (H, W) bool, the area of the object with its part anywhere.
     """
 
@@ -171,11 +176,13 @@ def _judged(view: CriticView, goal: Goal, decide: Callable[[PartEvidence, Goal, 
 
 
 def _touched(sight: _Sight, view: CriticView) -> float:
-    """Changed share of a part's visible area in the picture of the moment; 0 without one."""
+    """Changed share of a part's visible area in the picture of the moment, or of what is around it; 0 without one."""
     if "top" not in view.moment:
         return 0.0
     part = _enclosed(sight.telling) if sight.telling.any() else sight.covered
-    return float(changed(*(to_lab(one["top"].picture) for one in (view.after, view.moment)))[part].mean())
+    change = changed(*(to_lab(one["top"].picture) for one in (view.after, view.moment)))
+    around = share_of(change, grown(part, SETTINGS.around_px) & ~part)
+    return max(share_of(change, part), around if around >= SETTINGS.around_share else 0.0)
 
 
 def _enclosed(edges: np.ndarray) -> np.ndarray:
