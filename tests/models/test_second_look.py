@@ -67,6 +67,7 @@ def look_at(
         ("Put the peach on the left plate", ["peach on plate"], "'the left …' is said"),
         ("Put the peach on the plate with the left arm", ["peach on plate"], "'left arm' is said"),
         ("Put the peach on the plate", ["peach on plate", "bowl on table"], "the instruction names no such object"),
+        ("Put the peach on the plate", ["peach inserted_in bowl"], "names 'plate'"),
         ("Take the peach out of the bowl and put it on the plate", ["peach on plate"], "names 'bowl'"),
     ],
 )

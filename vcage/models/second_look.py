@@ -186,8 +186,8 @@ def _unnamed(read: CheckedReading) -> Iterator[str]:
                 yield f"{name} is in the goal {goal}, but the instruction names no such object"
 
 
-_PLACE_UNSAID = ("hung_on",)
-"""Goals whose place need not be named: "hang up the mug" leaves open where."""
+_PLACE_UNSAID = ("hung_on", "inserted_in")
+"""Goals whose place need not be named: "hang up the mug" and "insert the peg" leave open where."""
 
 
 def _names_part(words: Iterable[str], goal: Goal) -> bool:

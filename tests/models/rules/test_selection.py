@@ -230,10 +230,18 @@ def test_the_dish_is_the_one_that_was_named_before_and_the_dishes_are_crockery()
 
 
 @pytest.mark.parametrize(
-    "sentence", ["Insert the peg into the hole", "Put the peg in the peg block", "Push the peg into the peg hole"]
+    "sentence",
+    [
+        "Insert the peg into the hole",
+        "Put the peg in the peg block",
+        "Push the peg into the peg hole",
+        "Insert the peg",
+        "Push the peg in",
+        "Insert the peg, then put the apple in the bowl",
+    ],
 )
 def test_a_peg_is_chosen_with_a_block_that_has_a_hole(sentence: str) -> None:
-    assert chosen(sentence, "content") == ["peg"] and chosen(sentence, "receptacle") == ["peg_block"]
+    assert "peg" in chosen(sentence, "content") and "peg_block" in chosen(sentence, "receptacle")
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -267,6 +275,10 @@ def test_balls_that_are_poured_start_in_a_cup_where_no_vessel_is_named() -> None
         ("Put the ball next to the bowl", "balls are only poured"),
         ("Put the apple in the bowl next to the glass", "give its full name"),
         ("Open the drawer slightly", "how far"),
+        ("Insert the peg halfway into the hole", "how far"),
+        ("Slowly put the apple in the bowl", "how fast"),
+        ("Push the drawer in", "nothing that is there is called so"),
+        ("Insert the battery", "no peg that goes into a hole"),
         ("Put every block on its plate", "a place of its own"),
         ("Hit the block with the hammer twice", "how often"),
         ("Shake the bottle vigorously", "how hard"),

@@ -30,7 +30,7 @@ _EVENTS = {
 }  # fmt: skip
 _IN_A_HAND = ("lift", "shake", "hold", "in_hands", "hold_with_both", "away", "face", "stand_up")
 """Commands about a thing that a hand carries."""
-_BRINGING = ("put", "hand", "tower", "show", "hang")
+_BRINGING = ("put", "hand", "tower", "show", "hang", "insert")
 """Commands that take a thing somewhere, which is lifted for it."""
 
 
@@ -272,6 +272,10 @@ class Goals:
     def _hang(self, command: Command) -> None:
         """Hanging brings a peg of the named place, or of the only rack, through the closed handle of each thing."""
         self._slide(command, "hung_on", self._slid.rack(command))
+
+    def _insert(self, command: Command) -> None:
+        """Inserting things without saying where takes the only thing with holes."""
+        self._slide(command, "inserted_in", self._slid.only_block(command))
 
     def _slide(self, command: Command, relation: str, place: str) -> None:
         """Each thing is slid over or into a spot of its own at a place."""

@@ -28,7 +28,8 @@ LIMITS = Limits()
 
 REFUSED = {
     r"head-up|horizontally": "no goal says which way up a thing is held",
-    r"slightly(?! away)|twice|vigorously": "no goal says how far, how often or how hard something is done",
+    r"slightly(?! away)|half ?way|partly|partially|twice|vigorously|slowly|quickly":
+        "no goal says how far, how often, how hard or how fast something is done",
     r"(every|each) (?:(?!and )[^,.;])* (in|on|into|onto|to) its":
         "no goal says that each thing has a place of its own; name the places",
     r"sorry|i mean|or rather|no wait": "a correction is not read; say only what is meant",

@@ -31,13 +31,14 @@ from vcage.schema.scene import Role
 
 Good = Callable[[CatalogueEntry], bool]
 
-_UNSAID = {"scan": "barcode scanner", "weigh": "electronic scale", "hang": "mug rack"}
+_UNSAID = {"scan": "barcode scanner", "weigh": "electronic scale", "hang": "mug rack", "insert": "peg block"}
 """Commands → what they take where nothing is named."""
 _CONTENTS: Mapping[str, Good] = {
     "scan": lambda e: e.can_be_carried and any(face.kind == "code" for face in e.faces),
     "stand_up": lambda e: e.can_be_carried and e.tall,
     "pour": lambda e: e.loose or (e.holds_loose and e.can_be_carried),
     "hang": lambda e: e.hangs,
+    "insert": lambda e: e.goes_into_holes,
 }
 """Commands → the test that their things must pass; things of other commands must be portable."""
 _RECEIVERS: Mapping[str, Good] = {

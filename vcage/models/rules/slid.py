@@ -96,6 +96,17 @@ class Slid:
             raise Doubt(command.place.text, "things are inserted in one of them")
         return places[0]
 
+    def only_block(self, command: Command) -> str:
+        """The only thing with holes.
+
+        Raises:
+            Doubt: there is none, or more than one.
+        """
+        blocks = [name for name, entry in self.things.items() if entry.holes]
+        if len(blocks) != 1:
+            raise Doubt(command.words, f"say in what it is inserted, as in: into {listed(blocks) or 'the peg block'}")
+        return blocks[0]
+
     def _require_own(self, command: Command, place: Noun) -> None:
         """Refuse the hole of something that is named elsewhere in the sentence, and has none.
 
