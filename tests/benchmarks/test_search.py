@@ -16,11 +16,11 @@ def test_reasons_are_grouped_regardless_of_names_and_sizes() -> None:
     reasons = [
         f"{block} (4.0 × 4.0 cm) does not fit on {plate} at 'middle'",
         f"{plate} (21 × 20.5 cm) does not fit on {block} at 'top'",
-        f"{block} has no functional point",
+        f"{block} has no place to put something in or on",
     ]
     refused = [Refusal(template="place", object="block", receptacle="plate", reason=reason) for reason in reasons]
     kinds = kinds_of_reasons(objects, FoundSubtasks([], refused, 3))
-    assert dict(kinds) == {"… (N × N cm) does not fit on … at …": 2, "… has no functional point": 1}
+    assert dict(kinds) == {"… (N × N cm) does not fit on … at …": 2, "… has no place to put something in or on": 1}
 
 
 @pytest.mark.slow

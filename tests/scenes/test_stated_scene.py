@@ -198,7 +198,7 @@ def test_an_object_left_alone_needs_no_goal(choose):
         (["plate inside pot"], {}, NoFeasibleTask, "plate has no contact point to carry it by"),
         (["marker on pot/red"], {}, NoFeasibleTask, "nothing is put on the red cooking pot: they go in it"),
         (["marker inside cabinet_one_drawer/oak"], {}, NoFeasibleTask, "they go in its drawer .*, on it"),
-        (["marker inside apple"], {}, NoFeasibleTask, "apple has no functional point"),
+        (["marker inside apple"], {}, NoFeasibleTask, "apple has no place to put something in or on"),
         (["plate handed left"], {}, NoFeasibleTask, "plate has no contact point"),
         (["plate presented"], {}, NoFeasibleTask, "plate has no contact point"),
         (["plate back"], {}, NoFeasibleTask, "plate has no contact point"),

@@ -145,7 +145,7 @@ class Library:
         """
         stands = standing_in_lying(standing)
         if stands is None:
-            message = f"{standing.name} cannot lie stably on its side"
+            message = f"{standing.name} is no tall thing that lies stably on its side"
             raise InputFileError(message, hint=f"take {LIES}")
         return laid(standing, stands, shown)
 

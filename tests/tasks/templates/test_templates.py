@@ -30,7 +30,7 @@ def test_a_pair_is_tried_at_each_contact_point_of_one_and_functional_point_of_th
 def test_a_pair_without_the_points_is_refused_with_the_missing_ones():
     _, refused = PLACE.proposals([thing("marker"), thing("plate"), thing("packaging_box")], ())
     assert {(r.object, r.receptacle, r.reason) for r in refused} == {
-        ("plate", "marker", "black marker pen has no functional point"),
-        ("packaging_box", "marker", "black marker pen has no functional point"),
+        ("plate", "marker", "black marker pen has no place to put something in or on"),
+        ("packaging_box", "marker", "black marker pen has no place to put something in or on"),
         ("plate", "packaging_box", "white plate has no contact point to carry it by"),
     }

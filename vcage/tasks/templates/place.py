@@ -63,7 +63,7 @@ class Placing:
         for target, receptacle in permutations(objects, 2):
             points = receptacle.asset.annotation.functional_points
             if not points and self.name == "place":
-                reason = f"{receptacle.record.phrase} has no functional point"
+                reason = f"{receptacle.record.phrase} has no place to put something in or on"
                 refused.append(Refusal(template=self.name, object=target.id, receptacle=receptacle.id, reason=reason))
             mine = [
                 Pair(self.name, target, self._goal(target, receptacle, point, asked), self, receptacle, point, asked)
