@@ -111,7 +111,7 @@ def test_a_tool_that_does_not_touch_wipes_nothing(monkeypatch: pytest.MonkeyPatc
     world = world_of([BOARD, SPONGE])
     world.settle()
     task, watch = Task(world, objects, {}), Watch(world, objects, [GOAL])
-    monkeypatch.setattr("vcage.tasks.task.carry_out_down", lambda *_, **__: world.state())
+    monkeypatch.setattr("vcage.tasks.use.carry_out_down", lambda *_, **__: world.state())
     monkeypatch.setattr("vcage.tasks.primitives.wipe._gap", lambda *_: 0.0)
     with pytest.raises(TaskFailed, match="the yellow sponge lifted off the light brown cutting board"):
         task.wipe(SPONGE.id, BOARD.id, grasps(subtask))
