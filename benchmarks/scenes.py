@@ -44,7 +44,7 @@ from vcage.runs.context import StageContext
 from vcage.schema.robot import DEFAULT_ROBOT
 from vcage.schema.scene import Scene
 from vcage.stages import select_place
-from vcage.tasks.proof import require_chain
+from vcage.tasks.proven_chain import require_chain
 
 logger = logging.getLogger(__name__)
 

@@ -10,7 +10,6 @@ from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 from functools import lru_cache, partial
-from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -36,7 +35,7 @@ from vcage.stages import select_place
 from vcage.tasks.chain_slots import slots_for_chain
 from vcage.tasks.ground import Ground
 from vcage.tasks.scene_objects import SceneObject
-from vcage.tasks.search import find_subtasks
+from vcage.tasks.search import find_subtasks, sensible
 from vcage.tasks.setting import Seen
 from vcage.tasks.stowing import ready_for
 from vcage.tasks.synthesis import load_script, write_script
@@ -74,7 +73,8 @@ def _laid_out(draw: Draw, run: RunFolder, context: StageContext, rng: np.random.
     """Lay out the scene of a draw; None if the draw names templates, and none has a sub-task for what is placed."""
     begun = replace(settings()[draw.scene], models="offline", seed=draw.seed, robot=draw.robot)
     select_place.execute(run, begun, context)
-    if draw.templates and not _proposed(draw, Scene.read(run.scene), context, copy.deepcopy(rng)):
+    again = copy.deepcopy(rng)  # the same goals are drawn once more in the layout
+    if draw.templates and not _proposed(draw, Scene.read(run.scene), context, again):
         return None
     lay_out_placed(run, begun.seed, context)
     return Scene.read(run.layout)
@@ -83,8 +83,9 @@ def _laid_out(draw: Draw, run: RunFolder, context: StageContext, rng: np.random.
 def _proposed(draw: Draw, scene: Scene, context: StageContext, rng: np.random.Generator) -> bool:
     """True if a named template has a sub-task, feasible or not, of a thing of the wanted part of the outcomes."""
     objects, asked = _asked_of(scene, context, rng)
-    proposals = chain.from_iterable(TEMPLATES[name].proposals(objects, asked)[0] for name in draw.templates)
-    return any(_of_part(draw, p.thing) for p in proposals if p.impossible() is None)
+    judge = partial(context.models.reasoner.judge_pairs, instruction=scene.instruction)
+    proposals, *_ = sensible(objects, judge, asked)
+    return any(_of_part(draw, p.thing) for p in proposals if not set(draw.templates).isdisjoint(p.templates))
 
 
 def _of_part(draw: Draw, thing: SceneObject) -> bool:

@@ -29,9 +29,10 @@ from benchmarks._critic.scenes import SCENES, UNTOUCHED_SCENES, Draw, part_of, s
 from benchmarks._sentences.sources import by_template, sentences, slug
 from benchmarks.critic import Judged, figures, make
 from tests.run_folders import REPOSITORY
-from vcage.base.errors import InputFileError
+from vcage.base.errors import InputFileError, UsageError
 from vcage.objects.library import Library
 from vcage.schema.goals import Goal
+from vcage.schema.subtasks import TemplateName
 
 CRITIC = re.compile(r"rules(\.| import )(critic|change|evidence|standing|verdicts)|question import .*\bverdict\b")
 """Imports of a test that shows pictures to the offline critic."""
@@ -154,10 +155,26 @@ def test_a_number_names_an_outcome_and_follows_from_seed_and_name() -> None:
     assert neutral_id("kitchen-000-00-a", 0) in numbers
 
 
-def test_a_scene_is_not_laid_out_if_the_named_templates_have_no_sub_task_in_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    laid_out: list[object] = []
-    monkeypatch.setattr(making, "lay_out_placed", lambda *given: laid_out.append(given))
-    assert outcomes(Draw("office_desk", 0, "dual_panda", 2, templates=("insert",))) == [] and not laid_out
+@pytest.mark.parametrize(
+    ("scene", "template", "laid_out"),
+    [
+        ("office_desk", "insert", False),
+        ("office_desk", "place", True),
+        ("insert-the-peg-into-the-peg-block", "insert", True),
+        ("put-the-egg-in-the-pot", "hand_over", True),
+    ],
+)
+def test_a_scene_is_laid_out_if_the_named_template_has_a_sub_task_in_it(
+    scene: str, template: TemplateName, laid_out: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def lay_out(*_: object) -> None:
+        raise UsageError("it is laid out", hint="")
+
+    monkeypatch.setattr(making, "lay_out_placed", lay_out)
+    noted: list[str] = []
+    monkeypatch.setattr(making.logger, "warning", lambda text, *given: noted.append(text % given))
+    assert outcomes(Draw(scene, 0, "dual_panda", 2, templates=(template,))) == []
+    assert any("it is laid out" in line for line in noted) == laid_out
 
 
 @pytest.mark.slow

@@ -23,7 +23,7 @@ from vcage.schema.goals import AskedGoal, Goal
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import PairAnswer, PairQuestion, Subtask
 from vcage.sim.state import WorldState
-from vcage.tasks.proof import proven
+from vcage.tasks.proven_chain import proven
 from vcage.tasks.search import compose, find_subtasks
 from vcage.tasks.slots import Slot
 from vcage.tasks.synthesis import script_of

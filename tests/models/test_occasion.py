@@ -21,9 +21,9 @@ def test_an_object_larger_than_the_inside_does_not_go_in() -> None:
 
 def test_a_place_takes_as_many_things_as_have_room_for_fingers_between_them() -> None:
     bagels, rolls = ([entry(name, name, "bread", size=(side, side, 0.03))] * 5 for name, side in BREAD)
-    assert Occasion("table").takes(BOX, bagels) == 2
-    assert Occasion("table").takes(BOX, rolls) == 3
-    assert Occasion("table").takes(BOX, [LARGE] * 3) == 3
+    assert Occasion("table").several(BOX, bagels) == 2
+    assert Occasion("table").several(BOX, rolls) == 3
+    assert Occasion("table").several(None, bagels) == 3
 
 
 def test_fitting_objects_of_the_scene_are_preferred_while_there_are_any() -> None:

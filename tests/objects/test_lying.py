@@ -55,7 +55,7 @@ def test_a_standing_object_is_seen_in_its_own_frame() -> None:
 def test_what_is_no_taller_than_wide_or_moves_or_rolls_does_not_lie(name: str) -> None:
     asset = library().asset(name)
     assert standing_in_lying(asset) is None
-    with pytest.raises(InputFileError, match=f"{name} is no tall thing that lies stably on its side"):
+    with pytest.raises(InputFileError, match=f"{name} is not tall, or would not lie still"):
         library().asset(name, f"{asset.variant.id}_lying")
 
 

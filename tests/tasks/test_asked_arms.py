@@ -18,8 +18,8 @@ from vcage.base.errors import NoFeasibleTask
 from vcage.schema.goals import AskedGoal, Goal, goal_of
 from vcage.schema.subtasks import Grasp, Subtask
 from vcage.tasks.asked_arms import arm_for, asked_arms, bound_to, for_one_arm, require_arms, those_of
-from vcage.tasks.proof import require_chain
-from vcage.tasks.rehearsed_chain import examined
+from vcage.tasks.chain_rehearsal import examined
+from vcage.tasks.proven_chain import require_chain
 from vcage.tasks.ruled_out import require_way
 from vcage.tasks.search import FoundSubtasks, compose, find_subtasks
 

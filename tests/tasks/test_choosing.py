@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from tests.example_scenes import block_and_plate, scene_of, sensible, subtask, thing, workplace
 from vcage.schema.goals import goal_of
 from vcage.schema.subtasks import Grasp, Preference, SlotAnswer, SlotQuestion, Statement, Subtask
+from vcage.tasks.chain_rehearsal import examined
 from vcage.tasks.choosing import as_chosen, filled, preferred_first, slot_questions, with_open_parts
-from vcage.tasks.rehearsed_chain import examined
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import actions_of, find_subtasks, initial_state
 

@@ -16,7 +16,7 @@ from vcage.sim.kinematics import kinematics_of
 from vcage.sim.motion import MotionFailed
 from vcage.sim.world import World
 from vcage.tasks.holds_with_both import holds_with_both, places_for_both
-from vcage.tasks.proof import proven
+from vcage.tasks.proven_chain import proven
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import compose, find_subtasks, judging
 from vcage.tasks.slots import Slot

@@ -31,10 +31,10 @@ from vcage.schema.plan import TABLE, Relation, RelationWord
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Grasp, Subtask
 from vcage.sim.robots import load_robot
+from vcage.tasks.chain_rehearsal import examined
 from vcage.tasks.described import complaints
 from vcage.tasks.ground import FACING
-from vcage.tasks.proof import proven
-from vcage.tasks.rehearsed_chain import examined
+from vcage.tasks.proven_chain import proven
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import Slot
 from vcage.tasks.state import StillState

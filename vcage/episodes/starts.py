@@ -25,7 +25,7 @@ from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Grasp, Subtask
 from vcage.tasks.chain_slots import slots_for_chain
 from vcage.tasks.described import complaints
-from vcage.tasks.proof import proven
+from vcage.tasks.proven_chain import proven
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.slots import Slot
 from vcage.tasks.variation import shifted_poses

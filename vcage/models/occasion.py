@@ -24,6 +24,7 @@ class Occasion:
         tags: scene tags of the objects chosen already.
         wall_m: thickness of the walls of receptacles.
         share_of_place: largest share of a place's outer rectangle for one of several contents.
+        most: number of objects that are chosen for "several".
         gap_m: between several contents, for the fingers.
         filled: largest share of a room that several contents fill, with their gaps.
         context: number of clutter objects.
@@ -34,6 +35,7 @@ class Occasion:
     tags: frozenset[str] = frozenset()
     wall_m: float = 0.01
     share_of_place: float = 0.25
+    most: int = 3
     gap_m: float = 0.02
     filled: float = 0.7
     context: int = 2
@@ -83,12 +85,19 @@ class Occasion:
             for sides, roof in rooms
         )
 
-    def takes(self, place: CatalogueEntry, several: Sequence[CatalogueEntry]) -> int:
-        """How many of several things, the first of them, a place takes side by side: two at least, and all where it
-        takes none, which is refused with the sizes."""
+    def several(self, place: CatalogueEntry | None, kinds: Sequence[CatalogueEntry]) -> int:
+        """The number of objects that are chosen where no number is said: two at least, and as many as have room.
+
+        Args:
+            place: where they go; None where that has no edge.
+            kinds: to choose, one of each, in this order.
+        """
+        most = min(self.most, max(2, len(kinds)))
+        if place is None:
+            return most
         room = max((room.size[0] * room.size[1] for room in place.rooms), default=place.size[0] * place.size[1])
-        filled = np.cumsum([(kind.size[0] + self.gap_m) * (kind.size[1] + self.gap_m) for kind in several])
-        return max(2, int(np.count_nonzero(filled <= self.filled * room)) or len(several))
+        filled = np.cumsum([(kind.size[0] + self.gap_m) * (kind.size[1] + self.gap_m) for kind in kinds[:most]])
+        return min(most, max(2, int(np.count_nonzero(filled <= self.filled * room))))
 
     def standing_by(
         self, kinds: Sequence[CatalogueEntry], mistaken: Callable[[CatalogueEntry], bool], rng: np.random.Generator

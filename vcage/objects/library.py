@@ -14,7 +14,7 @@ from vcage.base.progress import Progress, silent
 from vcage.base.workers import cores, map_in_processes
 from vcage.objects import sources
 from vcage.objects.asset import Asset, unbuilt_entry
-from vcage.objects.lying import LIES, laid, standing_in_lying
+from vcage.objects.lying import LIES, UNABLE, laid, standing_in_lying
 from vcage.objects.painting import look, looks_of
 from vcage.objects.points import check_meshes, check_points, check_size
 from vcage.objects.rooms import rooms_of
@@ -141,11 +141,11 @@ class Library:
         """An asset on its side.
 
         Raises:
-            InputFileError: it cannot lie stably on its side.
+            InputFileError: it cannot be stood up.
         """
         stands = standing_in_lying(standing)
         if stands is None:
-            message = f"{standing.name} is no tall thing that lies stably on its side"
+            message = f"{standing.name} {UNABLE}"
             raise InputFileError(message, hint=f"take {LIES}")
         return laid(standing, stands, shown)
 

@@ -52,6 +52,9 @@ class LyingSettings:
 
 SETTINGS = LyingSettings()
 
+UNABLE = "is not tall, or would not lie still on its side"
+"""A refusal of things that cannot be stood up."""
+
 LIES = "a bottle, a can, a cup or a juice carton"
 """Things that lie on their side, for hints."""
 

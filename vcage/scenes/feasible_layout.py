@@ -20,7 +20,7 @@ from vcage.scenes.possible import settled_record
 from vcage.schema.scene import Scene
 from vcage.tasks.described import require_settled
 from vcage.tasks.ground import FACING
-from vcage.tasks.proof import require_chain
+from vcage.tasks.proven_chain import require_chain
 
 logger = logging.getLogger(__name__)
 

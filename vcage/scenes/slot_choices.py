@@ -13,7 +13,7 @@ from vcage.models.protocols import Reasoner
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import SlotAnswer, SlotQuestion, Subtask
 from vcage.tasks.choosing import checked, filled, slot_questions, with_open_parts
-from vcage.tasks.proof import proven
+from vcage.tasks.proven_chain import proven
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import actions_of, initial_state
 from vcage.tasks.stowing import ready_for
@@ -42,7 +42,7 @@ def with_chosen_slots(
         rng: of all choices that are drawn.
 
     Raises:
-        NoFeasibleTask, InfeasibleScene: a chain cannot be done, see :func:`vcage.tasks.proof.proven`.
+        NoFeasibleTask, InfeasibleScene: a chain cannot be done, see :func:`vcage.tasks.proven_chain.proven`.
         ModelRefused: the reasoner gives no valid answer.
     """
     asked = [_questions(chain, kept, scene, objects) for chain in chains]

@@ -24,7 +24,7 @@ from vcage.layout.placement.view import view_rectangles
 from vcage.models.selection_check import NamedObject, room_complaints, starting_as_described
 from vcage.objects.asset import Asset
 from vcage.objects.library import Library
-from vcage.objects.lying import LIES, standing_in_lying
+from vcage.objects.lying import LIES, UNABLE, standing_in_lying
 from vcage.objects.painting import LYING
 from vcage.plans.actions import SLID, open_at_start
 from vcage.plans.descriptions import HOLDING, described_relations
@@ -267,7 +267,7 @@ def _lying_complaints(objects: Sequence[NamedObject], reading: Reading, library:
     for o in (o for o in objects if o.id in to_stand_up(reading)):
         asset = library.asset(o.asset, o.variant)
         if standing_in_lying(asset.standing or asset) is None:
-            yield f"{o.id} is no tall thing that lies stably on its side"
+            yield f"{o.id} {UNABLE}"
         elif o.starts_in is not None:
             yield f"{o.id} cannot lie on its side in or on {o.starts_in}: only what lies on the table is stood up"
         elif above := [other.id for other in objects if other.starts_in == o.id]:

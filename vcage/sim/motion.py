@@ -120,8 +120,7 @@ class MotionPlanner:
             goal: pose of the gripper frame, or (n,) joints.
             then: poses that straight lines must reach from there in turn, obstacles aside; joint goals from which
                 they do not are left out.
-            search: a random tree is grown where no simple path is free. Where it succeeds, it may fail a millimetre
-                away.
+            search: True to grow a random tree where no simple path is free.
 
         Raises:
             MotionFailed: no free path was found.

@@ -160,7 +160,7 @@ class Rehearsal(Task):
         cell, (up, load) = self._cell, self._lifted()
         thing, planner = self._picked.target, cell.planner(self._picked.arm)
         held, width = thing.pose.inverse() * self._picked.way.grasp, thing.asset.grasp_width(self._contact)
-        away = leaving(cell, thing.id, around.receptacle, planner.kinematics.arm.gripper, width)
+        away = leaving(cell, thing.id, around.receptacle, planner.kinematics.arm.gripper, width, ahead=True)
         reasons: list[str] = []
         for poses in filter(None, groups):
             try:
@@ -171,6 +171,7 @@ class Rehearsal(Task):
             for way in ways:
                 try:
                     onward = [way.release, way.after]
+                    # What a random tree finds past the other arm may be lost a millimetre away.
                     carry = planner.move(up, way.above, load, then=onward, search=not self._keeping)
                     there = planner.line(carry.end, way.release, load).end
                     if then is not None:

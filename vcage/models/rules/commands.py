@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass, replace
 from typing import Any
 
-from lark import Token, Transformer, v_args
+from lark import Token, Transformer, Tree, v_args
 
 from vcage.base.words import NUMBERS, lemma
 from vcage.models.rules.nouns import Noun, noun_of
@@ -66,8 +66,18 @@ _JOINT = re.compile(r"(?:[\s,.;]|\b(?:and|then|but)\b)+$", re.IGNORECASE)
 """Words and signs that join a command to the next."""
 
 
+def commands_of(tree: Tree[Any], typed: str) -> tuple[Command, ...]:
+    """The commands of one reading of a sentence, in order.
+
+    Args:
+        tree: of the grammar, without ambiguities.
+        typed: the sentence.
+    """
+    return _Commands(typed).transform(tree)
+
+
 @v_args(meta=True)
-class ToCommands(Transformer[Token, Any]):
+class _Commands(Transformer[Token, Any]):
     """One tree to its commands: parts of a sentence become fields of them, a rule without a method is a verb."""
 
     def __init__(self, typed: str):

@@ -13,7 +13,7 @@ from vcage.models.rules.nouns import Conflict, Doubt, Noun
 from vcage.models.rules.order import must_follow
 from vcage.models.rules.slid import Slid
 from vcage.models.rules.too_little import with_relations
-from vcage.models.rules.tools import TOOLS, WORDS, Tools
+from vcage.models.rules.tools import TOOLS, Tools
 from vcage.models.rules.vessels import Vessels, is_dumped
 from vcage.objects.names import names_of
 from vcage.plans.consistency import inconsistencies, unordered_contradictions
@@ -246,10 +246,7 @@ class Goals:
         self._used.add(tool)
         self._event(replace(command, arm=command.arm or arm, words=_joined(taken, command)))
         subjects = [asked.goal.subject for asked in self._added]
-        if held := next((name for name in subjects if name in self._held), None):
-            done = WORDS[command.verb].done
-            raise Doubt(command.words, f"{held} is held up, and only what stands there is {done}")
-        self._tools.require_one(command, named, subjects)
+        self._tools.require_one(command, named, subjects, self._held)
 
     _hit = _wipe = _use
 

@@ -5,12 +5,29 @@ from __future__ import annotations
 import difflib
 import functools
 import re
+from dataclasses import dataclass
 from pathlib import Path
 
 from lark import Lark
 
 from vcage.base.errors import UnreadInstruction
 from vcage.base.files import resource
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Limits on sentences.
+
+    Args:
+        words: of a sentence.
+        readings: ways to read it that are tried.
+    """
+
+    words: int = 60
+    readings: int = 200
+
+
+LIMITS = Limits()
 
 _GRAMMAR = Path(__file__).with_name("instruction.lark").read_text("utf-8").replace("~?", " *").replace("~", " +")
 FORMS = tuple(re.findall(r"^// > (.+)$", _GRAMMAR, re.MULTILINE))
@@ -24,7 +41,13 @@ def grammar() -> Lark:
 
 
 def not_read(instruction: str, words: str, why: str) -> UnreadInstruction:
-    """The error for unread words: the nearest known form, and the models that can read them."""
+    """The error for unread words: the nearest known form, and the models that can read them.
+
+    Args:
+        instruction: as typed.
+        words: of it, those that are not read; all of it where there are none.
+        why: they are not.
+    """
     verbs = _verbs(instruction)
     same = [form for form in FORMS if not verbs.isdisjoint(_verbs(form))] or FORMS
     near, *_ = difflib.get_close_matches(instruction, same, n=1, cutoff=0)

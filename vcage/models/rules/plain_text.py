@@ -3,32 +3,13 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 
 from vcage.base.words import COLOURS, FUNCTION_WORDS, is_plural, tokens
-from vcage.models.rules.grammar import not_read
-
-
-@dataclass(frozen=True)
-class Limits:
-    """Limits on sentences.
-
-    Args:
-        words: of a sentence.
-        readings: ways to read it that are tried.
-        several: objects that are chosen for "several".
-    """
-
-    words: int = 60
-    readings: int = 200
-    several: int = 3
-
-
-LIMITS = Limits()
+from vcage.models.rules.grammar import LIMITS, not_read
 
 REFUSED = {
     r"head-up|horizontally": "no goal says which way up a thing is held",
-    r"slightly(?! away)|half ?way|partly|partially|twice|vigorously|slowly|quickly":
+    r"slightly(?! away)|half[ -]?way|part[ -]?way|partly|partially|twice|vigorously|slowly|quickly":
         "no goal says how far, how often, how hard or how fast something is done",
     r"(every|each) (?:(?!and )[^,.;])* (in|on|into|onto|to) its":
         "no goal says that each thing has a place of its own; name the places",
@@ -68,6 +49,9 @@ def _joined(found: re.Match[str]) -> str:
 
 def plain_text(typed: str) -> str:
     """The sentence in the grammar's form: of the same length, so that places in it are preserved.
+
+    Args:
+        typed: the sentence, with one blank between two words.
 
     Raises:
         UnreadInstruction: it is too long, or has words that no goal can keep, or signs that are not read.

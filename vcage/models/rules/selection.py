@@ -16,7 +16,6 @@ from vcage.models.rules.commands import Command
 from vcage.models.rules.goals import ACTS, Goals
 from vcage.models.rules.meanings import BESIDE
 from vcage.models.rules.nouns import Doubt, Noun
-from vcage.models.rules.plain_text import LIMITS
 from vcage.models.rules.readings import agreed, in_words
 from vcage.models.rules.tools import TOOLS
 from vcage.models.search import best_search, no_asset
@@ -44,6 +43,7 @@ _CONTENTS: Mapping[str, Good] = {
 _RECEIVERS: Mapping[str, Good] = {
     "pour": lambda e: e.takes_poured(THRESHOLDS.poured_into_m),
     "hang": lambda e: e.pegs > 0,
+    "insert": lambda e: e.holes > 0,
 }
 """Commands → the test of the place that they name; of any other it has room for the things."""
 _ROLES: tuple[Role, ...] = ("content", "receptacle", "tool", "context")
@@ -153,7 +153,9 @@ class _Selector:
 
     def _things(self, command: Command) -> None:
         role, good = _role_and_test(command)
-        place = _part_of(command.place, self._of.get(command.place)) if command.place is not None else None
+        place = None
+        if command.place is not None and command.verb not in TOOLS and command.how not in BESIDE:
+            place = _part_of(command.place, self._of.get(command.place))
         for noun in command.things:
             if noun.of_table and not self._kinds(noun):
                 raise Doubt(noun.text, "the table itself stays as it is; name a thing on it")
@@ -242,14 +244,16 @@ class _Selector:
         taken = [(entry.name, entry.variants) for entry in self._there]
         told_apart = noun.positions(self._nouns)
         count = self._count(noun, told_apart)
-        looks = self._seen_in_vessels(one_of_each(self._able(noun, good, place, count), self.rng))
+        looks = one_of_each(self._able(noun, good, place, count), self.rng)
         # "move the blocks, and stack the red on the blue one"
         if count is None and (told := self._told_by_colour(noun)):
             looks = [look for look in looks if any(one.fit(with_look(*look))[0] for one in told)]
             count = len(told)
+        elif noun.colour is None:
+            looks = self._visible_in_vessels(looks)
         fresh = [(entry, look) for entry, look in looks if (entry.name, [look]) not in taken] or looks
         before = len(self._there)
-        for number in range(count or self._several(fresh, place)):
+        for number in range(count or self._occasion().several(place, [entry for entry, _ in fresh])):
             entry, look = fresh[number % len(fresh)]
             asked: Role = role if noun.position is None or number < len(told_apart) else "context"
             reason = f"asked for: {noun.text!r}"
@@ -257,16 +261,11 @@ class _Selector:
             self._there.append(with_look(entry, look))
         return self._there[before]
 
-    def _seen_in_vessels(self, looks: Sequence[Look]) -> Sequence[Look]:
-        """Looks of balls in other colours than the vessels that are there, as far as there are any; all of others."""
+    def _visible_in_vessels(self, looks: Sequence[Look]) -> Sequence[Look]:
+        """Leave out balls in the colour of a vessel that is there, unless no others are left."""
         vessels = [entry for entry in self._there if entry.holds_loose]
         hidden = {word for entry in vessels for look in entry.variants for word in look.colour.split()}
         return [look for look in looks if not look[0].loose or look[1].colour not in hidden] or looks
-
-    def _several(self, looks: Sequence[Look], place: CatalogueEntry | None) -> int:
-        """The number of objects that are chosen where a noun says only "several": as many as their place takes."""
-        most = min(LIMITS.several, max(2, len(looks)))
-        return most if place is None else min(most, self._occasion().takes(place, [entry for entry, _ in looks[:most]]))
 
     def _told_by_colour(self, noun: Noun) -> list[Noun]:
         """The nouns for one thing each that name all of several things by their colours; none where there is one."""

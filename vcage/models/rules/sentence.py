@@ -10,9 +10,9 @@ from typing import Any
 from lark import Token, Tree, UnexpectedInput
 from lark.visitors import CollapseAmbiguities
 
-from vcage.models.rules.commands import Command, ToCommands
-from vcage.models.rules.grammar import grammar, not_read
-from vcage.models.rules.plain_text import LIMITS, plain_text, word_at
+from vcage.models.rules.commands import Command, commands_of
+from vcage.models.rules.grammar import LIMITS, grammar, not_read
+from vcage.models.rules.plain_text import plain_text, word_at
 
 _CLAUSE_ENDS = re.compile(r"[,.;]|\b(and|then)\b")
 _TWO_ARMS = re.compile(
@@ -44,7 +44,7 @@ def parse(instruction: str) -> tuple[tuple[Command, ...], ...]:
     if _readings(tree) > LIMITS.readings:
         raise not_read(typed, typed, f"there are more than {LIMITS.readings} ways to read it")
     ways = map(_located, CollapseAmbiguities().transform(tree))
-    return tuple(dict.fromkeys(ToCommands(typed).transform(one) for one in ways))
+    return tuple(dict.fromkeys(commands_of(one, typed) for one in ways))
 
 
 def _misfit(typed: str, text: str, at: int) -> str:

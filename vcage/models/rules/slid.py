@@ -104,7 +104,7 @@ class Slid:
         """
         blocks = [name for name, entry in self.things.items() if entry.holes]
         if len(blocks) != 1:
-            raise Doubt(command.words, f"say in what it is inserted, as in: into {listed(blocks) or 'the peg block'}")
+            raise Doubt(command.words, f"say in what it is inserted, as in: into {(blocks or ['the peg block'])[0]}")
         return blocks[0]
 
     def _require_own(self, command: Command, place: Noun) -> None:

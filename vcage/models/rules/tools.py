@@ -30,7 +30,7 @@ class ToolWords(NamedTuple):
     unable: str
 
 
-WORDS = {
+_WORDS = {
     "hit": ToolWords("hit", "hit", "hammer", "has no head to hit with"),
     "wipe": ToolWords("wiped", "wipe", "sponge", "is nothing to wipe with"),
 }
@@ -59,7 +59,7 @@ class Tools:
         Raises:
             Doubt: it is not one tool, or it is no tool for that; or a part of a thing is hit or wiped.
         """
-        words = WORDS[command.verb]
+        words = _WORDS[command.verb]
         if part := next((noun for noun in command.things if noun.of_part(self.things.values())), None):
             raise Doubt(part.text, f"no goal says that a part of a thing is {words.done}; name the thing")
         tools = held if command.place is None else self.meanings.objects(command.place)
@@ -69,13 +69,21 @@ class Tools:
             raise Doubt(command.words, f"{tools[0]} {words.unable}")
         return tools[0]
 
-    def require_one(self, command: Command, named: Noun, subjects: Collection[str]) -> None:
-        """Refuse a tool that is one of several, which are no subjects, unless any of these may be taken.
+    def require_one(self, command: Command, named: Noun, subjects: Collection[str], held: Collection[str]) -> None:
+        """Refuse a tool that is one of several, unless any of these may be taken, and things that are held up.
+
+        Args:
+            command: to hit or to wipe.
+            named: what it names as its tool.
+            subjects: ids of the things that are hit or wiped; these are no tools.
+            held: ids of things that are held up.
 
         Raises:
             Doubt: names them.
         """
-        able, done = TOOLS[command.verb], WORDS[command.verb].done
+        able, done = TOOLS[command.verb], _WORDS[command.verb].done
+        if up := next((name for name in subjects if name in held), None):
+            raise Doubt(command.words, f"{up} is held up, and only what stands there is {done}")
         tools = {name: entry for name, entry in self.things.items() if able(entry) and name not in subjects}
         if len(tools) > 1 and (named.definite or tools.keys() != named.named(tools, short=True).keys()):
             raise Doubt(named.text, f"no goal says which of {listed(tools)} it is {done} with")

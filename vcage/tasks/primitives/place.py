@@ -99,7 +99,8 @@ def plan_place(
     """
     control = cell.world.arms[grip.arm]
     planner, begun = cell.planner(grip.arm), cell.begun(grip.arm)
-    away = leaving(cell, grip.object_id, around.receptacle, control.arm.gripper, control.finger_width)
+    gripper, width = control.arm.gripper, control.finger_width
+    away = leaving(cell, grip.object_id, around.receptacle, gripper, width, ahead=True)
     reasons: list[str] = []
     for choice, poses in choices:
         for held, raised in _holds(cell, grip, around):
@@ -225,7 +226,7 @@ class Surroundings:
         """
         gripper = planner.kinematics.arm.gripper
         carrying = Load(command_of(width, gripper), held)
-        leaving = Load(command_of(approach_opening(width, gripper), gripper), ignore=[held.object_id])
+        opened = Load(command_of(approach_opening(width, gripper), gripper), ignore=[held.object_id])
         reasons: list[str] = []
         for way in self.ways(planner.kinematics, held.in_gripper.inverse(), width, poses, start):
             try:
@@ -235,7 +236,7 @@ class Surroundings:
                 released = planner.line(above, way.release, carrying).end
                 if planner.kinematics.ik(_farther(planner.kinematics, way.release), released, attempts=0) is None:
                     raise MotionFailed("its place is at the end of the arm's reach")
-                planner.check(released, leaving)
+                planner.check(released, opened)
                 if not planner.continues(released, [way.after]):
                     raise MotionFailed("the hand could not be drawn back")
                 return
@@ -244,7 +245,9 @@ class Surroundings:
         raise MotionFailed(f"at its place, {first_reasons(reasons)}")
 
 
-def leaving(cell: Workcell, object_id: str, receptacle: str, gripper: Gripper, width: float) -> Load:
+def leaving(
+    cell: Workcell, object_id: str, receptacle: str, gripper: Gripper, width: float, *, ahead: bool = False
+) -> Load:
     """The load of a hand on its way back from an object that it has let go of.
 
     Args:
@@ -253,11 +256,12 @@ def leaving(cell: Workcell, object_id: str, receptacle: str, gripper: Gripper, w
         receptacle: id of what receives it, or ``table``.
         gripper: that held it.
         width: of the material between its fingers, metres.
+        ahead: True before the object is there: what lies in it is then still where the hand has it.
     """
-    place = () if receptacle == TABLE else cell.parts(receptacle)
-    near = [*place, *cell.parts(*cell.contents(object_id))]
+    place, contents = () if receptacle == TABLE else cell.parts(receptacle), cell.parts(*cell.contents(object_id))
     opened = command_of(approach_opening(width, gripper), gripper)
-    return Load(opened, ignore=cell.parts(object_id), speed=CAREFUL_SPEED_SHARE, fingers_may_touch=near)
+    gone = [*cell.parts(object_id), *(contents if ahead else ())]
+    return Load(opened, ignore=gone, speed=CAREFUL_SPEED_SHARE, fingers_may_touch=[*place, *contents])
 
 
 def carry_out_place(cell: Workcell, plan: PlacePlan) -> None:

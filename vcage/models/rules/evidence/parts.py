@@ -45,8 +45,8 @@ class PartSettings:
         stirred_share: share of its range by which a part must be seen to have moved.
         margin_share: share of the range of costs by which the positions that a goal allows must beat all others.
         touched_share: share of a button's visible area that the hand covers while it presses it.
-        around_px, around_share: how far the surroundings of a button go, and the changed share of them from which the
-            hand covers it too, though it may have its colour.
+        ring_px: width of the ring around a button that is looked at as well.
+        ring_share: changed share of that ring from which a hand covers the button, even one of its colour.
     """
 
     blur_px: float = 1.3
@@ -61,8 +61,8 @@ class PartSettings:
     stirred_share: float = 0.2
     margin_share: float = 0.08
     touched_share: float = 0.15
-    around_px: float = 4.0
-    around_share: float = 0.6
+    ring_px: float = 4.0
+    ring_share: float = 0.6
 
 
 SETTINGS = PartSettings()
@@ -78,8 +78,8 @@ class PartEvidence:
         costs: (17,) how unlike the picture afterwards the drawing at each of :data:`POSITIONS` is, in edges and hues.
         rival: by how much less unlike the best of them is than the best drawing in which another part of the object
             moved instead; inf where it has no other.
-        touched: changed share of the part's visible area in the picture of the moment, or of its surroundings; 0
-            without one.
+        touched, around: changed shares of the part's visible area, and of a ring around it, in the picture of the
+            moment; 0 without one.
         covered: (H, W) bool, the area of the object with its part anywhere.
     """
 
@@ -89,6 +89,7 @@ class PartEvidence:
     costs: np.ndarray
     rival: float
     touched: float
+    around: float
     covered: np.ndarray
 
     @classmethod
@@ -117,21 +118,26 @@ class PartEvidence:
             between = _Sight(thing.drawings(moving, [likeliest(costs)]), gain, thing.background, within)
             least[moving] = float(min(costs.min(), between.costs(after.picture, where).min()))
         first, then = sight.costs(before.picture), sight.costs(after.picture)
+        touched, around = _touched(sight, view)
         return cls(
             differing_px=int(sight.telling.sum()),
             before=likeliest(first),
             after=likeliest(then),
             costs=then,
             rival=min((least[name] for name in rivals), default=np.inf) - least[part],
-            touched=_touched(sight, view),
+            touched=touched,
+            around=around,
             covered=sight.covered,
         )
 
     def pressed(self, goal: Goal, thing: str) -> Verdict:
-        """Judge by the hand that covers the part at the moment."""
-        part, touched = part_words(str(goal.part)), self.touched
-        seen = f"{100 * touched:.0f} % of the {part} of the {thing} is under the hand at the moment of the press"
-        return decided(touched >= SETTINGS.touched_share, seen, 0.5 + 0.5 * abs(touched - SETTINGS.touched_share))
+        """Judge by the hand that covers the part, or all that is around it, at the moment."""
+        part = f"the {part_words(str(goal.part))} of the {thing}"
+        seen, share, least = part, self.touched, SETTINGS.touched_share
+        if self.touched < least and self.around >= SETTINGS.ring_share:
+            seen, share, least = f"what is around {part}", self.around, SETTINGS.ring_share
+        reason = f"{100 * share:.0f} % of {seen} is under the hand at the moment of the press"
+        return decided(share >= least, reason, 0.5 + 0.5 * abs(share - least))
 
     def moved(self, goal: Goal, thing: str) -> Verdict:
         """Judge by the position at which the part is likeliest."""
@@ -175,14 +181,13 @@ def _judged(view: CriticView, goal: Goal, decide: Callable[[PartEvidence, Goal, 
     return Judged(decide(evidence, goal, phrase), grown(evidence.covered, VIEW.around_px))
 
 
-def _touched(sight: _Sight, view: CriticView) -> float:
-    """Changed share of a part's visible area in the picture of the moment, or of what is around it; 0 without one."""
+def _touched(sight: _Sight, view: CriticView) -> tuple[float, float]:
+    """Changed shares of a part's visible area and of a ring around it in the picture of the moment; 0 without one."""
     if "top" not in view.moment:
-        return 0.0
+        return 0.0, 0.0
     part = _enclosed(sight.telling) if sight.telling.any() else sight.covered
     change = changed(*(to_lab(one["top"].picture) for one in (view.after, view.moment)))
-    around = share_of(change, grown(part, SETTINGS.around_px) & ~part)
-    return max(share_of(change, part), around if around >= SETTINGS.around_share else 0.0)
+    return share_of(change, part), share_of(change, grown(part, SETTINGS.ring_px) & ~part)
 
 
 def _enclosed(edges: np.ndarray) -> np.ndarray:

@@ -12,8 +12,8 @@ from vcage.base.errors import InfeasibleScene
 from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Subtask
 from vcage.tasks.asked_arms import asked_arms
+from vcage.tasks.chain_rehearsal import NotWithTheseSlots, rehearsed
 from vcage.tasks.chain_slots import slots_for_chain
-from vcage.tasks.rehearsed_chain import NotWithTheseSlots, rehearsed
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import compose, find_subtasks, judging
 from vcage.tasks.slots import Slot

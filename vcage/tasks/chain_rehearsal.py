@@ -27,7 +27,7 @@ from vcage.tasks.templates import TEMPLATES
 from vcage.tasks.workcell import TaskFailed
 from vcage.tasks.workplace import Workplace
 
-ANOTHER = "another --seed gives another layout"
+_ANOTHER = "another --seed gives another layout"
 
 
 class NotWithTheseSlots(NoFeasibleTask):
@@ -130,7 +130,7 @@ class _Stage:
         except TaskFailed as error:
             kind = NotWithTheseSlots if touched or subtask.id in self._slots else NoFeasibleTask
             why = f"{subtask.id} cannot be planned"
-            raise kind(f"{why}: {error.message}", hint=ANOTHER, details={"refused": why}) from error
+            raise kind(f"{why}: {error.message}", hint=_ANOTHER, details={"refused": why}) from error
         if subtask.template in TAKES:
             self._moved.add(subtask.object)
         if subtask.template == POURS:
@@ -145,7 +145,7 @@ class _Stage:
         grasps = [grasp for grasp in subtask.grasps if grasp.arm in free and keeper in (None, grasp.arm)]
         if not grasps:
             why = f"{subtask.id} is not feasible with the arm that is free then"
-            raise NotWithTheseSlots(why, hint=ANOTHER, details={"refused": why})
+            raise NotWithTheseSlots(why, hint=_ANOTHER, details={"refused": why})
         return subtask.model_copy(update={"grasps": grasps})
 
     def _suiting(self, subtask: Subtask, slot: Slot) -> Subtask:
@@ -180,7 +180,7 @@ class _Stage:
         found = examined(subtask, self._workplace.with_objects(self._now()).without_arms(self._world.keeping))
         if found is None:
             why = f"{subtask.id} is not feasible after what comes before it"
-            raise NotWithTheseSlots(why, hint=ANOTHER, details={"refused": why})
+            raise NotWithTheseSlots(why, hint=_ANOTHER, details={"refused": why})
         return found
 
 
