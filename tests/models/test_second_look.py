@@ -82,6 +82,11 @@ def test_an_opening_where_a_closing_is_asked_is_seen() -> None:
     assert "'close the' is said, but no goal says 'closed'" in found
 
 
+def test_what_things_are_poured_out_of_need_not_be_named() -> None:
+    task = "Pour the peach into the bowl and put the green apple on the plate"
+    assert look_at(task, "mug_red poured bowl", "apple_green on plate", told="peach inside mug_red") == []
+
+
 def test_words_that_no_goal_answers_are_named() -> None:
     asked = AskedGoal(goal=goal_of(["peach", "on", "plate"]), step=1, words="Put the peach on the plate")
     found = second_look(Instructed("Put the peach on the plate and stir the soup", THINGS), Reading(goals=[asked]))

@@ -41,6 +41,8 @@ def told(*texts: str) -> list[Description]:
             "mug hung_on rack and then mug on plate, and nothing more is done",
         ),
         ([("mug hung_on rack",), ("mug shaken",)], [], "mug hung_on rack and then mug shaken"),
+        ([("mug hung_on rack",), ("pen beside mug",)], [], "mug hung_on rack and then pen beside mug"),
+        ([("peg inserted_in block",), ("pen on peg",)], [], "peg inserted_in block and then pen on peg"),
         ([("mug hung_on rack",), ("pen inside mug",)], [], "mug hung_on rack and then pen inside mug"),
         ([("a held_up", "a on b")], [], "contradict each other: a held_up and a on b"),
         ([("a in_place_of b", "c in_place_of b")], [], "a in_place_of b and c in_place_of b"),
@@ -61,6 +63,10 @@ def test_contradictory_relations_are_named(steps: list[tuple[str, ...]], starts:
 def test_what_was_done_before_may_be_held_up_in_the_end() -> None:
     assert inconsistencies(asked(("a on b", "c lifted"), ("a held_up",)), []) == []
     assert inconsistencies(asked(("a held_up",), ("a on b",)), []) == []
+
+
+def test_a_thing_may_be_put_beside_what_is_inserted() -> None:
+    assert inconsistencies(asked(("peg inserted_in block",), ("pen beside peg",)), []) == []
 
 
 def test_things_may_change_places_in_a_circle() -> None:

@@ -181,13 +181,16 @@ def _unnamed(read: CheckedReading) -> Iterator[str]:
             continue  # "put the pens away" leaves open where to, "fill the box" with what
         unnamed = read.things.keys() - set[str]().union(*(meant(noun, read.things, mine) for noun in said))
         for name, goal in zip(mine, read.goals, strict=True):
-            unsaid = mine is references and goal.relation in _PLACE_UNSAID
+            unsaid = goal.relation in (_PLACE_UNSAID if mine is references else _THING_UNSAID)
             if name in unnamed and not unsaid and not _names_part(words, goal):
                 yield f"{name} is in the goal {goal}, but the instruction names no such object"
 
 
 _PLACE_UNSAID = ("hung_on", "inserted_in")
 """Goals whose place need not be named: "hang up the mug" and "insert the peg" leave open where."""
+
+_THING_UNSAID = ("poured",)
+"""Goals whose subject need not be named: "pour the balls into the bowl" leaves open what they are in."""
 
 
 def _names_part(words: Iterable[str], goal: Goal) -> bool:

@@ -73,11 +73,14 @@ def _slid_from(steps: Sequence[Collection[Goal]]) -> list[str]:
 
 def _once_slid(steps: Sequence[Collection[Goal]]) -> list[str]:
     """Pairs of goals of which the second is about a thing that is hung or inserted by the first, where no hand takes
-    it, in words."""
+    it, in words; other things may be put beside what is inserted."""
     found, slid = list[str](), dict[str | None, Goal]()
     for step in steps:
         for goal in step:
-            before = [slid[name] for name in (goal.subject, goal.reference) if name in slid]
+            before = [slid[goal.subject]] if goal.subject in slid else []
+            other = slid.get(goal.reference)
+            if other is not None and (other.relation != "inserted_in" or goal.relation in (*HOLDING, *SLID)):
+                before.append(other)
             found += [f"{b} and then {goal}, and nothing more is done with what is {SLID[b.relation]}" for b in before]
         slid |= {goal.subject: goal for goal in step if goal.relation in SLID}
     return found

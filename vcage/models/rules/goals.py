@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -32,6 +33,8 @@ _IN_A_HAND = ("lift", "shake", "hold", "in_hands", "hold_with_both", "away", "fa
 """Commands about a thing that a hand carries."""
 _BRINGING = ("put", "hand", "tower", "show", "hang", "insert")
 """Commands that take a thing somewhere, which is lifted for it."""
+
+_INSERTS = re.compile(r"\b(insert|plug)\b", re.IGNORECASE)
 
 
 @dataclass
@@ -168,6 +171,8 @@ class Goals:
         assert command.place is not None
         if command.place.but and command.place.definite:
             raise Doubt(command.place.text, "nothing can be left out of it")
+        if command.how != "in" and _INSERTS.search(command.words):
+            raise Doubt(command.words, "things are inserted in something, not on it or beside it")
         if is_dumped(command):
             self._vessels.require_none(command, self._named(command))
         if block := self._slid.block(command):

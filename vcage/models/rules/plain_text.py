@@ -9,6 +9,7 @@ from vcage.models.rules.grammar import LIMITS, not_read
 
 REFUSED = {
     r"head-up|horizontally": "no goal says which way up a thing is held",
+    r"some of": "nobody can tell which of them; say how many, or which",
     r"slightly(?! away)|half[ -]?way|part[ -]?way|partly|partially|twice|vigorously|slowly|quickly":
         "no goal says how far, how often, how hard or how fast something is done",
     r"(every|each) (?:(?!and )[^,.;])* (in|on|into|onto|to) its":

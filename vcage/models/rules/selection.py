@@ -91,6 +91,7 @@ class _Selector:
     _chosen: list[SelectedAsset] = field(default_factory=list)
     _there: list[CatalogueEntry] = field(default_factory=list)
     _of: dict[Noun, CatalogueEntry] = field(default_factory=dict)
+    _side_by_side: bool = True
 
     def __post_init__(self) -> None:
         self._nouns = [noun for c in self.commands for noun in (*c.things, c.place) if noun is not None]
@@ -156,6 +157,7 @@ class _Selector:
         place = None
         if command.place is not None and command.verb not in TOOLS and command.how not in BESIDE:
             place = _part_of(command.place, self._of.get(command.place))
+        self._side_by_side = command.verb not in ("tower", "pour")
         for noun in command.things:
             if noun.of_table and not self._kinds(noun):
                 raise Doubt(noun.text, "the table itself stays as it is; name a thing on it")
@@ -232,7 +234,12 @@ class _Selector:
         own = max(colour_level(look, noun.colour) for look in self.entries[entry.name].variants)
         if noun.part is None and all(colour_level(look, noun.colour) < own for look in entry.variants):
             return False
-        return (noun.part is not None and not noun.words[1:] and noun.owns(entry)[0] > 0) or noun.fit(entry)[0] >= HEAD
+        if noun.part is not None and not noun.words[1:] and noun.owns(entry)[0] > 0:
+            return True
+        level = noun.fit(entry)[0]
+        unsaid = any(other.at < 0 and chosen is entry for other, chosen in self._of.items())
+        better = unsaid and any(noun.fit(other)[0] > level for other in self.entries.values())
+        return level >= HEAD and not better
 
     def _kinds(self, noun: Noun) -> list[tuple[CatalogueEntry, list[Variant]]]:
         """The kinds that a noun means, with the matching looks."""
@@ -253,7 +260,8 @@ class _Selector:
             looks = self._visible_in_vessels(looks)
         fresh = [(entry, look) for entry, look in looks if (entry.name, [look]) not in taken] or looks
         before = len(self._there)
-        for number in range(count or self._occasion().several(place, [entry for entry, _ in fresh])):
+        side_by_side = place if self._side_by_side else None
+        for number in range(count or self._occasion().several(side_by_side, [entry for entry, _ in fresh])):
             entry, look = fresh[number % len(fresh)]
             asked: Role = role if noun.position is None or number < len(told_apart) else "context"
             reason = f"asked for: {noun.text!r}"
@@ -262,10 +270,17 @@ class _Selector:
         return self._there[before]
 
     def _visible_in_vessels(self, looks: Sequence[Look]) -> Sequence[Look]:
-        """Leave out balls in the colour of a vessel that is there, unless no others are left."""
-        vessels = [entry for entry in self._there if entry.holds_loose]
-        hidden = {word for entry in vessels for look in entry.variants for word in look.colour.split()}
-        return [look for look in looks if not look[0].loose or look[1].colour not in hidden] or looks
+        """Leave out balls in the colour of a vessel that is there, or vessels in that of a ball, if others are left."""
+        balls, vessels = (
+            {word for entry in self._there if test(entry) for look in entry.variants for word in look.colour.split()}
+            for test in (lambda e: e.loose, lambda e: e.holds_loose)
+        )
+
+        def hidden(entry: CatalogueEntry, look: Variant) -> bool:
+            others = vessels if entry.loose else balls if entry.holds_loose else ()
+            return not set(look.colour.split()).isdisjoint(others)
+
+        return [look for look in looks if not hidden(*look)] or looks
 
     def _told_by_colour(self, noun: Noun) -> list[Noun]:
         """The nouns for one thing each that name all of several things by their colours; none where there is one."""

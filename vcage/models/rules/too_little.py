@@ -44,6 +44,8 @@ def require_plain(commands: Sequence[Command]) -> None:
         why = NEVER_ALONE.get(" ".join(noun.words))
         if why and noun.words[-1] not in whole and not (noun.several and noun.words[-1] in CATEGORIES):
             raise Doubt(noun.text, why)
+        if noun.but and noun.count not in (None, 1):
+            raise Doubt(noun.text, "its number may count what is excepted, or not; leave out one of them")
     for noun, why in (found for command in commands for found in _beyond_goals(command)):
         raise Doubt(noun.text, why)
 
