@@ -26,12 +26,15 @@ class HitSettings:
         over_m: heights of the head over the object.
         held_share: share of its drawing that must be found at the moment: hand and arm hide more of a tool that is held
             at its middle than of a scanner, up to 57 % of a hammer.
+        margin_share: by how much more of it must be seen on the object than beside or over it: where another thing was
+            hit, little of it is seen in any of these places.
     """
 
     beside_m: tuple[float, ...] = (0.055, 0.09)
     directions: int = 6
     over_m: tuple[float, ...] = (0.05, 0.09)
     held_share: float = 0.4
+    margin_share: float = 0.05
 
 
 SETTINGS = HitSettings()
@@ -79,7 +82,7 @@ class Struck:
         """Judge if the tool was on the object."""
         if self.left < LEFT_SHARE:
             return refused(f"the {tool} lies where it was at the moment of the hit", 1 - self.left, "lost")
-        accepted = self.seen >= max(SETTINGS.held_share, self.beside, self.over)
+        accepted = self.seen >= max(SETTINGS.held_share, max(self.beside, self.over) + SETTINGS.margin_share)
         seen = f"{100 * self.seen:.0f} % of the {tool} is seen with its head on the {thing}"
         others = f"{100 * self.beside:.0f} % beside it and {100 * self.over:.0f} % over it"
         return decided(accepted, f"{seen}, {others}", 0.5 + abs(self.seen - SETTINGS.held_share), "astray")
