@@ -30,8 +30,8 @@ HELD = [way[-1] for way in hanging_ways(MUG, RACK, [])]
     [
         (0.9, 0.9, 0.6, True, "90 % of the mug is seen hanging on the rack"),
         (0.1, 0.9, 0.6, False, "the mug stands where it was"),
-        (0.9, 0.5, 0.4, False, "50 % of the mug is seen hanging on the rack, 40 % beside it"),
-        (0.9, 0.7, 0.8, False, "70 % of the mug is seen hanging on the rack, 80 % beside it"),
+        (0.9, 0.5, 0.4, False, "50 % of the mug is seen hanging on the rack, 40 % as drawn beside it"),
+        (0.9, 0.7, 0.8, False, "70 % of the mug is seen hanging on the rack, 80 % as drawn beside it"),
     ],
 )
 def test_a_thing_must_be_seen_on_the_peg_better_than_elsewhere(

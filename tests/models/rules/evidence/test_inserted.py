@@ -26,10 +26,24 @@ WAYS = [way for contact in PEG.asset.annotation.carrying_points for way in inser
 @pytest.mark.parametrize(
     ("left", "seen", "elsewhere", "share", "accepted", "why"),
     [
-        (0.9, 0.9, 0.6, 1.0, True, "90 % of the peg is seen in line with the hole of the block, 60 % beside it"),
+        (
+            0.9,
+            0.9,
+            0.6,
+            1.0,
+            True,
+            "90 % of the peg is seen in line with the hole of the block, 60 % as drawn beside it",
+        ),
         (0.1, 0.9, 0.6, 1.0, False, "the peg lies where it was"),
         (0.9, 0.5, 0.4, 1.0, False, "50 % of the peg is seen in line with the hole"),
-        (0.9, 0.7, 0.8, 1.0, False, "70 % of the peg is seen in line with the hole of the block, 80 % beside it"),
+        (
+            0.9,
+            0.7,
+            0.8,
+            1.0,
+            False,
+            "70 % of the peg is seen in line with the hole of the block, 80 % as drawn beside it",
+        ),
         (0.9, 0.9, 0.6, 0.5, False, "it fills 50 % of the hole"),
     ],
 )

@@ -84,7 +84,7 @@ class Struck:
             return refused(f"the {tool} lies where it was at the moment of the hit", 1 - self.left, "lost")
         accepted = self.seen >= max(SETTINGS.held_share, max(self.beside, self.over) + SETTINGS.margin_share)
         seen = f"{100 * self.seen:.0f} % of the {tool} is seen with its head on the {thing}"
-        others = f"{100 * self.beside:.0f} % beside it and {100 * self.over:.0f} % over it"
+        others = f"{100 * self.beside:.0f} % as drawn beside it and {100 * self.over:.0f} % over it"
         return decided(accepted, f"{seen}, {others}", 0.5 + abs(self.seen - SETTINGS.held_share), "astray")
 
 

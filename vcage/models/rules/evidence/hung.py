@@ -77,7 +77,7 @@ class Hung:
         if self.left < LEFT_SHARE:
             return refused(f"the {thing} stands where it was", 1 - self.left, "lost")
         seen = f"{100 * self.seen:.0f} % of the {thing} is seen hanging on the {rack}"
-        words = f"{seen}, {100 * self.elsewhere:.0f} % beside it"
+        words = f"{seen}, {100 * self.elsewhere:.0f} % as drawn beside it"
         least = max(SETTINGS.seen_share, self.elsewhere)
         return decided(self.seen >= least, words, 0.5 + abs(self.seen - least), "astray")
 

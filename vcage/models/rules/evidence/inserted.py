@@ -85,7 +85,7 @@ class InTheHole:
         if self.left < LEFT_SHARE:
             return refused(f"the {thing} lies where it was", 1 - self.left, "lost")
         seen = f"{100 * self.seen:.0f} % of the {thing} is seen in line with the hole of the {place}"
-        words = f"{seen}, {100 * self.elsewhere:.0f} % beside it"
+        words = f"{seen}, {100 * self.elsewhere:.0f} % as drawn beside it"
         least = max(SETTINGS.seen_share, self.elsewhere)
         if self.seen < least:
             return refused(words, 0.5 + least - self.seen, "astray")
