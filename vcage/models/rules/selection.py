@@ -157,7 +157,8 @@ class _Selector:
         place = None
         if command.place is not None and command.verb not in TOOLS and command.how not in BESIDE:
             place = _part_of(command.place, self._of.get(command.place))
-        self._side_by_side = command.verb not in ("tower", "pour")
+        places = command.place is not None and command.place.several  # one thing goes into each of several drawers
+        self._side_by_side = command.verb not in ("tower", "pour") and not places
         for noun in command.things:
             if noun.of_table and not self._kinds(noun):
                 raise Doubt(noun.text, "the table itself stays as it is; name a thing on it")
