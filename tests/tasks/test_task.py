@@ -13,6 +13,7 @@ from vcage.base.geometry import Pose
 from vcage.schema.goals import Goal
 from vcage.sim.motion import OPEN_HAND, MotionFailed, MotionPlanner
 from vcage.sim.paths import JointPath, Load
+from vcage.sim.world import World
 from vcage.tasks.primitives.place import Surroundings
 from vcage.tasks.retries import Failed, Retry
 from vcage.tasks.scene_objects import SceneObject
@@ -165,8 +166,9 @@ def test_a_receptacle_out_of_reach_fails_at_the_plan(task: Task):
     assert caught.value.stage == "plan"
 
 
-def test_nothing_is_put_where_the_hand_could_not_be_drawn_back(task: Task, monkeypatch):
-    """As between the arm that holds a pan up and the pan."""
+def test_nothing_is_put_where_the_hand_could_not_be_drawn_back_past_an_arm_that_holds_something_up(
+    task: Task, monkeypatch
+):
     free = MotionPlanner.line
 
     def line(planner: MotionPlanner, q: np.ndarray, pose: Pose, load: Load = OPEN_HAND) -> JointPath:
@@ -176,6 +178,7 @@ def test_nothing_is_put_where_the_hand_could_not_be_drawn_back(task: Task, monke
 
     task.pick("block", GRASPS)
     monkeypatch.setattr(MotionPlanner, "line", line)
+    monkeypatch.setattr(World, "keeping", frozenset({"right"}))
     with pytest.raises(TaskFailed, match="the hand would touch the other arm") as failed:
         task.place("plate")
     assert failed.value.stage == "plan" and task.world.holds(task.arm, "block")

@@ -116,7 +116,7 @@ def plan_place(
                 try:
                     carry = planner.move(begun.end, way.above, grip.carrying, then=[way.release, way.after])
                     lower = planner.line(carry.end, way.release, lowering)
-                    if around.hovers is None:
+                    if around.hovers is None and cell.world.keeping:  # an arm at home is not in the way
                         planner.line(lower.end, way.after, away)
                     return PlacePlan(grip, around.receptacle, way, begun.then(carry).then(lower)), choice
                 except MotionFailed as error:
