@@ -154,17 +154,20 @@ class _Selector:
 
     def _things(self, command: Command) -> None:
         role, good = _role_and_test(command)
-        place = None
-        if command.place is not None and command.verb not in TOOLS and command.how not in BESIDE:
-            place = _part_of(command.place, self._of.get(command.place))
-        places = command.place is not None and command.place.several  # one thing goes into each of several drawers
-        self._side_by_side = command.verb not in ("tower", "pour") and not places
+        place, self._side_by_side = self._receiver(command), _is_side_by_side(command)
         for noun in command.things:
             if noun.of_table and not self._kinds(noun):
                 raise Doubt(noun.text, "the table itself stays as it is; name a thing on it")
             self._take_sources(noun, command)
             sign = command.verb == "show" and all(entry.words.category == "sign" for entry, _ in self._kinds(noun))
             self._take(noun, "tool" if sign else role, good, place)
+
+    def _receiver(self, command: Command) -> CatalogueEntry | None:
+        """What the things of a command go in or on; None for what they go beside, and for a tool."""
+        place = command.place
+        if place is None or command.verb in TOOLS or command.how in BESIDE:
+            return None
+        return _part_of(place, self._of.get(place))
 
     def _take_sources(self, noun: Noun, command: Command) -> None:
         """Choose what a thing lies on, in or beside at the start."""
@@ -237,10 +240,12 @@ class _Selector:
             return False
         if noun.part is not None and not noun.words[1:] and noun.owns(entry)[0] > 0:
             return True
-        level = noun.fit(entry)[0]
+        return noun.fit(entry)[0] >= HEAD and not self._means_another(noun, entry)
+
+    def _means_another(self, noun: Noun, entry: CatalogueEntry) -> bool:
+        """True where nothing named a chosen object, and a noun names another kind better: "the block" no peg block."""
         unsaid = any(other.at < 0 and chosen is entry for other, chosen in self._of.items())
-        better = unsaid and any(noun.fit(other)[0] > level for other in self.entries.values())
-        return level >= HEAD and not better
+        return unsaid and any(noun.fit(other)[0] > noun.fit(entry)[0] for other in self.entries.values())
 
     def _kinds(self, noun: Noun) -> list[tuple[CatalogueEntry, list[Variant]]]:
         """The kinds that a noun means, with the matching looks."""
@@ -252,23 +257,28 @@ class _Selector:
         taken = [(entry.name, entry.variants) for entry in self._there]
         told_apart = noun.positions(self._nouns)
         count = self._count(noun, told_apart)
-        looks = one_of_each(self._able(noun, good, place, count), self.rng)
         # "move the blocks, and stack the red on the blue one"
-        if count is None and (told := self._told_by_colour(noun)):
-            looks = [look for look in looks if any(one.fit(with_look(*look))[0] for one in told)]
-            count = len(told)
-        elif noun.colour is None:
-            looks = self._visible_in_vessels(looks)
+        told = self._told_by_colour(noun) if count is None else []
+        looks = self._meant(noun, told, one_of_each(self._able(noun, good, place, count), self.rng))
         fresh = [(entry, look) for entry, look in looks if (entry.name, [look]) not in taken] or looks
         before = len(self._there)
-        side_by_side = place if self._side_by_side else None
-        for number in range(count or self._occasion().several(side_by_side, [entry for entry, _ in fresh])):
+        for number in range(count or len(told) or self._several(place, fresh)):
             entry, look = fresh[number % len(fresh)]
             asked: Role = role if noun.position is None or number < len(told_apart) else "context"
             reason = f"asked for: {noun.text!r}"
             self._chosen.append(SelectedAsset(asset=entry.name, variant=look.id, role=asked, reason=reason))
             self._there.append(with_look(entry, look))
         return self._there[before]
+
+    def _several(self, place: CatalogueEntry | None, looks: Sequence[Look]) -> int:
+        """The number of objects that are chosen where no number is said."""
+        return self._occasion().several(place if self._side_by_side else None, [entry for entry, _ in looks])
+
+    def _meant(self, noun: Noun, told: Sequence[Noun], looks: Sequence[Look]) -> Sequence[Look]:
+        """The looks of the colours that tell several things apart; of others those that can be seen in vessels."""
+        if told:
+            return [look for look in looks if any(one.fit(with_look(*look))[0] for one in told)]
+        return looks if noun.colour else self._visible_in_vessels(looks)
 
     def _visible_in_vessels(self, looks: Sequence[Look]) -> Sequence[Look]:
         """Leave out balls in the colour of a vessel that is there, or vessels in that of a ball, if others are left."""
@@ -325,6 +335,12 @@ def _require_no_pronoun(noun: Noun) -> None:
     """
     if noun.part is not None and noun.text.lower().startswith("its "):
         raise Doubt(noun.text, "nothing named before it has one")
+
+
+def _is_side_by_side(command: Command) -> bool:
+    """True where several things of a command need room beside each other: one goes into each of several drawers."""
+    drawers = command.place is not None and command.place.several
+    return command.verb not in ("tower", "pour") and not drawers
 
 
 def _part_of(noun: Noun, place: CatalogueEntry | None) -> CatalogueEntry | None:

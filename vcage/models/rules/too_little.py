@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 
 from vcage.base.words import CATEGORIES, word_set
 from vcage.models.rules.commands import Command
@@ -40,14 +40,19 @@ def require_plain(commands: Sequence[Command]) -> None:
     """
     nouns = list(with_relations(*(noun for c in commands for noun in (*c.things, c.place, c.source))))
     whole = {noun.words[-1] for noun in nouns if len(noun.words) > 1}
-    for noun in nouns:
-        why = NEVER_ALONE.get(" ".join(noun.words))
-        if why and noun.words[-1] not in whole and not (noun.several and noun.words[-1] in CATEGORIES):
-            raise Doubt(noun.text, why)
-        if noun.but and noun.count not in (None, 1):
-            raise Doubt(noun.text, "its number may count what is excepted, or not; leave out one of them")
-    for noun, why in (found for command in commands for found in _beyond_goals(command)):
+    vague = ((noun, why) for noun in nouns if (why := _vague(noun, whole)))
+    for noun, why in (*vague, *(found for command in commands for found in _beyond_goals(command))):
         raise Doubt(noun.text, why)
+
+
+def _vague(noun: Noun, whole: Collection[str]) -> str | None:
+    """Why a noun says too little; ``whole`` are the last words of nouns with more words in the sentence."""
+    why = NEVER_ALONE.get(" ".join(noun.words))
+    if why and noun.words[-1] not in whole and not (noun.several and noun.words[-1] in CATEGORIES):
+        return why
+    if noun.but and noun.count not in (None, 1):
+        return "its number may count what is excepted, or not; leave out one of them"
+    return None
 
 
 def _beyond_goals(command: Command) -> Iterator[tuple[Noun, str]]:
