@@ -163,7 +163,7 @@ class _Selector:
             self._take(noun, "tool" if sign else role, good, place)
 
     def _receiver(self, command: Command) -> CatalogueEntry | None:
-        """What the things of a command go in or on; None for what they go beside, and for a tool."""
+        """The object that the things of a command go in or on; None if they go beside it, or if it is a tool."""
         place = command.place
         if place is None or command.verb in TOOLS or command.how in BESIDE:
             return None

@@ -65,9 +65,8 @@ def carry_out_slide(
     planner = cell.planner(grip.arm)
 
     def carried_to(way: Sequence[Pose]) -> tuple[JointPath, Sequence[Pose]]:
-        return plan_slide(planner, start.end, load, way, sliding)[
-            0
-        ], way  # the slide is planned again, as it is held then
+        carry, _ = plan_slide(planner, start.end, load, way, sliding)  # the slide is planned again, as it is held then
+        return carry, way
 
     carry, way = first_free(carried_to, islice(ways, sliding.ways), sliding.done)
     with minding(cell, grip):
