@@ -32,6 +32,7 @@ THINGS = {
     "bowl": look("bowl"),
     "cabinet": look("cabinet"),
 }
+MUGS = ["mug_red on plate", "mug_white on plate"]
 
 
 def _named(text: str) -> list[str | None]:
@@ -59,7 +60,10 @@ def look_at(
         ("Put the green apple on the plate", ["peach on plate"], "'green apple', but no goal speaks"),
         ("Put the green apple on the plate", ["apple_red on plate"], "asks for green"),
         ("Put both mugs on the plate", ["mug_red on plate"], "asks for 2, but the goals speak of 1"),
-        ("Put a mug on the plate", ["mug_red on plate", "mug_white on plate"], "asks for 1, but goals are given for 2"),
+        ("Put a mug on the plate", MUGS, "asks for 1, but goals are given for 2"),
+        ("Put one red and two white mugs on the plate", MUGS, "'two white mugs' asks for 3, but the goals speak of 2"),
+        ("Put two red and one white mug on the plate", MUGS, "'two red' asks for 2, but goals are given for 1"),
+        ("Put one red and one green apple on the plate", ["apple_red on plate"], "'one green apple' asks for 2"),
         ("Put the peach to the left of the plate", ["peach right_of plate"], "but 'right_of'"),
         ("Put the peach behind the plate", ["peach in_front_of plate"], "but 'in_front_of'"),
         ("Put the peach in the top drawer", ["peach inside cabinet/drawer_bottom"], "the top drawer is named"),
@@ -97,11 +101,14 @@ def test_words_that_no_goal_answers_are_named() -> None:
     ("task", "goals"),
     [
         ("Put the apples on the plate", ["apple_red on plate", "apple_green on plate"]),
-        ("Could you put two mugs on the plate, please?", ["mug_red on plate", "mug_white on plate"]),
+        ("Could you put two mugs on the plate, please?", MUGS),
+        ("Put one red and one white mug on the plate", MUGS),
+        ("Put one red mug and a white one on the plate", MUGS),
         ("Put the red mug, sorry, the white one on the plate", ["mug_white on plate"]),
         ("All the mugs except the red one go on the plate", ["mug_white on plate"]),
         ("Put the fruit in the bowl", ["apple_red inside bowl", "apple_green inside bowl", "peach inside bowl"]),
         ("Can you put the peach right away on the plate?", ["peach on plate"]),
+        ("Put one red mug in the bowl and a white one on the plate", ["mug_red inside bowl", "mug_white on plate"]),
         ("Put the mugs away", ["mug_red inside bowl", "mug_white inside bowl"]),
         ("Fill the bowl", ["peach inside bowl"]),
         ("Pass the peach from the left arm to the right arm", ["peach handed right"]),

@@ -6,18 +6,15 @@ In another language than English, words are not checked.
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 
 from vcage.base.text import listed
 from vcage.base.words import (
     ANYTHING,
     COLOURS,
-    COUNTED,
     DETERMINERS,
     FUNCTION_WORDS,
     HANDLING,
-    NO_PLURAL,
     NUMBERS,
     PARTS,
     lemma,
@@ -29,29 +26,16 @@ from vcage.models.asides import asked_part
 from vcage.models.checked_reading import CheckedReading, Instructed, in_english
 from vcage.models.clauses import VERBS, order_complaints
 from vcage.models.directions import wrong_arms, wrong_drawers, wrong_sides
-from vcage.models.phrases import compiled, phrase
+from vcage.models.how_many import MANY, miscounted
 from vcage.models.quantifiers import left_over
 from vcage.models.which_one import coloured, meant, unclear
-from vcage.objects.mentions import Noun, nouns, stated_count
+from vcage.objects.mentions import Noun, nouns
 from vcage.objects.names import has_colour, look_texts
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import Goal, Reading, goal_of, named_by
 
-_MANY = frozenset(("each", "every", "all", "everything", "both", "another", "other", "others", "rest", "more", "any"))
-"""Words by which "a mug" may be several."""
-_OPEN = frozenset((*ANYTHING, *_MANY, "anything", "something", "whatever", "them"))
+_OPEN = frozenset((*ANYTHING, *MANY, "anything", "something", "whatever", "them"))
 """Words for objects that no noun names."""
-_ORDINALS = frozenset(((), *((word,) for word in COUNTED)))
-"""Ends of names that are not counted: "the second"."""
-_ALONE = compiled(
-    phrase(
-        "<both|two|three|four|five>",
-        before="(of them|of these|of those|in*|on*|to*|go*|,|.|;|:|!|?)",
-        or_end=True,
-        not_after="of / of the",
-    )
-)
-"""Numbers without a noun."""
 _TO_READER = frozenset(
     ("ignore", "disregard", "override", "forget", "answer", "respond", "reply", "output", "print", "json", "prompt",
      "instruction", "instructions", "schema", "above", "previous", "prior", "system", "reveal", "repeat")
@@ -228,39 +212,6 @@ def _is_named(noun: Noun, read: CheckedReading) -> bool:
     return any(one.name in (noun.name, ()) and {*noun.colours} <= {*one.colours} for one in named)
 
 
-# --- in English: are they as many? -------------------------------------------------------------------
-
-
-def _miscounted(read: CheckedReading) -> Iterator[str]:
-    """Number words that differ from the number of objects of that name in the reading."""
-    subjects, words = {goal.subject for goal in read.goals}, read.task.text.split(" ")
-    times = Counter(noun.name for noun in read.said if _MANY.isdisjoint(words))
-    yield from _too_few(read)
-    for noun in (one for one in read.said if one.name[-1:] not in _ORDINALS):
-        number = _number(words, noun)
-        there, moved = len(meant(noun, read.things, read.spoken)), len(meant(noun, read.things, subjects))
-        if there < number:
-            yield f"{noun.words!r} asks for {number}, but the goals speak of {there}"
-        elif moved > number > 0 and times[noun.name] == 1:
-            yield f"{noun.words!r} asks for {number}, but goals are given for {moved}"
-
-
-def _too_few(read: CheckedReading) -> Iterator[str]:
-    """Numbers without a noun that are larger than the number of things or places of the goals."""
-    subjects, references = {(g.subject, g.part) for g in read.goals}, {(g.reference, g.part) for g in read.goals}
-    most = max(len(subjects), len(references))
-    for word in _ALONE.findall(read.task.text):
-        if most < (stated_count(word) or 0):
-            yield f"{word!r} is said, but the goals are about {most}"
-
-
-def _number(words: Sequence[str], noun: Noun) -> int:
-    """The number that a noun asks for, or 0: 2 of "a pair of mugs", but not of "a pair of scissors"."""
-    before = [word for word in words[max(noun.at - 3, 0) : noun.at] if word not in ("of", "the")]
-    pair = before[-1:] in (["pair"], ["couple"]) and noun.name[-1] not in NO_PLURAL
-    return noun.number or (2 if pair else 0)
-
-
 _IN_ANY_LANGUAGE: tuple[Callable[[CheckedReading], Iterable[str]], ...] = (_idle, _done_already, _unasked)
 _IN_ENGLISH: tuple[Callable[[CheckedReading], Iterable[str]], ...] = (
     left_over,
@@ -269,7 +220,7 @@ _IN_ENGLISH: tuple[Callable[[CheckedReading], Iterable[str]], ...] = (
     _unanswered,
     _misnamed,
     unclear,
-    _miscounted,
+    miscounted,
     wrong_sides,
     wrong_drawers,
     wrong_arms,

@@ -74,7 +74,7 @@ def _is_one_thing_with(after: Noun, noun: Noun) -> bool:
 
     In "the red and blue mugs" the number of red ones is open, and "the red and blue mug" is one.
     """
-    return not noun.several if after.several else not after.quantifier
+    return noun.count is None and not noun.several if after.several else not after.quantifier
 
 
 def _places_for(command: Command, done: tuple[Command, ...]) -> list[Noun | None]:
