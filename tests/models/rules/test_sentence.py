@@ -36,6 +36,27 @@ def test_an_angle_is_refused_as_one(angle: str) -> None:
         parse(f"Rotate the cereal box {angle}")
 
 
+@pytest.mark.parametrize(
+    "sentence",
+    ["Put the apple in the bowl quick", "Put the apple fast in the bowl", "Wipe the mat as fast as you can",
+     "Fast, put the apple in the bowl", "Put the apple in the bowl fast and the lemon on the plate", "Lift it a bit",
+     "Put the apple fully in the bowl", "Put the apple in the bowl completely", "Open the drawer all the way",
+     "Hit the block hard with the hammer", "Move the can a little away", "Put the orange partly in the bowl"],
+)  # fmt: skip
+def test_how_fast_and_how_far_are_refused_as_such(sentence: str) -> None:
+    with pytest.raises(UnreadInstruction, match="how far, how often, how hard or how fast"):
+        parse(sentence)
+
+
+@pytest.mark.parametrize(
+    "things",
+    ["the fast food", "quick bread", "the hard boiled egg", "a little block", "the partly eaten apple", "the fast car",
+     "two slowly rotting apples", "the red half eaten apple"],
+)  # fmt: skip
+def test_such_a_word_before_a_name_belongs_to_it(things: str) -> None:
+    assert {c.things[0].text for (c,) in parse(f"Put {things} in the box")} == {things}
+
+
 def test_the_first_word_that_does_not_fit_is_named_with_the_nearest_form() -> None:
     with pytest.raises(UnreadInstruction) as refused:
         parse("Put the apple in the bowl and juggle the lemons")

@@ -4,13 +4,22 @@ from __future__ import annotations
 
 import re
 
-from vcage.base.words import COLOURS, FUNCTION_WORDS, is_plural, tokens
+from vcage.base.words import COLOURS, DETERMINERS, FUNCTION_WORDS, NUMBERS, is_plural, tokens
 from vcage.models.rules.grammar import LIMITS, not_read
 
+_OF_NO_NAME = "".join(rf"(?<!\b{word} )" for word in sorted({*DETERMINERS, *NUMBERS, *COLOURS - {"orange"}}))
+"""Before a word that is no part of a name: "the partly eaten apple" and "the fast food" are names."""
+_NAME_ENDS = (
+    r"(?= *(?:[,.;!?]|$)| (?:and|then|but|in|into|on|onto|to|inside|next|beside|behind|near|from|out|off|up|away"
+    r"|with|using|please|as)\b)"
+)
 REFUSED = {
     r"head-up|horizontally": "no goal says which way up a thing is held",
     r"some of": "nobody can tell which of them; say how many, or which",
-    r"slightly(?! away)|half[ -]?way|part[ -]?way|partly|partially|twice|vigorously|slowly|quickly":
+    rf"{_OF_NO_NAME}(slightly(?! away)|half[ -]?way|part[ -]?way|all the way|a bit|a lot|twice"
+    "|partly|partially|fully|completely|entirely|totally|thoroughly|vigorously|firmly|softly"
+    "|slowly|quickly|rapidly|swiftly|hastily|immediately|instantly|in a hurry"
+    f"|(a little|quick|quicker|fast|faster|slow|slower|hard|harder){_NAME_ENDS})":
         "no goal says how far, how often, how hard or how fast something is done",
     r"(every|each) (?:(?!and )[^,.;])* (in|on|into|onto|to) its":
         "no goal says that each thing has a place of its own; name the places",
@@ -24,8 +33,8 @@ REFUSED = {
 """Words that no goal of the vocabulary can keep, and why."""
 
 _POLITE = re.compile(
-    r"\b(please|pls|kindly|carefully|gently|again|thanks|thank you|cheers|ta|for me|as well|now|just|hey|(?<!the )robot"
-    r"|directly|slightly(?= away)|straight|somewhere)\b"
+    r"\b(please|pls|kindly|(very )?(carefully|gently)|again|thanks|thank you|cheers|ta|for me|as well|now|just|hey"
+    r"|(?<!the )robot|directly|slightly(?= away)|straight|somewhere)\b"
     r"|[,;]? (i do(n't| not) (mind|care)|it does(n't| not) matter) which( one)?\b"
     r"|[,;]? (whichever you like|any will do)\b"
     r"|\bcent(er|re) of the top( side)?(?= \w)"
