@@ -33,6 +33,12 @@ def test_a_colour_foreign_to_a_kind_is_refused_with_the_known_ones() -> None:
     assert "apple comes in red, green only" in refused.value.hint
 
 
+def test_a_look_foreign_to_a_kind_is_refused_with_the_known_ones() -> None:
+    with pytest.raises(NoAssetFits, match="'the partly eaten apple'") as refused:
+        selected("Put the partly eaten apple in the bowl")
+    assert refused.value.hint == "apple comes in red, green only"
+
+
 def test_a_part_that_its_owner_lacks_is_refused_with_those_it_has() -> None:
     with pytest.raises(NoAssetFits, match="middle drawer") as refused:
         selected("Open the middle drawer of the two-drawer cabinet")

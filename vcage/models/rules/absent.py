@@ -1,4 +1,4 @@
-"""Refusals of nouns that the catalogue has no object for: parts that a kind lacks, sizes that it does not come in."""
+"""Refusals of nouns that the catalogue has no object for: parts that a kind lacks, sizes and looks it does not have."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from vcage.base.errors import NoAssetFits
 from vcage.base.text import listed
 from vcage.base.words import SIZES
 from vcage.models.rules.nouns import Doubt, Noun
-from vcage.objects.names import HEAD, sizes_of
+from vcage.objects.names import HEAD, names_of, sizes_of
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import part_words
 
@@ -46,3 +46,10 @@ def require_size(noun: Noun, entries: Mapping[str, CatalogueEntry]) -> None:
     name = " ".join(noun.words) or kinds[0].words.name
     hint = f"sizes of the {name}: {sizes}" if sizes else f"the {name} comes in one size: leave the size out"
     raise NoAssetFits(f"there is no {noun.text.removeprefix('the ')!r}", hint=hint, details={"unmatched": [noun.text]})
+
+
+def without_look(noun: Noun, entries: Mapping[str, CatalogueEntry]) -> list[CatalogueEntry]:
+    """The kinds that a noun names by its last word, where those before it are in no name: "the rotten apple"."""
+    known = {word for entry in entries.values() for name in names_of(entry).all for word in name}
+    named = [entry for entry in entries.values() if names_of(entry).words == noun.words[-1:]]
+    return named if known.isdisjoint(noun.words[:-1]) else []

@@ -11,7 +11,7 @@ from vcage.base.words import tokens
 from vcage.goals.thresholds import THRESHOLDS
 from vcage.models.occasion import Look, Occasion, one_of_each
 from vcage.models.quantifiers import quantified
-from vcage.models.rules.absent import require_part, require_size
+from vcage.models.rules.absent import require_part, require_size, without_look
 from vcage.models.rules.commands import Command
 from vcage.models.rules.goals import ACTS, Goals
 from vcage.models.rules.meanings import BESIDE
@@ -315,6 +315,7 @@ class _Selector:
             require_part(noun, self.entries)
             require_size(noun, self.entries)
             bare = [entry for entry, _ in self._kinds(replace(noun, colour=None))]
+            bare = bare or without_look(noun, self.entries)
             raise no_asset(noun.text, bare, list(self.entries.values()), best_search())
         able = [entry for entry in able if not self._answers_another(noun, entry)] or able
         able = self._occasion().suiting(able, place, noun.several, least=min(2, count or 2))
