@@ -29,3 +29,9 @@ def goals(sentence: str) -> list[str]:
 def test_colours_with_a_number_each_share_the_noun_at_their_end(things: str, counts: dict[str, int]) -> None:
     found = [goal.split("_")[1].split(" ")[0] for goal in goals(f"Put {things} in the box")]
     assert {colour: found.count(colour) for colour in found} == counts
+
+
+@pytest.mark.parametrize(("thing", "done"), [("drawer", "closed"), ("button", "pressed"), ("peg", "inserted_in")])
+def test_the_second_look_knows_what_is_pressed_in(thing: str, done: str) -> None:
+    (found,) = goals(f"Press the {thing} in")
+    assert done in found

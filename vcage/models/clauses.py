@@ -37,9 +37,13 @@ def _verb(words: str, *only: str) -> Verb:
 VERBS: Mapping[str, Verb] = {
     "scanned": _verb("scan*", phrase("scan")),
     "weighed": _verb("weigh*", phrase("weigh")),
-    "pressed": _verb("press*|push*|ring*|rung*|rang*|click*", phrase("ring", not_before="up"), phrase("press")),
+    "pressed": _verb(
+        "press*|push*|ring*|rung*|rang*|click*",
+        phrase("ring", not_before="up"),
+        phrase("press", not_before="it in / [in] the (drawer|peg) / [in] the _ (drawer|peg)"),
+    ),
     "open": _verb("open|opened|opening|pull*", phrase("open (the|it|that|both)")),
-    "closed": _verb("clos*|shut*|push*", phrase("(shut|close) (the|it|that|both)")),
+    "closed": _verb("clos*|shut*|push*|press*", phrase("(shut|close) (the|it|that|both)")),
     "turned": _verb("turn*|switch*|start*|run*", phrase("(turn|switch) on")),
     "turned_back": _verb("turn*|switch*|stop*", phrase("(turn|switch) off")),
     "in_place_of": _verb("swap*|exchang*|where|place*|put*"),
@@ -57,7 +61,7 @@ VERBS: Mapping[str, Verb] = {
     "wiped": _verb("wip*|clean*"),
     "poured": _verb("pour*|empt*|tip|tips|tipp*|dump*"),
     "hung_on": _verb("hang*|hung|hook|hooks|hooked"),
-    "inserted_in": _verb("insert*|put*|push*|slid*|stick*|stuck|plug*|plac*|shov*|slip*"),
+    "inserted_in": _verb("insert*|put*|push*|press*|slid*|stick*|stuck|plug*|plac*|shov*|slip*"),
     "presented": _verb("present*|show*|giv*|hand*|offer*"),
 }
 """The verbs by the word of the goal."""

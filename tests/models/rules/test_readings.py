@@ -469,6 +469,20 @@ def test_what_is_not_inserted_is_refused_by_name(sentence: str, why: str) -> Non
         in_scene(sentence, *pegs, "peg_block/green", "apple/red", "mug/red")
 
 
+@pytest.mark.parametrize("verb", ["Push", "Press"])
+@pytest.mark.parametrize(
+    ("thing", "done"), [("the top drawer", "closed"), ("the button", "pressed"), ("the peg", "inserted_in")]
+)
+def test_what_is_pushed_in_is_closed_or_pressed_or_inserted(verb: str, thing: str, done: str) -> None:
+    (found,) = goals(f"{verb} {thing} in")
+    assert done in found and goals(f"{verb} in {thing}") == [found]
+
+
+def test_it_that_is_pushed_in_may_be_what_was_opened() -> None:
+    assert [goal.split()[-1] for goal in goals("Open the top drawer, then push it in")] == ["open", "closed"]
+    assert goals("Open the top drawer and push the stapler in")[1].startswith("2: stapler_black inside")
+
+
 def test_a_peg_is_still_put_in_a_bowl() -> None:
     assert in_scene("Insert the peg into the bowl", "peg/red", "bowl/green") == ["1: peg_red inside bowl_green"]
 

@@ -24,9 +24,9 @@ class Command:
     """One thing that a sentence asks for.
 
     Args:
-        verb: a rule of the grammar: put, pick, open, close, turn, turn_off, press, weigh, scan, show, hand, lift,
-            shake, hit, wipe, pour, hang, insert, hold, in_hands, hold_with_both, away, face, stand_up, stack, tower,
-            stamp, row, swap.
+        verb: a rule of the grammar: put, pick, open, close, turn, turn_off, press, push_in, weigh, scan, show, hand,
+            lift, shake, hit, wipe, pour, hang, insert, hold, in_hands, hold_with_both, away, face, stand_up, stack,
+            tower, stamp, row, swap.
         things: its objects; none where a row or a tower is of other things than those that are named.
         how: in, on, left_of, right_of, in_front_of, behind, beside, near, centred or to; for ``hand`` who gets it.
         place: where things go, or the tool.

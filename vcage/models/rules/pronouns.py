@@ -9,6 +9,9 @@ from dataclasses import replace
 from vcage.models.rules.commands import USING, Command
 from vcage.models.rules.nouns import Noun
 
+_PUSHED_IN = {"drawer": "close", "button": "press"}
+"""Parts of things → the command by which they are pushed in."""
+
 
 def resolved(commands: tuple[Command, ...], done: tuple[Command, ...] = ()) -> Iterator[tuple[Command, ...]]:
     """Every way in which pronouns and "the red one" can refer to earlier nouns.
@@ -25,7 +28,15 @@ def resolved(commands: tuple[Command, ...], done: tuple[Command, ...] = ()) -> I
     for chosen, place in itertools.product(itertools.product(*things), _places_for(command, done)):
         named = tuple(noun for nouns in chosen for noun in nouns)
         found = replace(command, things=named, place=place, may_be=_tool_or_thing(command, done))
+        found = _pushed_in(found) if found.verb == "push_in" else found
         yield from resolved(tuple(later), (*done, found))
+
+
+def _pushed_in(command: Command) -> Command:
+    """To push in a drawer is to close it, a button, to press it, and anything else, to insert it."""
+    parts = {noun.part for noun in command.things}
+    verb = _PUSHED_IN.get(str(*parts), "insert") if len(parts) == 1 else "insert"
+    return replace(command, verb=verb)
 
 
 def _tool_or_thing(command: Command, done: tuple[Command, ...]) -> tuple[str, ...]:
@@ -108,7 +119,7 @@ def _referents(pronoun: Noun, done: tuple[Command, ...], verb: str) -> list[tupl
     nouns = [*things, *_places(*done[-1:])] if len(things) == 1 else []
     if nouns and done[-1].verb in USING:  # the tool is still in the hand
         nouns += [*_things_of(done, "pick", "lift"), *(noun for noun in [done[-1].place] if noun is not None)]
-    if verb == "close":
+    if verb in ("close", "push_in"):
         closed = _things_of(done, "close")
         nouns += [noun for noun in _things_of(done, "open") if noun not in closed]
     return [(noun,) for noun in dict.fromkeys(nouns) if not noun.several]
