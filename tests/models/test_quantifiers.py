@@ -22,6 +22,7 @@ def forgotten(said, things, spoken):
         ("everything goes into the box", (), None),
         ("put all of them into the box", (), None),
         ("put all the red pens into the box", ("pen",), "red"),
+        ("dump everything in the box and put the lid on the table", (), None),
         ("place every bread on the table into the basket", ("bread",), None),
         ("everything yellow goes in the pot", (), "yellow"),
         ("put the rest of the fruit on the plate", ("fruit",), None),
@@ -33,7 +34,11 @@ def test_a_quantifier_tells_its_noun_and_colour(text, noun, colour):
     assert (found.noun, found.colour) == (noun, colour)
 
 
-@pytest.mark.parametrize("text", ["first of all open the box", "stack the bowls on top of each other", "put it away"])
+@pytest.mark.parametrize(
+    "text",
+    ["first of all open the box", "stack the bowls on top of each other", "put it away",
+     "pour everything in the red cup into the bowl", "take the cup and tip everything that is in it into the bowl"],
+)  # fmt: skip
 def test_words_other_than_quantifiers_are_skipped(text):
     assert quantified(text) == []
 

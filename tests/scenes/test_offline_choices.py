@@ -35,3 +35,9 @@ def test_colours_with_a_number_each_share_the_noun_at_their_end(things: str, cou
 def test_the_second_look_knows_what_is_pressed_in(thing: str, done: str) -> None:
     (found,) = goals(f"Press the {thing} in")
     assert done in found
+
+
+@pytest.mark.parametrize("contents", ["everything in", "everything out of", "all that is in"])
+def test_everything_in_a_vessel_is_poured_with_it(contents: str) -> None:
+    (found,) = goals(f"Pour {contents} the cup into the bowl")
+    assert found.startswith("cup_") and " poured bowl_" in found

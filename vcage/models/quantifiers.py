@@ -24,6 +24,13 @@ _MAX_BEGINNING_WORDS = 2
 """Words that may stand before such a word where nothing was named: "please put all"."""
 _FIXED = compiled(phrase("(first of all|above all|after all|at all|all right|all done|each other|all the way)"))
 """Phrases in which such a word is no quantifier."""
+_CONTENTS = compiled(
+    phrase(
+        "(pour*|empt*|tip*|dump*) [out|over] (everything|anything|all|whatever) [that] [is] (in|inside|from|out of)",
+        before="[_] [_] [_] _ (in|into)",
+    )
+)
+"""Phrases in which it means the contents of a thing: "pour everything in the cup into the bowl"."""
 _BEFORE_THE_NOUN = frozenset(("of", "the", "my", "your", "our", "these", "those", "them", "single", "last", *NUMBERS))
 _ENDS_THE_NOUN = frozenset(
     word
@@ -68,7 +75,9 @@ class Quantified:
 
 def quantified(instruction: str) -> list[Quantified]:
     """The universal quantifiers of an instruction, in its order."""
-    text = _NOTHING.sub(" , ", _FIXED.sub(" , ", instruction.lower()))
+    text = instruction.lower()
+    for phrases in (_FIXED, _CONTENTS, _NOTHING):
+        text = phrases.sub(" , ", text)
     words, found = marked_tokens(text), list[Quantified]()
     for at, word in enumerate(words):
         if word in _EVERYTHING or word in _EVERY:

@@ -367,6 +367,9 @@ def test_balls_are_poured_out_of_what_they_lie_in_at_the_start(sentence: str) ->
         "Dump the cup into the bowl",
         "Pour the contents of the cup into the bowl",
         "Pour what is in the cup into the bowl",
+        "Pour everything in the cup into the bowl",
+        "Pour everything out of the cup into the bowl",
+        "Take the cup and pour everything in it into the bowl",
         "Take the cup and pour it into the bowl",
         "Pour the balls into the bowl",
     ],
@@ -385,6 +388,8 @@ def test_a_vessel_is_poured_with_all_that_lies_in_it(sentence: str) -> None:
         ("Pour the apple from the cup into the bowl", "apple_red does not roll: only balls are poured"),
         ("Pour the plate into the bowl", "plate_white is no vessel that a hand takes and tips"),
         ("Pour the ball from the cup onto the plate", "things are poured into what is open at the top"),
+        ("Pour everything into the bowl", "name it, as in: everything in the cup"),
+        ("Pour everything on the plate into the bowl", "name it, as in: everything in the cup"),
         ("Put the ball in the bowl", "ball_red cannot be lifted"),
     ],
 )

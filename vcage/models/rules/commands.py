@@ -136,7 +136,10 @@ class _Commands(Transformer[Token, Any]):
 
     def pour(self, meta: Any, parts: list[Any]) -> list[Command]:
         fields = [{"things": (part,)} if isinstance(part, Noun) else part for part in parts]  # contents of it
-        return self.__default__("pour", fields, meta)
+        (command,) = self.__default__("pour", fields, meta)
+        if command.source is not None and [noun.everything for noun in command.things] == [True]:
+            return [replace(command, things=(command.source,), source=None)]
+        return [command]
 
     def stand_up(self, meta: Any, parts: list[Any]) -> list[Command]:
         """Standing something up somewhere is putting it there, upright."""

@@ -90,6 +90,12 @@ class Noun:
         return self.words in (("table",), ("desk",), ("counter",), ("tabletop",))
 
     @property
+    def everything(self) -> bool:
+        """True for "everything", of whatever kind, colour and place."""
+        plain = replace(self, text="", at=0)
+        return plain == Noun(words=("thing",), quantifier="all", plural=True)
+
+    @property
     def headless(self) -> bool:
         """True for a phrase that leans on another noun: "the red one", "the other", "the rest"."""
         return not self.words and not self.pronoun
