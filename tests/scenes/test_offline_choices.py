@@ -41,3 +41,8 @@ def test_the_second_look_knows_what_is_pressed_in(thing: str, done: str) -> None
 def test_everything_in_a_vessel_is_poured_with_it(contents: str) -> None:
     (found,) = goals(f"Pour {contents} the cup into the bowl")
     assert found.startswith("cup_") and " poured bowl_" in found
+
+
+def test_what_is_said_to_have_fallen_over_is_stood_up() -> None:
+    (found,) = goals("A bottle has fallen over. Stand it up")
+    assert found.startswith("bottle_") and found.endswith(" upright")

@@ -233,6 +233,10 @@ def test_verbs_that_no_goal_states_are_refused_by_name(sentence: str) -> None:
         "Stand the tipped over bottle up",
         "Stand the blue fallen bottle up",
         "Stand the bottle that is lying on its side up",
+        "The bottle has fallen over. Stand it up",
+        "A bottle has fallen over, stand it up",
+        "The bottle fell over; set it upright",
+        "The bottle is lying on its side, so stand the bottle up",
     ],
 )
 def test_what_lies_is_stood_up(sentence: str) -> None:
@@ -259,6 +263,13 @@ def test_things_are_stood_up_where_they_are_to_stand(sentence: str, goals: list[
     assert in_scene(sentence, "bottle/water", "plate/white", "can/corn") == goals
 
 
+def test_that_a_thing_has_fallen_over_is_in_the_words_of_what_is_asked_next() -> None:
+    sentence = "The bottle has fallen over. Stand it up, then put the can on the plate"
+    found = read_goals(sentence, scene("bottle/water", "plate/white", "can/corn")).goals
+    assert [asked.words for asked in found] == ["The bottle has fallen over. Stand it up", "put the can on the plate"]
+    assert [asked.step for asked in found] == [1, 2]
+
+
 def test_an_exception_is_not_stood_up() -> None:
     things = scene("bottle/water", "can/corn", "can/tomato", "plate/white")
     found = read_goals("Stand every can up except the red one", things)
@@ -274,6 +285,8 @@ def test_an_exception_is_not_stood_up() -> None:
         "Put the bottle that has fallen over on the plate",
         "Put the can next to the tipped over bottle",
         "Stand the can up, then put the plate next to the fallen bottle",
+        "The bottle has fallen over. Put it on the plate",
+        "The bottle has fallen over. Stand the can up",
     ],
 )
 def test_only_what_is_stood_up_is_called_lying(sentence: str) -> None:

@@ -26,7 +26,7 @@ class Command:
     Args:
         verb: a rule of the grammar: put, pick, open, close, turn, turn_off, press, push_in, weigh, scan, show, hand,
             lift, shake, hit, wipe, pour, hang, insert, hold, in_hands, hold_with_both, away, face, stand_up, stack,
-            tower, stamp, row, swap.
+            tower, stamp, row, swap; fallen for what lies on its side.
         things: its objects; none where a row or a tower is of other things than those that are named.
         how: in, on, left_of, right_of, in_front_of, behind, beside, near, centred or to; for ``hand`` who gets it.
         place: where things go, or the tool.
@@ -86,7 +86,9 @@ class _Commands(Transformer[Token, Any]):
 
     def start(self, _: Any, groups: list[list[Command]]) -> tuple[Command, ...]:
         begun = {command.at for group in groups for command in group}
-        words = {at: _JOINT.sub("", self._typed[at : min((b for b in begun if b > at), default=None)]) for at in begun}
+        ends = {at: min((b for b in begun if b > at), default=None) for at in begun}
+        told = {ends[command.at]: command.at for command in groups[0] if command.verb == "fallen"}
+        words = {at: _JOINT.sub("", self._typed[told.get(at, at) : end]) for at, end in ends.items()}
         return tuple(replace(c, group=number, words=words[c.at]) for number, group in enumerate(groups) for c in group)
 
     def before(self, meta: Any, groups: list[list[Command]]) -> tuple[Command, ...]:
@@ -140,6 +142,11 @@ class _Commands(Transformer[Token, Any]):
         if command.source is not None and [noun.everything for noun in command.things] == [True]:
             return [replace(command, things=(command.source,), source=None)]
         return [command]
+
+    def fallen(self, meta: Any, parts: list[Any]) -> list[Command]:
+        """What has fallen over is said before what is to be done, in whose words it is."""
+        fallen = tuple(replace(noun, lies=True) for noun in parts[0]["things"])
+        return [Command("fallen", fallen, at=meta.start_pos)]
 
     def stand_up(self, meta: Any, parts: list[Any]) -> list[Command]:
         """Standing something up somewhere is putting it there, upright."""

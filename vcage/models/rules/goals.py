@@ -148,6 +148,10 @@ class Goals:
         self._picked, self._unfinished = picked | self._picked, self._unfinished | picked
         self._arms |= {name: command.arm for name in self._named(command) if command.arm is not None}
 
+    def _fallen(self, command: Command) -> None:
+        """No goal: what has fallen over must be stood up, which is asked for later."""
+        self._named(command)
+
     def _lift(self, command: Command) -> None:
         """Lifting what a later command brings somewhere is picking it up."""
         (self._pick if self._is_brought_later(command) else self._event)(command)

@@ -35,6 +35,7 @@ _UNSAID = {"scan": "barcode scanner", "weigh": "electronic scale", "hang": "mug 
 _CONTENTS: Mapping[str, Good] = {
     "scan": lambda e: e.can_be_carried and any(face.kind == "code" for face in e.faces),
     "stand_up": lambda e: e.can_be_carried and e.tall,
+    "fallen": lambda e: e.can_be_carried and e.tall,
     "pour": lambda e: e.loose or (e.holds_loose and e.can_be_carried),
     "hang": lambda e: e.hangs,
     "insert": lambda e: e.goes_into_holes,
