@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from vcage.base.errors import NoAssetFits
 from vcage.base.text import listed
-from vcage.base.words import SIZES
+from vcage.base.words import COUNTED, NUMBERS, SIZES
 from vcage.models.rules.nouns import Doubt, Noun
 from vcage.objects.names import HEAD, names_of, sizes_of
 from vcage.schema.asset import CatalogueEntry
@@ -51,5 +51,6 @@ def require_size(noun: Noun, entries: Mapping[str, CatalogueEntry]) -> None:
 def without_look(noun: Noun, entries: Mapping[str, CatalogueEntry]) -> list[CatalogueEntry]:
     """The kinds that a noun names by its last word, where those before it are in no name: "the rotten apple"."""
     known = {word for entry in entries.values() for name in names_of(entry).all for word in name}
+    known |= {*NUMBERS, *COUNTED}
     named = [entry for entry in entries.values() if names_of(entry).words == noun.words[-1:]]
     return named if known.isdisjoint(noun.words[:-1]) else []
