@@ -121,7 +121,7 @@ class Meanings:
         if noun.several or len(found) > 3 or not set(asked) <= set(at):
             raise Doubt(noun.text, f"which of {listed(found)} it is cannot be told by where it is")
         order = dict(zip([*asked, *(where for where in at if where not in asked)], found))  # as mentioned
-        for where in order.keys() - {position}:
+        for where in (other for other in order if other != position):
             word = _BEFORE[axis][at.index(position) > at.index(where)]
             self.describe(order[position], word, order[where], noun)
         return order[position]
