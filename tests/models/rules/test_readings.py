@@ -487,6 +487,19 @@ def test_what_is_not_inserted_is_refused_by_name(sentence: str, why: str) -> Non
         in_scene(sentence, *pegs, "peg_block/green", "apple/red", "mug/red")
 
 
+def test_the_block_that_a_peg_is_inserted_in_is_a_peg_block() -> None:
+    assert goals("Put the red peg in the green block") == ["1: peg_red inserted_in peg_block_green"]
+    assert goals("Take the peg and insert it in the block, then put the apple next to the block")[0].endswith(
+        "inserted_in peg_block_black"
+    )
+
+
+@pytest.mark.parametrize("more", ["and put the red block on the plate", "then stack the three blocks"])
+def test_the_block_is_no_peg_block_where_another_block_is_named(more: str) -> None:
+    with pytest.raises(UnreadInstruction, match="it has no hole; say it by its full name, as in: in the peg block"):
+        goals(f"Insert the peg in the block, {more}")
+
+
 @pytest.mark.parametrize("verb", ["Push", "Press"])
 @pytest.mark.parametrize(
     ("thing", "done"), [("the top drawer", "closed"), ("the button", "pressed"), ("the peg", "inserted_in")]

@@ -17,6 +17,7 @@ from vcage.models.rules.goals import ACTS, Goals
 from vcage.models.rules.meanings import BESIDE
 from vcage.models.rules.nouns import Doubt, Noun
 from vcage.models.rules.readings import agreed, in_words
+from vcage.models.rules.slid import with_peg_block
 from vcage.models.rules.tools import TOOLS
 from vcage.models.search import best_search, no_asset
 from vcage.models.selection_check import entries_of, name_objects
@@ -95,6 +96,7 @@ class _Selector:
     _side_by_side: bool = True
 
     def __post_init__(self) -> None:
+        self.commands = with_peg_block(self.commands, self.entries)
         self._nouns = [noun for c in self.commands for noun in (*c.things, c.place) if noun is not None]
 
     def select(self) -> Selection:
