@@ -39,6 +39,8 @@ def test_an_object_no_arm_reaches_here_may_be_reached_elsewhere():
         ("mug", "inserted_in", "peg_block", "mug is no peg that goes into a hole"),
         ("peg", "inserted_in", "bowl", "bowl has no hole to insert something in"),
         ("block", "poured", "bowl", "block is no vessel"),
+        ("cup", "poured", "mug", r"mug is too narrow to pour into: 4\.\d × 4\.\d cm, and 7 cm are needed"),
+        ("cup", "poured", "plate", "plate is not open at the top"),
     ],
 )
 def test_two_that_do_not_suit_each_other_are_refused_for_that_alone(name: str, relation: str, other: str, why: str):

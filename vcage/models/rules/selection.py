@@ -18,6 +18,7 @@ from vcage.models.rules.meanings import BESIDE
 from vcage.models.rules.nouns import Doubt, Noun
 from vcage.models.rules.readings import agreed, in_words
 from vcage.models.rules.slid import with_peg_block
+from vcage.models.rules.too_little import with_relations
 from vcage.models.rules.tools import TOOLS
 from vcage.models.search import best_search, no_asset
 from vcage.models.selection_check import entries_of, name_objects
@@ -230,8 +231,9 @@ class _Selector:
 
     def _beside(self, noun: Noun) -> list[Noun]:
         """The other nouns of its command, each for one thing, none of which is what it means."""
-        commands = ([n for n in (*c.things, c.place) if n is not None] for c in self.commands)
-        nouns = [other for named in commands if noun in named for other in named if other != noun]
+        commands = ([n for n in (*c.things, c.place) if n is not None] for c in self.commands if c.verb != "pour")
+        poured = (list(with_relations(*c.things, c.place, c.source)) for c in self.commands if c.verb == "pour")
+        nouns = [other for named in (*commands, *poured) if noun in named for other in named if other != noun]
         return [other for other in nouns if not (other.several or noun.several or other.pronoun)]
 
     def _same(self, noun: Noun, entry: CatalogueEntry) -> bool:

@@ -33,12 +33,19 @@ class Pouring(AlongWay):
         return f"its place over {self.target.record.phrase}, tipped"
 
     def misfit(self) -> str | None:
-        """The vessel must be open at the top and held beside its lip."""
-        phrase = self.thing.record.phrase
+        """The vessel must be open at the top and held beside its lip, the container wide open at the top."""
+        phrase, there = self.thing.record.phrase, self.target.record.phrase
         if open_point(self.thing.asset) is None:
             return f"{phrase} is no vessel: nothing lies in it that could be poured"
         if not any(lips(self.thing, contact) for contact in self.thing.asset.annotation.carrying_points):
             return f"{phrase} is only held where its contents would roll over the fingers"
+        point = open_point(self.target.asset)
+        if point is None:
+            return f"{there} is not open at the top: nothing is poured into it"
+        size = self.target.asset.opening(point).size
+        if min(size) < THRESHOLDS.poured_into_m:
+            room = f"{100 * size[0]:.1f} × {100 * size[1]:.1f} cm"
+            return f"{there} is too narrow to pour into: {room}, and {100 * THRESHOLDS.poured_into_m:.0f} cm are needed"
         return None
 
     def unfit(self, others: Sequence[SceneObject]) -> str | None:
@@ -47,19 +54,12 @@ class Pouring(AlongWay):
         name, there = vessel.record.phrase, target.record.phrase
         contents = lying_on(vessel, others)
         strange = [o for o in contents if o.asset.ball_radius is None]
-        point = open_point(target.asset)
         if not contents:
             return f"nothing lies in {name} that could be poured"
         if strange:
             return f"{strange[0].record.phrase} lies in {name}, and only balls are poured"
-        if point is None:
-            return f"{there} is not open at the top: nothing is poured into it"
         if there_already := lying_on(target, others):
             return f"{there_already[0].record.phrase} lies in {there}, and things are poured into what is empty"
-        size = target.asset.opening(point).size
-        if min(size) < THRESHOLDS.poured_into_m:
-            room = f"{100 * size[0]:.1f} × {100 * size[1]:.1f} cm"
-            return f"{there} is too narrow to pour into: {room}, and {100 * THRESHOLDS.poured_into_m:.0f} cm are needed"
         if target.pose.rotation()[2, 2] < np.cos(THRESHOLDS.upright_rad):
             return f"{there} is tipped"
         try:
