@@ -477,6 +477,13 @@ def test_a_peg_is_inserted_in_a_hole(sentence: str) -> None:
     [
         ("Insert the mug into the hole", "mug_red is no peg that goes into a hole"),
         ("Insert the red and the blue peg into the hole", "peg_block_green has 1 hole to insert something in"),
+        ("Insert the red and the blue peg", "name a peg block for each, as in: the red peg into the red peg block and"),
+        (
+            "Take the peg out of the peg block and insert it again",
+            "no peg is in its hole at the start; leave out where",
+        ),
+        ("Take the peg from the hole and put it on the table", "no peg is in its hole at the start; leave out where"),
+        ("Put the peg that is in the peg block on the table", "no peg is in its hole at the start; leave out where"),
         ("Put the peg on the peg block", "nothing can be put on it"),
         ("Insert the peg into the apple", "nothing can be put in it"),
     ],
@@ -485,6 +492,21 @@ def test_what_is_not_inserted_is_refused_by_name(sentence: str, why: str) -> Non
     pegs = ["peg/red"] if "blue" not in sentence else ["peg/red", "peg/blue"]
     with pytest.raises(UnreadInstruction, match=why):
         in_scene(sentence, *pegs, "peg_block/green", "apple/red", "mug/red")
+
+
+def test_the_way_that_is_named_where_a_peg_block_has_too_few_holes_is_read() -> None:
+    with pytest.raises(
+        UnreadInstruction, match="say which peg goes in which of them, as in: the red peg into"
+    ) as caught:
+        goals("Insert two pegs into two peg blocks")
+    _, example = caught.value.message.split("as in: ")
+    found = goals(f"Insert {example}")
+    assert found == ["1: peg_red inserted_in peg_block_red", "1: peg_blue inserted_in peg_block_blue"]
+
+
+def test_a_mug_beside_a_cup_is_no_cup_where_balls_are_poured() -> None:
+    (found,) = goals("Pour the balls from the cup into the mug")
+    assert found.startswith("1: cup_") and " poured mug_" in found
 
 
 def test_the_block_that_a_peg_is_inserted_in_is_a_peg_block() -> None:

@@ -14,6 +14,9 @@ from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import Description
 from vcage.schema.plan import TABLE
 
+IN_NO_HOLE = "no peg is in its hole at the start; leave out where it is taken from, and it lies on the table"
+"""Why a peg is not taken out of a hole."""
+
 Things = Mapping[str, CatalogueEntry]
 
 _ORDERS = {"x": ("left", "middle", "right"), "y": ("front", "middle", "back")}
@@ -134,6 +137,8 @@ class Meanings:
         """
         if other.of_table and how in _TABLE_RELATIONS:
             return self.describe(name, _TABLE_RELATIONS[how], TABLE, other)
+        if how in ("in", "to") and any(self.things[one].holes for one in self._called(other)):
+            raise Doubt(other.text, IN_NO_HOLE)
         spot = self.spots(other, how, [name])[0]
         if spot.name == name:
             raise Doubt(other.text, f"{name} cannot lie in or on itself")

@@ -28,6 +28,8 @@ REFUSED = {
         "no goal says by which angle a thing is turned",
     r"[4-9]\d|\d{3,}": "no table holds so many; ask for 1 to 39",
     r"(corner|edge) of the (table|desk)": "this place of the table is none that a goal can name",
+    r"pegs? (that|which)('s| is| are) in(side)? (the |a |its )?([a-z]+ )?(block|hole)":
+        "no peg is in its hole at the start; leave out where it is, and it lies on the table",
     r"under(neath)?|below|beneath": "what is under a thing is no place that a goal can name",
 }  # fmt: skip
 """Words that no goal of the vocabulary can keep, and why."""

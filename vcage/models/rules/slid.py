@@ -23,6 +23,7 @@ class SlidWords(NamedTuple):
         spots: their number of a kind.
         able: the test of a thing.
         unable: a refusal of others.
+        way: what to say where there are too few spots.
     """
 
     ends: str
@@ -31,8 +32,10 @@ class SlidWords(NamedTuple):
     spots: Callable[[CatalogueEntry], int]
     able: Callable[[CatalogueEntry], bool]
     unable: str
+    way: str = ""
 
 
+_ONE_EACH = "the red peg into the red peg block and the blue one into the blue peg block"
 _WORDS = {
     "hung_on": SlidWords(
         ends="hang",
@@ -49,6 +52,7 @@ _WORDS = {
         spots=lambda e: e.holes,
         able=lambda e: e.goes_into_holes,
         unable="is no peg that goes into a hole",
+        way=f"; name a peg block for each, as in: {_ONE_EACH}",
     ),
 }
 """Goals → their words."""
@@ -123,7 +127,7 @@ class Slid:
         self._require_own(command, command.place)
         places = self.meanings.objects(command.place)
         if len(places) > 1:
-            raise Doubt(command.place.text, "things are inserted in one of them")
+            raise Doubt(command.place.text, f"say which peg goes in which of them, as in: {_ONE_EACH}")
         return places[0]
 
     def only_block(self, command: Command) -> str:
@@ -173,7 +177,7 @@ class Slid:
         spots = words.spots(self.things[place])
         if len(names) > spots:
             named = f"{place} has {spots or 'no'} {words.spot}{'s' * (spots > 1)} {words.purpose}"
-            more = f", and {len(names)} things are to {words.ends} there" if spots else ""
+            more = f", and {len(names)} things are to {words.ends} there{words.way}" if spots else ""
             raise Doubt(command.words, named + more)
         for name in names:
             if not words.able(self.things[name]):
