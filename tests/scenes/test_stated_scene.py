@@ -87,6 +87,19 @@ def test_scanning_weighing_and_hitting_bring_their_tools(choose):
     assert tools == ["barcode_scanner", "electronic_scale", "hammer"]
 
 
+@pytest.mark.parametrize("vessel", ["cup/red", "mug/yellow", "small_bowl/white"])
+def test_three_balls_of_other_colours_lie_in_a_vessel_where_nothing_is_stated_to(choose, vessel: str):
+    text, chosen = choose(f"{vessel} poured bowl/green")
+    vessel = vessel.replace("/", "_")
+    balls = [o.variant for o in chosen.objects if o.starts_in == vessel and o.asset == "ball"]
+    assert len(balls) == 3 and not {"green", vessel.split("_")[-1]} & {*balls} and "pour" in text.lower()
+
+
+def test_only_stated_balls_lie_in_a_vessel_where_some_are(choose):
+    _, chosen = choose("cup poured bowl", starts=("ball_red inside cup", "ball_red_2 inside cup"))
+    assert {o.id for o in chosen.objects if o.asset == "ball"} == {"ball_red", "ball_red_2"}
+
+
 def test_listed_objects_that_no_goal_names_are_context(choose):
     _, chosen = choose("marker inside packaging_box", objects="packaging_box, marker, apple")
     assert {o.asset: o.role for o in chosen.objects} == {
@@ -205,6 +218,20 @@ def test_an_object_left_alone_needs_no_goal(choose):
         (["apple scanned"], {}, NoFeasibleTask, "apple has no bar code"),
         (["chocolate_bar scanned"], {"objects": "chocolate_bar"}, NoFeasibleTask, "no scanner stands there"),
         (["apple weighed"], {"objects": "apple"}, NoFeasibleTask, "no scale stands there"),
+        (
+            ["cup poured bowl"],
+            {"objects": "cup, bowl"},
+            NoFeasibleTask,
+            r"nothing lies in cup_\w+ that could be poured",
+        ),
+        (["cup/red poured bowl", "cup/white on plate"], {}, NoFeasibleTask, "nothing lies in cup_red"),
+        (["apple poured bowl"], {}, NoFeasibleTask, "apple is no vessel"),
+        (
+            ["cup poured bowl"],
+            {"starts": ("ball inside cup", "ball inside cup")},
+            UsageError,
+            "'ball inside cup' is said before",
+        ),
         (["apple left_of table"], {}, UsageError, "of the table only 'on' can be a goal"),
         (["hammer handed middle"], {}, UnknownName, "unknown arm in .*'middle'; available: left, right"),
         (["apple inside bowl with the third arm"], {}, UnknownName, "unknown arm in .*'third'"),

@@ -162,7 +162,8 @@ def impossible(
 ) -> NoFeasibleTask | InfeasibleScene | None:
     """The error if no layout of some objects makes the goals possible, else None.
 
-    Sizes may rule goals out, alone or together, or the table has no room for a start that is as described.
+    Sizes may rule goals out, alone or together, the table has no room for a start that is as described, or nothing
+    lies in what is to be poured.
     """
     assets = {o.id: context.library.asset(o.asset, o.variant) for o in objects}
     try:
@@ -175,7 +176,19 @@ def impossible(
         return NoFeasibleTask(
             f"wherever the objects stand, {'; '.join(crowded)}", hint="ask for fewer things, or for a larger place"
         )
-    return None
+    return _empty(reading.goals, objects)
+
+
+def _empty(goals: Sequence[AskedGoal], objects: Sequence[NamedObject]) -> NoFeasibleTask | None:
+    """The error if nothing lies at the start in a vessel that is to be poured."""
+    filled = {o.starts_in for o in objects}
+    empty = [g.goal.subject for g in goals if g.goal.relation == "poured" and g.goal.subject not in filled]
+    if not empty:
+        return None
+    return NoFeasibleTask(
+        f"nothing lies in {empty[0]} that could be poured",
+        hint="say what lies in it: pour the balls from the cup into the bowl, or --start 'ball inside cup'",
+    )
 
 
 def _crowded(goals: Sequence[AskedGoal], objects: Sequence[NamedObject], assets: dict[str, Asset]) -> list[str]:

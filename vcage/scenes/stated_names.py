@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from vcage.base.errors import UnknownName, UsageError
 from vcage.goals import KINDS
+from vcage.models.occasion import Occasion
 from vcage.models.selection_check import NamedObject, name_objects
-from vcage.objects.painting import looks_of
+from vcage.objects.painting import look, looks_of
 from vcage.scenes.stated_goals import StatedGoal, StatedTask, shortened
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.plan import SelectedAsset, Selection
@@ -19,17 +20,26 @@ from vcage.schema.plan import SelectedAsset, Selection
 
 @dataclass(frozen=True)
 class Wish:
-    """An object for the scene: its kind, its look if requested, and its number among several alike."""
+    """An object for the scene.
+
+    Args:
+        kind: name of it.
+        look: the requested one, if any.
+        number: of the object among several alike.
+        starts_in: kind of the vessel that a ball lies in which nothing names.
+    """
 
     kind: str
     look: str | None
     number: int = 1
+    starts_in: str | None = None
 
 
 def objects_of(task: StatedTask, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator) -> list[NamedObject]:
-    """Return the objects of ``--objects``, or else the objects of the goals and the tools they need.
+    """Return the objects of ``--objects``, or else those of the goals, their tools, and balls in what is poured.
 
-    Unrequested looks are drawn, different ones first. All have the role ``context``.
+    Unrequested looks are drawn, different ones first, of balls in other colours than all else. All have the role
+    ``context``.
 
     Raises:
         UnknownName: the catalogue has no such kind or look.
@@ -40,12 +50,15 @@ def objects_of(task: StatedTask, catalogue: Sequence[CatalogueEntry], rng: np.ra
     else:
         wishes = _named(task, kinds)
         wishes += [Wish(tool, None) for tool in _tools(task, catalogue, [kinds[wish.kind] for wish in wishes])]
+        wishes += _balls(task, wishes, kinds)
     taken = Counter((wish.kind, wish.look) for wish in wishes)
-    chosen = []
+    chosen, seen = list[SelectedAsset](), set[str]()
     for wish in wishes:
-        look = wish.look or _draw_look(kinds[wish.kind], taken, rng)
-        taken[wish.kind, look] += wish.look is None
-        chosen.append(SelectedAsset(asset=wish.kind, variant=look, role="context"))
+        drawn = wish.look or _draw_look(kinds[wish.kind], taken, seen, rng)
+        taken[wish.kind, drawn] += wish.look is None
+        shown = look(kinds[wish.kind], drawn)
+        seen |= {shown.colour} if shown is not None and not kinds[wish.kind].loose else set()
+        chosen.append(SelectedAsset(asset=wish.kind, variant=drawn, role="context", starts_in=wish.starts_in))
     return name_objects(Selection(objects=chosen), catalogue)
 
 
@@ -134,7 +147,21 @@ def _tools(task: StatedTask, catalogue: Sequence[CatalogueEntry], there: Sequenc
     return found
 
 
-def _draw_look(entry: CatalogueEntry, taken: Counter[tuple[str, str | None]], rng: np.random.Generator) -> str:
-    fewest = min(taken[entry.name, variant.id] for variant in entry.variants)
-    looks = [variant.id for variant in entry.variants if taken[entry.name, variant.id] == fewest]
+def _balls(task: StatedTask, wishes: Sequence[Wish], kinds: Mapping[str, CatalogueEntry]) -> list[Wish]:
+    """Return balls for each vessel to be poured that nothing is stated to lie in; as many as "several" are."""
+    starts = [(path, one.text, part) for one in task.starts for path, part in one.names[1:]]
+    filled = {_wish(split_part(path, kinds, part)[0], kinds, text).kind for path, text, part in starts}
+    poured = {_wish(one.subject, kinds, one.text).kind for one in task.goals if one.word == "poured"} - filled
+    number = Counter(wish.kind for wish in wishes)
+    alone = [kind for kind in sorted(poured) if kinds[kind].holds_loose and number[kind] == 1]
+    balls = sorted(name for name, entry in kinds.items() if entry.loose)[:1] * Occasion.most
+    return [Wish(ball, None, starts_in=kind) for kind in alone for ball in balls]
+
+
+def _draw_look(
+    entry: CatalogueEntry, taken: Counter[tuple[str, str | None]], seen: Collection[str], rng: np.random.Generator
+) -> str:
+    variants = [one for one in entry.variants if not entry.loose or one.colour not in seen] or entry.variants
+    fewest = min(taken[entry.name, variant.id] for variant in variants)
+    looks = [variant.id for variant in variants if taken[entry.name, variant.id] == fewest]
     return looks[int(rng.integers(len(looks)))]

@@ -67,7 +67,7 @@ class Options(ModelOptions):
     """
     objects: Annotated[str | None, arg(metavar="OBJECTS"), UNSAID] = None
     """what stands there, as in "marker/red, packaging_box, 2 apple" (default: what the goals name, one of each, and the
-    scanner, scale, hammer or sponge that they need)"""
+    scanner, scale, hammer or sponge that they need; three balls in what is poured)"""
     robot: Annotated[str | None, arg(metavar="ROBOT"), UNSAID] = None
     """the robot (default: that of the scene template, or aloha_agilex); ``vcage robots list`` lists them"""
 
