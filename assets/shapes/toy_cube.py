@@ -1,4 +1,4 @@
-"""Painted wooden toy cubes."""
+"""Painted wooden toy blocks."""
 
 from __future__ import annotations
 
@@ -12,17 +12,21 @@ COLOURS = {"red": (204, 44, 40), "blue": (36, 92, 196), "green": (40, 150, 70), 
 
 
 def toy_cube(name: str, variant: str, edge: float, mass: float) -> BuiltObject:
-    """A cube with rounded edges.
+    """A cube with an edge in metres; arguments else as of :func:`toy_block`."""
+    return toy_block(name, variant, (edge, edge, edge), mass)
+
+
+def toy_block(name: str, variant: str, size: tuple[float, float, float], mass: float) -> BuiltObject:
+    """A block with rounded edges.
 
     Args:
         name: of the object, for the seed of its texture.
         variant: a name of :data:`COLOURS`.
-        edge: metres.
+        size: along x, y and z, metres.
         mass: kilograms.
     """
     rng = variant_rng(name, variant)
     colour = np.array(COLOURS[variant])
-    cube = solids.rounded_box((edge, edge, edge), 0.003)
+    block = solids.rounded_box(size, 0.003)
     coat = materials.wood(rng, (tuple(colour * 0.86), tuple(np.minimum(colour * 1.05, 255))), 128)
-    hull = solids.box((edge, edge, edge))
-    return BuiltObject([paint(cube, coat, tiled(0.06), roughness=0.5)], [hull], mass=mass, friction=0.8)
+    return BuiltObject([paint(block, coat, tiled(0.06), roughness=0.5)], [solids.box(size)], mass=mass, friction=0.8)

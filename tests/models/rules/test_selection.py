@@ -351,3 +351,17 @@ def test_a_hole_that_no_block_has_as_it_is_said_is_refused(sentence: str) -> Non
 def test_the_block_that_has_the_hole_stands_where_it_is_said_to_stand() -> None:
     _, reading = read("Insert the peg into the hole in the block in the middle of the table")
     assert [(d.relation, d.reference) for d in reading.descriptions] == [("center", "table")]
+
+
+@pytest.mark.parametrize("sentence", ["Hand the red block to the right arm", "Pick up the block and hand it to the left arm"])
+def test_the_block_that_changes_hands_is_a_long_one(sentence: str) -> None:
+    assert chosen(sentence, "content") == ["long_block"]
+
+
+@pytest.mark.parametrize("sentence", ["Hand the cube to the right arm", "Hand the small block to the right arm"])
+def test_only_a_block_that_may_be_long_is_a_long_one(sentence: str) -> None:
+    assert "long_block" not in chosen(sentence, "content")
+
+
+def test_the_block_is_no_long_one_where_another_block_is_named() -> None:
+    assert "long_block" not in chosen("Hand the red block to the right arm, then put the blue block on the plate", "content")

@@ -13,11 +13,11 @@ from vcage.models.occasion import Look, Occasion, one_of_each
 from vcage.models.quantifiers import quantified
 from vcage.models.rules.absent import require_part, require_size, without_look
 from vcage.models.rules.commands import Command
+from vcage.models.rules.full_names import with_full_names
 from vcage.models.rules.goals import ACTS, Goals
 from vcage.models.rules.meanings import BESIDE
 from vcage.models.rules.nouns import Doubt, Noun
 from vcage.models.rules.readings import agreed, in_words
-from vcage.models.rules.slid import with_peg_block
 from vcage.models.rules.too_little import with_relations
 from vcage.models.rules.tools import TOOLS
 from vcage.models.search import best_search, no_asset
@@ -97,7 +97,7 @@ class _Selector:
     _side_by_side: bool = True
 
     def __post_init__(self) -> None:
-        self.commands = with_peg_block(self.commands, self.entries)
+        self.commands = with_full_names(self.commands, self.entries)
         self._nouns = [noun for c in self.commands for noun in (*c.things, c.place) if noun is not None]
 
     def select(self) -> Selection:

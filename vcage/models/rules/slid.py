@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 from vcage.base.text import listed
 from vcage.models.rules.commands import Command
+from vcage.models.rules.full_names import puts_pegs_in_block
 from vcage.models.rules.meanings import Meanings, Things
 from vcage.models.rules.nouns import Conflict, Doubt, Noun
-from vcage.models.rules.too_little import with_relations
 from vcage.schema.asset import CatalogueEntry
 
 
@@ -56,34 +56,6 @@ _WORDS = {
     ),
 }
 """Goals → their words."""
-
-
-_BLOCK = ("block",)
-
-
-def with_peg_block(commands: Sequence[Command], kinds: Mapping[str, CatalogueEntry]) -> list[Command]:
-    """The commands with "the block" that pegs are inserted in as the peg block, if no other block is named.
-
-    Args:
-        commands: of a sentence.
-        kinds: the catalogue's, by name.
-    """
-    nouns = list(with_relations(*(noun for c in commands for noun in (*c.things, c.place, c.source))))
-    named = {replace(noun, text="", at=0) for noun in nouns if noun.words[-1:] == _BLOCK}
-    return [_to_peg_block(c) if len(named) == 1 and _puts_pegs_in_block(c, kinds) else c for c in commands]
-
-
-def _to_peg_block(command: Command) -> Command:
-    assert command.place is not None
-    return replace(command, place=replace(command.place, words=("peg", *_BLOCK)))
-
-
-def _puts_pegs_in_block(command: Command, kinds: Mapping[str, CatalogueEntry]) -> bool:
-    """True where pegs, and nothing else, go in "the block"."""
-    place = command.place
-    if command.verb != "put" or command.how != "in" or place is None or place.name != _BLOCK or place.several:
-        return False
-    return all(kinds[name].goes_into_holes for noun in command.things for name in noun.named(kinds))
 
 
 @dataclass(frozen=True)
@@ -158,7 +130,7 @@ class Slid:
         Raises:
             Doubt: says what to name.
         """
-        if _puts_pegs_in_block(command, self.things):
+        if puts_pegs_in_block(command, self.things):
             raise Doubt(place.text, "it has no hole; say it by its full name, as in: in the peg block")
 
     def require(self, command: Command, relation: str, names: Sequence[str], place: str) -> None:
