@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from vcage.base.geometry import Pose
+from vcage.sim.paths import JointPath
 from vcage.sim.state import WorldState
 from vcage.sim.world import PHYSICS_HZ
 from vcage.tasks.hitting import SETTINGS as HITTING
@@ -18,6 +19,7 @@ from vcage.tasks.primitives.place import SETTINGS, PlacePlan, Surroundings, carr
 from vcage.tasks.primitives.pour import carry_out_pour
 from vcage.tasks.primitives.slide import INTO_A_HOLE, OVER_A_PEG, carry_out_slide
 from vcage.tasks.primitives.wipe import carry_out_wipe
+from vcage.tasks.reading import reads
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.touching import Allowance
 from vcage.tasks.use_choices import UseChoices
@@ -57,6 +59,8 @@ class Use(UseChoices):
         shown, _ = plan_place(cell, grip, hover, ((None, poses) for poses in groups if poses))
         with minding(cell, grip):
             cell.carry_out(grip.arm, shown.path)
+            if not reads(cell.object(object_id), cell.object(other_id)):
+                cell.carry_out(grip.arm, self._turned_back(shown))
             self.world.step(round(SHOWN_FOR * PHYSICS_HZ))
         self.moment = self.world.state()
         self._put_back(plan.target, hover, shown)
@@ -198,6 +202,19 @@ class Use(UseChoices):
         back = [(None, [pose]) for pose in old_places(stood.pose)]
         put, _ = plan_place(self._cell, grip, replace(hover, raises=SETTINGS.raises_m, hovers=None), back)
         carry_out_place(self._cell, put)
+
+    def _turned_back(self, shown: PlacePlan) -> JointPath:
+        """The way of the hand to where an object that turned in it on its way is as it was to be.
+
+        Raises:
+            TaskFailed: there is none.
+        """
+        cell, arm, meant = self._cell, shown.grip.arm, shown.path.legs[-1].load.held
+        assert meant is not None, "an object is in the hand"
+        now = cell.held(shown.grip.object_id, self.world.arms[arm].tool_pose)
+        hand = shown.way.release * meant.in_gripper * now.in_gripper.inverse()
+        with failing_at("place"):
+            return cell.planner(arm).line(cell.begun(arm).end, hand, replace(shown.grip.carrying, held=now))
 
     def _rising(self, arm: str, above: Pose) -> list[Pose]:
         """Poses of the hand on its way to one above: first a little straight up, where that is farther on."""

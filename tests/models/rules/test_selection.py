@@ -353,7 +353,9 @@ def test_the_block_that_has_the_hole_stands_where_it_is_said_to_stand() -> None:
     assert [(d.relation, d.reference) for d in reading.descriptions] == [("center", "table")]
 
 
-@pytest.mark.parametrize("sentence", ["Hand the red block to the right arm", "Pick up the block and hand it to the left arm"])
+@pytest.mark.parametrize(
+    "sentence", ["Hand the red block to the right arm", "Pick up the block and hand it to the left arm"]
+)
 def test_the_block_that_changes_hands_is_a_long_one(sentence: str) -> None:
     assert chosen(sentence, "content") == ["long_block"]
 
@@ -364,4 +366,6 @@ def test_only_a_block_that_may_be_long_is_a_long_one(sentence: str) -> None:
 
 
 def test_the_block_is_no_long_one_where_another_block_is_named() -> None:
-    assert "long_block" not in chosen("Hand the red block to the right arm, then put the blue block on the plate", "content")
+    assert "long_block" not in chosen(
+        "Hand the red block to the right arm, then put the blue block on the plate", "content"
+    )

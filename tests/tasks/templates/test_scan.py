@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from tests.example_scenes import TABLE_TOP, thing, workplace, world_of
+from vcage.base.geometry import Pose
 from vcage.schema.goals import Goal
+from vcage.tasks import use
+from vcage.tasks.reading import reads
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.state import Watch
 from vcage.tasks.task import Task
@@ -15,6 +19,8 @@ from vcage.tasks.truth import goals_hold
 BOX, SCANNER = thing("cookie_box", (0.1, 0.05), np.pi / 2), thing("barcode_scanner", (-0.15, 0.0))
 SCANNED = Goal(subject=BOX.id, relation="scanned")
 SCAN = TEMPLATES["scan"]
+SHIFT_M = -0.04
+"""Along the fingers; farther than a code may be beside the axis of a window."""
 
 
 def examined(box: SceneObject, scanner: SceneObject):
@@ -54,6 +60,30 @@ def test_the_robot_scans_feasible_objects_and_puts_them_back() -> None:
     assert goals_hold([SCANNED], watch).success
     assert task.moment is not None and task.moment.objects[moved].p[2] > TABLE_TOP
     assert np.linalg.norm((world.object_pose(moved).p - objects[moved].pose.p)[:2]) < 0.02
+
+
+def test_what_shifted_in_the_hand_is_brought_before_the_window_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    subtask, _ = examined(BOX, SCANNER)
+    objects = {o.id: o for o in (BOX, SCANNER)}
+    world = world_of(list(objects.values()))
+    world.settle()
+    task, asked = Task(world, objects, {}), list[bool]()
+    moved = subtask.grasped or subtask.object
+    still = next(name for name in objects if name != moved)
+
+    def shifted_first(one: SceneObject, other: SceneObject) -> bool:
+        if not asked:  # between the fingers, along them
+            (arm,) = (name for name in world.arms if world.holds(name, moved))
+            along = world.arms[arm].tool_pose.rotation()[:, 0]
+            world.set_object_pose(moved, Pose(one.pose.p + SHIFT_M * along, one.pose.q))
+        now = [objects[name].moved(world.object_pose(name)) for name in (moved, still)]
+        asked.append(reads(*now))
+        return asked[-1]
+
+    monkeypatch.setattr(use, "reads", shifted_first)
+    task.show(moved, still, [(g.contact, g.arm) for g in subtask.grasps])
+    assert asked == [False] and task.moment is not None
+    assert reads(*(objects[name].moved(task.moment.objects[name]) for name in (moved, still)))
 
 
 def test_an_object_at_the_scanners_place_is_named() -> None:
