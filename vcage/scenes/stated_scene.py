@@ -219,14 +219,20 @@ def _require_consistent(task: StatedTask, goals: Sequence[AskedGoal], descriptio
             when = "at the start already" if not true[goal] else "said before"
             raise UsageError(f"{shortened(stated.text)} is {when}", hint="leave it out")
         true = {g: since for g, since in true.items() if since == step or not supersedes(goal, g)} | {goal: step}
-    for number, (stated, one) in enumerate(zip(task.starts, descriptions, strict=True)):
-        if str(one) in map(str, descriptions[:number]):
-            hint = f"leave it out; a second one alike is called {one.subject}_2"
-            raise UsageError(f"{shortened(stated.text)} is said before", hint=hint)
+    _require_starts_once(task.starts, descriptions)
     if found := inconsistencies(goals, descriptions):
         of_start = not inconsistencies(goals, [])
         hint = "leave one out" if of_start else "leave one out, or let a later goal begin with 'then'"
         raise UsageError(found[0], hint=hint)
+
+
+def _require_starts_once(stated: Sequence[StatedGoal], descriptions: Sequence[Description]) -> None:
+    """Check that no start is stated twice."""
+    said = list(map(str, descriptions))
+    for number, (start, one) in enumerate(zip(stated, descriptions, strict=True)):
+        if said[number] in said[:number]:
+            hint = f"leave it out; a second one alike is called {one.subject}_2"
+            raise UsageError(f"{shortened(start.text)} is said before", hint=hint)
 
 
 def _impossible(text: str, why: str) -> NoFeasibleTask:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from vcage.base.errors import NoAssetFits
 from vcage.base.words import tokens
 from vcage.goals.thresholds import THRESHOLDS
 from vcage.models.occasion import Look, Occasion, one_of_each
@@ -317,15 +318,23 @@ class _Selector:
         kinds = noun.named(self.entries)
         able = [entry for entry, _ in self._kinds(noun) if good(entry)] or [self.entries[name] for name in kinds]
         if not able:
-            require_part(noun, self.entries)
-            require_size(noun, self.entries)
-            bare = [entry for entry, _ in self._kinds(replace(noun, colour=None))]
-            bare = bare or without_look(noun, self.entries)
-            raise no_asset(noun.text, bare, list(self.entries.values()), best_search())
+            raise self._no_asset(noun)
         able = [entry for entry in able if not self._answers_another(noun, entry)] or able
         able = self._occasion().suiting(able, place, noun.several, least=min(2, count or 2))
         able = [able[i] for i in self.rng.permutation(len(able))] if noun.several else able[:1]
         return [(entry, kinds[entry.name]) for entry in able]
+
+    def _no_asset(self, noun: Noun) -> NoAssetFits:
+        """The error of a noun that names nothing.
+
+        Raises:
+            NoAssetFits, Doubt: the kind is there, but not with that part or in that size.
+        """
+        require_part(noun, self.entries)
+        require_size(noun, self.entries)
+        bare = [entry for entry, _ in self._kinds(replace(noun, colour=None))]
+        bare = bare or without_look(noun, self.entries)
+        return no_asset(noun.text, bare, list(self.entries.values()), best_search())
 
     def _answers_another(self, noun: Noun, entry: CatalogueEntry) -> bool:
         """True for a kind that people call by another noun too: a paper clip box is stationery, and "the box"."""

@@ -60,14 +60,19 @@ def _beyond_goals(command: Command) -> Iterator[tuple[Noun, str]]:
     for noun in command.things:
         if command.verb == "wipe" and noun.of_table:
             yield noun, "the table itself stays as it is; wipe a flat thing on it, as in: wipe the mat with the sponge"
-        told = {how for how, _ in noun.relations}
-        if command.verb == "pour" and noun.words == ("thing",) and noun.quantifier == "all" and "in" not in told:
+        if command.verb == "pour" and _is_all_but_contents(noun):
             yield noun, "only balls are poured, all that lie in a vessel; name it, as in: everything in the cup"
         if command.verb in _MOTIONS and _DIRECTION.search(noun.text.lower()):
             yield noun, "no goal says in which direction it is moved; say which one as in: the left one"
     place = command.place
     if command.verb == "hang" and place is not None and not _PEGS.isdisjoint(place.words[-1:]):
         yield place, "no goal says on which peg it hangs; say on what, as in: hang the mug on the mug rack"
+
+
+def _is_all_but_contents(noun: Noun) -> bool:
+    """True for "everything" without "in the cup"."""
+    told = {how for how, _ in noun.relations}
+    return noun.words == ("thing",) and noun.quantifier == "all" and "in" not in told
 
 
 def with_relations(*nouns: Noun | None) -> Iterator[Noun]:
