@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from vcage.base.errors import NoAssetFits
 from vcage.base.words import tokens
-from vcage.goals.thresholds import THRESHOLDS
 from vcage.models.occasion import Look, Occasion, one_of_each
 from vcage.models.quantifiers import quantified
 from vcage.models.rules.absent import require_part, require_size, without_look
+from vcage.models.rules.command_needs import RECEIVERS, UNSAID, Good, is_side_by_side, part_of, role_and_test
 from vcage.models.rules.commands import Command
 from vcage.models.rules.full_names import with_full_names
-from vcage.models.rules.goals import ACTS, Goals
+from vcage.models.rules.goals import Goals
 from vcage.models.rules.meanings import BESIDE
 from vcage.models.rules.nouns import Doubt, Noun
 from vcage.models.rules.readings import agreed, in_words
@@ -27,29 +27,10 @@ from vcage.objects.bystanders import bystanders
 from vcage.objects.names import HEAD, colour_level
 from vcage.objects.painting import with_look
 from vcage.schema.asset import CatalogueEntry, Variant
-from vcage.schema.goals import Reading, part_that
+from vcage.schema.goals import Reading
 from vcage.schema.plan import SelectedAsset, Selection
 from vcage.schema.scene import Role
 
-Good = Callable[[CatalogueEntry], bool]
-
-_UNSAID = {"scan": "barcode scanner", "weigh": "electronic scale", "hang": "mug rack", "insert": "peg block"}
-"""Commands → what they take where nothing is named."""
-_CONTENTS: Mapping[str, Good] = {
-    "scan": lambda e: e.can_be_carried and any(face.kind == "code" for face in e.faces),
-    "stand_up": lambda e: e.can_be_carried and e.tall,
-    "fallen": lambda e: e.can_be_carried and e.tall,
-    "pour": lambda e: e.loose or (e.holds_loose and e.can_be_carried),
-    "hang": lambda e: e.hangs,
-    "insert": lambda e: e.goes_into_holes,
-}
-"""Commands → the test that their things must pass; things of other commands must be portable."""
-_RECEIVERS: Mapping[str, Good] = {
-    "pour": lambda e: e.takes_poured(THRESHOLDS.poured_into_m),
-    "hang": lambda e: e.pegs > 0,
-    "insert": lambda e: e.holes > 0,
-}
-"""Commands → the test of the place that they name; of any other it has room for the things."""
 _ROLES: tuple[Role, ...] = ("content", "receptacle", "tool", "context")
 
 
@@ -158,8 +139,8 @@ class _Selector:
         return Occasion(self.scene, frozenset({t for t in tags if t in tokens(self.instruction)} or tags))
 
     def _things(self, command: Command) -> None:
-        role, good = _role_and_test(command)
-        place, self._side_by_side = self._receiver(command), _is_side_by_side(command)
+        role, good = role_and_test(command)
+        place, self._side_by_side = self._receiver(command), is_side_by_side(command)
         for noun in command.things:
             if noun.of_table and not self._kinds(noun):
                 raise Doubt(noun.text, "the table itself stays as it is; name a thing on it")
@@ -172,7 +153,7 @@ class _Selector:
         place = command.place
         if place is None or command.verb in TOOLS or command.how in BESIDE:
             return None
-        return _part_of(place, self._of.get(place))
+        return part_of(place, self._of.get(place))
 
     def _take_sources(self, noun: Noun, command: Command) -> None:
         """Choose what a thing lies on, in or beside at the start."""
@@ -184,13 +165,13 @@ class _Selector:
     def _place(self, command: Command) -> None:
         """Choose the target, the neighbour, or the tool of a command."""
         noun, verb = command.place, command.verb
-        if noun is None and verb in _UNSAID:
-            noun = Noun(words=tuple(_UNSAID[verb].split()), text=_UNSAID[verb], at=-1)
+        if noun is None and verb in UNSAID:
+            noun = Noun(words=tuple(UNSAID[verb].split()), text=UNSAID[verb], at=-1)
         if noun is not None and verb in TOOLS:
             self._take(noun, "tool", TOOLS[verb])
         elif noun is not None and not noun.of_table and not noun.pronoun:
             self._require_one_meaning(noun, command)
-            self._take(noun, "receptacle", _RECEIVERS.get(command.verb) or self._roomy(noun, command))
+            self._take(noun, "receptacle", RECEIVERS.get(command.verb) or self._roomy(noun, command))
             for other in (one for _, one in noun.relations if not one.of_table):
                 self._take(other, "context")
 
@@ -350,28 +331,3 @@ def _require_no_pronoun(noun: Noun) -> None:
     """
     if noun.part is not None and noun.text.lower().startswith("its "):
         raise Doubt(noun.text, "nothing named before it has one")
-
-
-def _is_side_by_side(command: Command) -> bool:
-    """True where several things of a command need room beside each other: one goes into each of several drawers."""
-    drawers = command.place is not None and command.place.several
-    return command.verb not in ("tower", "pour") and not drawers
-
-
-def _part_of(noun: Noun, place: CatalogueEntry | None) -> CatalogueEntry | None:
-    """A place with the room of the meant part only, where a part is meant."""
-    if place is None or noun.part is None:
-        return place
-    points = [point for point in place.functional_points if (point.part or "").startswith(noun.part)]
-    rooms = [room for room in place.rooms if room.point in {point.id for point in points}]
-    return place.model_copy(update={"functional_points": points, "rooms": rooms}) if points else place
-
-
-def _role_and_test(command: Command) -> tuple[Role, Good]:
-    """The role of the things of a command, and the test that they must pass."""
-    if command.verb in ACTS:
-        return "receptacle", lambda e: any(part_that(ACTS[command.verb], part) for part in e.moving_parts)
-    if good := _CONTENTS.get(command.verb):
-        return "content", good
-    pushed = command.verb == "put" and command.how in BESIDE
-    return "content", lambda e: (e.can_be_carried or pushed) and not e.loose
