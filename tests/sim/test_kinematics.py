@@ -88,3 +88,9 @@ def test_both_arms_together_reach_the_whole_workspace(template, robot):
     for x in np.linspace(x0, x1, 7):
         for y in np.linspace(y0, y1, 4):
             assert any(arm.reachable(grasp_from_above(x, y, 0.76, yaw)) for arm in arms for yaw in (0, np.pi)), (x, y)
+
+
+def test_only_a_link_of_the_hand_has_a_pose_in_the_gripper_frame(right):
+    palm = right.on_hand("panda_hand")
+    assert palm is not None and 0.05 < -palm.p[2] < 0.15  # behind the tips
+    assert right.on_hand("panda_link5") is None

@@ -12,7 +12,7 @@ import numpy as np
 from vcage.base.errors import InputFileError
 from vcage.base.geometry import Camera, Pose, box_corners, look_at
 from vcage.goals.presented import TOWARDS_CUSTOMER
-from vcage.models.protocols import THIN_SUPPORT_M, CriticQuestion, StoodUp
+from vcage.models.protocols import THIN_SUPPORT_M, CriticQuestion, HandView, StoodUp
 from vcage.plans.actions import HOLDING
 from vcage.runs.context import StageContext
 from vcage.schema.episodes import Verdict
@@ -21,9 +21,11 @@ from vcage.schema.scene import Scene
 from vcage.schema.subtasks import Statement, Subtask
 from vcage.sim.drawer import Drawing, Window
 from vcage.sim.joints import link_poses
+from vcage.sim.robots import load_robot
 from vcage.tasks.hanging import hung_poses
 from vcage.tasks.hitting import hitting_poses
 from vcage.tasks.inserting import inserted_poses
+from vcage.tasks.pressing import press_views
 from vcage.tasks.reading import SETTINGS as READING
 from vcage.tasks.reading import reading_poses
 from vcage.tasks.scene_objects import SceneObject
@@ -167,6 +169,9 @@ def _question(context: StageContext, scene: Scene, asking: Asking) -> CriticQues
     def insertions(thing: str, at: Pose, place: str, there: Pose) -> Iterator[tuple[float, Pose]]:
         return inserted_poses(objects[thing].moved(at), objects[place].moved(there))
 
+    def presses(thing: str, at: Pose, part: str, camera: str) -> Iterator[HandView]:
+        return press_views(objects[thing].moved(at), part, load_robot(scene.robot), camera)
+
     return CriticQuestion(
         text=asking.text,
         goals=list(goals),
@@ -188,6 +193,7 @@ def _question(context: StageContext, scene: Scene, asking: Asking) -> CriticQues
         wipers=_with_face("pad", objects),
         hangings=hangings,
         insertions=insertions,
+        presses=presses,
         contents=_contents(scene),
         table_height=scene.table.height,
         tops=_tops(objects.values(), scene.table.height),

@@ -98,6 +98,19 @@ class StoodUp:
 
 
 @dataclass(frozen=True)
+class HandView:
+    """A camera on a hand while the hand presses something.
+
+    Args:
+        camera: where it is then.
+        fingers: (n, 3) corners of the closed fingers, in the world, metres.
+    """
+
+    camera: Camera
+    fingers: np.ndarray
+
+
+@dataclass(frozen=True)
 class CriticQuestion:
     """Was the sub-task done? Pictures and calibration only, never simulator state.
 
@@ -121,6 +134,8 @@ class CriticQuestion:
         hangings: poses of a thing that hangs on a rack: their ids, each with the pose that says how it stands.
         insertions: poses of a thing in line with a hole of another, each with the share of the hole's length that it
             fills: their ids, each with the pose that says how it stands.
+        presses: views of a camera on a hand that presses a part of an object, one for each way in which the hand may
+            come: the object's id, how it stands, part and name of the camera; none of a camera that no hand carries.
         contents: ids of the balls that lie loose in a vessel at the start, by the vessel's.
         grasped: id of the object to grasp, if it is not the object of the goals.
         moment: view by camera name while a part was touched, a code was before a scanner, a tool was on what it hits or
@@ -156,6 +171,7 @@ class CriticQuestion:
     wipers: Sequence[str] = ()
     hangings: Callable[[str, Pose, str, Pose], Iterable[Pose]] | None = None
     insertions: Callable[[str, Pose, str, Pose], Iterable[tuple[float, Pose]]] | None = None
+    presses: Callable[[str, Pose, str, str], Iterable[HandView]] | None = None
     contents: Mapping[str, Sequence[str]] = field(default_factory=dict)
     grasped: str | None = None
     moment: dict[str, View] = field(default_factory=dict)

@@ -108,6 +108,17 @@ class ArmKinematics:
         self._model.compute_forward_kinematics(self._full(q, 1.0))
         return self._model.get_link_pose(self._links[self.arm.tool_link]) * to_sapien(self._offset)
 
+    def on_hand(self, link: str) -> Pose | None:
+        """Pose of a link in the gripper frame; None of one that moves against the gripper.
+
+        Raises:
+            KeyError: the arm has no such link.
+        """
+        poses = []
+        for q in (self.home, self.home + 0.1):
+            poses.append(from_sapien(self.base_pose_of_tool(q)).inverse() * from_sapien(self.base_poses(q, 0.0)[link]))
+        return poses[0] if np.allclose(poses[0].matrix(), poses[1].matrix(), atol=1e-5) else None
+
     def ik(
         self, pose: Pose, seed_q: np.ndarray | None = None, attempts: int = SETTINGS.variations + 1
     ) -> np.ndarray | None:

@@ -17,11 +17,11 @@ Draw = Callable[[Pose, Camera, Window], Drawing]
 """An object alone at a pose, as a camera sees it through a window."""
 
 
-def drawn_whole(draw: Draw, pose: Pose, camera: Camera) -> Drawing:
-    """A drawing of an object in all of a camera's picture, as large as that."""
-    drawing = draw(pose, camera, Window(0, 0, max(camera.width, camera.height), 1))
-    layers = (drawing.picture, drawing.covered, drawing.depth)
-    return Drawing(*(layer[: camera.height, : camera.width] for layer in layers))
+def drawn_whole(draw: Draw, pose: Pose, camera: Camera, step: int = 1) -> Drawing:
+    """A drawing of an object in all of a camera's picture, as large as that, or smaller by a factor ``step``."""
+    height, width = camera.height // step, camera.width // step
+    drawing = draw(pose, camera, Window(0, 0, max(height, width), step))
+    return Drawing(*(layer[:height, :width] for layer in (drawing.picture, drawing.covered, drawing.depth)))
 
 
 def window_around(middle: np.ndarray, size: Sequence[float], camera: Camera) -> Window:

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import cv2
-import numpy as np
 import pytest
 
 from tests.example_scenes import scene_of, thing
 from vcage.base.geometry import Pose
 from vcage.episodes.question import TOP, Asking, verdict
-from vcage.models.rules.evidence.parts import _enclosed
 from vcage.runs.context import StageContext
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal
@@ -105,28 +102,3 @@ def test_a_grey_drawer_is_distinguished_from_the_table_in_the_shadow_of_its_cabi
     assert done.accepted, done.reason
     stopped = start if word == "open" else 0.5
     assert not judged(context, cabinet, word, start, stopped, table=table).accepted
-
-
-def test_what_the_edges_of_a_button_enclose_is_the_button() -> None:
-    edges = np.zeros((40, 40), bool)
-    edges[[10, 29], 10:30] = True
-    assert np.array_equal(np.argwhere(_enclosed(edges)), np.argwhere(np.pad(np.ones((20, 20), bool), 10)))
-
-
-@pytest.mark.parametrize(("beside_px", "accepted"), [(0, True), (34, False)])
-def test_a_hand_that_has_the_colour_of_a_button_hides_what_is_around_it(
-    context: StageContext, beside_px: int, accepted: bool
-) -> None:
-    switch = thing("switch", (-0.05, 0.05), 0.2, variant="white")
-    scene = scene_of([switch])
-    world = context.drawn_world(scene)
-    seen = shoot(world, scene.top_camera)
-    world.set_object_pose(switch.id, Pose([0, 0, -9]))
-    button = switch.pose.apply(switch.asset.annotation.contact_point(0).position)
-    u, v = np.round(scene.top_camera.camera().project(button[None])[0]).astype(int).tolist()
-    moment = seen.copy()
-    cv2.circle(moment, (u + beside_px, v), 20, seen[v, u].tolist(), -1)
-    goal = Goal(subject=switch.id, relation="pressed", part="button")
-    pictures = {"before": {TOP: seen}, "after": {TOP: seen}, "moment": {TOP: moment}}
-    found = verdict(context, scene, Asking("x", [goal], pictures, shoot(world, scene.top_camera)))
-    assert found.accepted == accepted, found.reason

@@ -112,6 +112,6 @@ def test_another_moved_object_is_reported(area: float, vanished: list[str], fail
 )
 def test_a_part_counts_as_open_only_where_the_picture_sets_it_apart_from_a_shut_one(rest: float, accepted: bool):
     costs = np.array([rest, *[9.0] * 12, 6.0, 5.0, 3.0, 2.0])
-    evidence = PartEvidence(500, 0.0, 1.0, costs, np.inf, 0.0, 0.0, np.zeros((2, 2), bool))
+    evidence = PartEvidence(500, 0.0, 1.0, costs, np.inf, np.zeros((2, 2), bool))
     told = evidence.moved(Goal(subject="laptop", relation="open", part="screen"), "laptop")
     assert told.accepted is accepted

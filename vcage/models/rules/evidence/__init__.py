@@ -19,9 +19,10 @@ from vcage.models.rules.evidence.moved import (
     judge_related,
     judge_returned,
 )
-from vcage.models.rules.evidence.parts import judge_part, judge_pressed
+from vcage.models.rules.evidence.parts import judge_part
 from vcage.models.rules.evidence.placed import judge_placed, judge_weighed
 from vcage.models.rules.evidence.poured import judge_poured
+from vcage.models.rules.evidence.pressed import judge_pressed
 from vcage.models.rules.evidence.raised import in_the_air, judge_held_by_both, judge_held_up
 from vcage.models.rules.evidence.scanned import judge_scanned
 from vcage.models.rules.evidence.upright import judge_upright

@@ -18,7 +18,7 @@ from vcage.base.geometry import Camera, Pose
 from vcage.models.rules.critic_view import VIEW, CriticView
 from vcage.models.rules.drawings import Draw, brightness, drawn_whole
 from vcage.models.rules.evidence.judgement import Judged, decided, refused
-from vcage.models.rules.pixels import changed, grown, share_of
+from vcage.models.rules.pixels import grown
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal, part_words
 from vcage.sim.drawer import Drawing
@@ -44,9 +44,6 @@ class PartSettings:
             turned; at most, to count as closed.
         stirred_share: share of its range by which a part must be seen to have moved.
         margin_share: share of the range of costs by which the positions that a goal allows must beat all others.
-        touched_share: share of a button's visible area that the hand covers while it presses it.
-        ring_px: width of the ring around a button that is looked at as well.
-        ring_share: changed share of that ring from which a hand covers the button, even one of its colour.
     """
 
     blur_px: float = 1.3
@@ -60,9 +57,6 @@ class PartSettings:
     closed_share: float = 0.15
     stirred_share: float = 0.2
     margin_share: float = 0.08
-    touched_share: float = 0.15
-    ring_px: float = 4.0
-    ring_share: float = 0.6
 
 
 SETTINGS = PartSettings()
@@ -78,8 +72,6 @@ class PartEvidence:
         costs: (17,) how unlike the picture afterwards the drawing at each of :data:`POSITIONS` is, in edges and hues.
         rival: by how much less unlike the best of them is than the best drawing in which another part of the object
             moved instead; inf where it has no other.
-        touched, around: changed shares of the part's visible area, and of a ring around it, in the picture of the
-            moment; 0 without one.
         covered: (H, W) bool, the area of the object with its part anywhere.
     """
 
@@ -88,8 +80,6 @@ class PartEvidence:
     after: float
     costs: np.ndarray
     rival: float
-    touched: float
-    around: float
     covered: np.ndarray
 
     @classmethod
@@ -99,7 +89,7 @@ class PartEvidence:
         Raises:
             InputFileError: there is no picture of the empty table, or nothing draws the object.
         """
-        thing, part = _PosedObject.found(view, goal), str(goal.part)
+        thing, part = PosedObject.found(view, goal), str(goal.part)
         if thing is None:
             return None
         before, after = view.before["top"], view.after["top"]
@@ -107,37 +97,25 @@ class PartEvidence:
         gain = brightness(own[-1] if thing.rest[part] else own[0], before.picture)
         rivals = [other for other in view.question.parts.get(goal.subject, ()) if other != part]
         drawn = {part: own} | {rival: thing.drawings(rival, POSITIONS) for rival in rivals}
-        within = _around(np.any([one.covered for several in drawn.values() for one in several], axis=0))
-        sights = {moving: _Sight(several, gain, thing.background, within) for moving, several in drawn.items()}
+        within = around(np.any([one.covered for several in drawn.values() for one in several], axis=0))
+        sights = {moving: DrawnPart(several, gain, thing.background, within) for moving, several in drawn.items()}
         sight = sights[part]
         where = np.any([one.telling for one in sights.values()], axis=0)
         least: dict[str, float] = {}
         for moving, one in sights.items():
             costs = one.costs(after.picture, where)
             # Drawers look so similar that a step between two positions hides which of them moved.
-            between = _Sight(thing.drawings(moving, [likeliest(costs)]), gain, thing.background, within)
+            between = DrawnPart(thing.drawings(moving, [likeliest(costs)]), gain, thing.background, within)
             least[moving] = float(min(costs.min(), between.costs(after.picture, where).min()))
         first, then = sight.costs(before.picture), sight.costs(after.picture)
-        touched, around = _touched(sight, view)
         return cls(
             differing_px=int(sight.telling.sum()),
             before=likeliest(first),
             after=likeliest(then),
             costs=then,
             rival=min((least[name] for name in rivals), default=np.inf) - least[part],
-            touched=touched,
-            around=around,
             covered=sight.covered,
         )
-
-    def pressed(self, goal: Goal, thing: str) -> Verdict:
-        """Judge by the hand that covers the part, or all that is around it, at the moment."""
-        part = f"the {part_words(str(goal.part))} of the {thing}"
-        seen, share, least = part, self.touched, SETTINGS.touched_share
-        if self.touched < least and self.around >= SETTINGS.ring_share:
-            seen, share, least = f"what is around {part}", self.around, SETTINGS.ring_share
-        reason = f"{100 * share:.0f} % of {seen} is under the hand at the moment of the press"
-        return decided(share >= least, reason, 0.5 + 0.5 * abs(share - least))
 
     def moved(self, goal: Goal, thing: str) -> Verdict:
         """Judge by the position at which the part is likeliest."""
@@ -165,39 +143,15 @@ class PartEvidence:
 
 def judge_part(view: CriticView, goal: Goal) -> Judged:
     """Judge whether a part was opened, closed or turned."""
-    return _judged(view, goal, PartEvidence.moved)
-
-
-def judge_pressed(view: CriticView, goal: Goal) -> Judged:
-    """Judge whether a button was pressed."""
-    return _judged(view, goal, PartEvidence.pressed)
-
-
-def _judged(view: CriticView, goal: Goal, decide: Callable[[PartEvidence, Goal, str], Verdict]) -> Judged:
     evidence = PartEvidence.gather(view, goal)
     phrase = view.question.looks[goal.subject].phrase
     if evidence is None:
         return Judged(refused(f"the {phrase} is not found", 0.5), view.nowhere)
-    return Judged(decide(evidence, goal, phrase), grown(evidence.covered, VIEW.around_px))
-
-
-def _touched(sight: _Sight, view: CriticView) -> tuple[float, float]:
-    """Changed shares of a part's visible area and of a ring around it in the picture of the moment; 0 without one."""
-    if "top" not in view.moment:
-        return 0.0, 0.0
-    part = _enclosed(sight.telling) if sight.telling.any() else sight.covered
-    change = changed(*(to_lab(one["top"].picture) for one in (view.after, view.moment)))
-    return share_of(change, part), share_of(change, grown(part, SETTINGS.ring_px) & ~part)
-
-
-def _enclosed(edges: np.ndarray) -> np.ndarray:
-    """(H, W) bool: the least convex area around pixels, as only the edges of a large button tell how far it is."""
-    corners = np.asarray(cv2.convexHull(np.argwhere(edges)[:, ::-1].astype(np.int32)), np.int32)
-    return cv2.fillConvexPoly(np.zeros(edges.shape, np.uint8), corners, (1,)).astype(bool)
+    return Judged(evidence.moved(goal, phrase), grown(evidence.covered, VIEW.around_px))
 
 
 @dataclass(frozen=True)
-class _PosedObject:
+class PosedObject:
     """An object at the pose where it is seen before, drawn with one of its parts at any position.
 
     Args:
@@ -215,7 +169,7 @@ class _PosedObject:
     background: np.ndarray
 
     @classmethod
-    def found(cls, view: CriticView, goal: Goal) -> _PosedObject | None:
+    def found(cls, view: CriticView, goal: Goal) -> PosedObject | None:
         """Find the subject of a goal in the picture before; None where it is not seen.
 
         Raises:
@@ -239,7 +193,7 @@ class _PosedObject:
         return [drawn_whole(draw, self.pose, self.camera) for draw in draws]
 
 
-class _Sight:
+class DrawnPart:
     """Drawings of an object at one pose with a part at one position after another.
 
     Args:
@@ -258,7 +212,7 @@ class _Sight:
     ):
         pictures = [_composed(drawing, background, gain, within) for drawing in drawings]
         self._within = within
-        self._drawn = [_edges_and_hues(picture) for picture in pictures]
+        self._drawn = [edges_and_hues(picture) for picture in pictures]
         self.covered = np.any([drawing.covered for drawing in drawings], axis=0)
         first, *rest = [to_lab(picture) for picture in pictures]
         differ = [distance(lab, first) > SETTINGS.different_lab for lab in rest]
@@ -277,11 +231,11 @@ class _Sight:
         if not where.any():
             return np.zeros(len(self._drawn))
         there = where[self._within]
-        seen = _edges_and_hues(picture[self._within])[there]
-        return np.array([_unlike(seen, drawn[there]) for drawn in self._drawn])
+        seen = edges_and_hues(picture[self._within])[there]
+        return np.array([unlike(seen, drawn[there]) for drawn in self._drawn])
 
 
-def _edges_and_hues(picture: np.ndarray) -> np.ndarray:
+def edges_and_hues(picture: np.ndarray) -> np.ndarray:
     """(H, W, 4) float32: the gradient of the logarithm of light, per pixel, and CIELAB a and b, of an RGB picture."""
     smooth = cv2.GaussianBlur(picture, (0, 0), SETTINGS.blur_px)
     grey = cv2.cvtColor(smooth, cv2.COLOR_RGB2GRAY).astype(np.float32) / 255
@@ -290,7 +244,7 @@ def _edges_and_hues(picture: np.ndarray) -> np.ndarray:
     return cv2.merge([along_x, along_y, *cv2.split(to_lab(smooth))[1:]])
 
 
-def _unlike(seen: np.ndarray, drawn: np.ndarray) -> float:
+def unlike(seen: np.ndarray, drawn: np.ndarray) -> float:
     """Mean difference of edges and hues of pixels, (n, 4) each."""
     apart = seen - drawn
     edge, hue = np.linalg.norm(apart[:, :2], axis=1), np.linalg.norm(apart[:, 2:], axis=1)
@@ -309,7 +263,7 @@ def likeliest(costs: np.ndarray) -> float:
     return float(POSITIONS[k] + offset * (POSITIONS[1] - POSITIONS[0]))
 
 
-def _around(covered: np.ndarray, margin_px: int = 10) -> tuple[slice, slice]:
+def around(covered: np.ndarray, margin_px: int = 10) -> tuple[slice, slice]:
     """The rows and columns of a mask and a margin for the blur; all of them if it is empty."""
     if not covered.any():
         return slice(None), slice(None)

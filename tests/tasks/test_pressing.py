@@ -1,0 +1,29 @@
+"""Views of a camera on a pressing hand."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.example_scenes import thing
+from vcage.sim.robots import load_robot
+from vcage.tasks.pressing import press_views
+
+BELL = thing("service_bell", (-0.2, -0.05), 0.3)
+
+
+@pytest.mark.parametrize("who", ["aloha_agilex", "dual_panda"])
+def test_a_camera_on_the_hand_sees_the_button_between_the_finger_tips(who: str) -> None:
+    button = BELL.pose.apply(BELL.asset.annotation.contact_point(0).position)
+    views = list(press_views(BELL, "button", load_robot(who), "cam_left_wrist"))
+    assert views
+    for view in views:
+        nearest = view.fingers[np.argsort(np.linalg.norm(view.fingers - button, axis=1))[:8]]
+        assert np.linalg.norm(nearest.mean(axis=0) - button) < 0.01
+        u, v = view.camera.project(button)
+        assert 0 < u < view.camera.width and 0 < v < view.camera.height
+
+
+@pytest.mark.parametrize(("part", "camera"), [("button", "cam_high"), ("dome", "cam_left_wrist")])
+def test_no_view_is_told_of_a_camera_beside_the_hands_or_of_what_is_not_pressed(part: str, camera: str) -> None:
+    assert not list(press_views(BELL, part, load_robot("aloha_agilex"), camera))

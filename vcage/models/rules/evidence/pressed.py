@@ -1,0 +1,199 @@
+"""Evidence of a pressed button: the hand covers it, seen from above, and it is at the finger tips, seen from the hand.
+
+From above, hand and arm also hide a button beside which the fingers came down. The camera on the hand sees that, and
+the robot's file tells where the tips are in its picture. How the arm stood is not known: the picture is compared with
+drawings of the thing for each way in which the hand may come to the button.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import cv2
+import numpy as np
+
+from vcage.base.geometry import Camera, Pose
+from vcage.models.protocols import HandView
+from vcage.models.rules.critic_view import VIEW, CriticView
+from vcage.models.rules.drawings import Draw, as_bright, brightness, drawn_whole
+from vcage.models.rules.evidence.judgement import Judged, decided, refused
+from vcage.models.rules.evidence.parts import POSITIONS, DrawnPart, PosedObject, around, edges_and_hues, unlike
+from vcage.models.rules.pixels import changed, grown, share_of
+from vcage.schema.episodes import Verdict
+from vcage.schema.goals import Goal, part_words
+from vcage.vision.colour import to_lab
+
+
+@dataclass(frozen=True)
+class PressSettings:
+    """The comparison of pictures of a press with drawings, and limits for a yes.
+
+    Args:
+        touched_share: share of a button's visible area that the hand covers while it presses it.
+        ring_px: width of the ring around a button that is looked at as well.
+        ring_share: changed share of that ring from which a hand covers the button, even one of its colour.
+        width_px: about the width to which a picture of the hand's camera is reduced.
+        ways: number of ways of the hand, those that explain that picture best, for which the thing is drawn beside the
+            tips as well.
+        beside_m, directions: distances and directions from its place at which it is drawn.
+        fewest_px: least number of pixels of the thing in that reduced picture, else the camera does not see it.
+        least_contrast: standard deviation of the light of a picture, of 255, below which it shows nothing.
+    """
+
+    touched_share: float = 0.15
+    ring_px: float = 4.0
+    ring_share: float = 0.6
+    width_px: int = 80
+    ways: int = 3
+    beside_m: tuple[float, ...] = (0.035, 0.05, 0.065)
+    directions: int = 12
+    fewest_px: int = 40
+    least_contrast: float = 2.0
+
+
+SETTINGS = PressSettings()
+
+
+@dataclass(frozen=True)
+class PressEvidence:
+    """Measurements of a press, all from pixels.
+
+    Args:
+        touched, around: changed shares of the part's visible area, and of a ring around it, in the picture of the
+            moment from above; 0 without one.
+        beside: how unlike the picture of the camera on the hand the likeliest drawing of the thing beside the tips is,
+            in shares of how unlike the likeliest one with its part at them is; inf where nothing is under the hand, or
+            no such camera shows the thing.
+        covered: (H, W) bool, the area of the object with its part anywhere.
+    """
+
+    touched: float
+    around: float
+    beside: float
+    covered: np.ndarray
+
+    @classmethod
+    def gather(cls, view: CriticView, goal: Goal) -> PressEvidence | None:
+        """Measure the part of a goal's subject; None where the subject is not found before.
+
+        Raises:
+            InputFileError: there is no picture of the empty table, or nothing draws the object.
+        """
+        thing, part = PosedObject.found(view, goal), str(goal.part)
+        if thing is None:
+            return None
+        drawings = thing.drawings(part, POSITIONS)
+        gain = brightness(drawings[0], view.before["top"].picture)
+        within = around(np.any([one.covered for one in drawings], axis=0))
+        drawn = DrawnPart(drawings, gain, thing.background, within)
+        touched, ring = _touched(drawn, view)
+        under = touched >= SETTINGS.touched_share or ring >= SETTINGS.ring_share
+        return cls(touched, ring, _beside(thing, view, goal) if under else np.inf, drawn.covered)
+
+    def verdict(self, goal: Goal, thing: str) -> Verdict:
+        """Judge by the hand that covers the part, or all that is around it, and by what its camera sees at the tips."""
+        part = f"the {part_words(str(goal.part))} of the {thing}"
+        seen, share, least = part, self.touched, SETTINGS.touched_share
+        if self.touched < least and self.around >= SETTINGS.ring_share:
+            seen, share, least = f"what is around {part}", self.around, SETTINGS.ring_share
+        reason = f"{100 * share:.0f} % of {seen} is under the hand at the moment of the press"
+        if share >= least and self.beside < 1:
+            seen_beside = f"{reason}, but the camera on the hand sees it beside the finger tips"
+            return refused(seen_beside, 1 - 0.5 * self.beside)
+        return decided(share >= least, reason, 0.5 + 0.5 * abs(share - least))
+
+
+def judge_pressed(view: CriticView, goal: Goal) -> Judged:
+    """Judge whether a button was pressed."""
+    evidence = PressEvidence.gather(view, goal)
+    phrase = view.question.looks[goal.subject].phrase
+    if evidence is None:
+        return Judged(refused(f"the {phrase} is not found", 0.5), view.nowhere)
+    return Judged(evidence.verdict(goal, phrase), grown(evidence.covered, VIEW.around_px))
+
+
+# --- from above ------------------------------------------------------------------------------------------------
+
+
+def _touched(drawn: DrawnPart, view: CriticView) -> tuple[float, float]:
+    """Changed shares of a part's visible area and of a ring around it in the picture of the moment; 0 without one."""
+    if "top" not in view.moment:
+        return 0.0, 0.0
+    part = _enclosed(drawn.telling) if drawn.telling.any() else drawn.covered
+    change = changed(*(to_lab(one["top"].picture) for one in (view.after, view.moment)))
+    return share_of(change, part), share_of(change, grown(part, SETTINGS.ring_px) & ~part)
+
+
+def _enclosed(edges: np.ndarray) -> np.ndarray:
+    """(H, W) bool: the least convex area around pixels, as only the edges of a large button tell how far it is."""
+    corners = np.asarray(cv2.convexHull(np.argwhere(edges)[:, ::-1].astype(np.int32)), np.int32)
+    return cv2.fillConvexPoly(np.zeros(edges.shape, np.uint8), corners, (1,)).astype(bool)
+
+
+# --- from the hand ---------------------------------------------------------------------------------------------
+
+
+def _beside(thing: PosedObject, view: CriticView, goal: Goal) -> float:
+    """How much likelier a thing is beside the finger tips than with its part at them: see :class:`PressEvidence`."""
+    presses, part, found = view.question.presses, str(goal.part), []
+    if presses is None:
+        return np.inf
+    for name, picture in view.question.uncalibrated.get("moment", {}).items():
+        hands = list(presses(goal.subject, thing.pose, part, name))
+        if hands:
+            draw = thing.draw_at({**thing.rest, part: 1.0})
+            found.append(_HandPicture(picture, hands[0].camera).beside(hands, thing.pose, draw))
+    return max(found, default=np.inf)  # of two hands, one presses
+
+
+class _HandPicture:
+    """A picture of a camera on a hand, reduced: fewer pixels tell as much.
+
+    Args:
+        picture: (H, W, 3) uint8 RGB.
+        camera: that takes such pictures, wherever.
+    """
+
+    def __init__(self, picture: np.ndarray, camera: Camera):
+        self._step = max(1, round(camera.width / SETTINGS.width_px))
+        small = (camera.width // self._step, camera.height // self._step)
+        self._picture = cv2.resize(picture, small, interpolation=cv2.INTER_AREA)
+        self._looks = edges_and_hues(self._picture)
+
+    def beside(self, hands: Sequence[HandView], pose: Pose, draw: Draw) -> float:
+        """Unlikeness with the thing beside its place, in shares of that with the thing there, each the least; inf where
+        the thing cannot be seen.
+
+        Args:
+            hands: that press it there.
+            pose: of the thing.
+            draw: draws it, pressed.
+        """
+        shown = [drawn_whole(draw, pose, hand.camera, self._step).covered & ~self._hidden(hand) for hand in hands]
+        if self._picture.std() < SETTINGS.least_contrast or min(map(np.sum, shown)) < SETTINGS.fewest_px:
+            return np.inf
+        there = [self._unlike(hand, pose, draw) for hand in hands]
+        likeliest = [hands[n] for n in np.argsort(there)[: SETTINGS.ways]]
+        return min(self._unlike(*seen, draw) for seen in product(likeliest, _around(pose))) / max(min(there), 1e-6)
+
+    def _unlike(self, hand: HandView, pose: Pose, draw: Draw) -> float:
+        """How unlike, beside the fingers, the picture is to a drawing of a thing on a plain table."""
+        drawing, hidden = drawn_whole(draw, pose, hand.camera, self._step), self._hidden(hand)
+        expected, table = as_bright(drawing, self._picture, hidden).astype(np.uint8), ~drawing.covered & ~hidden
+        if table.any():
+            expected[table] = np.median(self._picture[table], axis=0)
+        expected[hidden] = self._picture[hidden]
+        return unlike(self._looks[~hidden], edges_and_hues(expected)[~hidden])
+
+    def _hidden(self, hand: HandView) -> np.ndarray:
+        """(h, w) bool, the area of the fingers."""
+        fingers = cv2.convexHull((hand.camera.project(hand.fingers) / self._step).astype(np.float32))
+        return cv2.fillConvexPoly(np.zeros(self._looks.shape[:2], np.uint8), fingers.astype(np.int32), (1,)) > 0
+
+
+def _around(pose: Pose) -> Iterable[Pose]:
+    """Poses of a thing beside its own, as far as fingers that miss its button come down."""
+    for far, way in product(SETTINGS.beside_m, np.linspace(0, 2 * np.pi, SETTINGS.directions, endpoint=False)):
+        yield Pose(pose.p + [far * np.cos(way), far * np.sin(way), 0.0], pose.q)
