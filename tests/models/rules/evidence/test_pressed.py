@@ -11,7 +11,7 @@ import pytest
 from tests.example_scenes import library, scene_of, thing
 from vcage.base.geometry import Pose
 from vcage.episodes.question import TOP, Asking, verdict
-from vcage.models.rules.evidence.pressed import PressEvidence, _enclosed
+from vcage.models.rules.evidence.pressed import PressEvidence
 from vcage.runs.context import StageContext
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal
@@ -113,25 +113,38 @@ def test_a_camera_that_sees_nothing_refuses_no_press() -> None:
     assert told.accepted, told.reason
 
 
-def test_what_the_edges_of_a_button_enclose_is_the_button() -> None:
-    edges = np.zeros((40, 40), bool)
-    edges[[10, 29], 10:30] = True
-    assert np.array_equal(np.argwhere(_enclosed(edges)), np.argwhere(np.pad(np.ones((20, 20), bool), 10)))
+def covered(subject: SceneObject, radius_px: int, beside_px: int = 0, colour: int | None = None) -> Verdict:
+    """The verdict where a disc hides a button, or what is beside it, from above.
+
+    Args:
+        subject: whose button it is.
+        radius_px, beside_px: of the disc, and of its middle from that of the button, to the right.
+        colour: grey value of the disc; the button's own colour where it is not given.
+    """
+    scene = scene_of([subject])
+    world = CONTEXT.drawn_world(scene)
+    seen = shoot(world, scene.top_camera)
+    world.set_object_pose(subject.id, Pose([0, 0, -9]))
+    button = subject.pose.apply(next(c for c in subject.asset.annotation.contact_points if c.use == "press").position)
+    u, v = np.round(scene.top_camera.camera().project(button[None])[0]).astype(int).tolist()
+    moment = seen.copy()
+    cv2.circle(moment, (u + beside_px, v), radius_px, seen[v, u].tolist() if colour is None else [colour] * 3, -1)
+    goal = Goal(subject=subject.id, relation="pressed", part="button")
+    pictures = {"before": {TOP: seen}, "after": {TOP: seen}, "moment": {TOP: moment}}
+    return verdict(CONTEXT, scene, Asking("x", [goal], pictures, shoot(world, scene.top_camera)))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("beside_px", "accepted"), [(0, True), (34, False)])
 def test_a_hand_that_has_the_colour_of_a_button_hides_what_is_around_it(beside_px: int, accepted: bool) -> None:
-    switch = thing("switch", (-0.05, 0.05), 0.2, variant="white")
-    scene = scene_of([switch])
-    world = CONTEXT.drawn_world(scene)
-    seen = shoot(world, scene.top_camera)
-    world.set_object_pose(switch.id, Pose([0, 0, -9]))
-    button = switch.pose.apply(switch.asset.annotation.contact_point(0).position)
-    u, v = np.round(scene.top_camera.camera().project(button[None])[0]).astype(int).tolist()
-    moment = seen.copy()
-    cv2.circle(moment, (u + beside_px, v), 20, seen[v, u].tolist(), -1)
-    goal = Goal(subject=switch.id, relation="pressed", part="button")
-    pictures = {"before": {TOP: seen}, "after": {TOP: seen}, "moment": {TOP: moment}}
-    found = verdict(CONTEXT, scene, Asking("x", [goal], pictures, shoot(world, scene.top_camera)))
-    assert found.accepted == accepted, found.reason
+    told = covered(thing("switch", (-0.05, 0.05), 0.2, variant="white"), 20, beside_px)
+    assert told.accepted == accepted, told.reason
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "variant"), [("stapler_electric", "white"), ("switch", "black"), ("service_bell", "red")]
+)
+def test_fingers_in_the_middle_of_a_button_are_on_it(name: str, variant: str) -> None:
+    told = covered(thing(name, (0.0, 0.03), variant=variant), 6, colour=90)
+    assert told.accepted, told.reason

@@ -97,15 +97,15 @@ class PartEvidence:
         gain = brightness(own[-1] if thing.rest[part] else own[0], before.picture)
         rivals = [other for other in view.question.parts.get(goal.subject, ()) if other != part]
         drawn = {part: own} | {rival: thing.drawings(rival, POSITIONS) for rival in rivals}
-        within = around(np.any([one.covered for several in drawn.values() for one in several], axis=0))
-        sights = {moving: DrawnPart(several, gain, thing.background, within) for moving, several in drawn.items()}
+        within = _around(np.any([one.covered for several in drawn.values() for one in several], axis=0))
+        sights = {moving: _Sight(several, gain, thing.background, within) for moving, several in drawn.items()}
         sight = sights[part]
         where = np.any([one.telling for one in sights.values()], axis=0)
         least: dict[str, float] = {}
         for moving, one in sights.items():
             costs = one.costs(after.picture, where)
             # Drawers look so similar that a step between two positions hides which of them moved.
-            between = DrawnPart(thing.drawings(moving, [likeliest(costs)]), gain, thing.background, within)
+            between = _Sight(thing.drawings(moving, [likeliest(costs)]), gain, thing.background, within)
             least[moving] = float(min(costs.min(), between.costs(after.picture, where).min()))
         first, then = sight.costs(before.picture), sight.costs(after.picture)
         return cls(
@@ -193,7 +193,7 @@ class PosedObject:
         return [drawn_whole(draw, self.pose, self.camera) for draw in draws]
 
 
-class DrawnPart:
+class _Sight:
     """Drawings of an object at one pose with a part at one position after another.
 
     Args:
@@ -263,7 +263,7 @@ def likeliest(costs: np.ndarray) -> float:
     return float(POSITIONS[k] + offset * (POSITIONS[1] - POSITIONS[0]))
 
 
-def around(covered: np.ndarray, margin_px: int = 10) -> tuple[slice, slice]:
+def _around(covered: np.ndarray, margin_px: int = 10) -> tuple[slice, slice]:
     """The rows and columns of a mask and a margin for the blur; all of them if it is empty."""
     if not covered.any():
         return slice(None), slice(None)

@@ -17,9 +17,9 @@ import numpy as np
 from vcage.base.geometry import Camera, Pose
 from vcage.models.protocols import HandView
 from vcage.models.rules.critic_view import VIEW, CriticView
-from vcage.models.rules.drawings import Draw, as_bright, brightness, drawn_whole
+from vcage.models.rules.drawings import Draw, as_bright, drawn_whole
 from vcage.models.rules.evidence.judgement import Judged, decided, refused
-from vcage.models.rules.evidence.parts import POSITIONS, DrawnPart, PosedObject, around, edges_and_hues, unlike
+from vcage.models.rules.evidence.parts import PosedObject, edges_and_hues, unlike
 from vcage.models.rules.pixels import changed, grown, share_of
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal, part_words
@@ -31,6 +31,9 @@ class PressSettings:
     """The comparison of pictures of a press with drawings, and limits for a yes.
 
     Args:
+        away_share: share of its range at which a button is far from its object, on the side to which it springs back.
+        depth_m: the button is where a drawing is farther away by more than this when that is gone; its colour may be
+            that of the object.
         touched_share: share of a button's visible area that the hand covers while it presses it.
         ring_px: width of the ring around a button that is looked at as well.
         ring_share: changed share of that ring from which a hand covers the button, even one of its colour.
@@ -42,6 +45,8 @@ class PressSettings:
         least_contrast: standard deviation of the light of a picture, of 255, below which it shows nothing.
     """
 
+    away_share: float = -1000.0
+    depth_m: float = 0.0005
     touched_share: float = 0.15
     ring_px: float = 4.0
     ring_share: float = 0.6
@@ -66,7 +71,7 @@ class PressEvidence:
         beside: how unlike the picture of the camera on the hand the likeliest drawing of the thing beside the tips is,
             in shares of how unlike the likeliest one with its part at them is; inf where nothing is under the hand, or
             no such camera shows the thing.
-        covered: (H, W) bool, the area of the object with its part anywhere.
+        covered: (H, W) bool, the area of the object.
     """
 
     touched: float
@@ -84,13 +89,11 @@ class PressEvidence:
         thing, part = PosedObject.found(view, goal), str(goal.part)
         if thing is None:
             return None
-        drawings = thing.drawings(part, POSITIONS)
-        gain = brightness(drawings[0], view.before["top"].picture)
-        within = around(np.any([one.covered for one in drawings], axis=0))
-        drawn = DrawnPart(drawings, gain, thing.background, within)
-        touched, ring = _touched(drawn, view)
+        rest, gone = thing.drawings(part, (0.0, SETTINGS.away_share))
+        button = np.abs(rest.depth - gone.depth) > SETTINGS.depth_m
+        touched, ring = _touched(button if button.any() else rest.covered, view)
         under = touched >= SETTINGS.touched_share or ring >= SETTINGS.ring_share
-        return cls(touched, ring, _beside(thing, view, goal) if under else np.inf, drawn.covered)
+        return cls(touched, ring, _beside(thing, view, goal) if under else np.inf, rest.covered)
 
     def verdict(self, goal: Goal, thing: str) -> Verdict:
         """Judge by the hand that covers the part, or all that is around it, and by what its camera sees at the tips."""
@@ -117,19 +120,12 @@ def judge_pressed(view: CriticView, goal: Goal) -> Judged:
 # --- from above ------------------------------------------------------------------------------------------------
 
 
-def _touched(drawn: DrawnPart, view: CriticView) -> tuple[float, float]:
-    """Changed shares of a part's visible area and of a ring around it in the picture of the moment; 0 without one."""
+def _touched(part: np.ndarray, view: CriticView) -> tuple[float, float]:
+    """Changed shares of an area (H, W) bool and of a ring around it in the picture of the moment; 0 without one."""
     if "top" not in view.moment:
         return 0.0, 0.0
-    part = _enclosed(drawn.telling) if drawn.telling.any() else drawn.covered
     change = changed(*(to_lab(one["top"].picture) for one in (view.after, view.moment)))
     return share_of(change, part), share_of(change, grown(part, SETTINGS.ring_px) & ~part)
-
-
-def _enclosed(edges: np.ndarray) -> np.ndarray:
-    """(H, W) bool: the least convex area around pixels, as only the edges of a large button tell how far it is."""
-    corners = np.asarray(cv2.convexHull(np.argwhere(edges)[:, ::-1].astype(np.int32)), np.int32)
-    return cv2.fillConvexPoly(np.zeros(edges.shape, np.uint8), corners, (1,)).astype(bool)
 
 
 # --- from the hand ---------------------------------------------------------------------------------------------
