@@ -38,9 +38,7 @@ class PressSettings:
         ring_px: width of the ring around a button that is looked at as well.
         ring_share: changed share of that ring from which a hand covers the button, even one of its colour.
         width_px: about the width to which a picture of the hand's camera is reduced.
-        ways: number of ways of the hand, those that explain that picture best, for which the thing is drawn beside the
-            tips as well.
-        beside_m, directions: distances and directions from its place at which it is drawn.
+        beside_m, directions: distance and directions from its place at which the thing is drawn as well.
         fewest_px: least number of pixels of the thing in that reduced picture, else the camera does not see it.
         least_contrast: standard deviation of the light of a picture, of 255, below which it shows nothing.
     """
@@ -51,8 +49,7 @@ class PressSettings:
     ring_px: float = 4.0
     ring_share: float = 0.6
     width_px: int = 80
-    ways: int = 3
-    beside_m: tuple[float, ...] = (0.035, 0.05, 0.065)
+    beside_m: float = 0.05
     directions: int = 12
     fewest_px: int = 40
     least_contrast: float = 2.0
@@ -132,7 +129,7 @@ def _touched(part: np.ndarray, view: CriticView) -> tuple[float, float]:
 
 
 def _beside(thing: PosedObject, view: CriticView, goal: Goal) -> float:
-    """How much likelier a thing is beside the finger tips than with its part at them: see :class:`PressEvidence`."""
+    """How unlike a thing beside the finger tips is, relative to one at them: see :class:`PressEvidence`."""
     presses, part, found = view.question.presses, str(goal.part), []
     if presses is None:
         return np.inf
@@ -170,9 +167,10 @@ class _HandPicture:
         shown = [drawn_whole(draw, pose, hand.camera, self._step).covered & ~self._hidden(hand) for hand in hands]
         if self._picture.std() < SETTINGS.least_contrast or min(map(np.sum, shown)) < SETTINGS.fewest_px:
             return np.inf
-        there = [self._unlike(hand, pose, draw) for hand in hands]
-        likeliest = [hands[n] for n in np.argsort(there)[: SETTINGS.ways]]
-        return min(self._unlike(*seen, draw) for seen in product(likeliest, _around(pose))) / max(min(there), 1e-6)
+        there, around = (
+            min(self._unlike(hand, at, draw) for hand, at in product(hands, poses)) for poses in ([pose], _around(pose))
+        )
+        return around / max(there, 1e-6)
 
     def _unlike(self, hand: HandView, pose: Pose, draw: Draw) -> float:
         """How unlike, beside the fingers, the picture is to a drawing of a thing on a plain table."""
@@ -191,5 +189,5 @@ class _HandPicture:
 
 def _around(pose: Pose) -> Iterable[Pose]:
     """Poses of a thing beside its own, as far as fingers that miss its button come down."""
-    for far, way in product(SETTINGS.beside_m, np.linspace(0, 2 * np.pi, SETTINGS.directions, endpoint=False)):
-        yield Pose(pose.p + [far * np.cos(way), far * np.sin(way), 0.0], pose.q)
+    for way in np.linspace(0, 2 * np.pi, SETTINGS.directions, endpoint=False):
+        yield Pose(pose.p + SETTINGS.beside_m * np.array([np.cos(way), np.sin(way), 0.0]), pose.q)
