@@ -43,16 +43,16 @@ def miscounted(read: CheckedReading) -> Iterator[str]:
             yield f"{noun.words!r} asks for {number}, but the goals speak of {there}"
         elif moved > number > 0 and times[noun.name] == 1:
             yield f"{noun.words!r} asks for {number}, but goals are given for {moved}"
-        yield from _miscounted_colours(read, words, [*elided, noun]) if elided else ()
+        yield from _miscounted_colours(read, words, [*elided, noun], times[noun.name]) if elided else ()
 
 
-def _miscounted_colours(read: CheckedReading, words: Sequence[str], nouns: Sequence[Noun]) -> Iterator[str]:
-    """Numbers of several colours that share a noun, and differ from the number of objects of the colour."""
+def _miscounted_colours(read: CheckedReading, words: Sequence[str], nouns: Sequence[Noun], times: int) -> Iterator[str]:
+    """Numbers of several colours that share a noun, said so many times, and differ from the objects of the colour."""
     subjects = {goal.subject for goal in read.goals}
     for noun in nouns:
         asked = _number(words, noun)
         there, moved = (len({*coloured(noun, read.things)} & names) for names in (read.spoken, subjects))
-        if not moved <= asked <= there:
+        if there < asked or (moved > asked and times == 1):
             yield f"{noun.words!r} asks for {asked}, but goals are given for {moved}"
 
 

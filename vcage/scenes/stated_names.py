@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -26,7 +26,7 @@ class Wish:
         kind: name of it.
         look: the requested one, if any.
         number: of the object among several alike.
-        starts_in: kind of the vessel that a ball lies in which nothing names.
+        starts_in: kind of the vessel of a ball that nothing names.
     """
 
     kind: str
@@ -38,8 +38,8 @@ class Wish:
 def objects_of(task: StatedTask, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator) -> list[NamedObject]:
     """Return the objects of ``--objects``, or else those of the goals, their tools, and balls in what is poured.
 
-    Unrequested looks are drawn, different ones first, of balls in other colours than all else. All have the role
-    ``context``.
+    Unrequested looks are drawn, different ones first; of balls, if possible, in no colour of what comes before them.
+    All have the role ``context``.
 
     Raises:
         UnknownName: the catalogue has no such kind or look.
@@ -57,7 +57,7 @@ def objects_of(task: StatedTask, catalogue: Sequence[CatalogueEntry], rng: np.ra
         drawn = wish.look or _draw_look(kinds[wish.kind], taken, seen, rng)
         taken[wish.kind, drawn] += wish.look is None
         shown = look(kinds[wish.kind], drawn)
-        seen |= {shown.colour} if shown is not None and not kinds[wish.kind].loose else set()
+        seen |= set(shown.colour.split()) if shown is not None and not kinds[wish.kind].loose else set()
         chosen.append(SelectedAsset(asset=wish.kind, variant=drawn, role="context", starts_in=wish.starts_in))
     return name_objects(Selection(objects=chosen), catalogue)
 
@@ -149,8 +149,8 @@ def _tools(task: StatedTask, catalogue: Sequence[CatalogueEntry], there: Sequenc
 
 def _balls(task: StatedTask, wishes: Sequence[Wish], kinds: Mapping[str, CatalogueEntry]) -> list[Wish]:
     """Return balls for each vessel to be poured that nothing is stated to lie in; as many as "several" are."""
-    starts = [(path, one.text, part) for one in task.starts for path, part in one.names[1:]]
-    filled = {_wish(split_part(path, kinds, part)[0], kinds, text).kind for path, text, part in starts}
+    starts = [(*one.names[1], one.text) for one in task.starts if one.word == "inside"]
+    filled = {_wish(split_part(path, kinds, with_part)[0], kinds, text).kind for path, with_part, text in starts}
     poured = {_wish(one.subject, kinds, one.text).kind for one in task.goals if one.word == "poured"} - filled
     number = Counter(wish.kind for wish in wishes)
     alone = [kind for kind in sorted(poured) if kinds[kind].holds_loose and number[kind] == 1]
@@ -159,9 +159,10 @@ def _balls(task: StatedTask, wishes: Sequence[Wish], kinds: Mapping[str, Catalog
 
 
 def _draw_look(
-    entry: CatalogueEntry, taken: Counter[tuple[str, str | None]], seen: Collection[str], rng: np.random.Generator
+    entry: CatalogueEntry, taken: Counter[tuple[str, str | None]], seen: Set[str], rng: np.random.Generator
 ) -> str:
-    variants = [one for one in entry.variants if not entry.loose or one.colour not in seen] or entry.variants
+    apart = [one for one in entry.variants if not entry.loose or seen.isdisjoint(one.colour.split())]
+    variants = apart or entry.variants
     fewest = min(taken[entry.name, variant.id] for variant in variants)
     looks = [variant.id for variant in variants if taken[entry.name, variant.id] == fewest]
     return looks[int(rng.integers(len(looks)))]

@@ -227,12 +227,16 @@ def _require_consistent(task: StatedTask, goals: Sequence[AskedGoal], descriptio
 
 
 def _require_starts_once(stated: Sequence[StatedGoal], descriptions: Sequence[Description]) -> None:
-    """Check that no start is stated twice."""
-    said = list(map(str, descriptions))
-    for number, (start, one) in enumerate(zip(stated, descriptions, strict=True)):
-        if said[number] in said[:number]:
-            hint = f"leave it out; a second one alike is called {one.subject}_2"
-            raise UsageError(f"{shortened(start.text)} is said before", hint=hint)
+    """Check that no start is stated twice.
+
+    Raises:
+        UsageError: names it.
+    """
+    said = set[str]()
+    for start, one in zip(stated, map(str, descriptions), strict=True):
+        if one in said:
+            raise UsageError(f"{shortened(start.text)} is said before", hint="leave it out, or name another object")
+        said.add(one)
 
 
 def _impossible(text: str, why: str) -> NoFeasibleTask:

@@ -24,7 +24,7 @@ from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.touching import Allowance
 from vcage.tasks.use_choices import UseChoices
 from vcage.tasks.wiping import SETTINGS as WIPING
-from vcage.tasks.workcell import failing_at
+from vcage.tasks.workcell import CAREFUL_SPEED_SHARE, failing_at
 
 SHOWN_FOR = 0.5
 """Time for which a scanner is held before a code, seconds."""
@@ -42,6 +42,8 @@ class Use(UseChoices):
 
     def show(self, object_id: str, other_id: str, grasps: Sequence[tuple[int, str]]) -> None:
         """Take an object, hold its bar code or window before the other's for a moment, and put it back.
+
+        Where it turned in the hand on its way, so that nothing is read, the hand turns it back first.
 
         Args:
             object_id: the scanner, or what has a code.
@@ -204,7 +206,7 @@ class Use(UseChoices):
         carry_out_place(self._cell, put)
 
     def _turned_back(self, shown: PlacePlan) -> JointPath:
-        """The way of the hand to where an object that turned in it on its way is as it was to be.
+        """The straight way that brings an object that turned in the hand to its planned pose.
 
         Raises:
             TaskFailed: there is none.
@@ -213,8 +215,9 @@ class Use(UseChoices):
         assert meant is not None, "an object is in the hand"
         now = cell.held(shown.grip.object_id, self.world.arms[arm].tool_pose)
         hand = shown.way.release * meant.in_gripper * now.in_gripper.inverse()
+        load = replace(shown.grip.load, held=now, speed=CAREFUL_SPEED_SHARE)
         with failing_at("place"):
-            return cell.planner(arm).line(cell.begun(arm).end, hand, replace(shown.grip.carrying, held=now))
+            return cell.planner(arm).line(cell.begun(arm).end, hand, load)
 
     def _rising(self, arm: str, above: Pose) -> list[Pose]:
         """Poses of the hand on its way to one above: first a little straight up, where that is farther on."""

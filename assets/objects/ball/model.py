@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import trimesh
 
-from assets.shapes.toy_cube import COLOURS
+from assets.shapes.toy_block import COLOURS
 from vcage.objects.modelling import materials, pieces, solids
 from vcage.objects.modelling.mappings import tiled
 from vcage.objects.modelling.parts import BuiltObject, paint, variant_rng

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from assets.shapes.toy_cube import toy_cube
+from assets.shapes.toy_block import toy_block
 from vcage.objects.modelling.parts import BuiltObject
 
 
 def build(variant: str) -> BuiltObject:
-    return toy_cube("large_block", variant, 0.055, mass=0.117)
+    return toy_block("large_block", variant, (0.055, 0.055, 0.055), mass=0.117)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from assets.shapes.toy_cube import toy_block
+from assets.shapes.toy_block import toy_block
 from vcage.objects.modelling.parts import BuiltObject
 
 

@@ -365,6 +365,13 @@ def test_only_a_block_that_may_be_long_is_a_long_one(sentence: str) -> None:
     assert "long_block" not in chosen(sentence, "content")
 
 
+def test_a_block_that_changes_hands_is_the_one_of_all_commands() -> None:
+    chosen = [
+        o.asset for o in selected("Put the apple next to the block, then hand the block to the right arm").objects
+    ]
+    assert "long_block" in chosen and "block" not in chosen
+
+
 def test_the_block_is_no_long_one_where_another_block_is_named() -> None:
     assert "long_block" not in chosen(
         "Hand the red block to the right arm, then put the blue block on the plate", "content"

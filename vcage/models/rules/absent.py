@@ -1,4 +1,4 @@
-"""Refusals of nouns that the catalogue has no object for: parts that a kind lacks, sizes and looks it does not have."""
+"""Nouns that the catalogue has no object for: a kind lacks the part, or does not come in the size or the look."""
 
 from __future__ import annotations
 
@@ -48,8 +48,8 @@ def require_size(noun: Noun, entries: Mapping[str, CatalogueEntry]) -> None:
     raise NoAssetFits(f"there is no {noun.text.removeprefix('the ')!r}", hint=hint, details={"unmatched": [noun.text]})
 
 
-def without_look(noun: Noun, entries: Mapping[str, CatalogueEntry]) -> list[CatalogueEntry]:
-    """The kinds that a noun names by its last word, where those before it are in no name: "the rotten apple"."""
+def kinds_by_head(noun: Noun, entries: Mapping[str, CatalogueEntry]) -> list[CatalogueEntry]:
+    """The kinds of a noun's last word, where no name has the words before it: "the rotten apple"."""
     known = {word for entry in entries.values() for name in names_of(entry).all for word in name}
     known |= {*NUMBERS, *COUNTED}
     named = [entry for entry in entries.values() if names_of(entry).words == noun.words[-1:]]

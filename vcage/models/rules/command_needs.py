@@ -1,4 +1,4 @@
-"""What a command takes: the role and the test of its things, and of the place that they go to."""
+"""Needs of a command: the role and the test of its things, and of the place that they go to."""
 
 from __future__ import annotations
 
@@ -15,12 +15,17 @@ from vcage.schema.scene import Role
 
 Good = Callable[[CatalogueEntry], bool]
 
+
+def _stands(entry: CatalogueEntry) -> bool:
+    return entry.can_be_carried and entry.tall
+
+
 UNSAID = {"scan": "barcode scanner", "weigh": "electronic scale", "hang": "mug rack", "insert": "peg block"}
 """Commands → what they take where nothing is named."""
 _CONTENTS: Mapping[str, Good] = {
     "scan": lambda e: e.can_be_carried and any(face.kind == "code" for face in e.faces),
-    "stand_up": lambda e: e.can_be_carried and e.tall,
-    "fallen": lambda e: e.can_be_carried and e.tall,
+    "stand_up": _stands,
+    "fallen": _stands,
     "pour": lambda e: e.loose or (e.holds_loose and e.can_be_carried),
     "hang": lambda e: e.hangs,
     "insert": lambda e: e.goes_into_holes,

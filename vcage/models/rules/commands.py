@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
 from lark import Token, Transformer, Tree, v_args
 
 from vcage.base.words import NUMBERS, lemma
-from vcage.models.rules.nouns import Noun, noun_of
+from vcage.models.rules.nouns import Noun, noun_of, with_relations
 
 ONE_ARM, OTHER_ARM = "one", "other"
 """Stand for an arm that is left open, and for the one that was not named before."""
@@ -17,6 +18,10 @@ ONE_ARM, OTHER_ARM = "one", "other"
 
 USING = ("hit", "wipe")
 """Verbs of what is done to a thing with a tool in a hand."""
+
+
+_PUSHED_IN = {"drawer": "close", "button": "press"}
+"""Parts of things → the command by which they are pushed in."""
 
 
 @dataclass(frozen=True)
@@ -48,6 +53,16 @@ class Command:
     at: int = 0
     words: str = ""
     may_be: tuple[str, ...] = ()
+
+    def pushed_in(self) -> Command:
+        """The command that pushes its things in: a drawer is closed, a button pressed, anything else inserted."""
+        parts = {noun.part for noun in self.things}
+        return replace(self, verb=next((verb for part, verb in _PUSHED_IN.items() if parts == {part}), "insert"))
+
+
+def nouns_of(commands: Iterable[Command]) -> list[Noun]:
+    """All nouns of commands, and those that they are described by."""
+    return list(with_relations(*(noun for c in commands for noun in (*c.things, c.place, c.source))))
 
 
 def _is_order_of(row: tuple[Noun, ...], named: tuple[Noun, ...]) -> bool:
@@ -139,12 +154,13 @@ class _Commands(Transformer[Token, Any]):
     def pour(self, meta: Any, parts: list[Any]) -> list[Command]:
         fields = [{"things": (part,)} if isinstance(part, Noun) else part for part in parts]  # contents of it
         (command,) = self.__default__("pour", fields, meta)
+        # "Everything out of the cup" is poured by tipping the cup.
         if command.source is not None and [noun.everything for noun in command.things] == [True]:
             return [replace(command, things=(command.source,), source=None)]
         return [command]
 
     def fallen(self, meta: Any, parts: list[Any]) -> list[Command]:
-        """What has fallen over is said before what is to be done, in whose words it is."""
+        """The words of a fallen thing belong to the command after it."""
         fallen = tuple(replace(noun, lies=True) for noun in parts[0]["things"])
         return [Command("fallen", fallen, at=meta.start_pos)]
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from vcage.models.rules.commands import Command
+from vcage.models.rules.commands import Command, nouns_of
 from vcage.models.rules.nouns import Noun
-from vcage.models.rules.too_little import with_relations
 from vcage.schema.asset import CatalogueEntry
 
 _BLOCK = ("block",)
@@ -21,13 +20,14 @@ def with_full_names(commands: Sequence[Command], kinds: Mapping[str, CatalogueEn
         commands: of a sentence.
         kinds: the catalogue's, by name.
     """
-    nouns = list(with_relations(*(noun for c in commands for noun in (*c.things, c.place, c.source))))
-    named = {replace(noun, text="", at=0) for noun in nouns if noun.words[-1:] == _BLOCK}
-    if len(named) != 1:
+    blocks = {replace(n, text="", at=0, quantifier="") for n in nouns_of(commands) if n.words[-1:] == _BLOCK}
+    if len(blocks) != 1:
         return [*commands]
     if any(c.verb == "hand" and any(map(_is_one_block, c.things)) for c in commands):
-        return [replace(c, things=tuple(map(_long, c.things))) for c in commands]
-    return [_to_peg_block(c) if puts_pegs_in_block(c, kinds) else c for c in commands]
+        return [_naming(c, "long") for c in commands]
+    if any(puts_pegs_in_block(c, kinds) for c in commands):
+        return [_naming(c, "peg") for c in commands]
+    return [*commands]
 
 
 def puts_pegs_in_block(command: Command, kinds: Mapping[str, CatalogueEntry]) -> bool:
@@ -38,15 +38,17 @@ def puts_pegs_in_block(command: Command, kinds: Mapping[str, CatalogueEntry]) ->
     return all(kinds[name].goes_into_holes for noun in command.things for name in noun.named(kinds))
 
 
-def _to_peg_block(command: Command) -> Command:
-    assert command.place is not None
-    return replace(command, place=replace(command.place, words=("peg", *_BLOCK)))
-
-
 def _is_one_block(noun: Noun) -> bool:
     return noun.name == _BLOCK and not noun.several
 
 
-def _long(noun: Noun) -> Noun:
-    """A noun, "the block" as the long one."""
-    return replace(noun, words=("long", *_BLOCK)) if _is_one_block(noun) else noun
+def _naming(command: Command, kind: str) -> Command:
+    """A command with "the block" as one of a kind, wherever it is named."""
+    place, source = (None if noun is None else _named(noun, kind) for noun in (command.place, command.source))
+    things = tuple(_named(noun, kind) for noun in command.things)
+    return replace(command, things=things, place=place, source=source)
+
+
+def _named(noun: Noun, kind: str) -> Noun:
+    relations = tuple((how, _named(other, kind)) for how, other in noun.relations)
+    return replace(noun, relations=relations, words=(kind, *_BLOCK) if _is_one_block(noun) else noun.words)

@@ -8,12 +8,11 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from vcage.models.rules.arms import with_arms
-from vcage.models.rules.commands import USING, Command
+from vcage.models.rules.commands import USING, Command, nouns_of
 from vcage.models.rules.meanings import Meanings, Things
 from vcage.models.rules.nouns import Conflict, Doubt, Noun
 from vcage.models.rules.order import must_follow
 from vcage.models.rules.slid import Slid
-from vcage.models.rules.too_little import with_relations
 from vcage.models.rules.tools import TOOLS, Tools
 from vcage.models.rules.vessels import Vessels, is_dumped
 from vcage.objects.names import names_of
@@ -82,8 +81,8 @@ class Goals:
         Raises:
             Doubt: names it, and what to ask for.
         """
-        nouns = with_relations(*(noun for c in self.commands for noun in (*c.things, c.place, c.source)))
-        for noun in (noun for noun in nouns if noun.lies and not stood_up.issuperset(self._meanings.objects(noun))):
+        lying = (noun for noun in nouns_of(self.commands) if noun.lies)
+        for noun in (noun for noun in lying if not stood_up.issuperset(self._meanings.objects(noun))):
             example = "stand it up, or put it upright on the tray"
             raise Doubt(noun.text, f"only what is stood up lies on its side at the start; say so, as in: {example}")
 

@@ -9,13 +9,11 @@ from typing import Any
 from vcage.base.text import listed
 from vcage.base.words import SHALLOW
 from vcage.models.rules.nouns import Doubt, Noun
+from vcage.models.rules.plain_text import IN_NO_HOLE
 from vcage.objects.names import names_of
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import Description
 from vcage.schema.plan import TABLE
-
-IN_NO_HOLE = "no peg is in its hole at the start; leave out where it is taken from, and it lies on the table"
-"""Why a peg is not taken out of a hole."""
 
 Things = Mapping[str, CatalogueEntry]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from lark import Token
@@ -91,7 +91,7 @@ class Noun:
 
     @property
     def everything(self) -> bool:
-        """True for "everything", of whatever kind, colour and place."""
+        """True for "everything" with nothing more said of it."""
         plain = replace(self, text="", at=0)
         return plain == Noun(words=("thing",), quantifier="all", plural=True)
 
@@ -269,3 +269,11 @@ def _quantity(words: list[str]) -> tuple[str, int | None]:
     if words[0] not in ("any", "some", *NUMBERS) and not words[0].isdigit() and "of" not in words[:2]:
         return "the", count
     return "a" * (count is not None), count
+
+
+def with_relations(*nouns: Noun | None) -> Iterator[Noun]:
+    """Nouns, and those that they are described by: "the bowl on the side" has two."""
+    for noun in nouns:
+        if noun is not None:
+            yield noun
+            yield from with_relations(*(other for _, other in noun.relations), *noun.but)

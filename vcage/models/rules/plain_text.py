@@ -7,16 +7,20 @@ import re
 from vcage.base.words import COLOURS, DETERMINERS, FUNCTION_WORDS, NUMBERS, is_plural, tokens
 from vcage.models.rules.grammar import LIMITS, not_read
 
-_OF_NO_NAME = "".join(rf"(?<!\b{word} )" for word in sorted({*DETERMINERS, *NUMBERS, *COLOURS - {"orange"}}))
+_BEFORE_NAMES = {*DETERMINERS, *NUMBERS, *COLOURS} - {"orange", "one", "other"}
+_OF_NO_NAME = "".join(rf"(?<!\b{word} )" for word in sorted(_BEFORE_NAMES))
 """Before a word that is no part of a name: "the partly eaten apple" and "the fast food" are names."""
 _NAME_ENDS = (
     r"(?= *(?:[,.;!?]|$)| (?:and|then|but|in|into|on|onto|to|inside|next|beside|behind|near|from|out|off|up|away"
     r"|with|using|please|as)\b)"
 )
+_COLOUR = "|".join(sorted(COLOURS))
+IN_NO_HOLE = "nothing is in a hole at the start; leave out where it is, and it lies on the table"
+"""Why a peg is not taken out of a hole."""
 REFUSED = {
     r"head-up|horizontally": "no goal says which way up a thing is held",
     r"some of": "nobody can tell which of them; say how many, or which",
-    rf"{_OF_NO_NAME}(slightly(?! away)|half[ -]?way|part[ -]?way|all the way|a bit|a lot|twice"
+    rf"{_OF_NO_NAME}(slightly(?! away)|half[ -]?way|part[ -]?way|all the way|(a bit|a lot)(?! of)|twice"
     "|partly|partially|fully|completely|entirely|totally|thoroughly|vigorously|firmly|softly"
     "|slowly|quickly|rapidly|swiftly|hastily|immediately|instantly|in a hurry"
     f"|(a little|quick|quicker|fast|faster|slow|slower|hard|harder){_NAME_ENDS})":
@@ -28,8 +32,8 @@ REFUSED = {
         "no goal says by which angle a thing is turned",
     r"[4-9]\d|\d{3,}": "no table holds so many; ask for 1 to 39",
     r"(corner|edge) of the (table|desk)": "this place of the table is none that a goal can name",
-    r"pegs? (that|which)('s| is| are) in(side)? (the |a |its )?([a-z]+ )?(block|hole)":
-        "no peg is in its hole at the start; leave out where it is, and it lies on the table",
+    rf"pegs? (that|which)('s| is| are) in(side)?( of)? (the |a |its )?(({_COLOUR}|peg|wooden) )*(block|hole)":
+        IN_NO_HOLE,
     r"under(neath)?|below|beneath": "what is under a thing is no place that a goal can name",
 }  # fmt: skip
 """Words that no goal of the vocabulary can keep, and why."""
@@ -47,9 +51,8 @@ _POLITE = re.compile(
 )
 _ENDS = re.compile(r"[ ,.;]+$|^[ ,.;]+")
 _ASKS_TO_DO = re.compile(r"^(.*\b(could|can|would|will) you\b.*)\?(?= *$)")
-_COLOUR = "|".join(sorted(COLOURS))
 _TWO_COLOURED = re.compile(rf"\b({_COLOUR}) and ({_COLOUR})(?= (?P<name>[a-z]+))")
-_FALLEN_OVER = re.compile(r"\b(?<!has )(fallen|toppled|tipped|knocked) over(?= (?!up\b)[a-z])")
+_FALLEN_OVER = re.compile(r"\b(?<!has )(?<!have )(?<!been )(fallen|toppled|tipped|knocked) over(?= (?!up\b)[a-z])")
 _NOT_READ = re.compile(r"[^a-z0-9 ,.;'-]")
 
 

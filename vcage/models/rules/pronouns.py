@@ -9,9 +9,6 @@ from dataclasses import replace
 from vcage.models.rules.commands import USING, Command
 from vcage.models.rules.nouns import Noun
 
-_PUSHED_IN = {"drawer": "close", "button": "press"}
-"""Parts of things → the command by which they are pushed in."""
-
 
 def resolved(commands: tuple[Command, ...], done: tuple[Command, ...] = ()) -> Iterator[tuple[Command, ...]]:
     """Every way in which pronouns and "the red one" can refer to earlier nouns.
@@ -28,15 +25,7 @@ def resolved(commands: tuple[Command, ...], done: tuple[Command, ...] = ()) -> I
     for chosen, place in itertools.product(itertools.product(*things), _places_for(command, done)):
         named = tuple(noun for nouns in chosen for noun in nouns)
         found = replace(command, things=named, place=place, may_be=_tool_or_thing(command, done))
-        found = _pushed_in(found) if found.verb == "push_in" else found
-        yield from resolved(tuple(later), (*done, found))
-
-
-def _pushed_in(command: Command) -> Command:
-    """To push in a drawer is to close it, a button, to press it, and anything else, to insert it."""
-    parts = {noun.part for noun in command.things}
-    verb = _PUSHED_IN.get(str(*parts), "insert") if len(parts) == 1 else "insert"
-    return replace(command, verb=verb)
+        yield from resolved(tuple(later), (*done, found.pushed_in() if found.verb == "push_in" else found))
 
 
 def _tool_or_thing(command: Command, done: tuple[Command, ...]) -> tuple[str, ...]:

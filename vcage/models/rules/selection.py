@@ -4,22 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import NoReturn
 
 import numpy as np
 
-from vcage.base.errors import NoAssetFits
 from vcage.base.words import tokens
 from vcage.models.occasion import Look, Occasion, one_of_each
 from vcage.models.quantifiers import quantified
-from vcage.models.rules.absent import require_part, require_size, without_look
+from vcage.models.rules.absent import kinds_by_head, require_part, require_size
 from vcage.models.rules.command_needs import RECEIVERS, UNSAID, Good, is_side_by_side, part_of, role_and_test
-from vcage.models.rules.commands import Command
+from vcage.models.rules.commands import Command, nouns_of
 from vcage.models.rules.full_names import with_full_names
 from vcage.models.rules.goals import Goals
 from vcage.models.rules.meanings import BESIDE
 from vcage.models.rules.nouns import Doubt, Noun
 from vcage.models.rules.readings import agreed, in_words
-from vcage.models.rules.too_little import with_relations
 from vcage.models.rules.tools import TOOLS
 from vcage.models.search import best_search, no_asset
 from vcage.models.selection_check import entries_of, name_objects
@@ -213,9 +212,12 @@ class _Selector:
 
     def _beside(self, noun: Noun) -> list[Noun]:
         """The other nouns of its command, each for one thing, none of which is what it means."""
-        commands = ([n for n in (*c.things, c.place) if n is not None] for c in self.commands if c.verb != "pour")
-        poured = (list(with_relations(*c.things, c.place, c.source)) for c in self.commands if c.verb == "pour")
-        nouns = [other for named in (*commands, *poured) if noun in named for other in named if other != noun]
+        # Of a pouring also the vessel in which the balls lie: it is not the one that they go into.
+        commands = (
+            nouns_of([c]) if c.verb == "pour" else [n for n in (*c.things, c.place) if n is not None]
+            for c in self.commands
+        )
+        nouns = [other for named in commands if noun in named for other in named if other != noun]
         return [other for other in nouns if not (other.several or noun.several or other.pronoun)]
 
     def _same(self, noun: Noun, entry: CatalogueEntry) -> bool:
@@ -299,23 +301,24 @@ class _Selector:
         kinds = noun.named(self.entries)
         able = [entry for entry, _ in self._kinds(noun) if good(entry)] or [self.entries[name] for name in kinds]
         if not able:
-            raise self._no_asset(noun)
+            self._refuse(noun)
         able = [entry for entry in able if not self._answers_another(noun, entry)] or able
         able = self._occasion().suiting(able, place, noun.several, least=min(2, count or 2))
         able = [able[i] for i in self.rng.permutation(len(able))] if noun.several else able[:1]
         return [(entry, kinds[entry.name]) for entry in able]
 
-    def _no_asset(self, noun: Noun) -> NoAssetFits:
-        """The error of a noun that names nothing.
+    def _refuse(self, noun: Noun) -> NoReturn:
+        """Refuse a noun that no kind is called by.
 
         Raises:
-            NoAssetFits, Doubt: the kind is there, but not with that part or in that size.
+            NoAssetFits: says why: for its part, its size, its look or its name.
+            Doubt: it names no kind.
         """
         require_part(noun, self.entries)
         require_size(noun, self.entries)
         bare = [entry for entry, _ in self._kinds(replace(noun, colour=None))]
-        bare = bare or without_look(noun, self.entries)
-        return no_asset(noun.text, bare, list(self.entries.values()), best_search())
+        bare = bare or kinds_by_head(noun, self.entries)
+        raise no_asset(noun.text, bare, list(self.entries.values()), best_search())
 
     def _answers_another(self, noun: Noun, entry: CatalogueEntry) -> bool:
         """True for a kind that people call by another noun too: a paper clip box is stationery, and "the box"."""

@@ -6,7 +6,7 @@ import re
 from collections.abc import Collection, Iterator, Sequence
 
 from vcage.base.words import CATEGORIES, word_set
-from vcage.models.rules.commands import Command
+from vcage.models.rules.commands import Command, nouns_of
 from vcage.models.rules.nouns import Doubt, Noun
 
 NEVER_ALONE = {
@@ -38,7 +38,7 @@ def require_plain(commands: Sequence[Command]) -> None:
     Raises:
         Doubt: names the noun.
     """
-    nouns = list(with_relations(*(noun for c in commands for noun in (*c.things, c.place, c.source))))
+    nouns = nouns_of(commands)
     whole = {noun.words[-1] for noun in nouns if len(noun.words) > 1}
     vague = ((noun, why) for noun in nouns if (why := _vague(noun, whole)))
     for noun, why in (*vague, *(found for command in commands for found in _beyond_goals(command))):
@@ -60,7 +60,7 @@ def _beyond_goals(command: Command) -> Iterator[tuple[Noun, str]]:
     for noun in command.things:
         if command.verb == "wipe" and noun.of_table:
             yield noun, "the table itself stays as it is; wipe a flat thing on it, as in: wipe the mat with the sponge"
-        if command.verb == "pour" and _is_all_but_contents(noun):
+        if command.verb == "pour" and _is_everything_in_nothing(noun):
             yield noun, "only balls are poured, all that lie in a vessel; name it, as in: everything in the cup"
         if command.verb in _MOTIONS and _DIRECTION.search(noun.text.lower()):
             yield noun, "no goal says in which direction it is moved; say which one as in: the left one"
@@ -69,15 +69,7 @@ def _beyond_goals(command: Command) -> Iterator[tuple[Noun, str]]:
         yield place, "no goal says on which peg it hangs; say on what, as in: hang the mug on the mug rack"
 
 
-def _is_all_but_contents(noun: Noun) -> bool:
-    """True for "everything" without "in the cup"."""
+def _is_everything_in_nothing(noun: Noun) -> bool:
+    """True for "everything" that is said to be in no vessel."""
     told = {how for how, _ in noun.relations}
     return noun.words == ("thing",) and noun.quantifier == "all" and "in" not in told
-
-
-def with_relations(*nouns: Noun | None) -> Iterator[Noun]:
-    """Nouns, and those that they are described by: "the bowl on the side" has two."""
-    for noun in nouns:
-        if noun is not None:
-            yield noun
-            yield from with_relations(*(other for _, other in noun.relations), *noun.but)

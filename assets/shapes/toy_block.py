@@ -11,11 +11,6 @@ from vcage.objects.modelling.parts import BuiltObject, paint, variant_rng
 COLOURS = {"red": (204, 44, 40), "blue": (36, 92, 196), "green": (40, 150, 70), "yellow": (242, 198, 40)}
 
 
-def toy_cube(name: str, variant: str, edge: float, mass: float) -> BuiltObject:
-    """A cube with an edge in metres; arguments else as of :func:`toy_block`."""
-    return toy_block(name, variant, (edge, edge, edge), mass)
-
-
 def toy_block(name: str, variant: str, size: tuple[float, float, float], mass: float) -> BuiltObject:
     """A block with rounded edges.
 
