@@ -108,6 +108,18 @@ def test_a_white_bowl_beside_a_tall_white_top_that_it_pushed_is_not_on_it(push: 
     assert not judge([TALL, BOWL], [pushed, beside], BOWL, TALL, side=side).accepted
 
 
+def test_a_black_bowl_is_seen_to_leave_a_black_stove() -> None:
+    stove, plate = (
+        Thing("stove", (30, 30, 32), (0.28, 0.2, 0.04), (0.2, 0.0)),
+        Thing("plate", (60, 90, 170), (0.2, 0.2, 0.02), (-0.2, 0.0), round=True),
+    )
+    bowl = Thing("black-bowl", (50, 50, 53), (0.12, 0.12, 0.05), (0.0, 0.0), round=True, hollow=True)
+    there = bowl.moved(at=stove.at, base=stove.size[2])
+    verdict = judge([stove, plate, there], [stove, plate, upon(bowl, plate)], there, plate, side=False)
+    assert verdict.accepted, verdict.reason
+    assert not judge([stove, plate, there], [stove, plate, there], there, plate, side=False).accepted
+
+
 def test_a_bowl_that_hides_the_one_it_nests_in_is_in_it() -> None:
     verdict = judge_nested([GREEN, BOWL.moved(at=GREEN.at, base=NESTED_M)])
     assert verdict.accepted, verdict.reason

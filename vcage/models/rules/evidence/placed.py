@@ -16,10 +16,11 @@ from vcage.models.rules.evidence.judgement import LEFT_SHARE, LOOKS_SHARE, Judge
 from vcage.models.rules.evidence.places import SETTINGS, Places, about, came_to, covered_by, margin_of, reaching
 from vcage.models.rules.evidence.support import SETTINGS as SUPPORT
 from vcage.models.rules.evidence.support import Lying, Support, find_lying, find_support, redrawn, stays
-from vcage.models.rules.pixels import Change, changed_between, grown
+from vcage.models.rules.pixels import Change, changed, changed_between, grown
 from vcage.models.rules.standing import Sought, Standing
 from vcage.schema.episodes import Failure, Verdict
 from vcage.schema.goals import Goal
+from vcage.vision.colour import smoothed
 from vcage.vision.protocols import View
 
 
@@ -28,7 +29,7 @@ class Placed:
     """Measurements, all from pixels.
 
     Args:
-        left: share of the object's old outline that has changed.
+        left: share of the object's old outline that has changed, even faintly.
         shifted: how far the receptacle moved, metres; inf where it is not found again.
         stirred: share of the receptacle that changed and does not look like the object.
         inside: newly visible area at the target, over the object's area.
@@ -180,6 +181,8 @@ class _Putting:
     def _compared(self, places: Places, before: View, after: View) -> Placed:
         """Measure what came to be seen in or on a receptacle, and around it, from above."""
         old, now, change, lies = places.old, places.now, places.change, places.lies
+        # A black bowl that leaves a black stove changes the picture little.
+        faint = changed(smoothed(before.picture), smoothed(after.picture), least=SUPPORT.faint_lab)
         came, alike, stirred = came_to(places, before, after, self.thing)
         if lies is not None and lies.seen and now is not places.stands:  # the rest is of the support, which moved
             came, alike = (mask & grown(lies.standing.covered, SETTINGS.edge_px) for mask in (came, alike))
@@ -191,7 +194,7 @@ class _Putting:
         doubtful = min(inside, like) < SETTINGS.plain_share
         shift = np.inf if places.support.now is None else float(np.linalg.norm(now.pose.p - places.stands.pose.p))
         return Placed(
-            left=self.thing.left(old, change.all, after),
+            left=self.thing.left(old, change.all | faint, after),
             shifted=shift,
             stirred=float(stirred[places.stands.covered].mean()) if places.stands.covered.any() else 0.0,
             inside=inside,
