@@ -26,7 +26,8 @@ _FIXED = compiled(phrase("(first of all|above all|after all|at all|all right|all
 """Phrases in which such a word is no quantifier."""
 _CONTENTS = compiled(
     phrase(
-        "(pour*|empt*|tip*|dump*) [out|over] (everything|anything|all|whatever) [that] [is] (in|inside|from|out of)",
+        "(pour*|empt*|tip*|dump*) [out|over] (everything|anything|all|whatever) [that|that's] [is]"
+        " (in|inside|from|out of)",
         before="[_] [_] [_] _ (in|into)",
     )
 )

@@ -237,6 +237,7 @@ def test_verbs_that_no_goal_states_are_refused_by_name(sentence: str) -> None:
         "A bottle has fallen over, stand it up",
         "The bottle fell over; set it upright",
         "The bottle has been knocked over so stand it up",
+        "A bottle has fallen over. Stand the bottle up",
         "The bottle is lying on its side, so stand the bottle up",
     ],
 )
@@ -1039,3 +1040,22 @@ def test_the_centre_of_the_table_is_a_place_and_says_where_a_thing_stands() -> N
 def test_things_that_are_all_named_by_their_colours_are_no_others() -> None:
     sentence = "Move the blocks to the center of the table, and stack the green block on the red block"
     assert sorted(goals(sentence)) == ["1: block_green centred", "1: block_red centred", "2: block_green on block_red"]
+
+
+@pytest.mark.parametrize(
+    "sentence", ["Two cans have fallen over. Stand the cans up", "The cans have fallen over. Stand them up"]
+)
+def test_things_told_as_fallen_are_those_that_are_stood_up(sentence: str) -> None:
+    assert len(goals(sentence)) == 2
+
+
+def test_several_things_that_are_named_again_are_the_same() -> None:
+    assert goals("Take two apples and put the apples in the basket") == [
+        "1: apple_red inside basket_natural", "1: apple_green inside basket_natural"
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("what", ["everything in the cup", "the contents of the cup", "the balls from the cup"])
+def test_an_exception_of_what_is_poured_is_refused(what: str) -> None:
+    with pytest.raises(UnreadInstruction, match="all that lies in a vessel is poured; leave the exception out"):
+        goals(f"Pour {what} into the bowl except the red ball")

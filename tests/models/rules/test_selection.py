@@ -354,7 +354,12 @@ def test_the_block_that_has_the_hole_stands_where_it_is_said_to_stand() -> None:
 
 
 @pytest.mark.parametrize(
-    "sentence", ["Hand the red block to the right arm", "Pick up the block and hand it to the left arm"]
+    "sentence",
+    [
+        "Hand the red block to the right arm",
+        "Pick up the block and hand it to the left arm",
+        "Pick up the red block and hand the block to the right arm",
+    ],
 )
 def test_the_block_that_changes_hands_is_a_long_one(sentence: str) -> None:
     assert chosen(sentence, "content") == ["long_block"]

@@ -161,8 +161,11 @@ class _Commands(Transformer[Token, Any]):
 
     def fallen(self, meta: Any, parts: list[Any]) -> list[Command]:
         """The words of a fallen thing belong to the command after it."""
-        fallen = tuple(replace(noun, lies=True) for noun in parts[0]["things"])
-        return [Command("fallen", fallen, at=meta.start_pos)]
+        # "A bottle has fallen over": it is the one that is spoken of afterwards.
+        told = [
+            replace(noun, quantifier="the") if noun.quantifier in ("", "a") else noun for noun in parts[0]["things"]
+        ]
+        return [Command("fallen", tuple(replace(noun, lies=True) for noun in told), at=meta.start_pos)]
 
     def stand_up(self, meta: Any, parts: list[Any]) -> list[Command]:
         """Standing something up somewhere is putting it there, upright."""

@@ -21,11 +21,11 @@ def with_full_names(commands: Sequence[Command], kinds: Mapping[str, CatalogueEn
         kinds: the catalogue's, by name.
     """
     blocks = {replace(n, text="", at=0, quantifier="") for n in nouns_of(commands) if n.words[-1:] == _BLOCK}
-    if len(blocks) != 1:
-        return [*commands]
-    if any(c.verb == "hand" and any(map(_is_one_block, c.things)) for c in commands):
+    plain = {replace(n, colour=None) for n in blocks}
+    handed = any(c.verb == "hand" and any(map(_is_one_block, c.things)) for c in commands)
+    if handed and len(plain) == 1 and len(blocks - plain) < 2:  # after "the red block", "the block" is that one
         return [_naming(c, "long") for c in commands]
-    if any(puts_pegs_in_block(c, kinds) for c in commands):
+    if len(blocks) == 1 and any(puts_pegs_in_block(c, kinds) for c in commands):
         return [_naming(c, "peg") for c in commands]
     return [*commands]
 

@@ -222,14 +222,24 @@ class _Selector:
 
     def _same(self, noun: Noun, entry: CatalogueEntry) -> bool:
         """Check if a chosen object is meant again: 'the mug' after 'the red mug', the other drawer of a cabinet."""
-        if not noun.definite or (noun.several and noun.part is None):
+        if not noun.definite:
             return False
+        if noun.several and noun.part is None:
+            return self._are_named_before(noun, entry)
         own = max(colour_level(look, noun.colour) for look in self.entries[entry.name].variants)
         if noun.part is None and all(colour_level(look, noun.colour) < own for look in entry.variants):
             return False
         if noun.part is not None and not noun.words[1:] and noun.owns(entry)[0] > 0:
             return True
         return noun.fit(entry)[0] >= HEAD and not self._means_another(noun, entry)
+
+    def _are_named_before(self, noun: Noun, entry: CatalogueEntry) -> bool:
+        """Check if several things are meant again, the first of which is given: "the cans" after "two cans"."""
+        return any(
+            chosen is entry and other.several and (other.name, other.colour) == (noun.name, noun.colour)
+            and noun.count in (None, other.count) and not (noun.but or other.but or noun.relations or other.relations)
+            for other, chosen in self._of.items()
+        )  # fmt: skip
 
     def _means_another(self, noun: Noun, entry: CatalogueEntry) -> bool:
         """True where nothing named a chosen object, and a noun names another kind better: "the block" no peg block."""

@@ -60,13 +60,23 @@ def _beyond_goals(command: Command) -> Iterator[tuple[Noun, str]]:
     for noun in command.things:
         if command.verb == "wipe" and noun.of_table:
             yield noun, "the table itself stays as it is; wipe a flat thing on it, as in: wipe the mat with the sponge"
-        if command.verb == "pour" and _is_everything_in_nothing(noun):
-            yield noun, "only balls are poured, all that lie in a vessel; name it, as in: everything in the cup"
         if command.verb in _MOTIONS and _DIRECTION.search(noun.text.lower()):
             yield noun, "no goal says in which direction it is moved; say which one as in: the left one"
     place = command.place
+    if command.verb == "pour":
+        yield from _beyond_pouring(command)
     if command.verb == "hang" and place is not None and not _PEGS.isdisjoint(place.words[-1:]):
         yield place, "no goal says on which peg it hangs; say on what, as in: hang the mug on the mug rack"
+
+
+def _beyond_pouring(command: Command) -> Iterator[tuple[Noun, str]]:
+    """Nouns of a pouring of something else than all that lies in a vessel, and why that is not done."""
+    for noun in command.things:
+        if _is_everything_in_nothing(noun):
+            yield noun, "only balls are poured, all that lie in a vessel; name it, as in: everything in the cup"
+    for named in (*command.things, command.place, command.source):
+        if named is not None and named.but:
+            yield named.but[0], "all that lies in a vessel is poured; leave the exception out"
 
 
 def _is_everything_in_nothing(noun: Noun) -> bool:
