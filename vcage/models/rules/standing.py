@@ -256,7 +256,12 @@ class Sought:
         return self.speaks(there, top, self.background)[0] < SETTINGS.gone_share
 
     def speaks(
-        self, there: Standing, view: View, without: np.ndarray, hidden: np.ndarray | None = None
+        self,
+        there: Standing,
+        view: View,
+        without: np.ndarray,
+        hidden: np.ndarray | None = None,
+        alike_lab: float = np.inf,
     ) -> tuple[float, int]:
         """Of the pixels that distinguish the object from a picture without it, the share that look as drawn in a view,
         and their number; the share is 1 where there are none.
@@ -266,6 +271,8 @@ class Sought:
             view: that may show it.
             without: (H, W, 3) a picture of the same camera without it there.
             hidden: (H, W) bool, the area hidden by something else.
+            alike_lab: colour distance to the drawing from which a pixel does not look like it, however little it looks
+                like the picture without it.
         """
         window = window_around(there.pose.p + [0, 0, self.look.size[2] / 2], self.look.size, view.camera)
         drawing, picture = self.draw(there.pose, view.camera, window), cut(view.picture, window)
@@ -273,7 +280,8 @@ class Sought:
         own = to_lab(as_bright(drawing, picture, unseen).astype(np.uint8))
         seen, bare = smoothed(picture), smoothed(cut(without, window))
         telling = drawing.covered & inside(view.picture, window) & ~unseen & (distance(own, bare) > PIXELS.changed_lab)
-        share = float((distance(seen, own) < distance(seen, bare))[telling].mean()) if telling.any() else 1.0
+        like = distance(seen, own) < np.minimum(distance(seen, bare), alike_lab)
+        share = float(like[telling].mean()) if telling.any() else 1.0
         return share, int(telling.sum())
 
     def left(self, there: Standing, change: np.ndarray, top: View) -> float:

@@ -38,7 +38,9 @@ class RaisedSettings:
         highest_m, step_m: heights over the old place, from the least of the goal up.
         highest_with_both_m: the same of what both arms lift: higher up their joints may look like it.
         leans_rad: angles about the axis towards the customer.
-        seen_share: share of the pixels that tell the object from what was there before that must look like it.
+        seen_share, alike_lab: share of the pixels that tell the object from what was there before that must look like
+            it, and the colour distance up to which they do: an arm is before what was there, too.
+        leaning_seen_share: the same share where it may lean, as the drawings that are looked for do not.
         with_both_share: the same of what both arms lift: their hands over its old place may look like it, by 62 % on a
             silver pot; such a pot and rolling pins in the air have 68 to 95 %.
         near_m: heights of leaning drawings around that of the likeliest upright one.
@@ -52,7 +54,9 @@ class RaisedSettings:
     highest_with_both_m: float = 0.14
     step_m: float = 0.01
     leans_rad: tuple[float, ...] = tuple(np.radians([-25.0, -18.0, 18.0, 25.0]))
-    seen_share: float = 0.4
+    seen_share: float = 0.5
+    alike_lab: float = 14.0
+    leaning_seen_share: float = 0.4
     with_both_share: float = 0.65
     near_m: float = 0.04
     cap_lab: float = 30.0
@@ -84,13 +88,16 @@ class Raised:
     new: Standing | None
 
     @classmethod
-    def gather(cls, view: CriticView, name: str, leans: bool, highest_m: float = SETTINGS.highest_m) -> Raised | None:
+    def gather(
+        cls, view: CriticView, name: str, leans: bool, highest_m: float = SETTINGS.highest_m, alike_lab: float = np.inf
+    ) -> Raised | None:
         """Measure an object above its old place; None where that is not found.
 
         Args:
             view, name: of the question, and of the object.
             leans: drawings lean too.
             highest_m: up to which it is looked for, metres.
+            alike_lab: colour distance up to which a pixel looks like it.
         """
         moved = Moved.of(view, name)
         if moved.old is None:
@@ -100,7 +107,7 @@ class Raised:
 
         def seen(height: float) -> float:
             there = replace(moved.old, pose=_leaning(stood, height, 0.0, 0.0))  # pyrefly: ignore[bad-argument-type]
-            share, pixels = thing.speaks(there, moment, before.picture)
+            share, pixels = thing.speaks(there, moment, before.picture, alike_lab=alike_lab)
             return share if pixels >= VACATED.fewest_px else 0.0  # out of the picture nothing tells it
 
         heights = np.arange(THRESHOLDS.lifted_m, highest_m, SETTINGS.step_m)
@@ -126,7 +133,7 @@ class Raised:
 
     def leaning(self, thing: str) -> Verdict:
         """Judge if the object leaned in the air."""
-        verdict = self.verdict(thing)
+        verdict = self.verdict(thing, SETTINGS.leaning_seen_share)
         if not verdict.accepted:
             return verdict
         leans = self.leans >= SETTINGS.leaning_share
@@ -170,7 +177,10 @@ def _leaning(stood: Pose, height: float, angle: float, middle: float) -> Pose:
 
 
 def in_the_air(
-    leans: bool, highest_m: float = SETTINGS.highest_m, seen_share: float = SETTINGS.seen_share
+    leans: bool,
+    highest_m: float = SETTINGS.highest_m,
+    seen_share: float = SETTINGS.seen_share,
+    alike_lab: float = SETTINGS.alike_lab,
 ) -> Judgement:
     """Judge if an object was in the air at the moment, and leaned there."""
 
@@ -178,7 +188,7 @@ def in_the_air(
         thing = view.phrase(goal.subject)
         if any("customer" not in one for one in (view.before, view.moment, view.after)):
             return unseen(view, f"the {thing} in the air from the customer's side")
-        found = Raised.gather(view, goal.subject, leans, highest_m)
+        found = Raised.gather(view, goal.subject, leans, highest_m, np.inf if leans else alike_lab)
         if found is None:
             return Judged(refused(f"the {thing} is not found before", 0.6), view.nowhere)
         verdict = found.leaning(thing) if leans else found.verdict(thing, seen_share)
@@ -190,11 +200,11 @@ def in_the_air(
 def judge_held_up(view: CriticView, goal: Goal) -> Judged:
     """Judge if an object is in the air in the end; the arm that still holds it explains what it hides. On a table of
     its colour it changes that as a shadow does."""
-    return _held(view, goal, SETTINGS.highest_m, SETTINGS.seen_share)
+    return _held(view, goal, in_the_air(leans=False))
 
 
-def _held(view: CriticView, goal: Goal, highest_m: float, seen_share: float) -> Judged:
-    verdict, explained = in_the_air(leans=False, highest_m=highest_m, seen_share=seen_share)(view, goal)
+def _held(view: CriticView, goal: Goal, judge: Judgement) -> Judged:
+    verdict, explained = judge(view, goal)
     return Judged(verdict, explained | _arm_seen(view))
 
 
@@ -208,7 +218,8 @@ def _arm_seen(view: CriticView) -> np.ndarray:
 
 def judge_held_by_both(view: CriticView, goal: Goal) -> Judged:
     """Judge if an object is level in the air in the end, with both arms out to it."""
-    judged = _held(view, goal, SETTINGS.highest_with_both_m, SETTINGS.with_both_share)
+    both = in_the_air(False, SETTINGS.highest_with_both_m, SETTINGS.with_both_share, np.inf)
+    judged = _held(view, goal, both)
     if not judged.verdict.accepted:
         return judged
     arms = arms_out(view.before["customer"], view.after["customer"])
