@@ -110,7 +110,7 @@ def test_a_white_bowl_beside_a_tall_white_top_that_it_pushed_is_not_on_it(push: 
 
 def test_a_black_bowl_is_seen_to_leave_a_black_stove() -> None:
     stove, plate = (
-        Thing("stove", (30, 30, 32), (0.28, 0.2, 0.04), (0.2, 0.0)),
+        Thing("hob", (30, 30, 32), (0.28, 0.2, 0.04), (0.2, 0.0)),
         Thing("plate", (60, 90, 170), (0.2, 0.2, 0.02), (-0.2, 0.0), round=True),
     )
     bowl = Thing("black-bowl", (50, 50, 53), (0.12, 0.12, 0.05), (0.0, 0.0), round=True, hollow=True)
