@@ -209,11 +209,12 @@ def _held(view: CriticView, goal: Goal, judge: Judgement) -> Judged:
 
 
 def _arm_seen(view: CriticView) -> np.ndarray:
-    """(H, W) bool, the changes that reach an edge of the picture, where no object stands, and what is around them."""
+    """(H, W) bool, the changes that reach an edge of the picture, where no object stands, and what is around them; not
+    where the table has come to be seen, which no arm hides."""
     _, labels = cv2.connectedComponents(grown(view.change.all, SETTINGS.joined_px).astype(np.uint8))
     edge = np.concatenate([labels[-1], labels[0], labels[:, 0], labels[:, -1]])  # an arm may leave the picture, too
     arm = np.isin(labels, np.setdiff1d(edge, 0))
-    return grown(arm, VIEW.around_px)
+    return grown(arm, VIEW.around_px) & ~(view.stood_before & ~view.stands_after)
 
 
 def judge_held_by_both(view: CriticView, goal: Goal) -> Judged:
