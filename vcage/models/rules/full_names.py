@@ -22,8 +22,8 @@ def with_full_names(commands: Sequence[Command], kinds: Mapping[str, CatalogueEn
     """
     blocks = {replace(n, text="", at=0, quantifier="") for n in nouns_of(commands) if n.words[-1:] == _BLOCK}
     plain = {replace(n, colour=None) for n in blocks}
-    handed = any(c.verb == "hand" and any(map(_is_one_block, c.things)) for c in commands)
-    if handed and len(plain) == 1 and len(blocks - plain) < 2:  # after "the red block", "the block" is that one
+    one = len(plain) == 1 and len(blocks - plain) < 2  # after "the red block", "the block" is that one
+    if one and any(map(_hands_one_block, commands)):
         return [_naming(c, "long") for c in commands]
     if len(blocks) == 1 and any(puts_pegs_in_block(c, kinds) for c in commands):
         return [_naming(c, "peg") for c in commands]
@@ -36,6 +36,10 @@ def puts_pegs_in_block(command: Command, kinds: Mapping[str, CatalogueEntry]) ->
     if command.verb != "put" or command.how != "in" or place is None or place.name != _BLOCK or place.several:
         return False
     return all(kinds[name].goes_into_holes for noun in command.things for name in noun.named(kinds))
+
+
+def _hands_one_block(command: Command) -> bool:
+    return command.verb == "hand" and any(map(_is_one_block, command.things))
 
 
 def _is_one_block(noun: Noun) -> bool:
