@@ -313,6 +313,8 @@ def test_balls_that_are_poured_start_in_a_cup_where_no_vessel_is_named() -> None
         ("Push the apple in", "nothing that is there is called so"),
         ("Insert the peg that is in the box", "it can mean two things"),
         ("Put all four blocks except the red one in the box", "its number may count what is excepted"),
+        ("Put all three red and blue blocks in the box", "say it of each, as in: two red and two blue blocks"),
+        ("Lift two red and blue mugs", "its number may be of one colour, or of all"),
         ("Pour some of the balls from the cup into the bowl", "nobody can tell which of them"),
         ("Insert the battery", "no peg that goes into a hole"),
         ("Put every block on its plate", "a place of its own"),

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Collection, Iterator, Sequence
 
-from vcage.base.words import CATEGORIES, word_set
+from vcage.base.words import CATEGORIES, lemma, word_set
 from vcage.models.rules.commands import Command, nouns_of
 from vcage.models.rules.nouns import Doubt, Noun
 
@@ -57,6 +58,11 @@ def _vague(noun: Noun, whole: Collection[str]) -> str | None:
 
 def _beyond_goals(command: Command) -> Iterator[tuple[Noun, str]]:
     """Nouns of a command by which it asks for what no goal says, and why."""
+    for noun, after in itertools.pairwise(command.things):
+        if _shares_number(noun, after):
+            one, other, name = noun.colour, after.colour, after.text.split()[-1]
+            each = f"two {one} and two {other} {name}, or: all the {one} and all the {other} {name}"
+            yield noun, f"its number may be of one colour, or of all; say it of each, as in: {each}"
     for noun in command.things:
         if command.verb == "wipe" and noun.of_table:
             yield noun, "the table itself stays as it is; wipe a flat thing on it, as in: wipe the mat with the sponge"
@@ -67,6 +73,13 @@ def _beyond_goals(command: Command) -> Iterator[tuple[Noun, str]]:
         yield from _beyond_pouring(command)
     if command.verb == "hang" and place is not None and not _PEGS.isdisjoint(place.words[-1:]):
         yield place, "no goal says on which peg it hangs; say on what, as in: hang the mug on the mug rack"
+
+
+def _shares_number(noun: Noun, after: Noun) -> bool:
+    """True for "three red" before "and blue blocks": three may be red, or red and blue together."""
+    counts = noun.count not in (None, 1) and not (after.count or after.quantifier)
+    elided = lemma(noun.text.lower().split()[-1]) not in noun.words
+    return counts and elided and after.words == noun.words and None not in (noun.colour, after.colour)
 
 
 def _beyond_pouring(command: Command) -> Iterator[tuple[Noun, str]]:
