@@ -161,6 +161,13 @@ def test_several_objects_stacked_on_a_place_stand_on_each_other() -> None:
             "Swap the red block and the cup",
             ["1: block_red in_place_of cup_white", "1: cup_white in_place_of block_red"],
         ),
+        (
+            "Swap the red block and the cup with each other",
+            ["1: block_red in_place_of cup_white", "1: cup_white in_place_of block_red"],
+        ),
+        ("Put the red block and the cup next to each other", ["1: block_red beside cup_white"]),
+        ("Move the cup and the plate close to one another", ["1: cup_white near plate_white"]),
+        ("Put the plate and the red block side by side", ["1: block_red beside plate_white"]),
         ("Lift the cup with both hands", ["1: cup_white held_by_both"]),
         ("Use both arms to grab the cup", ["1: cup_white held_by_both"]),
         ("Hold the cup up in the air using your two hands", ["1: cup_white held_by_both"]),
@@ -689,6 +696,17 @@ def test_two_things_change_places_and_not_three() -> None:
 def test_what_was_moved_before_is_not_swapped(sentence: str) -> None:
     with pytest.raises(UnreadInstruction, match="is moved before, and things change"):
         in_scene(sentence, "block/red", "apple/red", "plate/white", "cup/white")
+
+
+def test_of_two_things_beside_each_other_the_one_that_can_be_carried_is_brought() -> None:
+    things = ("microwave/red", "mug/red")
+    assert in_scene("Put the microwave and the mug next to each other", *things) == ["1: mug_red beside microwave_red"]
+
+
+@pytest.mark.parametrize("things", ["the red block, the cup and the plate", "the cup", "all the blocks"])
+def test_only_two_things_are_put_beside_each_other(things: str) -> None:
+    with pytest.raises(UnreadInstruction, match="of more say what goes beside which"):
+        in_scene(f"Put {things} next to each other", "block/red", "cup/white", "plate/white")
 
 
 @pytest.mark.parametrize(

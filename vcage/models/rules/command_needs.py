@@ -45,7 +45,7 @@ def role_and_test(command: Command) -> tuple[Role, Good]:
         return "receptacle", lambda e: any(part_that(ACTS[command.verb], part) for part in e.moving_parts)
     if good := _CONTENTS.get(command.verb):
         return "content", good
-    pushed = command.verb == "put" and command.how in BESIDE
+    pushed = command.verb in ("put", "together") and command.how in BESIDE
     return "content", lambda e: (e.can_be_carried or pushed) and not e.loose
 
 

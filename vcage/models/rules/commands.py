@@ -31,7 +31,7 @@ class Command:
     Args:
         verb: a rule of the grammar: put, pick, open, close, turn, turn_off, press, push_in, weigh, scan, show, hand,
             lift, shake, hit, wipe, pour, hang, insert, hold, in_hands, hold_with_both, away, face, stand_up, stack,
-            tower, stamp, row, swap; fallen for what lies on its side.
+            tower, stamp, row, swap, together; fallen for what lies on its side.
         things: its objects; none where a row or a tower is of other things than those that are named.
         how: in, on, left_of, right_of, in_front_of, behind, beside, near, centred or to; for ``hand`` who gets it.
         place: where things go, or the tool.
@@ -182,6 +182,9 @@ class _Commands(Transformer[Token, Any]):
     def swap(self, meta: Any, parts: list[Any]) -> list[Command]:
         named, *other = parts
         return self.__default__("swap", [{"things": (*named["things"], *other)}], meta)
+
+    def TOGETHER(self, words: Token) -> dict[str, str]:
+        return {"how": "near" if words.startswith(("near", "close")) else "beside"}
 
     def row(self, meta: Any, parts: list[Any]) -> list[Command]:
         things, *order, where = parts

@@ -30,7 +30,7 @@ _EVENTS = {
 }  # fmt: skip
 _IN_A_HAND = ("lift", "shake", "hold", "in_hands", "hold_with_both", "away", "face", "stand_up")
 """Commands about a thing that a hand carries."""
-_BRINGING = ("put", "hand", "tower", "show", "hang", "insert")
+_BRINGING = ("put", "hand", "tower", "show", "hang", "insert", "together")
 """Commands that take a thing somewhere, which is lifted for it."""
 
 _INSERTS = re.compile(r"\b(insert|plug)\b", re.IGNORECASE)
@@ -228,6 +228,14 @@ class Goals:
             if not self.things[name].can_be_carried:
                 raise _not_lifted(command, name)
             self._add(command, name, "in_place_of", other)
+
+    def _together(self, command: Command) -> None:
+        """Of two things beside each other one is brought to the other, a thing that can be carried if one can."""
+        names = self._named(command)
+        if len(names) != 2:
+            raise Doubt(command.words, "two things are put beside each other; of more say what goes beside which")
+        brought, other = sorted(names, key=lambda name: not self.things[name].can_be_carried)
+        self._add(command, brought, command.how, other)
 
     def _row(self, command: Command) -> None:
         for left, right in itertools.pairwise(self._named(command, least=2)):
