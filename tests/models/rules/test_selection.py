@@ -127,6 +127,18 @@ def test_of_two_kinds_with_one_name_that_comes_which_fits_the_place() -> None:
     assert "bowl" in chosen("Put the banana in the bowl", "receptacle")
 
 
+@pytest.mark.parametrize("sentence", ["Put the blue can on the tray", "Put the red can next to the grey can"])
+def test_a_can_in_a_colour_that_cans_lack_is_no_trash_can(sentence: str) -> None:
+    with pytest.raises(NoAssetFits) as refused:
+        selected(sentence)
+    assert "can comes in red, green" in refused.value.hint
+
+
+def test_a_can_of_another_kind_that_comes_in_the_colour_is_meant() -> None:
+    assert chosen("Put the silver can in the basket", "content") == ["energy_drink"]
+    assert chosen("Throw the apple in the blue trash can", "receptacle") == ["dustbin"]
+
+
 @pytest.mark.parametrize(("count", "why"), [("no", "nobody can tell"), ("200", "so many"), ("40", "so many")])
 def test_none_and_more_than_a_table_holds_are_refused(count: str, why: str) -> None:
     with pytest.raises(UnreadInstruction, match=why):

@@ -169,9 +169,16 @@ class Noun:
         fits = {name: fit(entry) for name, entry in entries.items()}
         least = self._least([level for level, _ in fits.values()], short)
         found = {name: looks for name, (level, looks) in fits.items() if level >= least}
+        if self.colour is not None and least < EXACT and self._is_carried(entries.values()):
+            found = {name: looks for name, looks in found.items() if entries[name].can_be_carried}
         exact = max((colour_level(look, self.colour) for looks in found.values() for look in looks), default=0)
         kept = {n: [look for look in looks if colour_level(look, self.colour) == exact] for n, looks in found.items()}
         return {name: looks for name, looks in kept.items() if looks}
+
+    def _is_carried(self, entries: Iterable[CatalogueEntry]) -> bool:
+        """True where things of its very name are carried: "the blue can" is no trash can where cans are red."""
+        plain = replace(self, colour=None)
+        return any(entry.can_be_carried for entry in entries if plain.fit(entry)[0] == EXACT)
 
     def _least(self, levels: Sequence[int], short: bool) -> int:
         best = max([KIND, *levels])
