@@ -81,6 +81,18 @@ def test_a_named_arm_is_a_condition_and_any_arm_is_none() -> None:
     assert read("Use one arm to pick up the can and move it to beside the pot")[1].goals[0].arm is None
 
 
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        "Pour everything in the cup into the bowl with the left arm",
+        "Empty the contents of the cup into the bowl using the left arm",
+    ],
+)
+def test_a_pouring_that_is_read_in_two_ways_keeps_its_verb_and_its_arm(sentence: str) -> None:
+    (asked,) = read(sentence)[1].goals
+    assert (asked.goal.relation, asked.arm, asked.words) == ("poured", "left", sentence)
+
+
 def test_everything_is_all_but_the_place() -> None:
     found = in_scene("Everything goes into the packaging box", "cup/white", "apple/red", "packaging_box/brown")
     assert len(found) == 2 and all(goal.endswith("inside packaging_box_brown") for goal in found)

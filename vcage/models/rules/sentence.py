@@ -56,13 +56,13 @@ def _misfit(typed: str, text: str, at: int) -> str:
 
 
 def _located(tree: Tree[Any]) -> Tree[Any]:
-    """A tree with the place of every part in the sentence: lark leaves it out where a part has several readings."""
+    """A tree with the place of every part in the sentence: lark leaves out that of a part with several readings."""
     for part in tree.iter_subtrees():
-        if part.meta.empty:
-            places = [child if isinstance(child, Token) else child.meta for child in part.children]
-            part.meta.start_pos = min(place.start_pos or 0 for place in places)
-            part.meta.end_pos = max(place.end_pos or 0 for place in places)
-            part.meta.empty = False
+        places = [child if isinstance(child, Token) else child.meta for child in part.children]
+        places += [] if part.meta.empty else [part.meta]
+        part.meta.start_pos = min(place.start_pos or 0 for place in places)
+        part.meta.end_pos = max(place.end_pos or 0 for place in places)
+        part.meta.empty = False
     return tree
 
 
