@@ -93,6 +93,14 @@ def test_a_pouring_that_is_read_in_two_ways_keeps_its_verb_and_its_arm(sentence:
     assert (asked.goal.relation, asked.arm, asked.words) == ("poured", "left", sentence)
 
 
+@pytest.mark.parametrize("vessel", ["basket", "small bin"])
+def test_to_dump_what_may_be_poured_or_put_says_how_to_ask_for_either(vessel: str) -> None:
+    with pytest.raises(UnreadInstruction, match=r"two things.* say pour, or put, in place of dump"):
+        read(f"Dump everything out of the {vessel} into the box")
+    assert " poured " in goals(f"Pour everything out of the {vessel} into the box")[0]
+    assert " inside " in goals(f"Put everything out of the {vessel} into the box")[0]
+
+
 def test_everything_is_all_but_the_place() -> None:
     found = in_scene("Everything goes into the packaging box", "cup/white", "apple/red", "packaging_box/brown")
     assert len(found) == 2 and all(goal.endswith("inside packaging_box_brown") for goal in found)

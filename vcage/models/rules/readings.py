@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from vcage.base.errors import NoAssetFits
@@ -53,11 +53,17 @@ def agreed(instruction: str, ground: Callable[[tuple[Command, ...]], Any], as_te
             doubts.append(doubt)
     conflicts = [doubt for doubt in doubts if isinstance(doubt, Conflict)]
     if len(found) > 1:
-        conflicts.append(Conflict("", f"it can mean two things: {'; or '.join([*found][:2])}"))
+        conflicts.append(Conflict("", _two_meanings(instruction, [*found][:2])))
     if not conflicts and found:
         return next(iter(found.values()))
     doubt = [*conflicts, *doubts, Doubt("", "what 'it' or 'them' means is open")][0]
     raise not_read(instruction, *doubt.args) if isinstance(doubt, Doubt) else doubt
+
+
+def _two_meanings(instruction: str, meanings: Sequence[str]) -> str:
+    told = f"it can mean two things: {'; or '.join(meanings)}"
+    dumped = "dump" in instruction.lower().split() and len({" poured " in one for one in meanings}) > 1
+    return f"{told}; say pour, or put, in place of dump" if dumped else told
 
 
 def in_words(reading: Reading) -> str:
