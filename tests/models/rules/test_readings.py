@@ -93,6 +93,12 @@ def test_a_pouring_that_is_read_in_two_ways_keeps_its_verb_and_its_arm(sentence:
     assert (asked.goal.relation, asked.arm, asked.words) == ("poured", "left", sentence)
 
 
+@pytest.mark.parametrize("sentence", ["Push in the button and the drawer", "Push the button and the drawer in"])
+def test_of_several_things_that_are_pushed_in_each_is_pressed_or_closed(sentence: str) -> None:
+    pressed, closed = goals(sentence)
+    assert pressed.endswith("/button pressed") and closed.endswith("/drawer closed")
+
+
 @pytest.mark.parametrize("vessel", ["basket", "small bin"])
 def test_to_dump_what_may_be_poured_or_put_says_how_to_ask_for_either(vessel: str) -> None:
     with pytest.raises(UnreadInstruction, match=r"two things.* say pour, or put, in place of dump"):

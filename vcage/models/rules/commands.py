@@ -54,10 +54,15 @@ class Command:
     words: str = ""
     may_be: tuple[str, ...] = ()
 
-    def pushed_in(self) -> Command:
-        """The command that pushes its things in: a drawer is closed, a button pressed, anything else inserted."""
-        parts = {noun.part for noun in self.things}
-        return replace(self, verb=next((verb for part, verb in _PUSHED_IN.items() if parts == {part}), "insert"))
+    def pushed_in(self) -> list[Command]:
+        """The commands that push its things in: a drawer is closed, a button pressed, anything else inserted."""
+        verbs = [_PUSHED_IN.get(noun.part or "", "insert") for noun in self.things]
+        return [
+            replace(
+                self, verb=verb, things=tuple(noun for noun, own in zip(self.things, verbs, strict=True) if own == verb)
+            )
+            for verb in dict.fromkeys(verbs)
+        ]
 
 
 def nouns_of(commands: Iterable[Command]) -> list[Noun]:

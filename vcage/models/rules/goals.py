@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -12,7 +11,7 @@ from vcage.models.rules.commands import USING, Command, nouns_of
 from vcage.models.rules.meanings import Meanings, Things
 from vcage.models.rules.nouns import Conflict, Doubt, Noun
 from vcage.models.rules.order import must_follow
-from vcage.models.rules.slid import Slid
+from vcage.models.rules.slid import INSERTS, Slid
 from vcage.models.rules.tools import TOOLS, Tools
 from vcage.models.rules.vessels import Vessels, is_dumped
 from vcage.objects.names import names_of
@@ -32,8 +31,6 @@ _IN_A_HAND = ("lift", "shake", "hold", "in_hands", "hold_with_both", "away", "fa
 """Commands about a thing that a hand carries."""
 _BRINGING = ("put", "hand", "tower", "show", "hang", "insert", "together")
 """Commands that take a thing somewhere, which is lifted for it."""
-
-_INSERTS = re.compile(r"\b(insert|plug)\b", re.IGNORECASE)
 
 
 @dataclass
@@ -174,7 +171,7 @@ class Goals:
         assert command.place is not None
         if command.place.but and command.place.definite:
             raise Doubt(command.place.text, "nothing can be left out of it")
-        if command.how != "in" and _INSERTS.search(command.words):
+        if command.how != "in" and INSERTS.search(command.words):
             raise Doubt(command.words, "things are inserted in something, not on it or beside it")
         if is_dumped(command):
             self._vessels.require_none(command, self._named(command))

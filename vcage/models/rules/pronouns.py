@@ -25,7 +25,7 @@ def resolved(commands: tuple[Command, ...], done: tuple[Command, ...] = ()) -> I
     for chosen, place in itertools.product(itertools.product(*things), _places_for(command, done)):
         named = tuple(noun for nouns in chosen for noun in nouns)
         found = replace(command, things=named, place=place, may_be=_tool_or_thing(command, done))
-        yield from resolved(tuple(later), (*done, found.pushed_in() if found.verb == "push_in" else found))
+        yield from resolved(tuple(later), (*done, *(found.pushed_in() if found.verb == "push_in" else [found])))
 
 
 def _tool_or_thing(command: Command, done: tuple[Command, ...]) -> tuple[str, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -12,6 +13,9 @@ from vcage.models.rules.full_names import puts_pegs_in_block
 from vcage.models.rules.meanings import Meanings, Things
 from vcage.models.rules.nouns import Conflict, Doubt, Noun
 from vcage.schema.asset import CatalogueEntry
+
+INSERTS = re.compile(r"\b(insert|plug)\b", re.IGNORECASE)
+"""Verbs of what is slid into something."""
 
 
 class SlidWords(NamedTuple):
@@ -146,6 +150,10 @@ class Slid:
             Doubt: says which.
         """
         words = _WORDS[relation]
+        if command.verb == "insert" and command.place is None and not INSERTS.search(command.words):
+            for name in (name for name in names if not words.able(self.things[name])):
+                why = "a drawer is pushed in, which closes it, a button, which presses it, and a peg"
+                raise Doubt(command.words, f"no goal pushes in {name}: {why}")
         spots = words.spots(self.things[place])
         if len(names) > spots:
             named = f"{place} has {spots or 'no'} {words.spot}{'s' * (spots > 1)} {words.purpose}"
