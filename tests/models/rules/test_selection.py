@@ -36,7 +36,25 @@ def test_a_colour_foreign_to_a_kind_is_refused_with_the_known_ones() -> None:
 def test_a_look_foreign_to_a_kind_is_refused_with_the_known_ones() -> None:
     with pytest.raises(NoAssetFits, match="'the partly eaten apple'") as refused:
         selected("Put the partly eaten apple in the bowl")
-    assert refused.value.hint == "apple comes in red, green only"
+    hint = "'partly', 'eaten' are not known, and may be left out; apple comes in red, green only"
+    assert refused.value.hint == hint
+
+
+@pytest.mark.parametrize(
+    ("noun", "word"),
+    [("nice red mug", "nice"), ("lovely mug", "lovely"), ("lovely top drawer of the cabinet", "lovely")],
+)
+def test_a_word_that_no_name_has_may_be_left_out(noun: str, word: str) -> None:
+    with pytest.raises(NoAssetFits, match=noun) as refused:
+        selected(f"Put the apple in the {noun}")
+    assert refused.value.hint.startswith(f"'{word}' is not known, and may be left out; ")
+
+
+@pytest.mark.parametrize("noun", ["ceramic mug", "nice unicorn", "third mug"])
+def test_a_word_without_which_nothing_is_named_or_that_is_known_is_not_left_out(noun: str) -> None:
+    with pytest.raises(NoAssetFits, match=noun) as refused:
+        selected(f"Put the {noun} in the bowl")
+    assert "left out" not in refused.value.hint
 
 
 @pytest.mark.parametrize("number", ["second", "dozen"])

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 from vcage.base.errors import NoAssetFits
 from vcage.base.text import listed
-from vcage.base.words import COUNTED, NUMBERS, SIZES
+from vcage.base.words import COUNTED, NUMBERS, SIZES, lemma, tokens
 from vcage.models.rules.nouns import Doubt, Noun
-from vcage.objects.names import HEAD, names_of, sizes_of
+from vcage.objects.names import HEAD, look_texts, names_of, sizes_of
 from vcage.schema.asset import CatalogueEntry
 from vcage.schema.goals import part_words
 
@@ -50,7 +50,23 @@ def require_size(noun: Noun, entries: Mapping[str, CatalogueEntry]) -> None:
 
 def kinds_by_head(noun: Noun, entries: Mapping[str, CatalogueEntry]) -> list[CatalogueEntry]:
     """The kinds of a noun's last word, where no name has the words before it: "the rotten apple"."""
-    known = {word for entry in entries.values() for name in names_of(entry).all for word in name}
-    known |= {*NUMBERS, *COUNTED}
     named = [entry for entry in entries.values() if names_of(entry).words == noun.words[-1:]]
-    return named if known.isdisjoint(noun.words[:-1]) else []
+    return named if len(_unknown(noun, entries)) == len(noun.words[:-1]) else []
+
+
+def to_leave_out(noun: Noun, entries: Mapping[str, CatalogueEntry]) -> str:
+    """Say which words of a noun are unknown, where it names something without them; else empty."""
+    unknown = _unknown(noun, entries)
+    rest = tuple(word for word in noun.words if word not in unknown)
+    if not unknown or not replace(noun, words=rest, colour=None, but=()).named(entries):
+        return ""
+    words = listed(list(map(repr, unknown)))
+    return f"{words} {'is' if len(unknown) == 1 else 'are'} not known, and may be left out"
+
+
+def _unknown(noun: Noun, entries: Mapping[str, CatalogueEntry]) -> list[str]:
+    """The words before a noun's last one that are in no name and no look of a kind."""
+    kinds = entries.values()
+    known = {word for entry in kinds for name in names_of(entry).all for word in name}
+    known |= {lemma(word) for entry in kinds for text in look_texts(entry) for word in tokens(text)}
+    return [word for word in noun.words[:-1] if word not in known | {*NUMBERS, *COUNTED, "wooden", "of"}]

@@ -11,7 +11,7 @@ import numpy as np
 from vcage.base.words import tokens
 from vcage.models.occasion import Look, Occasion, one_of_each
 from vcage.models.quantifiers import quantified
-from vcage.models.rules.absent import kinds_by_head, require_part, require_size
+from vcage.models.rules.absent import kinds_by_head, require_part, require_size, to_leave_out
 from vcage.models.rules.command_needs import RECEIVERS, UNSAID, Good, is_side_by_side, part_of, role_and_test
 from vcage.models.rules.commands import Command, nouns_of
 from vcage.models.rules.full_names import with_full_names
@@ -328,7 +328,9 @@ class _Selector:
         require_size(noun, self.entries)
         bare = [entry for entry, _ in self._kinds(replace(noun, colour=None))]
         bare = bare or kinds_by_head(noun, self.entries)
-        raise no_asset(noun.text, bare, list(self.entries.values()), best_search())
+        error = no_asset(noun.text, bare, list(self.entries.values()), best_search())
+        error.hint = "; ".join(filter(None, (to_leave_out(noun, self.entries), error.hint)))
+        raise error
 
     def _answers_another(self, noun: Noun, entry: CatalogueEntry) -> bool:
         """True for a kind that people call by another noun too: a paper clip box is stationery, and "the box"."""
