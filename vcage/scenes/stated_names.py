@@ -26,13 +26,13 @@ class Wish:
         kind: name of it.
         look: the requested one, if any.
         number: of the object among several alike.
-        starts_in: kind of the vessel of a ball that nothing names.
+        starts_in: of a ball that nothing names: the place of its vessel among the wishes.
     """
 
     kind: str
     look: str | None
     number: int = 1
-    starts_in: str | None = None
+    starts_in: int | None = None
 
 
 def objects_of(task: StatedTask, catalogue: Sequence[CatalogueEntry], rng: np.random.Generator) -> list[NamedObject]:
@@ -58,8 +58,10 @@ def objects_of(task: StatedTask, catalogue: Sequence[CatalogueEntry], rng: np.ra
         taken[wish.kind, drawn] += wish.look is None
         shown = look(kinds[wish.kind], drawn)
         seen |= set(shown.colour.split()) if shown is not None and not kinds[wish.kind].loose else set()
-        chosen.append(SelectedAsset(asset=wish.kind, variant=drawn, role="context", starts_in=wish.starts_in))
-    return name_objects(Selection(objects=chosen), catalogue)
+        chosen.append(SelectedAsset(asset=wish.kind, variant=drawn, role="context"))
+    named = name_objects(Selection(objects=chosen), catalogue)
+    vessels = [None if wish.starts_in is None else named[wish.starts_in].id for wish in wishes]
+    return [replace(one, starts_in=vessel) for one, vessel in zip(named, vessels, strict=True)]
 
 
 def split_part(path: str, kinds: Mapping[str, CatalogueEntry], with_part: bool) -> tuple[str, str | None]:
@@ -149,13 +151,18 @@ def _tools(task: StatedTask, catalogue: Sequence[CatalogueEntry], there: Sequenc
 
 def _balls(task: StatedTask, wishes: Sequence[Wish], kinds: Mapping[str, CatalogueEntry]) -> list[Wish]:
     """Return balls for each vessel to be poured that nothing is stated to lie in; as many as "several" are."""
+
+    def meant(path: str, text: str) -> set[int]:
+        wish = _wish(path, kinds, text)
+        return {n for n, one in enumerate(wishes) if one == wish or (wish.look is None and one.kind == wish.kind)}
+
     starts = [(*one.names[1], one.text) for one in task.starts if one.word == "inside"]
-    filled = {_wish(split_part(path, kinds, with_part)[0], kinds, text).kind for path, with_part, text in starts}
-    poured = {_wish(one.subject, kinds, one.text).kind for one in task.goals if one.word == "poured"} - filled
-    number = Counter(wish.kind for wish in wishes)
-    alone = [kind for kind in sorted(poured) if kinds[kind].holds_loose and number[kind] == 1]
+    filled = [meant(split_part(path, kinds, with_part)[0], text) for path, with_part, text in starts]
+    poured = [meant(one.subject, one.text) for one in task.goals if one.word == "poured"]
+    alone = {number for several in poured if len(several) == 1 for number in several}.difference(*filled)
+    vessels = [number for number in sorted(alone) if kinds[wishes[number].kind].holds_loose]
     balls = sorted(name for name, entry in kinds.items() if entry.loose)[:1] * Occasion.most
-    return [Wish(ball, None, starts_in=kind) for kind in alone for ball in balls]
+    return [Wish(ball, None, starts_in=number) for number in vessels for ball in balls]
 
 
 def _draw_look(
