@@ -76,6 +76,17 @@ def test_what_has_no_front_is_not_turned_to_the_robot(kind: str):
         wanting(goal_of([kind, "facing_robot"]), [thing(kind)])
 
 
+@pytest.mark.parametrize("kind", ["block", "can"])
+def test_what_two_hands_have_no_room_on_is_not_handed_over(kind: str):
+    with pytest.raises(NoFeasibleTask, match=rf"no room side by side on .*{kind}: .* \('the words'\)"):
+        wanting(goal_of([kind, "handed", "right"]), [thing(kind)])
+
+
+@pytest.mark.parametrize("kind", ["long_block", "hammer", "bottle"])
+def test_what_is_long_enough_for_two_hands_is_handed_over(kind: str):
+    wanting(goal_of([kind, "handed", "right"]), [thing(kind)])
+
+
 def test_what_has_a_front_is_turned_to_the_robot():
     wanting(goal_of(["cereal_box", "facing_robot"]), [thing("cereal_box")])
 

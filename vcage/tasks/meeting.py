@@ -21,6 +21,7 @@ from vcage.schema.robot import Gripper
 from vcage.sim.kinematics import ArmKinematics
 from vcage.sim.motion import MotionFailed
 from vcage.tasks.grasps import GRASPING, approach_opening, hand_boxes
+from vcage.tasks.hand_poses import hand_poses
 from vcage.tasks.primitives.grip import SETTINGS as CARRYING
 from vcage.tasks.primitives.grip import lever
 from vcage.tasks.primitives.pick import transfer_height
@@ -153,6 +154,22 @@ def _holds(thing: SceneObject, given: Hold, gripper: Gripper) -> list[Hold]:
     return holds_beside(thing.asset, given, thing.asset.annotation.carrying_points, gripper)
 
 
+def has_room_beside(thing: SceneObject, giver: Gripper, taker: Gripper) -> bool:
+    """True if some hand takes an object by a contact point and leaves room for the other; arms are not examined."""
+    return any(
+        _holds(thing, Hold(grasp.in_object, thing.asset.grasp_width(contact)), taker)
+        for contact in thing.asset.annotation.carrying_points
+        for grasp in hand_poses(thing, contact, giver)
+    )
+
+
+def no_room_for_hands(thing: SceneObject, gripper: Gripper) -> str:
+    """Say why an object is too short to change hands."""
+    long, thick = (100 * x for x in (max(thing.asset.size), gripper.palm_size[0]))
+    room = f"it is {long:.1f} cm long, and each is {thick:.1f} cm thick"
+    return f"two hands have no room side by side on {thing.record.phrase}: {room}"
+
+
 def balance_of(asset: Asset) -> np.ndarray:
     """(3,) the object's centre of mass, roughly, in its frame: held near it, the object turns less in the fingers."""
     corners = [piece.vertices for piece in asset.pieces_of(None)]
@@ -227,9 +244,7 @@ def meetings(
     taker, phrase = arms[1], thing.record.phrase
     holds = _holds(thing, given, taker.arm.gripper)[: SETTINGS.holds]
     if not holds:
-        long, thick = (100 * x for x in (max(thing.asset.size), taker.arm.gripper.palm_size[0]))
-        room = f"it is {long:.1f} cm long, and each is {thick:.1f} cm thick"
-        raise NoMeeting("room_for_hands", f"two hands have no room side by side on {phrase}: {room}")
+        raise NoMeeting("room_for_hands", no_room_for_hands(thing, taker.arm.gripper))
     found, reached, reasons, giver = False, False, [], _Giver(thing.pose, given, arms, height)
 
     def is_free(meeting: Meeting) -> bool:

@@ -17,6 +17,7 @@ from vcage.plans.actions import HOLDING
 from vcage.schema.goals import AskedGoal, Goal, in_steps, part_words
 from vcage.schema.robot import Arm
 from vcage.tasks.asked_arms import require_arms
+from vcage.tasks.meeting import has_room_beside, no_room_for_hands
 from vcage.tasks.primitives.grip import stays_level
 from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.search import SMALLER, is_about, judging, sensible
@@ -33,11 +34,13 @@ def require_way(goals: Sequence[AskedGoal], objects: Sequence[SceneObject], arms
 
     Raises:
         NoFeasibleTask: names each such goal with its words and the reason; also objects that would be carried with
-            loose contents, those that have no front to turn to the robot, and goals that are asked of an unknown arm.
+            loose contents, those that have no front to turn to the robot or no room for two hands, and goals that are
+            asked of an unknown arm.
     """
     require_arms(goals, arms)
     require_level(goals, objects, arms.values())
     require_fronts(goals, objects)
+    require_room_for_hands(goals, objects, arms)
     require_only_stood_up(goals, objects)
     if ruled_out := _ruled_out(goals, objects):
         raise NoFeasibleTask(
@@ -133,6 +136,28 @@ def require_fronts(goals: Sequence[AskedGoal], objects: Sequence[SceneObject]) -
                 f"the {thing.record.phrase} has no front that could face the robot ({one.words!r})",
                 hint="ask it of a thing with a front, such as a cereal box, a sign or an alarm clock",
                 details={"missing": [str(one.goal)], "reasons": ["it has no front"]},
+            )
+
+
+def require_room_for_hands(goals: Sequence[AskedGoal], objects: Sequence[SceneObject], arms: Mapping[str, Arm]) -> None:
+    """Refuse to hand over an object that can be carried but on which two hands have no room side by side.
+
+    Raises:
+        NoFeasibleTask: names the goal and the object.
+    """
+    by_id = {o.id: o for o in objects if o.asset.annotation.carrying_points}
+    for one in (one for one in goals if one.goal.relation == "handed" and one.goal.reference in arms):
+        thing, to = by_id.get(one.goal.subject), str(one.goal.reference)
+        if thing is None:
+            continue
+        taker = arms[to].gripper
+        givers = [arm.gripper for name, arm in arms.items() if name != to]
+        if givers and not any(has_room_beside(thing, giver, taker) for giver in givers):
+            why = no_room_for_hands(thing, taker)
+            raise NoFeasibleTask(
+                f"{why} ({one.words!r})",
+                hint="ask it of a longer thing, such as a long block, a hammer or a bottle",
+                details={"missing": [str(one.goal)], "reasons": [why]},
             )
 
 
