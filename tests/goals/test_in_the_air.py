@@ -19,7 +19,7 @@ UP = 0.1
 
 @dataclass
 class Held:
-    """An object in a hand, or on the table, that leans about the y axis."""
+    """An object in a hand, or on the table, that leans about the y axis, or about one at an angle from it."""
 
     lean_deg: float = 0.0
     height: float = UP
@@ -27,13 +27,15 @@ class Held:
     around: dict[str, set[str]] = field(default_factory=dict)
     arms: tuple[str, ...] = ("left", "right")
     table_height: float = 0.74
+    axis_deg: float = 0.0
 
     def touching(self, name: str) -> set[str]:
         return self.around.get(name, self.holders)
 
     def thing(self, name: str) -> Any:
-        half = np.radians(self.lean_deg) / 2
-        return SimpleNamespace(lowest=0.74 + self.height, pose=Pose(q=[np.cos(half), 0, np.sin(half), 0]))
+        half, axis = np.radians(self.lean_deg) / 2, np.radians(self.axis_deg)
+        q = [np.cos(half), np.sin(half) * np.sin(axis), np.sin(half) * np.cos(axis), 0]
+        return SimpleNamespace(lowest=0.74 + self.height, pose=Pose(q=q))
 
     def at_start(self, name: str) -> Any:
         return SimpleNamespace(pose=Pose())
@@ -110,3 +112,9 @@ def test_what_leans_to_and_fro_in_the_air_is_shaken():
 )
 def test_less_than_that_is_no_shaking(states: list[Held]):
     assert not happens("shaken", *states)
+
+
+def test_a_lean_at_the_lift_does_not_hide_a_shake_that_leans_across_it():
+    """What drooped to the front when it was lifted leans to the left and right when it is shaken."""
+    leans = [(24, 90), (20, 10), (-20, -10), (20, 10)]
+    assert happens("shaken", *(Held(lean, axis_deg=axis) for lean, axis in leans))

@@ -114,9 +114,10 @@ class Rehearsal(Task):
         """Plan it; the object is where it was."""
         plan = self._picked
         up, load = self._lifted()
-        middle = plan.target.aabb.mean(axis=0) + plan.way.lifted.p - plan.way.grasp.p
+        pose, planner = plan.target.pose, self._cell.planner(plan.arm)
+        thing = plan.target.moved(Pose(pose.p + plan.way.lifted.p - plan.way.grasp.p, pose.q))
         with failing_at("plan"):
-            plan_shake(self._cell.planner(plan.arm), up, plan.way.lifted, middle, load)
+            plan_shake(planner, up, plan.way.lifted, thing, self.world.table.height, load)
 
     def _lifted(self) -> tuple[np.ndarray, Load]:
         """(n,) joints of the arm that has lifted what it picked, and the load of its hand."""

@@ -23,8 +23,8 @@ PicturesByCamera = Mapping[str, np.ndarray]
 """Camera name → (H, W, 3) uint8."""
 
 Seen = Mapping[str, PicturesByCamera]
-"""Pictures ``before`` and ``after`` a sub-task, at the ``moment`` that tells most, of wiping at a ``later`` one too,
-and, where something is put back, of the ``start`` of the episode."""
+"""Pictures ``before`` and ``after`` a sub-task, at the ``moment`` that tells most, of wiping and shaking at a
+``later`` one too, and, where something is put back, of the ``start`` of the episode."""
 
 
 @dataclass(frozen=True)

@@ -53,7 +53,8 @@ class Task(Use):
         moment: state of the world at the end of a press, during a scan, with a tool on what it hits or where it begins
             to wipe, with both hands on a handed-over object, at the start of a wait, at the first lean of a shake, at a
             release, with a vessel tipped, or while something is held up.
-        later: state of the world where a stroke of wiping ends, far from where it began.
+        later: state of the world where a stroke of wiping ends, far from where it began, or at the last lean of a
+            shake.
     """
 
     def __init__(
@@ -137,12 +138,13 @@ class Task(Use):
         """Lift the picked object, and tilt it to and fro in the air.
 
         Raises:
-            TaskFailed: nothing is held any more, no way can be planned, or it slips out of the fingers.
+            TaskFailed: nothing is held any more, no way can be planned, or it slips out of the fingers or tilts between
+                them.
         """
         if self._grip is None:
             raise TaskFailed("grasp", "nothing was picked up before it is shaken")
         self._lift(self._grip)
-        self.moment = carry_out_shake(self._cell, self._grip)
+        self.moment, self.later = carry_out_shake(self._cell, self._grip)
 
     def _lift_on(self, grip: Grip) -> None:
         """Lift an object that turns between the fingers so high that all of it stays in the air while it does.
