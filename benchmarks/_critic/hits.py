@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from benchmarks._critic.played import Played, Shots
-from benchmarks._critic.tools import is_used, moments, with_tool
+from benchmarks._critic.tools import is_used, with_tool
 from vcage.base.geometry import Pose
 from vcage.tasks.hitting import hits, hitting_poses
 
@@ -50,7 +50,7 @@ def _held(played: Played) -> Pose | None:
     """The pose of the tool at the moment of a hit; None of anything else."""
     if played.goal.relation != "hit" or not is_used(played):
         return None
-    return moments(played.shots)[0].objects[str(played.subtask.tool)]
+    return played.shots.moments[0].objects[str(played.subtask.tool)]
 
 
 def _hits(played: Played, shots: Shots) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from benchmarks._critic.pours import (
     poured_nothing,
     vessel_dropped,
 )
+from benchmarks._critic.shakes import hung_plumb, hung_still, leaned_once
 from benchmarks._critic.supports import beside, knocked_over, on_the_rim, pushed_away, slid_off
 from benchmarks._critic.tools import dropped_tool, swept
 from benchmarks._critic.uprights import fell_over, on_its_head, still_held, still_lying
@@ -50,12 +52,9 @@ DISTURBED = (0.08, 0.16)
 def nothing(played: Played) -> Shots:
     """Nothing happened: the robot moved and touched nothing."""
     was = played.shots.before
-    moment, later = played.shots.moment, played.shots.later
-    if moment is not None and played.goal.relation != "pressed":  # whose hand would hit an object outside the press
-        was_there = replace(moment, objects=was.objects, object_joints=was.object_joints)
-        later_there = None if later is None else replace(later, objects=was.objects, object_joints=was.object_joints)
-        return played.untrue("nothing was moved", after=was, moment=was_there, later=later_there)
-    return played.untrue("nothing was moved", after=was, moment=None if moment is None else was)
+    if played.goal.relation == "pressed":  # whose hand would hit an object outside the press
+        return played.untrue("nothing was moved", after=was, moment=None if played.shots.moment is None else was)
+    return played.untrue("nothing was moved", moments=played.shots.with_objects_as(was).moments, after=was)
 
 
 def lost(played: Played) -> Shots | None:
@@ -75,7 +74,7 @@ def off_table(played: Played) -> Shots | None:
         return None
     state = played.shots.after
     gone = replace(state, objects={**state.objects, played.goal.subject: Pose([0.0, 0.0, FLOOR])})
-    return played.untrue("it fell off the table", after=gone, moment=played.with_objects(gone.objects))
+    return played.untrue("it fell off the table", moments=played.shots.with_objects_as(gone).moments, after=gone)
 
 
 def wrong_object(played: Played) -> Shots | None:
@@ -152,7 +151,7 @@ def from_behind(played: Played) -> Shots | None:
         round_ = Pose(pose.p, (Pose.from_yaw([0, 0, 0], turn) * Pose(q=pose.q)).q)
         return replace(state, objects={**state.objects, still: round_})
 
-    states = {when: turned(getattr(shots, when)) for when in ("before", "moment", "after", "start")}
+    states: dict[str, Any] = {when: turned(getattr(shots, when)) for when in ("before", "moment", "after", "start")}
     return None if _is_read(played, states["moment"]) else played.untrue("the code faces elsewhere", **states)
 
 
@@ -199,9 +198,9 @@ def reversed_order(played: Played) -> Shots | None:
         return None  # it was true before too
     return played.untrue(
         "it was undone",
+        moments=shots.with_objects_as(shots.before).moments,
         before=shots.after,
         after=shots.before,
-        moment=played.with_objects(shots.before.objects),
     )
 
 
@@ -220,8 +219,8 @@ def disturbed(played: Played) -> Shots | None:
     other = loose[int(played.rng.integers(len(loose)))]
     at = other.pose.p + [*played.step(DISTURBED), 0.01]
     shots = played.instead({other.id: Pose(at, other.pose.q)})
-    moment = played.shots.moment
-    return replace(shots, moment=moment, truth=Truth(success=False, reason=f"{other.id} was moved on the way"))
+    truth = Truth(success=False, reason=f"{other.id} was moved on the way")
+    return replace(shots, moment=played.shots.moment, later=played.shots.later, truth=truth)
 
 
 def one_arm(played: Played) -> Shots | None:
@@ -238,23 +237,12 @@ def one_arm(played: Played) -> Shots | None:
 
 def not_lifted(played: Played) -> Shots | None:
     """It stayed on the table under the hand, and was pushed along it."""
-    moment = played.with_objects(played.shots.before.objects)
-    if played.goal.relation not in ("lifted", "shaken", *HELD) or moment is None:
-        return None
-    after = moment if played.goal.relation in HELD else played.shots.after
-    return played.untrue("it was not lifted", moment=moment, after=after)
-
-
-def hung_still(played: Played) -> Shots | None:
-    """It was lifted, and not shaken."""
     shots = played.shots
-    if played.goal.relation != "shaken" or shots.moment is None:
+    if played.goal.relation not in ("lifted", "shaken", *HELD) or shots.moment is None:
         return None
-    thing, leaning = played.subject, shots.moment.objects[played.goal.subject]
-    middle = thing.asset.bounds.mean(axis=0)
-    upright = Pose(leaning.apply(middle) - Pose(q=thing.pose.q).apply(middle), thing.pose.q)
-    moment = replace(shots.moment, objects={**shots.moment.objects, thing.id: upright})
-    return played.untrue("it was not tilted", moment=moment)
+    moments = shots.with_objects_as(shots.before).moments
+    after = moments[0] if played.goal.relation in HELD else shots.after
+    return played.untrue("it was not lifted", moments=moments, after=after)
 
 
 def weighed_with_another(played: Played) -> Shots | None:
@@ -331,6 +319,8 @@ FAILURES: Mapping[str, Kind] = {
     "one arm": one_arm,
     "not lifted": not_lifted,
     "hung still": hung_still,
+    "leaned once": leaned_once,
+    "hung plumb": hung_plumb,
     "not alone on the scale": weighed_with_another,
     "not still": not_still,
     "turned away": turned_away,

@@ -35,7 +35,7 @@ class Shots:
     Args:
         before, after: the sub-task.
         moment: that tells most; None where there is none.
-        later: a second one, where a stroke of wiping ends; None where there is none.
+        later: a second one, where a stroke of wiping ends or at the last lean of a shake; None where there is none.
         start: of the episode, where that is shown.
         arm: whose wrist looks on at the moment.
         truth: by the simulator's state.
@@ -50,6 +50,21 @@ class Shots:
     truth: Truth
     asked: Subtask | None = None
     later: WorldState | None = None
+
+    @property
+    def moments(self) -> list[WorldState]:
+        """The states that are shown between before and after, at most two."""
+        return [state for state in (self.moment, self.later) if state is not None]
+
+    def with_moments(self, states: Sequence[WorldState]) -> Shots:
+        """The same with other states between before and after."""
+        moment, later = [*states, None, None][:2]
+        return replace(self, moment=moment, later=later)
+
+    def with_objects_as(self, state: WorldState) -> Shots:
+        """The same with the objects as in another state whenever they are shown between before and after."""
+        changed = {"objects": state.objects, "object_joints": state.object_joints}
+        return self.with_moments([replace(one, **changed) for one in self.moments])
 
 
 @dataclass(frozen=True)
@@ -187,14 +202,16 @@ class Played:
         """A pose turned by chance, as of what falls."""
         return self.leaning(Pose(pose.p, Pose.from_yaw([0, 0, 0], self.rng.uniform(0, 2 * np.pi)).q), most=0.6)
 
-    def with_objects(self, objects: Mapping[str, Pose]) -> WorldState | None:
-        """The moment with most other objects displaced; None where there is none."""
-        moment = self.shots.moment
-        return None if moment is None else replace(moment, objects=dict(objects))
+    def untrue(self, reason: str, moments: Sequence[WorldState] | None = None, **states: Any) -> Shots:
+        """Replace states of the sub-task, which then is no success.
 
-    def untrue(self, reason: str, **states: Any) -> Shots:
-        """Replace states of the sub-task, which then is no success."""
-        return replace(self.shots, **states, truth=Truth(success=False, reason=reason))
+        Args:
+            reason: why it is none.
+            moments: those between before and after; as they were when not given.
+            states: others, by their names.
+        """
+        shots = self.shots if moments is None else self.shots.with_moments(moments)
+        return replace(shots, **states, truth=Truth(success=False, reason=reason))
 
     def instead(
         self,
@@ -221,10 +238,7 @@ class Played:
         world.settle(SETTLE)
         after, truth = world.state(), _done(self.subtask, watch)
         watch.stop()
-        moment = None if shots.moment is None else replace(
-            shots.moment, objects=after.objects, object_joints=after.object_joints
-        )  # fmt: skip
-        return replace(shots, after=after, moment=moment, truth=truth)
+        return replace(shots.with_objects_as(after), after=after, truth=truth)
 
     def about(self, other: Subtask) -> Shots:
         """The same outcome, in the words of another sub-task."""

@@ -9,7 +9,6 @@ import numpy as np
 
 from benchmarks._critic.played import Played, Shots
 from vcage.base.geometry import Pose
-from vcage.sim.state import WorldState
 
 WITH_TOOL = ("hit", "wiped")
 """Goals for which a tool is used."""
@@ -23,7 +22,7 @@ def dropped_tool(played: Played) -> Shots | None:
     if not is_used(played):
         return None
     tool, after = str(played.subtask.tool), played.shots.after
-    lay, held = played.shots.before.objects[tool].p, moments(played.shots)[0].objects[tool].p
+    lay, held = played.shots.before.objects[tool].p, played.shots.moments[0].objects[tool].p
     x, y, _ = lay + float(played.rng.uniform(0.2, 0.5)) * (held - lay)
     lies = Pose([x, y, lay[2]], Pose.from_yaw([0, 0, 0], played.rng.uniform(0, 2 * np.pi)).q)
     shots = with_tool(played, lambda _: lies, "the tool fell down")
@@ -45,14 +44,8 @@ def is_used(played: Played) -> bool:
     return played.goal.relation in WITH_TOOL and played.shots.moment is not None
 
 
-def moments(shots: Shots) -> list[WorldState]:
-    """The moments of use: one of a hit, two of a wiping."""
-    return [state for state in (shots.moment, shots.later) if state is not None]
-
-
 def with_tool(played: Played, moved: Callable[[Pose], Pose], reason: str) -> Shots:
     """The tool elsewhere at each moment, so that nothing was hit or wiped."""
     tool = str(played.subtask.tool)
-    now = [replace(one, objects={**one.objects, tool: moved(one.objects[tool])}) for one in moments(played.shots)]
-    moment, later = [*now, None][:2]
-    return played.untrue(reason, moment=moment, later=later)
+    now = [replace(one, objects={**one.objects, tool: moved(one.objects[tool])}) for one in played.shots.moments]
+    return played.untrue(reason, moments=now)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from benchmarks._critic.played import Played, Shots
-from benchmarks._critic.tools import is_used, moments, with_tool
+from benchmarks._critic.tools import is_used, with_tool
 from vcage.base.geometry import Pose
 from vcage.tasks.wiping import cells_of, farthest, flat_top, under_pad, wiping_ways
 
@@ -70,4 +70,4 @@ def _wipes(played: Played) -> bool:
 
 def _ends(shots: Shots, tool: str) -> list[Pose]:
     """Poses of a tool at both moments."""
-    return [state.objects[tool] for state in moments(shots)]
+    return [state.objects[tool] for state in shots.moments]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from tests.example_scenes import script_of, workplace, world_of
 from vcage.schema.goals import Goal
 from vcage.schema.robot import Robot
 from vcage.tasks.scene_objects import SceneObject
+from vcage.tasks.slots import Slot
 from vcage.tasks.task import Task
 from vcage.tasks.templates import TEMPLATES
 from vcage.tasks.workplace import Workplace
@@ -28,6 +29,7 @@ def one_played(
     seed: int,
     place: Workplace | None = None,
     robot: Robot | None = None,
+    slots: Mapping[str, Slot] | None = None,
 ) -> Played:
     """Return the outcome.
 
@@ -39,6 +41,7 @@ def one_played(
         seed: of all choices.
         place: of the objects, with the arms that do it; those of the examples where none is given.
         robot: the same for the world.
+        slots: id of an object → where it goes.
     """
     ((proposal,), _) = TEMPLATES[name].proposals(objects, [goal])
     step, _ = proposal.examine(place or workplace(objects))
@@ -53,7 +56,7 @@ def one_played(
         subtask=step,
         script=script_of(step, play),
         objects={o.id: o for o in objects},
-        slots={},
+        slots=slots or {},
         build=lambda: world_of(objects, robot),
         others=(),
         rng=np.random.default_rng(seed),
