@@ -22,10 +22,10 @@ from vcage.schema.subtasks import Statement, Subtask
 from vcage.sim.drawer import Drawing, Window
 from vcage.sim.joints import link_poses
 from vcage.sim.robots import load_robot
+from vcage.tasks.hand_views import grasp_views, press_views
 from vcage.tasks.hanging import hung_poses
 from vcage.tasks.hitting import hitting_poses
 from vcage.tasks.inserting import inserted_poses
-from vcage.tasks.pressing import press_views
 from vcage.tasks.reading import SETTINGS as READING
 from vcage.tasks.reading import reading_poses
 from vcage.tasks.scene_objects import SceneObject
@@ -172,6 +172,9 @@ def _question(context: StageContext, scene: Scene, asking: Asking) -> CriticQues
     def presses(thing: str, at: Pose, part: str, camera: str) -> Iterator[HandView]:
         return press_views(objects[thing].moved(at), part, load_robot(scene.robot), camera)
 
+    def grasps(thing: str, at: Pose, camera: str) -> Iterator[HandView]:
+        return grasp_views(objects[thing].moved(at), load_robot(scene.robot), camera)
+
     return CriticQuestion(
         text=asking.text,
         goals=list(goals),
@@ -194,6 +197,7 @@ def _question(context: StageContext, scene: Scene, asking: Asking) -> CriticQues
         hangings=hangings,
         insertions=insertions,
         presses=presses,
+        grasps=grasps,
         contents=_contents(scene),
         table_height=scene.table.height,
         tops=_tops(objects.values(), scene.table.height),

@@ -99,15 +99,17 @@ class StoodUp:
 
 @dataclass(frozen=True)
 class HandView:
-    """A camera on a hand while the hand presses something.
+    """A camera on a hand while the hand presses or holds something.
 
     Args:
         camera: where it is then.
-        fingers: (n, 3) corners of the closed fingers, in the world, metres.
+        fingers: (2 * 8, 3) corners of the two fingers, one after the other, in the world, metres.
+        gripper: gripper frame in the world.
     """
 
     camera: Camera
     fingers: np.ndarray
+    gripper: Pose
 
 
 @dataclass(frozen=True)
@@ -136,14 +138,18 @@ class CriticQuestion:
             fills: their ids, each with the pose that says how it stands.
         presses: views of a camera on a hand that presses a part of an object, one for each way in which the hand may
             come: the object's id, how it stands, part and name of the camera; none of a camera that no hand carries.
+        grasps: the same of a hand that holds an object, one for each way in which its fingers may close on it: the
+            object's id, how it stands and name of the camera.
         contents: ids of the balls that lie loose in a vessel at the start, by the vessel's.
         grasped: id of the object to grasp, if it is not the object of the goals.
         moment: view by camera name while a part was touched, a code was before a scanner, a tool was on what it hits or
-            where it begins to wipe, a vessel was tipped, two hands held a thing, or a thing came to lie on a scale.
-        later: view by camera name where a stroke of wiping ends, far from where it began.
+            where it begins to wipe, a vessel was tipped, one hand or two held a thing up, a shaken thing leaned first,
+            or a thing came to lie on a scale.
+        later: view by camera name where a stroke of wiping ends, far from where it began, or at the last lean of a
+            shake.
         start: view by camera name at the start of the episode; only where something is put back.
         uncalibrated: pictures by camera name, by time, of moving cameras: of both hands before and after; of the acting
-            hand at the moment, or at the release; and, at the moment of a scan, of bar code and window.
+            hand at the moment and later, or at the release; and, at the moment of a scan, of bar code and window.
         planned: the layout's place of each object, without later changes.
         opened: parts planned to be open before and after, by their object.
         parts: names of the moving parts, by the object that has them.
@@ -172,6 +178,7 @@ class CriticQuestion:
     hangings: Callable[[str, Pose, str, Pose], Iterable[Pose]] | None = None
     insertions: Callable[[str, Pose, str, Pose], Iterable[tuple[float, Pose]]] | None = None
     presses: Callable[[str, Pose, str, str], Iterable[HandView]] | None = None
+    grasps: Callable[[str, Pose, str], Iterable[HandView]] | None = None
     contents: Mapping[str, Sequence[str]] = field(default_factory=dict)
     grasped: str | None = None
     moment: dict[str, View] = field(default_factory=dict)

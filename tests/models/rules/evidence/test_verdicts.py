@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,9 +11,12 @@ import pytest
 from vcage.base.geometry import Pose
 from vcage.models.rules.critic import judge_others
 from vcage.models.rules.evidence.handed import Between
+from vcage.models.rules.evidence.held_up import SETTINGS
+from vcage.models.rules.evidence.in_hand import InHand
 from vcage.models.rules.evidence.parts import PartEvidence
 from vcage.models.rules.evidence.placed import Placed
-from vcage.models.rules.evidence.raised import SETTINGS, Raised
+from vcage.models.rules.evidence.raised import Raised
+from vcage.models.rules.evidence.shaken import Shaken
 from vcage.models.rules.standing import Standing
 from vcage.schema.episodes import Failure
 from vcage.schema.goals import Goal
@@ -52,31 +56,72 @@ def test_a_hand_over_needs_both_arms(evidence: Between, accepted: bool, words: s
     assert words in verdict.reason
 
 
+RAISED = Raised(0.9, 0.0, 0.0, 0.8, 0.12, None, STANDS, STANDS)
+"""A mug that one arm holds up, without a camera on its hand."""
+
+SURE, UNSURE, DOUBTED = InHand(0.9, 0.5), InHand(None, 0.5), InHand(None, 0.0)
+
+
 @pytest.mark.parametrize(
-    ("vacated", "seen", "words"),
+    ("changed", "words"),
     [
-        (0.9, 0.8, "80 % of the mug is seen 12 cm above its place"),
-        (0.1, 0.8, "stands where it was"),
-        (0.9, 0.1, "10 % of"),
+        ({}, "80 % of the mug is seen 12 cm above its place"),
+        ({"seen": 0.4, "hand": SURE}, "the camera on the hand sees it between the fingers"),
+        ({"vacated": None, "hand": SURE}, "sees it between the fingers"),
+        ({"seen": 0.7, "hand": UNSURE}, "70 % of"),
+        ({"seen": 0.9, "hand": DOUBTED}, "90 % of"),
     ],
 )
-def test_what_was_lifted_is_seen_in_the_air_and_not_below(vacated: float, seen: float, words: str):
-    verdict = Raised(vacated, seen, 0.0, 0.12, STANDS, STANDS).verdict("mug")
-    assert verdict.accepted is (min(vacated, seen) > 0.5)
-    assert words in verdict.reason
+def test_what_is_seen_above_its_place_or_in_the_hand_was_lifted(changed: dict[str, Any], words: str):
+    verdict = replace(RAISED, **changed).verdict("mug")
+    assert verdict.accepted and words in verdict.reason
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"vacated": 0.1}, "stands where it was"),
+        ({"vacated": None}, "nothing shows that the mug left its place"),
+        ({"vacated": None, "stays": 0.9, "hand": SURE}, "nothing shows that the mug left its place"),
+        ({"lies": 0.9}, "lies on the table"),
+        ({"seen": 0.4}, "40 % of"),
+        ({"seen": 0.7, "hand": DOUBTED}, "70 % of"),
+        ({"hand": InHand(0.2, 0.5)}, "does not see the mug between the fingers"),
+    ],
+)
+def test_what_is_seen_elsewhere_or_too_little_was_not_lifted(changed: dict[str, Any], words: str):
+    verdict = replace(RAISED, **changed).verdict("mug")
+    assert not verdict.accepted and words in verdict.reason
 
 
 def test_what_both_arms_lift_must_be_seen_more_plainly():
-    raised = Raised(0.9, 0.62, 0.0, 0.1, STANDS, STANDS)
+    raised = replace(RAISED, seen=0.62)
     assert raised.verdict("thing").accepted
     assert not raised.verdict("thing", SETTINGS.with_both_share).accepted
 
 
-@pytest.mark.parametrize(("leans", "words"), [(0.3, "tilted in the air"), (0.0, "upright"), (-0.3, "upright")])
-def test_what_was_shaken_is_seen_tilted(leans: float, words: str):
-    verdict = Raised(0.9, 0.8, leans, 0.12, STANDS, STANDS).leaning("mug")
-    assert verdict.accepted is (leans > 0.2)
+@pytest.mark.parametrize(
+    ("swung", "rocked", "upright", "accepted", "words"),
+    [
+        (0.03, 0.6, 1.0, True, "beside it the arm swung, 300 cm² changed"),
+        (0.0, 0.6, 1.5, False, "the hand that holds the mug has not swung"),
+        (0.03, 0.1, 1.0, False, "hung upright while the hand leaned"),
+        (0.03, 0.1, 1.5, True, "the arm swung"),
+        (0.03, None, 0.0, True, "the arm swung"),
+    ],
+    ids=["leaned", "stood still", "hung upright", "leaned to the customer", "round"],
+)
+def test_what_was_shaken_leaned_with_the_hand_that_swung(
+    swung: float, rocked: float | None, upright: float, accepted: bool, words: str
+):
+    verdict = Shaken(RAISED, RAISED, swung, rocked, upright).verdict("mug")
+    assert verdict.accepted is accepted
     assert words in verdict.reason
+
+
+def test_what_is_seen_in_the_air_at_one_side_only_was_not_shaken():
+    verdict = Shaken(RAISED, replace(RAISED, seen=0.1), 0.03, 0.6, 1.0).verdict("mug")
+    assert not verdict.accepted and "10 % of" in verdict.reason
 
 
 @pytest.mark.parametrize(

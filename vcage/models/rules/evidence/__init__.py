@@ -6,6 +6,7 @@ A kind of goal names its judgement (``evidence`` of :class:`vcage.goals.kind.Goa
 from __future__ import annotations
 
 from vcage.models.rules.evidence.handed import judge_handed
+from vcage.models.rules.evidence.held_up import judge_held_by_both, judge_held_up
 from vcage.models.rules.evidence.hit import judge_hit
 from vcage.models.rules.evidence.hung import judge_hung
 from vcage.models.rules.evidence.inserted import judge_inserted
@@ -23,8 +24,9 @@ from vcage.models.rules.evidence.parts import judge_part
 from vcage.models.rules.evidence.placed import judge_placed, judge_weighed
 from vcage.models.rules.evidence.poured import judge_poured
 from vcage.models.rules.evidence.pressed import judge_pressed
-from vcage.models.rules.evidence.raised import in_the_air, judge_held_by_both, judge_held_up
+from vcage.models.rules.evidence.raised import judge_lifted
 from vcage.models.rules.evidence.scanned import judge_scanned
+from vcage.models.rules.evidence.shaken import judge_shaken
 from vcage.models.rules.evidence.upright import judge_upright
 from vcage.models.rules.evidence.wiped import judge_wiped
 
@@ -42,10 +44,10 @@ EVIDENCE: dict[str, Judgement] = {
     "returned": judge_returned,
     "scanned": judge_scanned,
     "weighed": judge_weighed,
-    "lifted": in_the_air(leans=False),
+    "lifted": judge_lifted,
     "held_up": judge_held_up,
     "held_by_both": judge_held_by_both,
-    "shaken": in_the_air(leans=True),
+    "shaken": judge_shaken,
     "handed": judge_handed,
     "hit": judge_hit,
     "wiped": judge_wiped,

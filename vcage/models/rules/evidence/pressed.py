@@ -1,8 +1,6 @@
 """Evidence of a pressed button: the hand covers it, seen from above, and it is at the finger tips, seen from the hand.
 
-From above, hand and arm also hide a button beside which the fingers came down. The camera on the hand sees that, and
-the robot's file tells where the tips are in its picture. How the arm stood is not known: the picture is compared with
-drawings of the thing for each way in which the hand may come to the button.
+From above, hand and arm also hide a button beside which the fingers came down. The camera on the hand sees that.
 """
 
 from __future__ import annotations
@@ -11,15 +9,15 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import product
 
-import cv2
 import numpy as np
 
-from vcage.base.geometry import Camera, Pose
+from vcage.base.geometry import Pose
 from vcage.models.protocols import HandView
 from vcage.models.rules.critic_view import VIEW, CriticView
-from vcage.models.rules.drawings import Draw, as_bright, drawn_whole
+from vcage.models.rules.drawings import Draw
+from vcage.models.rules.evidence.hand_picture import HandPicture
 from vcage.models.rules.evidence.judgement import Judged, decided, refused
-from vcage.models.rules.evidence.parts import PosedObject, edges_and_hues, unlike
+from vcage.models.rules.evidence.parts import PosedObject
 from vcage.models.rules.pixels import changed, grown, share_of
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal, part_words
@@ -37,10 +35,9 @@ class PressSettings:
         touched_share: share of a button's visible area that the hand covers while it presses it.
         ring_px: width of the ring around a button that is looked at as well.
         ring_share: changed share of that ring from which a hand covers the button, even one of its colour.
-        width_px: about the width to which a picture of the hand's camera is reduced.
         beside_m, directions: distance and directions from its place at which the thing is drawn as well.
-        fewest_px: least number of pixels of the thing in that reduced picture, else the camera does not see it.
-        least_contrast: standard deviation of the light of a picture, of 255, below which it shows nothing.
+        fewest_px: least number of pixels of the thing in the reduced picture of a camera on a hand, else that does not
+            see it.
     """
 
     away_share: float = -1000.0
@@ -48,11 +45,9 @@ class PressSettings:
     touched_share: float = 0.15
     ring_px: float = 4.0
     ring_share: float = 0.6
-    width_px: int = 80
     beside_m: float = 0.05
     directions: int = 12
     fewest_px: int = 40
-    least_contrast: float = 2.0
 
 
 SETTINGS = PressSettings()
@@ -137,54 +132,29 @@ def _beside(thing: PosedObject, view: CriticView, goal: Goal) -> float:
         hands = list(presses(goal.subject, thing.pose, part, name))
         if hands:
             draw = thing.draw_at({**thing.rest, part: 1.0})
-            found.append(_HandPicture(picture, hands[0].camera).beside(hands, thing.pose, draw))
+            found.append(_beside_tips(HandPicture(picture, hands[0].camera), hands, thing.pose, draw))
     return max(found, default=np.inf)  # of two hands, one presses
 
 
-class _HandPicture:
-    """A picture of a camera on a hand, reduced: fewer pixels tell as much.
+def _beside_tips(picture: HandPicture, hands: Sequence[HandView], pose: Pose, draw: Draw) -> float:
+    """Unlikeness with the thing beside its place, in shares of that with the thing there, each the least; inf where
+    the thing cannot be seen.
 
     Args:
-        picture: (H, W, 3) uint8 RGB.
-        camera: that takes such pictures, wherever.
+        picture: of a camera on the hand.
+        hands: that press it there.
+        pose: of the thing.
+        draw: draws it, pressed.
     """
+    shown = [picture.drawing(hand, pose, draw).covered & ~picture.fingers(hand) for hand in hands]
+    if not picture.shows or min(map(np.sum, shown)) < SETTINGS.fewest_px:
+        return np.inf
 
-    def __init__(self, picture: np.ndarray, camera: Camera):
-        self._step = max(1, round(camera.width / SETTINGS.width_px))
-        small = (camera.width // self._step, camera.height // self._step)
-        self._picture = cv2.resize(picture, small, interpolation=cv2.INTER_AREA)
-        self._looks = edges_and_hues(self._picture)
+    def least(poses: Iterable[Pose]) -> float:
+        tried = product(hands, poses)
+        return min(picture.unlike(picture.drawing(hand, at, draw), picture.fingers(hand)) for hand, at in tried)
 
-    def beside(self, hands: Sequence[HandView], pose: Pose, draw: Draw) -> float:
-        """Unlikeness with the thing beside its place, in shares of that with the thing there, each the least; inf where
-        the thing cannot be seen.
-
-        Args:
-            hands: that press it there.
-            pose: of the thing.
-            draw: draws it, pressed.
-        """
-        shown = [drawn_whole(draw, pose, hand.camera, self._step).covered & ~self._hidden(hand) for hand in hands]
-        if self._picture.std() < SETTINGS.least_contrast or min(map(np.sum, shown)) < SETTINGS.fewest_px:
-            return np.inf
-        there, around = (
-            min(self._unlike(hand, at, draw) for hand, at in product(hands, poses)) for poses in ([pose], _around(pose))
-        )
-        return around / max(there, 1e-6)
-
-    def _unlike(self, hand: HandView, pose: Pose, draw: Draw) -> float:
-        """How unlike, beside the fingers, the picture is to a drawing of a thing on a plain table."""
-        drawing, hidden = drawn_whole(draw, pose, hand.camera, self._step), self._hidden(hand)
-        expected, table = as_bright(drawing, self._picture, hidden).astype(np.uint8), ~drawing.covered & ~hidden
-        if table.any():
-            expected[table] = np.median(self._picture[table], axis=0)
-        expected[hidden] = self._picture[hidden]
-        return unlike(self._looks[~hidden], edges_and_hues(expected)[~hidden])
-
-    def _hidden(self, hand: HandView) -> np.ndarray:
-        """(h, w) bool, the area of the fingers."""
-        fingers = cv2.convexHull((hand.camera.project(hand.fingers) / self._step).astype(np.float32))
-        return cv2.fillConvexPoly(np.zeros(self._looks.shape[:2], np.uint8), fingers.astype(np.int32), (1,)) > 0
+    return least(_around(pose)) / max(least([pose]), 1e-6)
 
 
 def _around(pose: Pose) -> Iterable[Pose]:

@@ -1,0 +1,150 @@
+"""Evidence of an object that one arm tilted to and fro in the air, at its first and its last lean.
+
+The hand has swung about it between the two, and it has moved with the hand. An object that is too small or too round to
+tell is judged by the arm alone. How far and how often it leaned no picture shows.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vcage.base.geometry import Pose
+from vcage.models.rules.critic_view import CriticView
+from vcage.models.rules.drawings import drawn_whole
+from vcage.models.rules.evidence.in_hand import held_object
+from vcage.models.rules.evidence.judgement import Judged, refused, unseen
+from vcage.models.rules.evidence.raised import Raised, at_later, at_moment, in_the_air
+from vcage.models.rules.pixels import changed, grown, share_of
+from vcage.schema.episodes import Verdict
+from vcage.schema.goals import Goal
+from vcage.vision.colour import smoothed
+
+
+@dataclass(frozen=True)
+class ShakenSettings:
+    """Limits that tell a shake.
+
+    Args:
+        seen_share: least share of the pixels that tell the object in the air that must look like it: it leans there,
+            and is drawn upright.
+        around_m: from the middle of the object, within which the hand is.
+        beside_px: around the object that is not counted as hand.
+        swung_m2: least area that changes there when a hand swings.
+        lean_rad, directions: lean to either side, and number of directions, in which the object is drawn.
+        rocked_share: share of its lower edges, as it leans to all sides, that changes from side to side when it leans.
+            Of 12 objects that hung upright in a swinging hand it was 4 to 35 %, of 40 that leaned 23 to 93 %.
+        fewest_px: of these edges, else the object is too small or too round to tell.
+        upright_share: unlikeness of what the hand sees to the object that stayed upright, in shares of that to the one
+            that leaned with the hand, from which it surely leaned: a lean towards the customer hardly shows from there.
+    """
+
+    seen_share: float = 0.4
+    around_m: float = 0.25
+    beside_px: float = 4.0
+    swung_m2: float = 0.01
+    lean_rad: float = float(np.radians(22.0))
+    directions: int = 4
+    rocked_share: float = 0.2
+    fewest_px: int = 450
+    upright_share: float = 1.2
+
+
+SETTINGS = ShakenSettings()
+
+
+@dataclass(frozen=True)
+class Shaken:
+    """Measurements of a shake.
+
+    Args:
+        first, second: of the object in the air, at both sides.
+        swung: area that changed beside it between the two, m².
+        rocked: share of its lower edges that changed; None where it is too small or too round to tell.
+        upright: how unlike the pictures of the hand's camera are to an object that stayed upright, in shares of how
+            unlike to one that leaned with the hand; 0 without such pictures, inf where the edges tell.
+    """
+
+    first: Raised
+    second: Raised
+    swung: float
+    rocked: float | None
+    upright: float
+
+    def verdict(self, thing: str) -> Verdict:
+        """Judge by the hand that swung, and the object that leaned with it."""
+        verdicts = [one.verdict(thing, SETTINGS.seen_share) for one in (self.first, self.second)]
+        for one in verdicts:
+            if not one.accepted:
+                return one
+        if self.swung < SETTINGS.swung_m2:
+            return refused(f"the hand that holds the {thing} has not swung: {1e4 * self.swung:.0f} cm² changed", 0.8)
+        rocked = self.rocked is None or self.rocked >= SETTINGS.rocked_share
+        if not rocked and self.upright < SETTINGS.upright_share:
+            return refused(f"the {thing} hung upright while the hand leaned", 1 - (self.rocked or 0.0))
+        verdict = min(verdicts, key=lambda one: one.confidence)
+        words = f"{verdict.reason}; beside it the arm swung, {1e4 * self.swung:.0f} cm² changed"
+        return verdict.model_copy(update={"reason": words})
+
+
+def judge_shaken(view: CriticView, goal: Goal) -> Judged:
+    """Judge if an object was tilted to and fro in the air."""
+    thing = view.phrase(goal.subject)
+    if at_moment(view) is not None and at_later(view) is None:
+        return unseen(view, f"the last lean of the {thing}, as it is taken now of a shake")
+    first = in_the_air(view, goal, at_moment(view), alike_lab=np.inf)
+    if isinstance(first, Judged):
+        return first
+    second = in_the_air(view, goal, at_later(view), alike_lab=np.inf)
+    if isinstance(second, Judged):
+        return second
+    swung, rocked = _swung(view, goal.subject, first)
+    told = rocked is None or rocked >= SETTINGS.rocked_share
+    found = Shaken(first, second, swung, rocked, np.inf if told else _upright(view, goal.subject))
+    return Judged(found.verdict(thing), view.around(first.old, first.new))
+
+
+def _swung(view: CriticView, name: str, found: Raised) -> tuple[float, float | None]:
+    """The area beside an object that changed between the customer's two pictures, m², and the share of its lower edges;
+    None where these are too small."""
+    there, back = view.moment["customer"], view.later["customer"]
+    camera, size, stood = there.camera, found.old.size, found.old.pose
+    raised = Pose(stood.p + [0.0, 0.0, found.height], stood.q)
+    middle = raised.p + [0.0, 0.0, size[2] / 2]
+    scale = float(np.linalg.norm(camera.pose.p - middle)) / camera.focal
+    rows, columns = np.mgrid[: camera.height, : camera.width]
+    u, v = camera.project(middle[None])[0]
+    near = np.hypot(columns - u, rows - v) < SETTINGS.around_m / scale
+    poses = (raised, *(lean * raised for lean in _leans(middle)))
+    outlines = [drawn_whole(view.sought(name).draw, pose, camera).covered for pose in poses]
+    own = np.any(outlines, axis=0)
+    change = changed(smoothed(there.picture), smoothed(back.picture))
+    edges = own & ~np.all(outlines, axis=0) & (rows > v)  # the hand hides the upper ones
+    rocked = share_of(change, edges) if edges.sum() >= SETTINGS.fewest_px else None
+    return float((change & near & ~grown(own, SETTINGS.beside_px)).sum() * scale**2), rocked
+
+
+def _upright(view: CriticView, name: str) -> float:
+    """How unlike the hand's pictures are to an object that stayed upright, in shares of how unlike to one that leaned
+    with the hand; 0 without such pictures."""
+    pictures = (view.question.uncalibrated.get(when, {}) for when in ("moment", "later"))
+    there, back = (held_object(view, name, one) for one in pictures)
+    if there is None or back is None:
+        return 0.0
+    hand, shift = there.likeliest()
+    middle = there.pose.p + [0.0, 0.0, view.look(name).size[2] / 2]
+
+    def unlike(lean: Pose) -> float:
+        both = [there.unlike_leaning(hand, shift, lean), back.unlike_leaning(hand, shift, lean.inverse())]
+        held, upright = np.sum(both, axis=0)
+        return float(upright) / max(float(held), 1e-6)
+
+    return min(map(unlike, _leans(middle)))
+
+
+def _leans(middle: np.ndarray) -> list[Pose]:
+    """Leans about a point (3,) of the world to all sides."""
+    half, angles = SETTINGS.lean_rad / 2, np.arange(2 * SETTINGS.directions) * np.pi / SETTINGS.directions
+    turns = [Pose(q=[np.cos(half), np.sin(half) * np.cos(a), np.sin(half) * np.sin(a), 0.0]) for a in angles]
+    return [Pose(middle) * turn * Pose(-middle) for turn in turns]

@@ -1,0 +1,89 @@
+"""Presses and grasps as a camera on the hand sees them, from the robot's file alone."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from vcage.base.geometry import Pose, box_corners
+from vcage.models.protocols import HandView
+from vcage.schema.robot import Gripper, Robot, RobotCamera
+from vcage.sim.cameras import placed
+from vcage.sim.joints import joint_positions
+from vcage.sim.kinematics import kinematics_of
+from vcage.tasks.grasps import hand_boxes
+from vcage.tasks.hand_poses import hand_poses
+from vcage.tasks.primitives.handles import Handle, operating_ways
+from vcage.tasks.scene_objects import SceneObject
+
+
+def press_views(thing: SceneObject, part: str, robot: Robot, camera: str) -> Iterator[HandView]:
+    """A camera on a hand at the end of a press, for each way in which the hand may come, within reach or not.
+
+    None where the camera is fixed to no hand, or where nothing presses the part.
+
+    Args:
+        thing: whose part is pressed, where it stands.
+        part: name of its link.
+        robot: that presses it.
+        camera: name in the robot's file.
+    """
+    on_hand = _OnHand.of(robot, camera)
+    contact = next((c for c in thing.asset.annotation.contact_points if c.link == part and c.use == "press"), None)
+    if on_hand is None or contact is None:
+        return
+    gripper, model = on_hand.gripper, thing.asset.model
+    handle = Handle(contact, model, thing.pose, joint_positions(model, thing.joints), thing.asset.grasp_width(contact))
+    for way in operating_ways(handle, handle.link.joint.far_end, gripper, thing.box.bottom):
+        yield on_hand.view(way.motion[way.pushed - 1], opening=0.0)
+
+
+def grasp_views(thing: SceneObject, robot: Robot, camera: str) -> Iterator[HandView]:
+    """A camera on a hand that holds an object, for each way in which its fingers may close on it, within reach or not.
+
+    None where the camera is fixed to no hand.
+
+    Args:
+        thing: what is held, at any pose.
+        robot: that holds it.
+        camera: name in the robot's file.
+    """
+    on_hand = _OnHand.of(robot, camera)
+    if on_hand is None:
+        return
+    for contact in thing.asset.annotation.carrying_points:
+        opening = min(thing.asset.grasp_width(contact), on_hand.gripper.max_width)
+        for grasp in hand_poses(thing, contact, on_hand.gripper):
+            yield on_hand.view(grasp.pose, opening)
+
+
+@dataclass(frozen=True)
+class _OnHand:
+    """A camera that a hand carries.
+
+    Args:
+        camera: of the robot's file.
+        gripper: of the hand.
+        carrier: of the camera, in the gripper frame.
+    """
+
+    camera: RobotCamera
+    gripper: Gripper
+    carrier: Pose
+
+    @classmethod
+    def of(cls, robot: Robot, name: str) -> _OnHand | None:
+        """A camera by its name; None where no hand carries it."""
+        sees = robot.cameras.get(name)
+        if sees is None or sees.arm is None or sees.link is None:
+            return None
+        arm = kinematics_of(robot.arms[sees.arm])
+        carrier = arm.on_hand(sees.link)
+        return None if carrier is None else cls(sees, arm.arm.gripper, carrier)
+
+    def view(self, hand: Pose, opening: float) -> HandView:
+        """The view with the hand at a pose of its gripper frame, its fingers ``opening`` metres apart."""
+        fingers = np.array([box_corners(*box) for box in hand_boxes(self.gripper, opening)[:2]])
+        return HandView(placed(self.camera, carrier=hand * self.carrier), hand.apply(fingers.reshape(-1, 3)), hand)
