@@ -47,9 +47,9 @@ class RaisedSettings:
     highest_m: float = 0.4
     step_m: float = 0.01
     alike_lab: float = 14.0
-    seen_share: float = 0.45
+    seen_share: float = 0.5
     held_share: float = 0.3
-    doubted_share: float = 0.72
+    doubted_share: float = 0.85
     left_share: float = 0.3
     stays_share: float = 0.6
     lies_share: float = 0.55
