@@ -28,6 +28,7 @@ from benchmarks._critic.wipes import wiped_above, wiped_another, wiped_beside, w
 from vcage.base.geometry import Pose
 from vcage.plans.actions import HOLDING
 from vcage.schema.episodes import Truth
+from vcage.schema.subtasks import Subtask
 from vcage.sim.joints import joint_index
 from vcage.sim.state import WorldState
 from vcage.tasks.reading import reads
@@ -168,8 +169,9 @@ def too_far(played: Played) -> Shots | None:
 
 
 def wrong_words(played: Played) -> Shots | None:
-    """Something was done, but not what the words say."""
-    others = [s for s in played.case.others if s.goals[0] != played.goal]
+    """Something was done, but not what the words say. What happened to the same object on the way may be true: a shake
+    is a lift, too."""
+    others = [s for s in played.case.others if s.goals[0] != played.goal and not _may_have_happened(played, s)]
     near = [s for s in others if s.object == played.subtask.object or s.receptacle == played.subtask.receptacle]
     if not others:
         return None
@@ -379,3 +381,8 @@ def _still(played: Played) -> str | None:
 def _is_read(played: Played, moment: WorldState) -> bool:
     now = played.now(moment)
     return any(reads(now[other], now[played.goal.subject]) for other in now if other != played.goal.subject)
+
+
+def _may_have_happened(played: Played, other: Subtask) -> bool:
+    """True for an event of the object that was handled, which the state at the end does not tell."""
+    return other.object == played.subtask.object and any(goal.kind.event for goal in other.goals)

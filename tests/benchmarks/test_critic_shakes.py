@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from benchmarks._critic.kinds import not_lifted, nothing, off_table
+from benchmarks._critic.kinds import not_lifted, nothing, off_table, wrong_words
 from benchmarks._critic.played import Kind, Played
 from benchmarks._critic.shakes import hung_plumb, hung_still, leaned_once
 from tests.benchmarks.one_played import one_played
@@ -76,3 +78,8 @@ def test_what_was_not_carried_is_in_the_hand_at_neither_side(played: Played, kin
     assert shots is not None and len(shots.moments) == 2
     for now, was in zip(shots.moments, played.shots.moments, strict=True):
         assert np.linalg.norm(now.objects[BLOCK.id].p - was.objects[BLOCK.id].p) > 0.05
+
+
+def test_what_was_shaken_is_not_asked_about_as_if_it_had_not_been_lifted(played: Played) -> None:
+    lifted = played.subtask.model_copy(update={"goals": [Goal(subject=BLOCK.id, relation="lifted")]})
+    assert wrong_words(replace(played, case=replace(played.case, others=[lifted]))) is None
