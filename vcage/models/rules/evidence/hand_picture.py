@@ -7,6 +7,7 @@ the thing in several ways, and each way has drawings of its own.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
@@ -26,14 +27,10 @@ class HandPictureSettings:
     Args:
         width_px: about the width to which a picture of the hand's camera is reduced.
         least_contrast: standard deviation of the light of a picture, of 255, below which it shows nothing.
-        level_range, tint_range: least and most by which the picture may be brighter than a drawing, and one colour of
-            it beside the others. Anything brown passes for anything else that is brown where the light is left free.
     """
 
     width_px: int = 80
     least_contrast: float = 2.0
-    level_range: tuple[float, float] = (0.7, 1.45)
-    tint_range: tuple[float, float] = (0.92, 1.09)
 
 
 SETTINGS = HandPictureSettings()
@@ -45,6 +42,7 @@ class HandPicture:
     Args:
         picture: (H, W, 3) uint8 RGB.
         camera: that takes such pictures, wherever.
+        light: ranges of the light of a picture beside that of a drawing, see :func:`brightness`.
 
     Attributes:
         picture: (h, w, 3) uint8 RGB, reduced.
@@ -52,7 +50,8 @@ class HandPicture:
         shows: whether there is anything to see.
     """
 
-    def __init__(self, picture: np.ndarray, camera: Camera):
+    def __init__(self, picture: np.ndarray, camera: Camera, **light: Any):
+        self._light = light
         self._step = max(1, round(camera.width / SETTINGS.width_px))
         small = (camera.width // self._step, camera.height // self._step)
         self.picture = cv2.resize(picture, small, interpolation=cv2.INTER_AREA)
@@ -74,9 +73,7 @@ class HandPicture:
 
     def lit(self, drawing: Drawing, hidden: np.ndarray) -> np.ndarray:
         """(h, w, 3) uint8, a drawing as bright as the picture is where it is covered and not hidden (h, w) bool."""
-        gain = brightness(
-            drawing, self.picture, hidden, level_range=SETTINGS.level_range, tint_range=SETTINGS.tint_range
-        )
+        gain = brightness(drawing, self.picture, hidden, **self._light)
         return np.clip(drawing.picture.astype(np.float32) * gain, 0, 255).astype(np.uint8)
 
     def unlike(self, drawing: Drawing, hidden: np.ndarray, where: np.ndarray | None = None) -> float:

@@ -27,6 +27,8 @@ class InHandSettings:
         refined: number of the likeliest grasps of which more drawings are made: an object slips and turns a little.
         rounds: of these drawings.
         steps: the first of them across the fingers and along the approach, metres, and about the closing axis, radians.
+        level_range, tint_range: least and most by which the picture may be brighter than a drawing, and one colour of
+            it beside the others. Anything brown passes for anything else that is brown where the light is left free.
         table_shades: shades of the table's colour that what is behind the object may have.
         apart_lab: colour distance from all of these from which a pixel of the object tells that it is there.
         alike_lab: distance up to which what is seen looks like the object.
@@ -41,6 +43,8 @@ class InHandSettings:
     refined: int = 2
     rounds: int = 4
     steps: tuple[float, float, float] = (0.008, 0.008, 0.16)
+    level_range: tuple[float, float] = (0.7, 1.45)
+    tint_range: tuple[float, float] = (0.92, 1.09)
     table_shades: tuple[float, ...] = (0.7, 0.85, 1.0, 1.15)
     apart_lab: float = 12.0
     alike_lab: float = 18.0
@@ -106,8 +110,11 @@ def held_object(view: CriticView, name: str, pictures: Mapping[str, np.ndarray])
     draw = view.draw(name, dict.fromkeys(question.opened.get(name, ()), 1.0))
     for camera, picture in pictures.items():
         hands = list(question.grasps(name, pose, camera))
-        seen = HandPicture(picture, hands[0].camera) if hands else None
-        if seen is not None and seen.shows:
+        if not hands:
+            continue
+        light = {"level_range": SETTINGS.level_range, "tint_range": SETTINGS.tint_range}
+        seen = HandPicture(picture, hands[0].camera, **light)
+        if seen.shows:
             return HeldObject(seen, hands, pose, draw, to_lab(shades[None])[0])
     return None
 
