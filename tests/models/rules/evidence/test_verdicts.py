@@ -70,6 +70,7 @@ SURE, UNSURE, DOUBTED = InHand(0.9, 0.5), InHand(None, 0.5), InHand(None, 0.0)
         ({"vacated": None, "hand": SURE}, "sees it between the fingers"),
         ({"seen": 0.7, "hand": UNSURE}, "70 % of"),
         ({"seen": 0.9, "hand": DOUBTED}, "90 % of"),
+        ({"lies": 0.7, "hand": UNSURE}, "80 % of"),
     ],
 )
 def test_what_is_seen_above_its_place_or_in_the_hand_was_lifted(changed: dict[str, Any], words: str):
@@ -83,7 +84,8 @@ def test_what_is_seen_above_its_place_or_in_the_hand_was_lifted(changed: dict[st
         ({"vacated": 0.1}, "stands where it was"),
         ({"vacated": None}, "nothing shows that the mug left its place"),
         ({"vacated": None, "stays": 0.9, "hand": SURE}, "nothing shows that the mug left its place"),
-        ({"lies": 0.9}, "lies on the table"),
+        ({"lies": 0.7}, "lies on the table"),
+        ({"lies": 0.9, "hand": UNSURE}, "lies on the table"),
         ({"seen": 0.4}, "40 % of"),
         ({"seen": 0.7, "hand": DOUBTED}, "70 % of"),
         ({"hand": InHand(0.2, 0.5)}, "does not see the mug between the fingers"),

@@ -40,7 +40,8 @@ class RaisedSettings:
         left_share: share of the old outline that must look as without the object.
         stays_share: share of the pixels that tell the object on its old place from a bare table, seen from above, from
             which it may still stand there.
-        lies_share: share of the pixels that tell the object where it is put down from which it lies there already.
+        lies_share, surely_lies_share: share of the pixels that tell the object where it is put down from which it lies
+            there already; and the same where the camera on the hand sees something like it: an arm may hide that place.
         apart_m: an object that is put down nearer to its old place is taken to stand there.
     """
 
@@ -53,6 +54,7 @@ class RaisedSettings:
     left_share: float = 0.3
     stays_share: float = 0.6
     lies_share: float = 0.55
+    surely_lies_share: float = 0.75
     apart_m: float = 0.03
 
 
@@ -170,7 +172,8 @@ class Raised:
             return refused(f"nothing shows that the {thing} left its place", 0.6, "lost")
         if self.vacated is not None and self.vacated < SETTINGS.left_share:
             return refused(f"the {thing} stands where it was at the moment of the lift", 1 - self.vacated, "lost")
-        if self.lies >= SETTINGS.lies_share and not self._held:
+        agrees = self.hand is not None and self.hand.agrees
+        if self.lies >= (SETTINGS.surely_lies_share if agrees else SETTINGS.lies_share) and not self._held:
             return refused(f"the {thing} lies on the table at the moment of the lift", self.lies, "lost")
         return None
 
