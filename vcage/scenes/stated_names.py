@@ -51,15 +51,7 @@ def objects_of(task: StatedTask, catalogue: Sequence[CatalogueEntry], rng: np.ra
         wishes = _named(task, kinds)
         wishes += [Wish(tool, None) for tool in _tools(task, catalogue, [kinds[wish.kind] for wish in wishes])]
         wishes += _balls(task, wishes, kinds)
-    taken = Counter((wish.kind, wish.look) for wish in wishes)
-    chosen, seen = list[SelectedAsset](), set[str]()
-    for wish in wishes:
-        drawn = wish.look or _draw_look(kinds[wish.kind], taken, seen, rng)
-        taken[wish.kind, drawn] += wish.look is None
-        shown = look(kinds[wish.kind], drawn)
-        seen |= set(shown.colour.split()) if shown is not None and not kinds[wish.kind].loose else set()
-        chosen.append(SelectedAsset(asset=wish.kind, variant=drawn, role="context"))
-    named = name_objects(Selection(objects=chosen), catalogue)
+    named = name_objects(Selection(objects=_drawn(wishes, kinds, rng)), catalogue)
     vessels = [None if wish.starts_in is None else named[wish.starts_in].id for wish in wishes]
     return [replace(one, starts_in=vessel) for one, vessel in zip(named, vessels, strict=True)]
 
@@ -152,17 +144,34 @@ def _tools(task: StatedTask, catalogue: Sequence[CatalogueEntry], there: Sequenc
 def _balls(task: StatedTask, wishes: Sequence[Wish], kinds: Mapping[str, CatalogueEntry]) -> list[Wish]:
     """Return balls for each vessel to be poured that nothing is stated to lie in; as many as "several" are."""
 
-    def meant(path: str, text: str) -> set[int]:
-        wish = _wish(path, kinds, text)
-        return {n for n, one in enumerate(wishes) if one == wish or (wish.look is None and one.kind == wish.kind)}
-
     starts = [(*one.names[1], one.text) for one in task.starts if one.word == "inside"]
-    filled = [meant(split_part(path, kinds, with_part)[0], text) for path, with_part, text in starts]
-    poured = [meant(one.subject, one.text) for one in task.goals if one.word == "poured"]
+    into = [_wish(split_part(path, kinds, with_part)[0], kinds, text) for path, with_part, text in starts]
+    filled = [_numbers(wish, wishes) for wish in into]
+    poured = [_numbers(_wish(one.subject, kinds, one.text), wishes) for one in task.goals if one.word == "poured"]
     alone = {number for several in poured if len(several) == 1 for number in several}.difference(*filled)
     vessels = [number for number in sorted(alone) if kinds[wishes[number].kind].holds_loose]
     balls = sorted(name for name, entry in kinds.items() if entry.loose)[:1] * Occasion.most
     return [Wish(ball, None, starts_in=number) for number in vessels for ball in balls]
+
+
+def _numbers(wish: Wish, wishes: Sequence[Wish]) -> set[int]:
+    """Places of those that a wish may mean."""
+    return {n for n, one in enumerate(wishes) if one == wish or (wish.look is None and one.kind == wish.kind)}
+
+
+def _drawn(
+    wishes: Sequence[Wish], kinds: Mapping[str, CatalogueEntry], rng: np.random.Generator
+) -> list[SelectedAsset]:
+    """The objects wished for, each with a look."""
+    taken = Counter((wish.kind, wish.look) for wish in wishes)
+    chosen, seen = list[SelectedAsset](), set[str]()
+    for wish in wishes:
+        drawn = wish.look or _draw_look(kinds[wish.kind], taken, seen, rng)
+        taken[wish.kind, drawn] += wish.look is None
+        shown = look(kinds[wish.kind], drawn)
+        seen |= set(shown.colour.split()) if shown is not None and not kinds[wish.kind].loose else set()
+        chosen.append(SelectedAsset(asset=wish.kind, variant=drawn, role="context"))
+    return chosen
 
 
 def _draw_look(

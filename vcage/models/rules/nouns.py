@@ -171,6 +171,9 @@ class Noun:
         found = {name: looks for name, (level, looks) in fits.items() if level >= least}
         if self.colour is not None and least < EXACT and self._is_carried(entries.values()):
             found = {name: looks for name, looks in found.items() if entries[name].can_be_carried}
+        return self._nearest_in_colour(found)
+
+    def _nearest_in_colour(self, found: Mapping[str, list[Variant]]) -> dict[str, list[Variant]]:
         exact = max((colour_level(look, self.colour) for looks in found.values() for look in looks), default=0)
         kept = {n: [look for look in looks if colour_level(look, self.colour) == exact] for n, looks in found.items()}
         return {name: looks for name, looks in kept.items() if looks}
