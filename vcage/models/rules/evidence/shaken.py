@@ -92,7 +92,7 @@ def judge_shaken(view: CriticView, goal: Goal) -> Judged:
     """Judge if an object was tilted to and fro in the air."""
     thing = view.phrase(goal.subject)
     if at_moment(view) is not None and at_later(view) is None:
-        return unseen(view, f"the last lean of the {thing}, as it is taken now of a shake")
+        return unseen(view, f"the last lean of the {thing}; a run that is collected anew has it")
     first = in_the_air(view, goal, at_moment(view), alike_lab=np.inf)
     if isinstance(first, Judged):
         return first
