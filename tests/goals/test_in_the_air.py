@@ -115,6 +115,6 @@ def test_less_than_that_is_no_shaking(states: list[Held]):
 
 
 def test_a_lean_at_the_lift_does_not_hide_a_shake_that_leans_across_it():
-    """What drooped to the front when it was lifted leans to the left and right when it is shaken."""
+    """A thing that drooped to the front when it was lifted leans to the left and right when it is shaken."""
     leans = [(24, 90), (20, 10), (-20, -10), (20, 10)]
     assert happens("shaken", *(Held(lean, axis_deg=axis) for lean, axis in leans))

@@ -91,12 +91,13 @@ class Shaken:
 def judge_shaken(view: CriticView, goal: Goal) -> Judged:
     """Judge if an object was tilted to and fro in the air."""
     thing = view.phrase(goal.subject)
-    if at_moment(view) is not None and at_later(view) is None:
+    moment, later = at_moment(view), at_later(view)
+    if moment is not None and later is None:
         return unseen(view, f"the last lean of the {thing}; a run that is collected anew has it")
-    first = in_the_air(view, goal, at_moment(view), alike_lab=np.inf)
+    first = in_the_air(view, goal, moment, alike_lab=np.inf)
     if isinstance(first, Judged):
         return first
-    second = in_the_air(view, goal, at_later(view), alike_lab=np.inf)
+    second = in_the_air(view, goal, later, alike_lab=np.inf)
     if isinstance(second, Judged):
         return second
     swung, rocked = _swung(view, goal.subject, first)
