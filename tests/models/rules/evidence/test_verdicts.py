@@ -56,7 +56,7 @@ def test_a_hand_over_needs_both_arms(evidence: Between, accepted: bool, words: s
     assert words in verdict.reason
 
 
-RAISED = Raised(0.9, 0.0, 0.0, 0.8, 0.12, None, STANDS, STANDS)
+RAISED = Raised(0.9, 0.0, 0.0, 0.8, 0.12, 0.0, None, STANDS, STANDS)
 """A mug that one arm holds up, without a camera on its hand."""
 
 SURE, UNSURE, DOUBTED = InHand(0.9, 0.5), InHand(None, 0.5), InHand(None, 0.0)
@@ -71,6 +71,8 @@ SURE, UNSURE, DOUBTED = InHand(0.9, 0.5), InHand(None, 0.5), InHand(None, 0.0)
         ({"seen": 0.7, "hand": UNSURE}, "70 % of"),
         ({"seen": 0.9, "hand": DOUBTED}, "90 % of"),
         ({"lies": 0.7, "hand": UNSURE}, "80 % of"),
+        ({"through": 0.8, "hand": SURE}, "80 % of"),
+        ({"through": 0.8}, "80 % of"),
     ],
 )
 def test_what_is_seen_above_its_place_or_in_the_hand_was_lifted(changed: dict[str, Any], words: str):
@@ -86,6 +88,7 @@ def test_what_is_seen_above_its_place_or_in_the_hand_was_lifted(changed: dict[st
         ({"vacated": None, "stays": 0.9, "hand": SURE}, "nothing shows that the mug left its place"),
         ({"lies": 0.7}, "lies on the table"),
         ({"lies": 0.9, "hand": UNSURE}, "lies on the table"),
+        ({"through": 0.8, "hand": UNSURE}, "the table is seen where the mug would be"),
         ({"seen": 0.4}, "40 % of"),
         ({"seen": 0.7, "hand": DOUBTED}, "70 % of"),
         ({"hand": InHand(0.2, 0.5)}, "does not see the mug between the fingers"),
@@ -109,12 +112,28 @@ def test_what_both_arms_lift_must_be_seen_more_plainly():
         (0.0, 0.6, 1.5, False, "the hand that holds the mug has not swung"),
         (0.03, 0.1, 1.0, False, "hung upright while the hand leaned"),
         (0.03, 0.1, 1.5, True, "the arm swung"),
-        (0.03, None, 0.0, True, "the arm swung"),
+        (0.03, 0.1, None, False, "hung upright while the hand leaned"),
+        (0.03, 0.3, 0.95, False, "hung upright while the hand leaned"),
+        (0.03, 0.3, 1.05, True, "the arm swung"),
+        (0.03, None, 0.95, True, "the arm swung"),
+        (0.03, None, 0.7, False, "hung upright while the hand leaned"),
+        (0.03, None, None, True, "the arm swung"),
     ],
-    ids=["leaned", "stood still", "hung upright", "leaned to the customer", "round"],
+    ids=[
+        "leaned",
+        "stood still",
+        "hung upright",
+        "leaned to the customer",
+        "no camera on the hand",
+        "hung, seen by it",
+        "leaned, seen by it",
+        "round",
+        "round, and hung",
+        "round, and no such camera",
+    ],
 )
 def test_what_was_shaken_leaned_with_the_hand_that_swung(
-    swung: float, rocked: float | None, upright: float, accepted: bool, words: str
+    swung: float, rocked: float | None, upright: float | None, accepted: bool, words: str
 ):
     verdict = Shaken(RAISED, RAISED, swung, rocked, upright).verdict("mug")
     assert verdict.accepted is accepted

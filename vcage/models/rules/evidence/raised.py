@@ -43,6 +43,8 @@ class RaisedSettings:
         lies_share, surely_lies_share: share of the pixels that tell the object where it is put down from which it lies
             there already; and the same where the camera on the hand sees something like it: an arm may hide that place.
         apart_m: an object that is put down nearer to its old place is taken to stand there.
+        through_share: share of the pixels that tell it in the air, seen from above, that look like the bare table, from
+            which it is not there unless the camera on the hand surely sees it.
     """
 
     highest_m: float = 0.4
@@ -56,6 +58,7 @@ class RaisedSettings:
     lies_share: float = 0.55
     surely_lies_share: float = 0.75
     apart_m: float = 0.03
+    through_share: float = 0.65
 
 
 SETTINGS = RaisedSettings()
@@ -88,6 +91,7 @@ class Raised:
         lies: the same of where it is put down afterwards, from above or from the customer's side: the larger.
         seen: largest share of what tells it in the air that looks like it.
         height: above its old place of that likeliest drawing, metres.
+        through: share of what tells that drawing from a bare table, seen from above, that looks like the table.
         hand: what the camera on the hand sees; None without one.
         old, new: where it stood and stands; None where it is not found.
     """
@@ -97,6 +101,7 @@ class Raised:
     lies: float
     seen: float
     height: float
+    through: float
     hand: InHand | None
     old: Standing
     new: Standing | None
@@ -123,21 +128,24 @@ class Raised:
             return None
         before, side, thing, stood = view.before["customer"], moment.views["customer"], view.sought(name), moved.old
 
+        def raised(height: float) -> Standing:
+            return replace(stood, pose=Pose(stood.pose.p + [0.0, 0.0, height], stood.pose.q))
+
         def seen(height: float) -> float:
-            there = replace(stood, pose=Pose(stood.pose.p + [0.0, 0.0, height], stood.pose.q))
-            return _share(thing, there, side, before.picture, alike_lab)
+            return _share(thing, raised(height), side, before.picture, alike_lab)
 
         heights = np.arange(THRESHOLDS.lifted_m, highest_m, SETTINGS.step_m)
         share, height = max((seen(height), float(height)) for height in heights)
-        poses = (stood.pose, Pose(stood.pose.p + [0.0, 0.0, height], stood.pose.q))
-        was, now = (drawn_whole(thing.draw, pose, before.camera).covered for pose in poses)
-        background = view.question.background
+        held = raised(height)
+        was, now = (drawn_whole(thing.draw, there.pose, before.camera).covered for there in (stood, held))
+        background, top = view.question.background, moment.views["top"]
         return cls(
             vacated=_left(before, side, view.after["customer"], was & ~now),
-            stays=0.0 if background is None else _share(thing, stood, moment.views["top"], background),
+            stays=0.0 if background is None else _share(thing, stood, top, background),
             lies=_lies(view, thing, moved, moment, share),
             seen=share,
             height=height,
+            through=0.0 if background is None else 1.0 - thing.speaks(held, top, background)[0],
             hand=in_hand(view, name, moment.hand),
             old=stood,
             new=moved.new,
@@ -175,6 +183,8 @@ class Raised:
         agrees = self.hand is not None and self.hand.agrees
         if self.lies >= (SETTINGS.surely_lies_share if agrees else SETTINGS.lies_share) and not self._held:
             return refused(f"the {thing} lies on the table at the moment of the lift", self.lies, "lost")
+        if self.hand is not None and not self._held and self.through >= SETTINGS.through_share:
+            return refused(f"the table is seen where the {thing} would be in the air", self.through, "lost")
         return None
 
     def _least(self, seen_share: float) -> float:

@@ -33,11 +33,14 @@ class ShakenSettings:
         beside_px: around the object that is not counted as hand.
         swung_m2: least area that changes there when a hand swings.
         lean_rad, directions: lean to either side, and number of directions, in which the object is drawn.
-        rocked_share: share of its lower edges, as it leans to all sides, that changes from side to side when it leans.
-            Of 12 objects that hung upright in a swinging hand it was 4 to 35 %, of 40 that leaned 23 to 93 %.
+        rocked_shares: shares of its lower edges, as it leans to all sides, that change from side to side: below the
+            first it looks as if it hung upright, above the second it surely leaned. Of 12 objects that hung upright in
+            a swinging hand it was 4 to 35 %, of 40 that leaned 23 to 93 %.
         fewest_px: of these edges, else the object is too small or too round to tell.
-        upright_share: unlikeness of what the hand sees to the object that stayed upright, in shares of that to the one
-            that leaned with the hand, from which it surely leaned: a lean towards the customer hardly shows from there.
+        upright_shares: unlikeness of what the hand sees to the object that stayed upright, in shares of that to the one
+            that leaned with the hand, from which it leaned where its edges say that it hung upright (a lean towards the
+            customer hardly shows from there), where they leave it open, and where they do not tell. Round things
+            that leaned had 95 % and more.
     """
 
     seen_share: float = 0.4
@@ -46,9 +49,9 @@ class ShakenSettings:
     swung_m2: float = 0.01
     lean_rad: float = float(np.radians(22.0))
     directions: int = 4
-    rocked_share: float = 0.2
+    rocked_shares: tuple[float, float] = (0.2, 0.35)
     fewest_px: int = 450
-    upright_share: float = 1.2
+    upright_shares: tuple[float, float, float] = (1.2, 1.0, 0.9)
 
 
 SETTINGS = ShakenSettings()
@@ -63,14 +66,14 @@ class Shaken:
         swung: area that changed beside it between the two, m².
         rocked: share of its lower edges that changed; None where it is too small or too round to tell.
         upright: how unlike the pictures of the hand's camera are to an object that stayed upright, in shares of how
-            unlike to one that leaned with the hand; 0 without such pictures, inf where the edges tell.
+            unlike to one that leaned with the hand; None without such pictures, and where the edges tell.
     """
 
     first: Raised
     second: Raised
     swung: float
     rocked: float | None
-    upright: float
+    upright: float | None
 
     def verdict(self, thing: str) -> Verdict:
         """Judge by the hand that swung, and the object that leaned with it."""
@@ -80,12 +83,22 @@ class Shaken:
                 return one
         if self.swung < SETTINGS.swung_m2:
             return refused(f"the hand that holds the {thing} has not swung: {1e4 * self.swung:.0f} cm² changed", 0.8)
-        rocked = self.rocked is None or self.rocked >= SETTINGS.rocked_share
-        if not rocked and self.upright < SETTINGS.upright_share:
+        if not self._leaned:
             return refused(f"the {thing} hung upright while the hand leaned", 1 - (self.rocked or 0.0))
         verdict = min(verdicts, key=lambda one: one.confidence)
         words = f"{verdict.reason}; beside it the arm swung, {1e4 * self.swung:.0f} cm² changed"
         return verdict.model_copy(update={"reason": words})
+
+    @property
+    def _leaned(self) -> bool:
+        """False where its edges, or the pictures of the hand's camera, show that it hung upright."""
+        hung, surely = SETTINGS.rocked_shares
+        if self.upright is None:
+            return self.rocked is None or self.rocked >= hung
+        as_hung, as_open, untold = SETTINGS.upright_shares
+        if self.rocked is None:
+            return self.upright >= untold
+        return self.rocked >= surely or self.upright >= (as_hung if self.rocked < hung else as_open)
 
 
 def judge_shaken(view: CriticView, goal: Goal) -> Judged:
@@ -101,8 +114,8 @@ def judge_shaken(view: CriticView, goal: Goal) -> Judged:
     if isinstance(second, Judged):
         return second
     swung, rocked = _swung(view, goal.subject, first)
-    told = rocked is None or rocked >= SETTINGS.rocked_share
-    found = Shaken(first, second, swung, rocked, np.inf if told else _upright(view, goal.subject))
+    told = rocked is not None and rocked >= SETTINGS.rocked_shares[1]
+    found = Shaken(first, second, swung, rocked, None if told else _upright(view, goal.subject))
     return Judged(found.verdict(thing), view.around(first.old, first.new))
 
 
@@ -126,13 +139,13 @@ def _swung(view: CriticView, name: str, found: Raised) -> tuple[float, float | N
     return float((change & near & ~grown(own, SETTINGS.beside_px)).sum() * scale**2), rocked
 
 
-def _upright(view: CriticView, name: str) -> float:
+def _upright(view: CriticView, name: str) -> float | None:
     """How unlike the hand's pictures are to an object that stayed upright, in shares of how unlike to one that leaned
-    with the hand; 0 without such pictures."""
+    with the hand; None without such pictures."""
     pictures = (view.question.uncalibrated.get(when, {}) for when in ("moment", "later"))
     there, back = (held_object(view, name, one) for one in pictures)
     if there is None or back is None:
-        return 0.0
+        return None
     hand, shift = there.likeliest()
     middle = there.pose.p + [0.0, 0.0, view.look(name).size[2] / 2]
 
