@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from vcage.models.rules.commands import Command, nouns_of
 from vcage.models.rules.nouns import Noun
+from vcage.objects.names import SYNONYM, Name, names_of
 from vcage.schema.asset import CatalogueEntry
 
 _BLOCK = ("block",)
@@ -14,20 +15,38 @@ _BLOCK = ("block",)
 
 def with_full_names(commands: Sequence[Command], kinds: Mapping[str, CatalogueEntry]) -> list[Command]:
     """The commands with "the block" as the peg block that pegs are inserted in, or the long block that changes hands,
-    if no other block is named.
+    if no other block is named; and with "the microwave" that things are put in as the one that has room for them.
 
     Args:
         commands: of a sentence.
         kinds: the catalogue's, by name.
     """
+    full = {**_full_block(commands, kinds), **_full_places(commands, kinds)}
+    return [_naming(command, full) for command in commands] if full else [*commands]
+
+
+def _full_block(commands: Sequence[Command], kinds: Mapping[str, CatalogueEntry]) -> dict[Name, Name]:
     blocks = {replace(n, text="", at=0, quantifier="") for n in nouns_of(commands) if n.words[-1:] == _BLOCK}
     plain = {replace(n, colour=None) for n in blocks}
     one = len(plain) == 1 and len(blocks - plain) < 2  # after "the red block", "the block" is that one
     if one and any(map(_hands_one_block, commands)):
-        return [_naming(c, "long") for c in commands]
+        return {_BLOCK: ("long", *_BLOCK)}
     if len(blocks) == 1 and any(puts_pegs_in_block(c, kinds) for c in commands):
-        return [_naming(c, "peg") for c in commands]
-    return [*commands]
+        return {_BLOCK: ("peg", *_BLOCK)}
+    return {}
+
+
+def _full_places(commands: Sequence[Command], kinds: Mapping[str, CatalogueEntry]) -> dict[Name, Name]:
+    """The full name of each place that something is put in, where nothing goes in the kinds that have its name, but
+    in one other that is called so, too."""
+    places = {c.place for c in commands if c.verb == "put" and c.how == "in" and c.place is not None}
+    full = {}
+    for noun in (place for place in places if place.words and not place.of_part(kinds.values())):
+        fit = [kind for kind in kinds.values() if noun.fit(kind)[0] >= SYNONYM]
+        taking = [kind for kind in fit if any(point.holds == "in" for point in kind.functional_points)]
+        if len(taking) == 1 and taking[0].name not in noun.named(kinds):
+            full[noun.name] = names_of(taking[0]).words
+    return full
 
 
 def puts_pegs_in_block(command: Command, kinds: Mapping[str, CatalogueEntry]) -> bool:
@@ -46,13 +65,13 @@ def _is_one_block(noun: Noun) -> bool:
     return noun.name == _BLOCK and not noun.several
 
 
-def _naming(command: Command, kind: str) -> Command:
-    """A command with "the block" as one of a kind, wherever it is named."""
-    place, source = (None if noun is None else _named(noun, kind) for noun in (command.place, command.source))
-    things = tuple(_named(noun, kind) for noun in command.things)
+def _naming(command: Command, full: Mapping[Name, Name]) -> Command:
+    """A command with full names for short ones, wherever one thing is named so."""
+    place, source = (None if noun is None else _named(noun, full) for noun in (command.place, command.source))
+    things = tuple(_named(noun, full) for noun in command.things)
     return replace(command, things=things, place=place, source=source)
 
 
-def _named(noun: Noun, kind: str) -> Noun:
-    relations = tuple((how, _named(other, kind)) for how, other in noun.relations)
-    return replace(noun, relations=relations, words=(kind, *_BLOCK) if _is_one_block(noun) else noun.words)
+def _named(noun: Noun, full: Mapping[Name, Name]) -> Noun:
+    relations = tuple((how, _named(other, full)) for how, other in noun.relations)
+    return replace(noun, relations=relations, words=noun.words if noun.several else full.get(noun.name, noun.words))
