@@ -36,13 +36,18 @@ def test_a_colour_foreign_to_a_kind_is_refused_with_the_known_ones() -> None:
 @pytest.mark.parametrize("place", ["microwave", "red microwave"])
 def test_the_microwave_that_a_thing_is_put_in_has_room_for_it(place: str) -> None:
     assert chosen(f"Open the {place}, put the mug in it and close it", "receptacle") == ["drawer_microwave"]
+    assert chosen(f"Take the mug out of the {place} and put it on the table", "context")[0] == "drawer_microwave"
     assert chosen(f"Put the mug on the {place}", "receptacle") == ["microwave"]
 
 
 @pytest.mark.parametrize(
     "sentence",
-    ["Open the door of the microwave and put the mug in the microwave", "Put the mug in the three-drawer cabinet"],
-    ids=["a door", "several drawers"],
+    [
+        "Open the door of the microwave and put the mug in the microwave",
+        "Put the mug in the three-drawer cabinet",
+        "Take the apple out of the stove and put it on the table",
+    ],
+    ids=["a door", "several drawers", "a top"],
 )
 def test_a_place_without_a_room_of_its_own_is_refused(sentence: str) -> None:
     with pytest.raises(UnreadInstruction, match="nothing can be put in it, or not without saying where"):

@@ -36,6 +36,7 @@ class Command:
         how: in, on, left_of, right_of, in_front_of, behind, beside, near, centred or to; for ``hand`` who gets it.
         place: where things go, or the tool.
         source: where they are taken from.
+        source_how: in, where they are taken out of it; to, where they may as well be on it.
         arm: left or right, where one is named; :data:`ONE_ARM` or :data:`OTHER_ARM`.
         group: commands of a lower group come first.
         at: where in the sentence it begins.
@@ -48,6 +49,7 @@ class Command:
     how: str = ""
     place: Noun | None = None
     source: Noun | None = None
+    source_how: str = "to"
     arm: str | None = None
     group: float = 0
     at: int = 0
@@ -230,6 +232,9 @@ class _Commands(Transformer[Token, Any]):
 
     def source(self, _: Any, parts: list[Any]) -> dict[str, Noun]:
         return {} if parts[0].of_table else {"source": parts[0]}
+
+    def out_of(self, _: Any, parts: list[Any]) -> dict[str, Any]:
+        return {"source": parts[0], "source_how": "in"}
 
     def placed(self, _: Any, parts: list[Any]) -> Noun:
         noun, where = parts

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from vcage.models.rules.commands import Command, nouns_of
 from vcage.models.rules.nouns import Noun
-from vcage.objects.names import SYNONYM, Name, names_of
+from vcage.objects.names import SYNONYM, Name, Names, names_of
 from vcage.schema.asset import CatalogueEntry
 
 _BLOCK = ("block",)
@@ -37,16 +37,25 @@ def _full_block(commands: Sequence[Command], kinds: Mapping[str, CatalogueEntry]
 
 
 def _full_places(commands: Sequence[Command], kinds: Mapping[str, CatalogueEntry]) -> dict[Name, Name]:
-    """The full name of each place that something is put in, where nothing goes in the kinds that have its name, but
-    in one other that is called so, too."""
-    places = {c.place for c in commands if c.verb == "put" and c.how == "in" and c.place is not None}
+    """The full name of each place that something is put in or taken out of, where nothing goes in the kinds that have
+    its name, but in one other that is called so, too."""
+    put = [c.place for c in commands if c.verb == "put" and c.how == "in"]
+    taken = [c.source for c in commands if c.source_how == "in"]
     full = {}
-    for noun in (place for place in places if place.words and not place.of_part(kinds.values())):
+    for noun in dict.fromkeys(filter(None, [*put, *taken])):
+        if not noun.words or noun.of_part(kinds.values()):
+            continue
         fit = [kind for kind in kinds.values() if noun.fit(kind)[0] >= SYNONYM]
         taking = [kind for kind in fit if any(point.holds == "in" for point in kind.functional_points)]
         if len(taking) == 1 and taking[0].name not in noun.named(kinds):
-            full[noun.name] = names_of(taking[0]).words
+            full[noun.name] = _in_full(noun.name, names_of(taking[0]))
     return full
+
+
+def _in_full(words: Name, names: Names) -> Name:
+    """The words for a kind with its full name for the short one: those that describe its look stay."""
+    short = max((name for name in names.all if set(name) <= set(words)), key=len, default=())
+    return (*(word for word in words if word not in short), *names.words)
 
 
 def puts_pegs_in_block(command: Command, kinds: Mapping[str, CatalogueEntry]) -> bool:

@@ -115,7 +115,7 @@ class Goals:
             self._moved.add(subject)
         if goal not in [asked.goal for asked in self._added]:
             picked = self._picked.get(subject)
-            words = f"{picked.words} {command.words}" if picked else command.words
+            words = f"{picked.words} and {command.words}" if picked else command.words
             self._added.append(AskedGoal(goal=goal, step=1, words=words, arm=arm))
 
     def _require_holder(self, command: Command, name: str) -> None:
@@ -134,7 +134,7 @@ class Goals:
         names = list(dict.fromkeys(found))
         if command.source is not None:
             for name in names:
-                self._meanings.lies(name, "to", command.source)
+                self._meanings.lies(name, command.source_how, command.source)
         if len(names) < least:
             raise Doubt(command.words, f"it takes {least} things")
         return names
@@ -322,4 +322,4 @@ def _not_lifted(command: Command, name: str) -> Doubt:
 
 def _joined(before: Command, command: Command) -> str:
     """The words of a command with those of the one by which its tool was taken, if that is another."""
-    return command.words if before is command else f"{before.words} {command.words}"
+    return command.words if before is command else f"{before.words} and {command.words}"
