@@ -88,6 +88,8 @@ def test_what_is_seen_above_its_place_or_in_the_hand_was_lifted(changed: dict[st
         ({"vacated": None, "stays": 0.9, "hand": SURE}, "nothing shows that the mug left its place"),
         ({"lies": 0.7}, "lies on the table"),
         ({"lies": 0.9, "hand": UNSURE}, "lies on the table"),
+        ({"seen": 0.4, "through": 0.8, "hand": SURE}, "40 % of"),
+        ({"seen": 0.4, "stays": 0.7, "hand": SURE}, "40 % of"),
         ({"through": 0.8, "hand": UNSURE}, "the table is seen where the mug would be"),
         ({"seen": 0.4}, "40 % of"),
         ({"seen": 0.7, "hand": DOUBTED}, "70 % of"),

@@ -35,8 +35,8 @@ class RaisedSettings:
         highest_m, step_m: heights over the old place, from the least of the goal up.
         alike_lab: colour distance up to which a pixel looks like the object: an arm is before what was there, too.
         seen_share: share of the pixels that tell the object from what was there before that must look like it.
-        held_share, doubted_share: the same where the camera on the hand surely sees it between the fingers, and where
-            that sees nothing like it.
+        held_share, doubted_share: the same where the camera on the hand surely sees it between the fingers, and nothing
+            speaks for another place; and where that sees nothing like it.
         left_share: share of the old outline that must look as without the object.
         stays_share: share of the pixels that tell the object on its old place from a bare table, seen from above, from
             which it may still stand there.
@@ -191,7 +191,8 @@ class Raised:
         """Least share of the pixels that tell it that must look like it."""
         if self.hand is None:
             return seen_share
-        if self._held and self.vacated is not None:
+        elsewhere = self.stays >= SETTINGS.stays_share or self.through >= SETTINGS.through_share
+        if self._held and self.vacated is not None and not elsewhere:
             return min(seen_share, SETTINGS.held_share)
         return seen_share if self.hand.agrees else SETTINGS.doubted_share
 
