@@ -84,8 +84,8 @@ CATEGORIES: dict[str, frozenset[str]] = {
 MASS_KINDS = word_set("bread fruit cutlery tableware stationery food crockery electronics")
 """Words for a kind of things that mean several in the singular."""
 
-SHALLOW = word_set("dish tray pan plate saucer board mat skillet holder")
-"""Heads of names of shallow things: people put things both in and on them."""
+SHALLOW = word_set("dish tray pan plate saucer board mat skillet holder rack shelf stand")
+"""Heads of names of shallow and of open things: people put things both in and on them."""
 
 ANYTHING = word_set("object thing item stuff everything belonging article clutter all")
 """Words for things of no kind in particular."""

@@ -10,7 +10,7 @@ from vcage.objects.modelling.noise import Colour
 from vcage.objects.modelling.parts import BuiltObject, MovingPart, Part, paint, variant_rng
 
 CARCASS = Carcass(0.30, 0.20, bays=(0.1,), foot=0.012, board=0.006, side=0.008, top=0.034, lip=0.002)
-"""A mug stands in its bay, whose front is hardly higher: a hand sets it down, rather than drops it."""
+"""Metres. Its bay just clears a mug, so that a hand can set that down over the front rather than drop it."""
 
 VARIANTS = {
     "white": ((232, 232, 228), (238, 238, 234), (60, 62, 68)),

@@ -33,11 +33,23 @@ def test_a_colour_foreign_to_a_kind_is_refused_with_the_known_ones() -> None:
     assert "apple comes in red, green only" in refused.value.hint
 
 
-@pytest.mark.parametrize("place", ["microwave", "red microwave"])
-def test_the_microwave_that_a_thing_is_put_in_has_room_for_it(place: str) -> None:
+@pytest.mark.parametrize("place", ["microwave", "red microwave", "steel microwave", "microwave oven"])
+def test_the_microwave_that_a_thing_is_put_in_is_the_drawer_microwave(place: str) -> None:
     assert chosen(f"Open the {place}, put the mug in it and close it", "receptacle") == ["drawer_microwave"]
-    assert chosen(f"Take the mug out of the {place} and put it on the table", "context")[0] == "drawer_microwave"
-    assert chosen(f"Put the mug on the {place}", "receptacle") == ["microwave"]
+
+
+@pytest.mark.parametrize("out_of", ["out of", "from inside"])
+def test_the_microwave_that_a_thing_is_taken_out_of_is_the_drawer_microwave(out_of: str) -> None:
+    assert "drawer_microwave" in chosen(f"Take the mug {out_of} the microwave and put it on the table", "context")
+
+
+@pytest.mark.parametrize("where", ["on", "next to"])
+def test_the_microwave_that_a_thing_is_put_on_is_the_usual_one(where: str) -> None:
+    assert chosen(f"Put the mug {where} the microwave", "receptacle") == ["microwave"]
+
+
+def test_a_thing_may_be_taken_out_of_a_rack_that_it_lies_on() -> None:
+    assert "wine_rack" in chosen("Take the bottle out of the wine rack and put it on the table", "context")
 
 
 @pytest.mark.parametrize(

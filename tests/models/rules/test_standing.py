@@ -66,6 +66,17 @@ def test_a_thing_of_its_shape_that_stands_as_planned_is_not_taken_for_it():
     assert sought.standing(asked.after) is None
 
 
+def test_the_table_is_seen_through_a_thing_that_is_not_there_and_not_through_an_arm_over_it():
+    one = BLOCKS[0]
+    asked = critic_question([one], [one], Goal(subject=one.id, relation="back"))
+    sought = CriticView(asked).sought(one.id)
+    there, bare = Standing(Pose([*one.at, HEIGHT]), sought.look.size, 0.0, np.ones((1, 1), bool)), asked.background
+    top = asked.after["top"]
+    arm = replace(top, picture=np.full_like(bare, 20))
+    seen = [sought.seen_through(there, one, bare, 14.0)[0] for one in (replace(top, picture=bare), top, arm)]
+    assert seen[0] == 1.0 and max(seen[1:]) < 0.1
+
+
 def white_box() -> Sought:
     asked = critic_question([WHITE_BOX], [WHITE_BOX], Goal(subject=WHITE_BOX.id, relation="back"))
     at = asked.planned[WHITE_BOX.id]

@@ -36,11 +36,12 @@ class Command:
         how: in, on, left_of, right_of, in_front_of, behind, beside, near, centred or to; for ``hand`` who gets it.
         place: where things go, or the tool.
         source: where they are taken from.
-        source_how: in, where they are taken out of it; to, where they may as well be on it.
+        source_how: in if they are taken out of the source, to if they may also lie on it.
         arm: left or right, where one is named; :data:`ONE_ARM` or :data:`OTHER_ARM`.
         group: commands of a lower group come first.
         at: where in the sentence it begins.
         words: of the sentence, from there to the next command.
+        typed: the sentence.
         may_be: what its pronoun may be, as typed, where that is a tool or what was hit or wiped with it.
     """
 
@@ -54,6 +55,7 @@ class Command:
     group: float = 0
     at: int = 0
     words: str = ""
+    typed: str = ""
     may_be: tuple[str, ...] = ()
 
     def pushed_in(self) -> list[Command]:
@@ -111,7 +113,11 @@ class _Commands(Transformer[Token, Any]):
         ends = {at: min((b for b in begun if b > at), default=None) for at in begun}
         told = {ends[command.at]: command.at for command in groups[0] if command.verb == "fallen"}
         words = {at: _JOINT.sub("", self._typed[told.get(at, at) : end]) for at, end in ends.items()}
-        return tuple(replace(c, group=number, words=words[c.at]) for number, group in enumerate(groups) for c in group)
+        return tuple(
+            replace(command, group=number, words=words[command.at], typed=self._typed)
+            for number, group in enumerate(groups)
+            for command in group
+        )
 
     def before(self, meta: Any, groups: list[list[Command]]) -> tuple[Command, ...]:
         return self.start(meta, groups[::-1])
@@ -163,7 +169,7 @@ class _Commands(Transformer[Token, Any]):
         (command,) = self.__default__("pour", fields, meta)
         # "Everything out of the cup" is poured by tipping the cup.
         if command.source is not None and [noun.everything for noun in command.things] == [True]:
-            return [replace(command, things=(command.source,), source=None)]
+            return [replace(command, things=(command.source,), source=None, source_how="to")]
         return [command]
 
     def fallen(self, meta: Any, parts: list[Any]) -> list[Command]:
@@ -230,11 +236,11 @@ class _Commands(Transformer[Token, Any]):
     def tool(self, _: Any, parts: list[Noun]) -> dict[str, Noun]:
         return {"place": parts[0]}
 
-    def source(self, _: Any, parts: list[Any]) -> dict[str, Noun]:
+    def source(self, _: Any, parts: list[Any]) -> dict[str, Any]:
         return {} if parts[0].of_table else {"source": parts[0]}
 
     def out_of(self, _: Any, parts: list[Any]) -> dict[str, Any]:
-        return {"source": parts[0], "source_how": "in"}
+        return self.source(_, parts) | {"source_how": "in"}
 
     def placed(self, _: Any, parts: list[Any]) -> Noun:
         noun, where = parts

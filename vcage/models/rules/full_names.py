@@ -1,4 +1,5 @@
-"""Short names in their full form, where only that can be meant: "the block" that takes a peg, or two hands."""
+"""Names in full, where only one kind of that name can be meant: "the block" that takes a peg, or two hands, and "the
+microwave" that things go in."""
 
 from __future__ import annotations
 
@@ -15,13 +16,13 @@ _BLOCK = ("block",)
 
 def with_full_names(commands: Sequence[Command], kinds: Mapping[str, CatalogueEntry]) -> list[Command]:
     """The commands with "the block" as the peg block that pegs are inserted in, or the long block that changes hands,
-    if no other block is named; and with "the microwave" that things are put in as the one that has room for them.
+    if no other block is named; and with "the microwave" that something is put in or taken out of as the one open kind.
 
     Args:
         commands: of a sentence.
         kinds: the catalogue's, by name.
     """
-    full = {**_full_block(commands, kinds), **_full_places(commands, kinds)}
+    full = {**_full_block(commands, kinds), **_full_receptacles(commands, kinds)}
     return [_naming(command, full) for command in commands] if full else [*commands]
 
 
@@ -36,7 +37,7 @@ def _full_block(commands: Sequence[Command], kinds: Mapping[str, CatalogueEntry]
     return {}
 
 
-def _full_places(commands: Sequence[Command], kinds: Mapping[str, CatalogueEntry]) -> dict[Name, Name]:
+def _full_receptacles(commands: Sequence[Command], kinds: Mapping[str, CatalogueEntry]) -> dict[Name, Name]:
     """The full name of each place that something is put in or taken out of, where nothing goes in the kinds that have
     its name, but in one other that is called so, too."""
     put = [c.place for c in commands if c.verb == "put" and c.how == "in"]
@@ -45,16 +46,16 @@ def _full_places(commands: Sequence[Command], kinds: Mapping[str, CatalogueEntry
     for noun in dict.fromkeys(filter(None, [*put, *taken])):
         if not noun.words or noun.of_part(kinds.values()):
             continue
-        fit = [kind for kind in kinds.values() if noun.fit(kind)[0] >= SYNONYM]
-        taking = [kind for kind in fit if any(point.holds == "in" for point in kind.functional_points)]
-        if len(taking) == 1 and taking[0].name not in noun.named(kinds):
-            full[noun.name] = _in_full(noun.name, names_of(taking[0]))
+        called = [kind for kind in kinds.values() if noun.fit(kind)[0] >= SYNONYM]
+        open_kinds = [kind for kind in called if any(point.holds == "in" for point in kind.functional_points)]
+        if len(open_kinds) == 1 and open_kinds[0].name not in noun.named(kinds):
+            full[noun.name] = _in_full(noun.words, names_of(open_kinds[0]))
     return full
 
 
 def _in_full(words: Name, names: Names) -> Name:
     """The words for a kind with its full name for the short one: those that describe its look stay."""
-    short = max((name for name in names.all if set(name) <= set(words)), key=len, default=())
+    short = max((name for name in names.all if set(name) <= set(words)), key=len, default=words)
     return (*(word for word in words if word not in short), *names.words)
 
 

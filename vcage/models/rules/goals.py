@@ -114,8 +114,7 @@ class Goals:
         if goal.kind.acts_on is None and not goal.kind.event:
             self._moved.add(subject)
         if goal not in [asked.goal for asked in self._added]:
-            picked = self._picked.get(subject)
-            words = f"{picked.words} and {command.words}" if picked else command.words
+            words = _joined(self._picked.get(subject, command), command)
             self._added.append(AskedGoal(goal=goal, step=1, words=words, arm=arm))
 
     def _require_holder(self, command: Command, name: str) -> None:
@@ -321,5 +320,6 @@ def _not_lifted(command: Command, name: str) -> Doubt:
 
 
 def _joined(before: Command, command: Command) -> str:
-    """The words of a command with those of the one by which its tool was taken, if that is another."""
-    return command.words if before is command else f"{before.words} and {command.words}"
+    """The words of a command, from those of the one by which its thing or its tool was taken."""
+    begins = command.typed.find(command.words, before.at)
+    return command.typed[before.at : begins + len(command.words)] if begins > before.at else command.words

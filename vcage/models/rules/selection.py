@@ -156,7 +156,7 @@ class _Selector:
 
     def _take_sources(self, noun: Noun, command: Command) -> None:
         """Choose what a thing lies on, in or beside at the start."""
-        sources = noun.relations or ([(command.source_how, command.source)] if command.source is not None else [])
+        sources = noun.relations or ([("to", command.source)] if command.source is not None else [])
         role: Role = "content" if command.verb == "pour" else "context"
         for how, source in (one for one in sources if not one[1].of_table):
             self._take(source, role, lambda e, how=how: how in BESIDE or bool(e.functional_points))

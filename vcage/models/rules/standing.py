@@ -274,15 +274,34 @@ class Sought:
             alike_lab: colour distance to the drawing from which a pixel does not look like it, however little it looks
                 like the picture without it.
         """
+        own, seen, bare = self._telling(there, view, without, hidden)
+        like = distance(seen, own) < np.minimum(distance(seen, bare), alike_lab)
+        return (float(like.mean()) if like.size else 1.0), like.size
+
+    def seen_through(self, there: Standing, view: View, without: np.ndarray, alike_lab: float) -> tuple[float, int]:
+        """Of the same pixels, the share that look as the picture without the object, and their number; the share is 0
+        where there are none.
+
+        Args:
+            there, view, without: as of :meth:`speaks`.
+            alike_lab: colour distance to that picture from which a pixel does not look like it: something else is
+                there.
+        """
+        own, seen, bare = self._telling(there, view, without, None)
+        like = distance(seen, bare) < np.minimum(distance(seen, own), alike_lab)
+        return (float(like.mean()) if like.size else 0.0), like.size
+
+    def _telling(
+        self, there: Standing, view: View, without: np.ndarray, hidden: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """CIELAB (n, 3) of the pixels that tell an object from a picture without it: drawn, seen, and without it."""
         window = window_around(there.pose.p + [0, 0, self.look.size[2] / 2], self.look.size, view.camera)
         drawing, picture = self.draw(there.pose, view.camera, window), cut(view.picture, window)
         unseen = np.zeros_like(drawing.covered) if hidden is None else cut(hidden, window)
         own = to_lab(as_bright(drawing, picture, unseen).astype(np.uint8))
         seen, bare = smoothed(picture), smoothed(cut(without, window))
         telling = drawing.covered & inside(view.picture, window) & ~unseen & (distance(own, bare) > PIXELS.changed_lab)
-        like = distance(seen, own) < np.minimum(distance(seen, bare), alike_lab)
-        share = float(like[telling].mean()) if telling.any() else 1.0
-        return share, int(telling.sum())
+        return own[telling], seen[telling], bare[telling]
 
     def left(self, there: Standing, change: np.ndarray, top: View) -> float:
         """Share of where the object stood that has changed (H, W); all of it where a view from above shows the bare

@@ -1,7 +1,8 @@
 """Evidence of an object that an arm lifted: drawings of it above its old place, from the side.
 
 Seen from above, an arm hides what it holds, and hides what still lies below it. The customer sees the object before
-the arm, and its old place empty below it. The camera on the hand sees if it is between the fingers.
+the arm, and its old place empty below it. The camera on the hand sees if it is between the fingers. Where that is in
+doubt, no object is where the table is seen from above.
 """
 
 from __future__ import annotations
@@ -35,8 +36,10 @@ class RaisedSettings:
         highest_m, step_m: heights over the old place, from the least of the goal up.
         alike_lab: colour distance up to which a pixel looks like the object: an arm is before what was there, too.
         seen_share: share of the pixels that tell the object from what was there before that must look like it.
-        held_share, doubted_share: the same where the camera on the hand surely sees it between the fingers, and nothing
-            speaks for another place; and where that sees nothing like it.
+        held_share, doubted_share: the same where the camera on the hand surely sees it between the fingers, and where
+            that sees nothing like it.
+        elsewhere_share: what is seen so much on its old place, or seen through so much, needs ``seen_share`` even if the
+            camera on the hand surely sees it.
         left_share: share of the old outline that must look as without the object.
         stays_share: share of the pixels that tell the object on its old place from a bare table, seen from above, from
             which it may still stand there.
@@ -44,7 +47,9 @@ class RaisedSettings:
             there already; and the same where the camera on the hand sees something like it: an arm may hide that place.
         apart_m: an object that is put down nearer to its old place is taken to stand there.
         through_share: share of the pixels that tell it in the air, seen from above, that look like the bare table, from
-            which it is not there unless the camera on the hand surely sees it.
+            which it is not there if a camera is on the hand that does not surely see it: without one nothing tells an
+            object that sways from one that is gone. Of 12 objects that were gone and looked as if in the air it was 55
+            to 92 %.
     """
 
     highest_m: float = 0.4
@@ -53,12 +58,13 @@ class RaisedSettings:
     seen_share: float = 0.5
     held_share: float = 0.3
     doubted_share: float = 0.85
+    elsewhere_share: float = 0.5
     left_share: float = 0.3
     stays_share: float = 0.6
     lies_share: float = 0.55
     surely_lies_share: float = 0.75
     apart_m: float = 0.03
-    through_share: float = 0.65
+    through_share: float = 0.6
 
 
 SETTINGS = RaisedSettings()
@@ -145,7 +151,7 @@ class Raised:
             lies=_lies(view, thing, moved, moment, share),
             seen=share,
             height=height,
-            through=0.0 if background is None else 1.0 - thing.speaks(held, top, background)[0],
+            through=0.0 if background is None else _through(thing, held, top, background),
             hand=in_hand(view, name, moment.hand),
             old=stood,
             new=moved.new,
@@ -191,10 +197,10 @@ class Raised:
         """Least share of the pixels that tell it that must look like it."""
         if self.hand is None:
             return seen_share
-        elsewhere = self.stays >= SETTINGS.stays_share or self.through >= SETTINGS.through_share
+        elsewhere = max(self.stays, self.through) >= SETTINGS.elsewhere_share
         if self._held and self.vacated is not None and not elsewhere:
             return min(seen_share, SETTINGS.held_share)
-        return seen_share if self.hand.agrees else SETTINGS.doubted_share
+        return seen_share if self._held or self.hand.agrees else SETTINGS.doubted_share
 
 
 def _share(
@@ -203,6 +209,12 @@ def _share(
     """Share of the pixels that tell an object somewhere that look like it; 0 where too few tell, as out of the
     picture."""
     share, pixels = thing.speaks(there, view, without, alike_lab=alike_lab)
+    return share if pixels >= VACATED.fewest_px else 0.0
+
+
+def _through(thing: Sought, there: Standing, view: View, without: np.ndarray) -> float:
+    """Share of the pixels that tell an object somewhere that look as without it; 0 where too few tell."""
+    share, pixels = thing.seen_through(there, view, without, SETTINGS.alike_lab)
     return share if pixels >= VACATED.fewest_px else 0.0
 
 
