@@ -43,8 +43,8 @@ def _full_receptacles(commands: Sequence[Command], kinds: Mapping[str, Catalogue
     put = [c.place for c in commands if c.verb == "put" and c.how == "in"]
     taken = [c.source for c in commands if c.source_how == "in"]
     full = {}
-    for noun in dict.fromkeys(filter(None, [*put, *taken])):
-        if not noun.words or noun.of_part(kinds.values()):
+    for noun in {*put, *taken}:
+        if noun is None or not noun.words or noun.of_part(kinds.values()):
             continue
         called = [kind for kind in kinds.values() if noun.fit(kind)[0] >= SYNONYM]
         open_kinds = [kind for kind in called if any(point.holds == "in" for point in kind.functional_points)]

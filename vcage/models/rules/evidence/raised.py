@@ -38,8 +38,8 @@ class RaisedSettings:
         seen_share: share of the pixels that tell the object from what was there before that must look like it.
         held_share, doubted_share: the same where the camera on the hand surely sees it between the fingers, and where
             that sees nothing like it.
-        elsewhere_share: what is seen so much on its old place, or seen through so much, needs ``seen_share`` even if the
-            camera on the hand surely sees it.
+        elsewhere_share: what is seen so much on its old place, or seen through so much, needs ``seen_share`` even where
+            the camera on the hand surely sees it.
         left_share: share of the old outline that must look as without the object.
         stays_share: share of the pixels that tell the object on its old place from a bare table, seen from above, from
             which it may still stand there.

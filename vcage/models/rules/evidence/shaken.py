@@ -33,9 +33,9 @@ class ShakenSettings:
         beside_px: around the object that is not counted as hand.
         swung_m2: least area that changes there when a hand swings.
         lean_rad, directions: lean to either side, and number of directions, in which the object is drawn.
-        hung_share, leaned_share: share of its lower edges, as it leans to all sides, that changes from side to side: with
-            less than the first it seems to have hung upright, with more than the second it surely leaned. Of 12
-            objects that hung upright in a swinging hand it was 4 to 35 %, of 40 that leaned 23 to 93 %.
+        hung_share, leaned_share: share of its lower edges, as it leans to all sides, that changes from side to side: below
+            the first it seems to have hung upright, from the second on it surely leaned. Of 12 objects that hung
+            upright in a swinging hand it was 4 to 35 %, of 40 that leaned 23 to 93 %.
         fewest_px: of these edges, else the object is too small or too round to tell.
         upright_if_hung, upright_if_open, upright_if_round: unlikeness of what the hand sees to the object that stayed
             upright, in shares of that to the one that leaned with the hand, from which it leaned all the same: where it
@@ -87,7 +87,8 @@ class Shaken:
         if self.swung < SETTINGS.swung_m2:
             return refused(f"the hand that holds the {thing} has not swung: {1e4 * self.swung:.0f} cm² changed", 0.8)
         if not self._leaned:
-            return refused(f"the {thing} hung upright while the hand leaned", 0.6 if self.rocked is None else 1 - self.rocked)
+            sure = 0.6 if self.rocked is None else 1 - self.rocked
+            return refused(f"the {thing} hung upright while the hand leaned", sure)
         verdict = min(verdicts, key=lambda one: one.confidence)
         words = f"{verdict.reason}; beside it the arm swung, {1e4 * self.swung:.0f} cm² changed"
         return verdict.model_copy(update={"reason": words})
