@@ -882,6 +882,26 @@ def test_a_thing_picked_up_after_it_was_placed_must_go_somewhere(after: str) -> 
         read_goals(f"Put the apple in the bowl, {after}", things)
 
 
+@pytest.mark.parametrize("where", ["off the cabinet", "from on top of the cabinet", "from the top of the cabinet"])
+def test_what_is_taken_off_a_thing_lies_on_its_top(where: str) -> None:
+    found = read_goals(f"Take the mug {where} and put it on the table", scene("mug/red", "cabinet_one_drawer/blue"))
+    assert [str(one) for one in found.descriptions] == ["mug_red on cabinet_one_drawer_blue"]
+
+
+@pytest.mark.parametrize(
+    ("sentence", "words"),
+    [
+        ("Pick up the apple, then put it on the plate", "Pick up the apple, then put it on the plate"),
+        ("Pick up the apple and the mug, put the mug on the plate, put the apple on the plate",
+         "Pick up the apple and the mug and put the apple on the plate"),
+    ],
+    ids=["side by side", "with another between"],
+)  # fmt: skip
+def test_the_words_of_a_goal_begin_where_its_thing_is_taken(sentence: str, words: str) -> None:
+    found = read_goals(sentence, scene("apple/red", "mug/red", "plate/white"))
+    assert words in [asked.words for asked in found.goals]
+
+
 def test_a_sentence_that_can_mean_two_things_is_refused_with_both() -> None:
     with pytest.raises(UnreadInstruction) as refused:
         read_goals("Put the apple in the bowl on the plate", scene("apple/red", "bowl/white", "plate/white"))

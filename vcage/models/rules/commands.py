@@ -36,7 +36,7 @@ class Command:
         how: in, on, left_of, right_of, in_front_of, behind, beside, near, centred or to; for ``hand`` who gets it.
         place: where things go, or the tool.
         source: where they are taken from.
-        source_how: in if they are taken out of the source, to if they may also lie on it.
+        source_how: in if they are taken out of the source, off if from its top, where it has one; else to.
         arm: left or right, where one is named; :data:`ONE_ARM` or :data:`OTHER_ARM`.
         group: commands of a lower group come first.
         at: where in the sentence it begins.
@@ -86,7 +86,7 @@ _HOW = {
     "behind": "behind", "near": "near", "close": "near",
 }  # fmt: skip
 """Terminals and words for places → relations."""
-_JOINT = re.compile(r"(?:[\s,.;]|\b(?:and|then|but)\b)+$", re.IGNORECASE)
+JOINT = re.compile(r"(?:[\s,.;]|\b(?:and|then|but)\b)+$", re.IGNORECASE)
 """Words and signs that join a command to the next."""
 
 
@@ -112,7 +112,7 @@ class _Commands(Transformer[Token, Any]):
         begun = {command.at for group in groups for command in group}
         ends = {at: min((b for b in begun if b > at), default=None) for at in begun}
         told = {ends[command.at]: command.at for command in groups[0] if command.verb == "fallen"}
-        words = {at: _JOINT.sub("", self._typed[told.get(at, at) : end]) for at, end in ends.items()}
+        words = {at: JOINT.sub("", self._typed[told.get(at, at) : end]) for at, end in ends.items()}
         return tuple(
             replace(command, group=number, words=words[command.at], typed=self._typed)
             for number, group in enumerate(groups)
@@ -240,7 +240,10 @@ class _Commands(Transformer[Token, Any]):
         return {} if parts[0].of_table else {"source": parts[0]}
 
     def out_of(self, _: Any, parts: list[Any]) -> dict[str, Any]:
-        return self.source(_, parts) | {"source_how": "in"}
+        return {"source": parts[0], "source_how": "in"}
+
+    def off(self, _: Any, parts: list[Any]) -> dict[str, Any]:
+        return self.source(_, parts) | {"source_how": "off"}
 
     def placed(self, _: Any, parts: list[Any]) -> Noun:
         noun, where = parts

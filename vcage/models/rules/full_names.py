@@ -3,11 +3,11 @@ microwave" that things go in."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from vcage.models.rules.commands import Command, nouns_of
-from vcage.models.rules.nouns import Noun
+from vcage.models.rules.nouns import Doubt, Noun
 from vcage.objects.names import SYNONYM, Name, Names, names_of
 from vcage.schema.asset import CatalogueEntry
 
@@ -21,6 +21,9 @@ def with_full_names(commands: Sequence[Command], kinds: Mapping[str, CatalogueEn
     Args:
         commands: of a sentence.
         kinds: the catalogue's, by name.
+
+    Raises:
+        Doubt: of the thing that something is put in a door is named, which it does not have.
     """
     full = {**_full_block(commands, kinds), **_full_receptacles(commands, kinds)}
     return [_naming(command, full) for command in commands] if full else [*commands]
@@ -38,19 +41,44 @@ def _full_block(commands: Sequence[Command], kinds: Mapping[str, CatalogueEntry]
 
 
 def _full_receptacles(commands: Sequence[Command], kinds: Mapping[str, CatalogueEntry]) -> dict[Name, Name]:
-    """The full name of each place that something is put in or taken out of, where nothing goes in the kinds that have
-    its name, but in one other that is called so, too."""
-    put = [c.place for c in commands if c.verb == "put" and c.how == "in"]
-    taken = [c.source for c in commands if c.source_how == "in"]
+    """The full name of each thing that something is put in or taken out of, or that has a drawer, where the kinds of
+    its name have no such place or part, but one other that is called so, too.
+
+    Raises:
+        Doubt: a door of that thing is named as well.
+    """
     full = {}
-    for noun in {*put, *taken}:
-        if noun is None or not noun.words or noun.of_part(kinds.values()):
-            continue
+    for noun, suits in _asked_of(commands, kinds):
         called = [kind for kind in kinds.values() if noun.fit(kind)[0] >= SYNONYM]
-        open_kinds = [kind for kind in called if any(point.holds == "in" for point in kind.functional_points)]
-        if len(open_kinds) == 1 and open_kinds[0].name not in noun.named(kinds):
-            full[noun.name] = _in_full(noun.words, names_of(open_kinds[0]))
+        suitable = [kind for kind in called if suits(kind)]
+        if len(suitable) == 1 and suitable[0].name not in noun.named(kinds):
+            full[noun.name] = _in_full(noun.words, names_of(suitable[0]))
+    doors = [noun for noun in nouns_of(commands) if noun.part == "door" and _owner(noun) in ((), *full)]
+    if full and doors:
+        short, name = (" ".join(words) for words in next(iter(full.items())))
+        raise Doubt(doors[0].text, f"things go in no {short} with a door; those that they go in have a drawer: {name}")
     return full
+
+
+def _asked_of(
+    commands: Sequence[Command], kinds: Mapping[str, CatalogueEntry]
+) -> Iterator[tuple[Noun, Callable[[CatalogueEntry], bool]]]:
+    """Nouns whose thing must be open, or have a part, and the test of its kind."""
+    nouns = nouns_of(commands)
+    put = [c.place for c in commands if c.verb == "put" and c.how == "in" and c.place is not None]
+    taken = [c.source for c in commands if c.source_how == "in" and c.source is not None]
+    lain_in = [other for noun in nouns for how, other in noun.relations if how == "in"]
+    for noun in (*put, *taken, *lain_in):
+        if noun.words and not noun.of_part(kinds.values()):
+            yield noun, lambda kind: any(point.holds == "in" for point in kind.functional_points)
+    for noun in nouns:
+        if noun.part == "drawer" and _owner(noun):
+            yield replace(noun, words=_owner(noun), position=None), lambda kind: "drawer" in kind.parts
+
+
+def _owner(noun: Noun) -> Name:
+    """The words for the thing that has the part that a noun names."""
+    return tuple(word for word in noun.words[:-1] if word != "of")
 
 
 def _in_full(words: Name, names: Names) -> Name:

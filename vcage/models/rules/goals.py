@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from vcage.models.rules.arms import with_arms
-from vcage.models.rules.commands import USING, Command, nouns_of
+from vcage.models.rules.commands import JOINT, USING, Command, nouns_of
 from vcage.models.rules.meanings import Meanings, Things
 from vcage.models.rules.nouns import Conflict, Doubt, Noun
 from vcage.models.rules.order import must_follow
@@ -140,6 +140,8 @@ class Goals:
 
     def _pick(self, command: Command) -> None:
         picked = dict.fromkeys(self._named(command), command)
+        if command.source is None and command.words.lower().endswith(" out") and self._moved.isdisjoint(picked):
+            raise Doubt(command.words, "say what it is taken out of, as in: take the lemon out of the basket")
         self._picked, self._unfinished = picked | self._picked, self._unfinished | picked
         self._arms |= {name: command.arm for name in self._named(command) if command.arm is not None}
 
@@ -320,6 +322,10 @@ def _not_lifted(command: Command, name: str) -> Doubt:
 
 
 def _joined(before: Command, command: Command) -> str:
-    """The words of a command, from those of the one by which its thing or its tool was taken."""
+    """The words of a command with those of the one by which its thing or its tool was taken, if that is another."""
+    if before is command:
+        return command.words
     begins = command.typed.find(command.words, before.at)
-    return command.typed[before.at : begins + len(command.words)] if begins > before.at else command.words
+    between = command.typed[before.at + len(before.words) : begins]
+    # Other commands may stand between the two.
+    return f"{before.words}{between if JOINT.fullmatch(between) else ' and '}{command.words}"

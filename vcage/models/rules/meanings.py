@@ -205,6 +205,8 @@ class Meanings:
         if how in BESIDE:
             return Spot(name, how)
         entry = self.things[name]
+        if how == "off":
+            how = "on" if any(point.holds == "on" and point.link is None for point in entry.functional_points) else "to"
         shallow = names_of(entry).words[-1] in SHALLOW  # people put things both in and on it
         suits = {
             (point.link, point.holds)

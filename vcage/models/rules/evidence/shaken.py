@@ -33,8 +33,8 @@ class ShakenSettings:
         beside_px: around the object that is not counted as hand.
         swung_m2: least area that changes there when a hand swings.
         lean_rad, directions: lean to either side, and number of directions, in which the object is drawn.
-        hung_share, leaned_share: share of its lower edges, as it leans to all sides, that changes from side to side: below
-            the first it seems to have hung upright, from the second on it surely leaned. Of 12 objects that hung
+        hung_share, leaned_share: share of its lower edges, as it leans to all sides, that changes from side to side:
+            below the first it seems to have hung upright, from the second on it surely leaned. Of 12 objects that hung
             upright in a swinging hand it was 4 to 35 %, of 40 that leaned 23 to 93 %.
         fewest_px: of these edges, else the object is too small or too round to tell.
         upright_if_hung, upright_if_open, upright_if_round: unlikeness of what the hand sees to the object that stayed
