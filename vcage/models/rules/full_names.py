@@ -63,17 +63,21 @@ def _full_receptacles(commands: Sequence[Command], kinds: Mapping[str, Catalogue
 def _asked_of(
     commands: Sequence[Command], kinds: Mapping[str, CatalogueEntry]
 ) -> Iterator[tuple[Noun, Callable[[CatalogueEntry], bool]]]:
-    """Nouns whose thing must be open, or have a part, and the test of its kind."""
-    nouns = nouns_of(commands)
-    put = [c.place for c in commands if c.verb == "put" and c.how == "in" and c.place is not None]
-    taken = [c.source for c in commands if c.source_how == "in" and c.source is not None]
-    lain_in = [other for noun in nouns for how, other in noun.relations if how == "in"]
-    for noun in (*put, *taken, *lain_in):
+    """Nouns whose thing must be open, or have a drawer, and the test of its kind."""
+    for noun in _open_things(commands):
         if noun.words and not noun.of_part(kinds.values()):
             yield noun, lambda kind: any(point.holds == "in" for point in kind.functional_points)
-    for noun in nouns:
+    for noun in nouns_of(commands):
         if noun.part == "drawer" and _owner(noun):
             yield replace(noun, words=_owner(noun), position=None), lambda kind: "drawer" in kind.parts
+
+
+def _open_things(commands: Sequence[Command]) -> list[Noun]:
+    """The nouns for what something is put in, taken out of, or said to lie in."""
+    put = [c.place for c in commands if c.verb == "put" and c.how == "in"]
+    taken = [c.source for c in commands if c.source_how == "in"]
+    lain_in = [other for noun in nouns_of(commands) for how, other in noun.relations if how == "in"]
+    return [*filter(None, [*put, *taken]), *lain_in]
 
 
 def _owner(noun: Noun) -> Name:

@@ -205,8 +205,7 @@ class Meanings:
         if how in BESIDE:
             return Spot(name, how)
         entry = self.things[name]
-        if how == "off":
-            how = "on" if any(point.holds == "on" and point.link is None for point in entry.functional_points) else "to"
+        how = _where_on(entry) if how == "off" else how
         shallow = names_of(entry).words[-1] in SHALLOW  # people put things both in and on it
         suits = {
             (point.link, point.holds)
@@ -227,3 +226,8 @@ class Meanings:
         if noun.of_part(self.things.values()):
             return [(n, p) for n in self._called(noun) for p in self.things[n].parts if noun.names_part(p)]
         return [(name, part) for name in self.objects(noun) for part in self.things[name].moving_parts]
+
+
+def _where_on(entry: CatalogueEntry) -> str:
+    """The preposition for what is taken off a thing: on, if that has a top, else to."""
+    return "on" if any(point.holds == "on" and point.link is None for point in entry.functional_points) else "to"

@@ -186,10 +186,14 @@ class Raised:
             return refused(f"nothing shows that the {thing} left its place", 0.6, "lost")
         if self.vacated is not None and self.vacated < SETTINGS.left_share:
             return refused(f"the {thing} stands where it was at the moment of the lift", 1 - self.vacated, "lost")
+        return None if self._held else self._on_the_table(thing)
+
+    def _on_the_table(self, thing: str) -> Verdict | None:
+        """A no because it lies where it is put down, or the table is seen through it; None where it may be held."""
         agrees = self.hand is not None and self.hand.agrees
-        if self.lies >= (SETTINGS.surely_lies_share if agrees else SETTINGS.lies_share) and not self._held:
+        if self.lies >= (SETTINGS.surely_lies_share if agrees else SETTINGS.lies_share):
             return refused(f"the {thing} lies on the table at the moment of the lift", self.lies, "lost")
-        if self.hand is not None and not self._held and self.through >= SETTINGS.through_share:
+        if self.hand is not None and self.through >= SETTINGS.through_share:
             return refused(f"the table is seen where the {thing} would be in the air", self.through, "lost")
         return None
 
