@@ -55,3 +55,22 @@ def test_a_thing_is_in_place_of_another_where_that_stood(x: float, there: bool):
     start = {"apple": Pose([-0.1, 0, 0]), "lemon": Pose([0.3, 0, 0])}
     now = {"apple": Pose([x, 0, 0]), "lemon": Pose([0.0, 0.2, 0])}
     assert (complaint(goal, start, now) is None) is there
+
+
+@pytest.mark.parametrize(
+    ("around", "alone"),
+    [
+        ({"basket": {"apple", "table"}, "apple": {"basket"}}, True),
+        ({"basket": {"apple", "table"}, "apple": {"basket", "table"}}, False),
+        ({"basket": {"apple", "table"}, "apple": {"basket", "left"}}, False),
+        ({"basket": {"table", "left"}}, True),
+    ],
+    ids=["in it", "beside it", "in a hand", "a hand at it"],
+)
+def test_a_thing_stands_on_the_table_with_what_lies_in_it(around: dict[str, set[str]], alone: bool):
+    thing = SimpleNamespace(aabb=np.array([[0, 0, 0.74], [0.2, 0.2, 0.84]]))
+    state = SimpleNamespace(
+        arms=("left", "right"), table_height=0.74, thing=lambda _: thing, touching=lambda name: around[name]
+    )
+    goal = Goal(subject="basket", relation="on", reference="table")
+    assert (goal.kind.complaint(goal, cast(State, state)) is None) is alone

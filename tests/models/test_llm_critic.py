@@ -111,7 +111,7 @@ def test_only_the_words_in_question_are_defined(word: str) -> None:
 
 def test_on_the_table_has_a_meaning_of_its_own() -> None:
     prompt = asked_about(Goal(subject="box", relation="on", reference="table"))
-    assert "touches no other object" in prompt and "Inside or on an object" not in prompt
+    assert "touches no object but what lies in or on it" in prompt and "Inside or on an object" not in prompt
 
 
 def test_the_limits_match_the_judge_of_the_simulator_state(monkeypatch: pytest.MonkeyPatch) -> None:

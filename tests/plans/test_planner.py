@@ -162,3 +162,11 @@ def _translated(action: Action, fluents: dict[Goal, Fluent]) -> InstantaneousAct
         elif moved or any(overrides(new, goal) for new in action.adds):
             theirs.add_effect(fluent, False)
     return theirs
+
+
+@pytest.mark.parametrize(("along", "chain"), [(True, ["pen-cup", "lift-cup"]), (False, None)], ids=["level", "tips"])
+def test_what_an_earlier_step_put_in_a_thing_is_in_it_when_that_is_lifted(along: bool, chain: list[str] | None) -> None:
+    lifted = frozenset([Goal(subject="cup", relation="lifted")])
+    task = Task(START, (frozenset([at("pen", "cup")]), lifted))
+    lift = Action("lift-cup", frozenset(), lifted, moves="cup", along=along)
+    assert find_chain(task, [*actions(), lift]) == chain

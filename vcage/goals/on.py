@@ -23,15 +23,16 @@ ON = GoalKind(
 
 def _meaning_on_table(limits: Thresholds) -> str:
     return f"""
-    On the table: the thing touches no other object, and its lowest point is at most {cm(limits.height_m)} off the table
-    top. It may lie on its side.
+    On the table: the thing touches no object but what lies in or on it, and its lowest point is at most
+    {cm(limits.height_m)} off the table top. It may lie on its side.
     """
 
 
 def _complaint_on_table(goal: Stated, state: State) -> str | None:
     arms_and_table = {*state.arms, "table"}
     stands = abs(state.thing(goal.subject).aabb[0, 2] - state.table_height) <= THRESHOLDS.height_m
-    alone = state.touching(goal.subject) <= arms_and_table
+    others = state.touching(goal.subject) - arms_and_table
+    alone = not any(state.touching(name) & arms_and_table for name in others)  # else it lies in or on the thing
     return None if stands and alone else f"{goal.subject} does not stand on the table alone"
 
 

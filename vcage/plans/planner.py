@@ -36,6 +36,11 @@ class Task:
         """The goals that must be true at the end."""
         return frozenset(lasting(self.steps))
 
+    def put_by(self, step: int, places: Collection[str]) -> frozenset[Goal]:
+        """The goals of the steps before one by which something lies on or in some places at the end."""
+        earlier = frozenset().union(*self.steps[:step])
+        return frozenset(g for g in self.final & earlier if g.relation in HOLDING and g.reference in places)
+
 
 @dataclass(frozen=True)
 class _Node:
@@ -46,13 +51,16 @@ class _Node:
     done: frozenset[Goal]
 
     def after(self, action: Action, task: Task) -> _Node | None:
-        """The node after an action; None where it brings about a goal before its turn."""
+        """The node after an action; None where it brings about a goal before its turn, or with something that is to be
+        laden then: "put the apple in the basket, then lift the basket" lifts no empty basket."""
         now = task.steps[self.step] if self.step < len(task.steps) else frozenset()
         early = frozenset().union(*task.steps[self.step + 1 :]) - now
         new = action.adds - self.state
         if new & early:
             return None
         state = action.after(self.state)
+        if not task.put_by(self.step, {g.subject for g in action.adds & now if g.reference is None}) <= state:
+            return None
         done = self.done | (action.adds & now)
         if now and done == now and all(g in state for g in lasting([now])):
             return _Node(state, self.step + 1, frozenset())

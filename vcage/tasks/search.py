@@ -169,7 +169,7 @@ TAKES: tuple[TemplateName, ...] = (*ENDS_IN_HAND, "hang", "insert")
 POURS: TemplateName = "pour"
 """The sub-task that brings the contents of its object into another one."""
 
-FILLED: tuple[TemplateName, ...] = ("place", "set_down", *ENDS_IN_HAND)
+FILLED: tuple[TemplateName, ...] = ("place", "set_down", "lift", *ENDS_IN_HAND)
 """Sub-tasks that may carry an object with its contents."""
 
 
