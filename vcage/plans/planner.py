@@ -3,6 +3,7 @@
 Every goal is achieved by a step of the chain, and in its turn: a goal true at the start was not
 done, and a premature one was not done in order. Nothing is done beyond requests and their preconditions:
 what had to be opened is closed again where a goal or a later step needs it closed, else it stays open.
+What an earlier step put in or on a thing is there when that is lifted, held up or moved away.
 """
 
 from __future__ import annotations
