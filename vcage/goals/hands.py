@@ -11,10 +11,16 @@ def in_hands(goal: Stated, state: State) -> set[str]:
 
     What lies in it moves along, as long as it touches neither an arm nor the table.
     """
-    touching, bearing = state.touching(goal.subject), {*state.arms, TABLE}
+    touching = state.touching(goal.subject)
     high = state.thing(goal.subject).lowest - state.table_height >= THRESHOLDS.lifted_m
-    borne = TABLE in touching or any(state.touching(name) & bearing for name in touching - bearing)
+    borne = TABLE in touching or leans_on_another(goal, state)
     return touching & {*state.arms} if high and not borne else set()
+
+
+def leans_on_another(goal: Stated, state: State) -> bool:
+    """True where the subject of a goal touches something that an arm or the table bears: not what only lies in it."""
+    bearing = {*state.arms, TABLE}
+    return any(state.touching(name) & bearing for name in state.touching(goal.subject) - bearing)
 
 
 def in_one_hand(goal: Stated, state: State) -> bool:

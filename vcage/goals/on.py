@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from vcage.goals.hands import leans_on_another
 from vcage.goals.inside import LISTED, complaint, meaning
 from vcage.goals.kind import GoalKind, State, Stated, cm
 from vcage.goals.thresholds import THRESHOLDS, Thresholds
@@ -29,11 +30,8 @@ def _meaning_on_table(limits: Thresholds) -> str:
 
 
 def _complaint_on_table(goal: Stated, state: State) -> str | None:
-    arms_and_table = {*state.arms, "table"}
     stands = abs(state.thing(goal.subject).aabb[0, 2] - state.table_height) <= THRESHOLDS.height_m
-    others = state.touching(goal.subject) - arms_and_table
-    alone = not any(state.touching(name) & arms_and_table for name in others)  # else it lies in or on the thing
-    return None if stands and alone else f"{goal.subject} does not stand on the table alone"
+    return None if stands and not leans_on_another(goal, state) else f"{goal.subject} does not stand on the table alone"
 
 
 ON_TABLE = replace(ON, complaint=_complaint_on_table, evidence="moved", meaning=_meaning_on_table)

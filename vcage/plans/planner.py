@@ -38,7 +38,7 @@ class Task:
         return frozenset(lasting(self.steps))
 
     def put_by(self, step: int, places: Collection[str]) -> frozenset[Goal]:
-        """The goals of the steps before one by which something lies on or in some places at the end."""
+        """The goals of the steps before one that leave something in or on some objects for good."""
         earlier = frozenset().union(*self.steps[:step])
         return frozenset(g for g in self.final & earlier if g.relation in HOLDING and g.reference in places)
 
@@ -52,8 +52,8 @@ class _Node:
     done: frozenset[Goal]
 
     def after(self, action: Action, task: Task) -> _Node | None:
-        """The node after an action; None where it brings about a goal before its turn, or with something that is to be
-        laden then: "put the apple in the basket, then lift the basket" lifts no empty basket."""
+        """The node after an action; None where it brings about a goal before its turn, or without what should lie in or
+        on its object: "put the apple in the basket, then lift the basket" lifts no empty basket."""
         now = task.steps[self.step] if self.step < len(task.steps) else frozenset()
         early = frozenset().union(*task.steps[self.step + 1 :]) - now
         new = action.adds - self.state
