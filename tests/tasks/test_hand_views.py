@@ -7,7 +7,7 @@ import pytest
 
 from tests.example_scenes import thing
 from vcage.sim.robots import load_robot
-from vcage.tasks.hand_views import grasp_views, press_views
+from vcage.tasks.hand_views import finger_views, grasp_views, press_views
 
 BELL = thing("service_bell", (-0.2, -0.05), 0.3)
 
@@ -41,6 +41,21 @@ def test_a_camera_on_the_hand_sees_what_is_held_between_the_fingers(who: str) ->
         between = (fingers[0].mean(axis=0) + fingers[1].mean(axis=0)) / 2
         along = (between - view.gripper.p) @ view.gripper.rotation()
         assert np.allclose(along[:2], 0.0, atol=1e-6), "the gripper frame is not between the fingers"
+
+
+def test_each_of_two_hands_holds_an_object_away_from_its_middle() -> None:
+    pin = thing("rolling_pin", (0.0, 0.0), 0.3)
+    robot = load_robot("aloha_agilex")
+
+    def nearest(with_both: bool) -> float:
+        views = grasp_views(pin, robot, "cam_left_wrist", with_both)
+        return min(abs(float((pin.pose.inverse() * view.gripper).p[0])) for view in views)
+
+    assert nearest(with_both=False) < 0.02 < 0.03 < nearest(with_both=True)
+
+
+def test_no_fingers_are_drawn_for_a_camera_beside_the_hands() -> None:
+    assert finger_views(load_robot("aloha_agilex"), "cam_high") == ()
 
 
 def test_nothing_is_held_before_a_camera_beside_the_hands() -> None:

@@ -12,7 +12,7 @@ import numpy as np
 from vcage.base.errors import InputFileError
 from vcage.base.geometry import Camera, Pose, box_corners, look_at
 from vcage.goals.presented import TOWARDS_CUSTOMER
-from vcage.models.protocols import THIN_SUPPORT_M, CriticQuestion, HandView, StoodUp
+from vcage.models.protocols import THIN_SUPPORT_M, CriticQuestion, StoodUp
 from vcage.plans.actions import HOLDING
 from vcage.runs.context import StageContext
 from vcage.schema.episodes import Verdict
@@ -22,7 +22,7 @@ from vcage.schema.subtasks import Statement, Subtask
 from vcage.sim.drawer import Drawing, Window
 from vcage.sim.joints import link_poses
 from vcage.sim.robots import load_robot
-from vcage.tasks.hand_views import grasp_views, press_views
+from vcage.tasks.hand_views import HandCameras
 from vcage.tasks.hanging import hung_poses
 from vcage.tasks.hitting import hitting_poses
 from vcage.tasks.inserting import inserted_poses
@@ -169,12 +169,7 @@ def _question(context: StageContext, scene: Scene, asking: Asking) -> CriticQues
     def insertions(thing: str, at: Pose, place: str, there: Pose) -> Iterator[tuple[float, Pose]]:
         return inserted_poses(objects[thing].moved(at), objects[place].moved(there))
 
-    def presses(thing: str, at: Pose, part: str, camera: str) -> Iterator[HandView]:
-        return press_views(objects[thing].moved(at), part, load_robot(scene.robot), camera)
-
-    def grasps(thing: str, at: Pose, camera: str) -> Iterator[HandView]:
-        return grasp_views(objects[thing].moved(at), load_robot(scene.robot), camera)
-
+    hands = HandCameras(load_robot(scene.robot), objects, goals)
     return CriticQuestion(
         text=asking.text,
         goals=list(goals),
@@ -196,8 +191,9 @@ def _question(context: StageContext, scene: Scene, asking: Asking) -> CriticQues
         wipers=_with_face("pad", objects),
         hangings=hangings,
         insertions=insertions,
-        presses=presses,
-        grasps=grasps,
+        presses=hands.presses,
+        grasps=hands.grasps,
+        fingers=hands.fingers,
         contents=_contents(scene),
         table_height=scene.table.height,
         tops=_tops(objects.values(), scene.table.height),

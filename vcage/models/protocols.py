@@ -140,6 +140,8 @@ class CriticQuestion:
             come: the object's id, how it stands, part and name of the camera; none of a camera that no hand carries.
         grasps: the same of a hand that holds an object, one for each way in which its fingers may close on it: the
             object's id, how it stands and name of the camera.
+        fingers: drawings of the fingers of the hand that carries a camera, as that camera sees them, from closed to
+            wide open, by the camera's name; none where no hand carries it.
         contents: ids of the balls that lie loose in a vessel at the start, by the vessel's.
         grasped: id of the object to grasp, if it is not the object of the goals.
         moment: view by camera name while a part was touched, a code was before a scanner, a tool was on what it hits or
@@ -179,6 +181,7 @@ class CriticQuestion:
     insertions: Callable[[str, Pose, str, Pose], Iterable[tuple[float, Pose]]] | None = None
     presses: Callable[[str, Pose, str, str], Iterable[HandView]] | None = None
     grasps: Callable[[str, Pose, str], Iterable[HandView]] | None = None
+    fingers: Callable[[str], Sequence[Drawing]] | None = None
     contents: Mapping[str, Sequence[str]] = field(default_factory=dict)
     grasped: str | None = None
     moment: dict[str, View] = field(default_factory=dict)

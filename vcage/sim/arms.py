@@ -282,10 +282,20 @@ class ArmControl:
         if "torque" in changed:
             self.articulation.set_qf(new["torque"])
         if "opening" in changed:
-            gripper = self.arm.gripper
-            width = gripper.closed + float(new["opening"][0]) * (gripper.open - gripper.closed)
+            position = self._finger_position(float(new["opening"][0]))
             for index in self._finger_index:
-                self.articulation.active_joints[index].set_drive_target(width)
+                self.articulation.active_joints[index].set_drive_target(position)
+
+    def _finger_position(self, opening: float) -> float:
+        """Joint position of the fingers at ``opening``, 0 closed to 1 open, metres."""
+        gripper = self.arm.gripper
+        return gripper.closed + opening * (gripper.open - gripper.closed)
+
+    def put_fingers(self, opening: float) -> None:
+        """Put the fingers at ``opening``, 0 closed to 1 open, for drawing: the next step drives them back."""
+        joints = self.articulation.get_qpos()
+        joints[self._finger_index] = self._finger_position(opening)
+        self.articulation.set_qpos(joints)
 
     # --- state ---
 

@@ -44,7 +44,7 @@ class Shot:
 @undisturbed()
 def shoot(world: World, camera: Camera | CameraRecord) -> np.ndarray:
     """(H, W, 3) uint8 picture of a world made with ``render=True``."""
-    return _colour(world, _take(world, camera))
+    return _colour(world, take(world, camera))
 
 
 @undisturbed()
@@ -58,7 +58,7 @@ def shoot_channels(world: World, camera: Camera | CameraRecord, extra: ExtraChan
         camera: that takes them.
         extra: channels besides colour, made for this world.
     """
-    component = _take(world, camera)
+    component = take(world, camera)
     pictures = {RGB: _colour(world, component)}
     if extra.depth:
         pictures[DEPTH] = millimetres(depth_picture(component))
@@ -74,7 +74,7 @@ def observe(world: World, camera: Camera | CameraRecord, near: float = NEAR) -> 
     Args:
         near: nearest drawn distance, metres; a far camera needs a far near plane for an exact depth.
     """
-    component = _take(world, camera, near)
+    component = take(world, camera, near)
     return Shot(
         picture=_colour(world, component),
         segmentation=_object_ids(world, component.get_picture("Segmentation")[..., 1]),
@@ -132,7 +132,7 @@ def _mounted(camera: RobotCamera) -> Pose:
     return look_at(position, position + np.asarray(camera.forward), camera.up)
 
 
-def _take(world: World, camera: Camera | CameraRecord, near: float = NEAR) -> sapien.render.RenderCameraComponent:
+def take(world: World, camera: Camera | CameraRecord, near: float = NEAR) -> sapien.render.RenderCameraComponent:
     """The world's camera component of that size and opening, after it took the picture."""
     if not world.rendered:
         raise ValueError("this world was made without render=True")

@@ -51,12 +51,12 @@ class Window:
 
 @dataclass(frozen=True)
 class Drawing:
-    """An object alone, seen through a window.
+    """An object, or fingers, alone in a picture of height H and width W: of an object a window, where both are equal.
 
     Args:
-        picture: (side, side, 3) uint8 sRGB.
-        covered: (side, side) bool, its silhouette.
-        depth: (side, side) float32 metres along the camera's axis; far away beside the object.
+        picture: (H, W, 3) uint8 sRGB.
+        covered: (H, W) bool, the silhouette.
+        depth: (H, W) float32 metres along the camera's axis; far away beside the silhouette.
     """
 
     picture: np.ndarray
@@ -122,30 +122,37 @@ class ModelDrawer:
         component.entity.set_pose(to_sapien(camera.pose))
         self._world.scene.update_render()
         component.take_picture()
-        drawn = component.get_picture("Color")[: window.side, : window.side]
-        depth = np.minimum(depth_picture(component)[: window.side, : window.side], FAR)
-        drawing = Drawing(np.ascontiguousarray(drawn[..., :3]), covered=drawn[..., 3] > 0, depth=depth)
-        for layer in (drawing.picture, drawing.covered, drawing.depth):
-            layer.setflags(write=False)  # it may be shown again
-        return drawing
+        return drawing_of(component, window.side)
 
     @functools.cached_property
     def _world(self) -> World:
         bodies = {name: Body(model) for name, model in self._models.items()}
         world = World(Table(), bodies, appearance=Appearance(shadows=False), render=True)
         for entity in world.scene.entities:
-            _set_visible(entity, False)
+            set_visible(entity, False)
         return world
 
     def _show(self, object_id: str) -> None:
         for name, visible in ((self._shown, False), (object_id, True)):
             if name is not None and self._shown != object_id:
                 for entity in self._world.entities(name).values():
-                    _set_visible(entity, visible)
+                    set_visible(entity, visible)
         self._shown = object_id
 
 
-def _set_visible(entity: sapien.Entity, visible: bool) -> None:
+def drawing_of(component: sapien.render.RenderCameraComponent, side: int | None = None) -> Drawing:
+    """What is visible in the last picture of a camera, or in its upper left square of ``side`` pixels; read-only, for
+    it may be kept."""
+    part = np.s_[:side, :side]
+    drawn, depth = component.get_picture("Color")[part], np.minimum(depth_picture(component)[part], FAR)
+    drawing = Drawing(np.ascontiguousarray(drawn[..., :3]), covered=drawn[..., 3] > 0, depth=depth)
+    for layer in (drawing.picture, drawing.covered, drawing.depth):
+        layer.setflags(write=False)
+    return drawing
+
+
+def set_visible(entity: sapien.Entity, visible: bool) -> None:
+    """Show an entity in pictures, or hide it."""
     import sapien
 
     component = entity.find_component_by_type(sapien.render.RenderBodyComponent)

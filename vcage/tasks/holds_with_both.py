@@ -79,6 +79,12 @@ def places_for_both(thing: SceneObject, gripper: Gripper) -> list[tuple[ContactP
     return [pair for *_, pair in sorted(found)]
 
 
+def ends_for_both(thing: SceneObject, gripper: Gripper) -> list[ContactPoint]:
+    """The places of the pairs that are examined, once each."""
+    pairs = places_for_both(thing, gripper)[: SETTINGS.pairs]
+    return list({place.model_dump_json(): place for pair in pairs for place in pair}.values())
+
+
 def holds_with_both(
     thing: SceneObject, arms: Mapping[str, ArmKinematics], others: Sequence[SceneObject] = ()
 ) -> Iterator[Hands]:

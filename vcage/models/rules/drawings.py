@@ -48,22 +48,36 @@ def inside(picture: np.ndarray, window: Window) -> np.ndarray:
     return cut(np.ones(picture.shape[:2], bool), window)
 
 
+@dataclass(frozen=True)
+class LightRange:
+    """How a picture may be lit, beside a drawing.
+
+    Args:
+        level: least and most by which it may be brighter.
+        tint: the same of one colour beside the others.
+    """
+
+    level: tuple[float, float] = (0.5, 2.0)
+    tint: tuple[float, float] = (0.85, 1.18)
+
+
+ANY_LIGHT = LightRange()
+
+
 def brightness(
     drawing: Drawing,
     picture: np.ndarray,
     hidden: np.ndarray | None = None,
+    light: LightRange = ANY_LIGHT,
     samples_px: int = 1000,
-    level_range: tuple[float, float] = (0.5, 2.0),
-    tint_range: tuple[float, float] = (0.85, 1.18),
 ) -> np.ndarray:
     """(3,) by which a drawing is multiplied to be as bright as a picture is where it is covered and not hidden.
 
     Args:
         drawing, picture: (side, side, 3) each.
         hidden: (side, side) bool.
+        light: in which the picture may be taken.
         samples_px: number of pixels to measure the brightness with.
-        level_range: least and most by which a picture may be brighter than a drawing.
-        tint_range: the same of one colour beside the others.
     """
     covered = drawing.covered if hidden is None else drawing.covered & ~hidden
     if not covered.any():
@@ -71,12 +85,15 @@ def brightness(
     some = slice(None, None, 1 + int(covered.sum()) // samples_px)
     gain = np.median((picture[covered][some] + 4.0) / (drawing.picture[covered][some] + np.float32(4.0)), axis=0)
     level = float(np.median(gain))
-    return np.clip(level, *level_range) * np.clip(gain / max(level, 1e-3), *tint_range)
+    return np.clip(level, *light.level) * np.clip(gain / max(level, 1e-3), *light.tint)
 
 
-def as_bright(drawing: Drawing, picture: np.ndarray, hidden: np.ndarray | None = None) -> np.ndarray:
-    """(side, side, 3) float32, a drawing as bright as a picture is where it is covered and not hidden."""
-    return np.clip(drawing.picture.astype(np.float32) * brightness(drawing, picture, hidden), 0, 255)
+def as_bright(
+    drawing: Drawing, picture: np.ndarray, hidden: np.ndarray | None = None, light: LightRange = ANY_LIGHT
+) -> np.ndarray:
+    """(side, side, 3) float32, a drawing as bright as a picture is where it is covered and not hidden, see
+    :func:`brightness`."""
+    return np.clip(drawing.picture.astype(np.float32) * brightness(drawing, picture, hidden, light), 0, 255)
 
 
 @dataclass(frozen=True)

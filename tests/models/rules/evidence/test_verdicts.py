@@ -16,7 +16,7 @@ from vcage.models.rules.evidence.in_hand import InHand
 from vcage.models.rules.evidence.parts import PartEvidence
 from vcage.models.rules.evidence.placed import Placed
 from vcage.models.rules.evidence.raised import Raised
-from vcage.models.rules.evidence.shaken import Shaken
+from vcage.models.rules.evidence.shaken import Shaken, TurnInHand
 from vcage.models.rules.standing import Standing
 from vcage.schema.episodes import Failure
 from vcage.schema.goals import Goal
@@ -56,7 +56,7 @@ def test_a_hand_over_needs_both_arms(evidence: Between, accepted: bool, words: s
     assert words in verdict.reason
 
 
-RAISED = Raised(0.9, 0.0, 0.0, 0.8, 0.12, 0.0, None, STANDS, STANDS)
+RAISED = Raised(0.9, 0.0, 0.0, 0.8, 0.12, 0.0, None, False, STANDS, STANDS)
 """A mug that one arm holds up, without a camera on its hand."""
 
 SURE, UNSURE, DOUBTED = InHand(0.9, 0.5), InHand(None, 0.5), InHand(None, -0.2)
@@ -68,6 +68,7 @@ SURE, UNSURE, DOUBTED = InHand(0.9, 0.5), InHand(None, 0.5), InHand(None, -0.2)
         ({}, "80 % of the mug is seen 12 cm above its place"),
         ({"seen": 0.4, "hand": SURE}, "the camera on the hand sees it between the fingers"),
         ({"vacated": None, "hand": SURE}, "sees it between the fingers"),
+        ({"vacated": None, "hand": UNSURE, "stays": 0.1}, "80 % of"),
         ({"seen": 0.7, "hand": UNSURE}, "70 % of"),
         ({"seen": 0.9, "hand": DOUBTED}, "90 % of"),
         ({"lies": 0.7, "hand": UNSURE}, "80 % of"),
@@ -86,6 +87,9 @@ def test_what_is_seen_above_its_place_or_in_the_hand_was_lifted(changed: dict[st
     [
         ({"vacated": 0.1}, "stands where it was"),
         ({"vacated": None}, "nothing shows that the mug left its place"),
+        ({"vacated": None, "stays": None, "hand": UNSURE}, "nothing shows that the mug left its place"),
+        ({"vacated": None, "hand": InHand(None, 0.05)}, "nothing shows that the mug left its place"),
+        ({"vacated": None, "stays": 0.3, "hand": UNSURE}, "nothing shows that the mug left its place"),
         ({"vacated": None, "stays": 0.9, "hand": SURE}, "nothing shows that the mug left its place"),
         ({"lies": 0.7}, "lies on the table"),
         ({"lies": 0.9, "hand": UNSURE}, "lies on the table"),
@@ -94,6 +98,8 @@ def test_what_is_seen_above_its_place_or_in_the_hand_was_lifted(changed: dict[st
         ({"through": 0.8, "hand": UNSURE}, "the table is seen where the mug would be"),
         ({"seen": 0.4}, "40 % of"),
         ({"seen": 0.7, "hand": DOUBTED}, "70 % of"),
+        ({"through": 0.9, "hand": SURE}, "the table is seen where the mug would be"),
+        ({"closed": True, "hand": SURE}, "the fingers have closed on nothing"),
         ({"hand": InHand(0.2, 0.5)}, "does not see the mug between the fingers"),
     ],
 )
@@ -119,8 +125,9 @@ def test_what_both_arms_lift_must_be_seen_more_plainly():
         (0.03, 0.3, 0.95, False, "hung upright while the hand leaned"),
         (0.03, 0.3, 1.05, True, "the arm swung"),
         (0.03, 0.3, None, True, "the arm swung"),
+        (0.03, 0.55, 0.95, True, "the arm swung"),
         (0.03, None, 0.95, True, "the arm swung"),
-        (0.03, None, 0.7, False, "hung upright while the hand leaned"),
+        (0.03, None, 0.9, False, "hung upright while the hand leaned"),
         (0.03, None, None, True, "the arm swung"),
     ],
     ids=[
@@ -132,6 +139,7 @@ def test_what_both_arms_lift_must_be_seen_more_plainly():
         "edges leave it open, the hand sees it upright",
         "edges leave it open, the hand sees it lean",
         "edges leave it open, no camera on the hand",
+        "edges likely lean, the hand cannot tell",
         "round, the hand cannot tell",
         "round, the hand sees it upright",
         "round, no camera on the hand",
@@ -140,13 +148,24 @@ def test_what_both_arms_lift_must_be_seen_more_plainly():
 def test_what_was_shaken_leaned_with_the_hand_that_swung(
     swung: float, rocked: float | None, upright: float | None, accepted: bool, words: str
 ):
-    verdict = Shaken(RAISED, RAISED, swung, rocked, upright).verdict("mug")
+    in_hand = None if upright is None else TurnInHand(upright, kept=0.9)
+    verdict = Shaken(RAISED, RAISED, swung, rocked, in_hand).verdict("mug")
     assert verdict.accepted is accepted
     assert words in verdict.reason
 
 
+def test_what_looks_otherwise_to_the_hand_at_its_last_lean_hung_upright():
+    turned = Shaken(RAISED, RAISED, 0.03, None, TurnInHand(upright=0.95, kept=0.6))
+    assert "hung upright" in turned.verdict("mug").reason
+
+
+def test_what_leans_surely_in_the_hand_may_show_the_table_where_it_is_drawn_upright():
+    leaning = replace(RAISED, through=0.9, hand=SURE)
+    assert Shaken(leaning, leaning, 0.03, 0.6, None).verdict("mug").accepted
+
+
 def test_what_is_seen_in_the_air_at_one_side_only_was_not_shaken():
-    verdict = Shaken(RAISED, replace(RAISED, seen=0.1), 0.03, 0.6, 1.0).verdict("mug")
+    verdict = Shaken(RAISED, replace(RAISED, seen=0.1), 0.03, 0.6, None).verdict("mug")
     assert not verdict.accepted and "10 % of" in verdict.reason
 
 

@@ -7,14 +7,13 @@ the thing in several ways, and each way has drawings of its own.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import cv2
 import numpy as np
 
 from vcage.base.geometry import Camera, Pose
 from vcage.models.protocols import HandView
-from vcage.models.rules.drawings import Draw, brightness, drawn_whole
+from vcage.models.rules.drawings import ANY_LIGHT, Draw, LightRange, as_bright, drawn_whole
 from vcage.models.rules.evidence.parts import edges_and_hues, unlike
 from vcage.sim.drawer import Drawing
 from vcage.vision.colour import to_lab
@@ -42,7 +41,7 @@ class HandPicture:
     Args:
         picture: (H, W, 3) uint8 RGB.
         camera: that takes such pictures, wherever.
-        light: ranges of the light of a picture beside that of a drawing, see :func:`brightness`.
+        light: in which the picture may be taken.
 
     Attributes:
         picture: (h, w, 3) uint8 RGB, reduced.
@@ -50,7 +49,7 @@ class HandPicture:
         shows: whether there is anything to see.
     """
 
-    def __init__(self, picture: np.ndarray, camera: Camera, **light: Any):
+    def __init__(self, picture: np.ndarray, camera: Camera, light: LightRange = ANY_LIGHT):
         self._light = light
         self._step = max(1, round(camera.width / SETTINGS.width_px))
         small = (camera.width // self._step, camera.height // self._step)
@@ -73,8 +72,7 @@ class HandPicture:
 
     def lit(self, drawing: Drawing, hidden: np.ndarray) -> np.ndarray:
         """(h, w, 3) uint8, a drawing as bright as the picture is where it is covered and not hidden (h, w) bool."""
-        gain = brightness(drawing, self.picture, hidden, **self._light)
-        return np.clip(drawing.picture.astype(np.float32) * gain, 0, 255).astype(np.uint8)
+        return as_bright(drawing, self.picture, hidden, self._light).astype(np.uint8)
 
     def unlike(self, drawing: Drawing, hidden: np.ndarray, where: np.ndarray | None = None) -> float:
         """How unlike the picture is to a drawing of a thing on a plain table.

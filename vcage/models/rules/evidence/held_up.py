@@ -8,9 +8,12 @@ import cv2
 import numpy as np
 
 from vcage.models.rules.critic_view import VIEW, CriticView
+from vcage.models.rules.evidence.fingers import closed_on_nothing
 from vcage.models.rules.evidence.handed import REACH, arms_out
+from vcage.models.rules.evidence.in_hand import in_hand
 from vcage.models.rules.evidence.judgement import Judged, refused
-from vcage.models.rules.evidence.raised import at_end, in_the_air
+from vcage.models.rules.evidence.moments import at_end
+from vcage.models.rules.evidence.raised import in_the_air
 from vcage.models.rules.pixels import grown
 from vcage.schema.goals import Goal
 
@@ -45,13 +48,13 @@ def judge_held_up(view: CriticView, goal: Goal) -> Judged:
 
 
 def judge_held_by_both(view: CriticView, goal: Goal) -> Judged:
-    """Judge if an object is level in the air in the end, with both arms out to it."""
-    end = at_end(view)
-    both = None if end is None else replace(end, hand={})  # two hands hold it elsewhere than one
+    """Judge if an object is level in the air in the end, between the fingers of both arms."""
+    end, thing = at_end(view), view.phrase(goal.subject)
+    both = None if end is None else replace(end, hand={})  # of each hand below
     found = in_the_air(view, goal, both, SETTINGS.with_both_m, np.inf)
     if isinstance(found, Judged):
         return found
-    verdict = found.verdict(view.phrase(goal.subject), SETTINGS.with_both_share)
+    verdict = found.verdict(thing, SETTINGS.with_both_share)
     judged = Judged(verdict, view.around(found.old) | _arm_seen(view))
     if not verdict.accepted:
         return judged
@@ -59,8 +62,20 @@ def judge_held_by_both(view: CriticView, goal: Goal) -> Judged:
     changed = " and ".join(f"{100 * share:.0f} %" for share in arms)
     if min(arms) < REACH.reaches_share:
         return judged._replace(verdict=refused(f"not both arms reach out: {changed} of their sides changed", 0.8))
+    empty = _empty_hand(view, goal.subject)
+    if empty is not None:
+        return judged._replace(verdict=refused(f"{empty} does not see the {thing} between the fingers", 0.8))
     reason = f"{verdict.reason}, and both arms reach out: {changed} of their sides changed"
     return judged._replace(verdict=verdict.model_copy(update={"reason": reason}))
+
+
+def _empty_hand(view: CriticView, name: str) -> str | None:
+    """The first camera on a hand that does not see an object between its fingers in the end; None where all do."""
+    for camera, picture in view.question.uncalibrated.get("after", {}).items():
+        hand = in_hand(view, name, {camera: picture})
+        if closed_on_nothing(view.question, {camera: picture}) or (hand is not None and not hand.agrees):
+            return camera
+    return None
 
 
 def _arm_seen(view: CriticView) -> np.ndarray:

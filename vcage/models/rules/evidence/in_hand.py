@@ -13,10 +13,12 @@ import numpy as np
 from vcage.base.geometry import Pose
 from vcage.models.protocols import HandView
 from vcage.models.rules.critic_view import CriticView
-from vcage.models.rules.drawings import Draw
+from vcage.models.rules.drawings import Draw, LightRange
 from vcage.models.rules.evidence.hand_picture import HandPicture
 from vcage.sim.drawer import Drawing
 from vcage.vision.colour import distance, to_lab
+
+HAND_LIGHT = LightRange((0.7, 1.45), (0.92, 1.09))
 
 
 @dataclass(frozen=True)
@@ -27,8 +29,8 @@ class InHandSettings:
         refined: number of the likeliest grasps of which more drawings are made: an object slips and turns a little.
         rounds: of these drawings.
         steps: the first of them across the fingers and along the approach, metres, and about the closing axis, radians.
-        level_range, tint_range: least and most by which the picture may be brighter than a drawing, and one colour of
-            it beside the others. Anything brown passes for anything else that is brown where the light is left free.
+        light: in which the picture may be taken. Anything brown passes for anything else that is brown where that is
+            left free.
         table_shades: shades of the table's colour that what is behind the object may have.
         apart_lab: colour distance from all of these from which a pixel of the object tells that it is there.
         alike_lab: distance up to which what is seen looks like the object.
@@ -44,8 +46,7 @@ class InHandSettings:
     refined: int = 2
     rounds: int = 4
     steps: tuple[float, float, float] = (0.008, 0.008, 0.16)
-    level_range: tuple[float, float] = (0.7, 1.45)
-    tint_range: tuple[float, float] = (0.92, 1.09)
+    light: LightRange = HAND_LIGHT
     table_shades: tuple[float, ...] = (0.7, 0.85, 1.0, 1.15)
     apart_lab: float = 12.0
     alike_lab: float = 18.0
@@ -113,8 +114,7 @@ def held_object(view: CriticView, name: str, pictures: Mapping[str, np.ndarray])
         hands = list(question.grasps(name, pose, camera))
         if not hands:
             continue
-        light = {"level_range": SETTINGS.level_range, "tint_range": SETTINGS.tint_range}
-        seen = HandPicture(picture, hands[0].camera, **light)
+        seen = HandPicture(picture, hands[0].camera, SETTINGS.light)
         if seen.shows:
             return HeldObject(seen, hands, pose, draw, to_lab(shades[None])[0])
     return None
@@ -141,7 +141,7 @@ class HeldObject:
         """Measure the likeliest way to hold it; None where the camera would not see it."""
         hand, shift = self.likeliest()
         drawing, fingers = self._drawn(hand, shift)
-        shown = drawing.covered & ~fingers
+        shown = self.shown(hand, shift)
         if not shown.any():
             return None
         bare = self.picture.unlike_bare(drawing, fingers, shown)
@@ -159,6 +159,11 @@ class HeldObject:
         found = [(*self._refined(self.hands[number], cost), number) for cost, number in rough[: SETTINGS.refined]]
         _, shift, number = min(found)
         return self.hands[number], _shifted(shift)
+
+    def shown(self, hand: HandView, shift: Pose) -> np.ndarray:
+        """(h, w) bool, where the object is seen as a hand holds it, see :meth:`likeliest`."""
+        drawing, fingers = self._drawn(hand, shift)
+        return drawing.covered & ~fingers
 
     def _refined(self, hand: HandView, cost: float) -> tuple[float, tuple[float, ...]]:
         """The least unlikeness near a grasp, and the object's shift (3,) in the gripper frame."""

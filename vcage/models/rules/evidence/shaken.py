@@ -15,11 +15,12 @@ from vcage.models.rules.critic_view import CriticView
 from vcage.models.rules.drawings import drawn_whole
 from vcage.models.rules.evidence.in_hand import held_object
 from vcage.models.rules.evidence.judgement import Judged, refused, unseen
-from vcage.models.rules.evidence.raised import Raised, at_later, at_moment, in_the_air
+from vcage.models.rules.evidence.moments import at_later, at_moment
+from vcage.models.rules.evidence.raised import Raised, in_the_air
 from vcage.models.rules.pixels import changed, grown, share_of
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal
-from vcage.vision.colour import smoothed
+from vcage.vision.colour import distance, smoothed
 
 
 @dataclass(frozen=True)
@@ -33,15 +34,16 @@ class ShakenSettings:
         beside_px: around the object that is not counted as hand.
         swung_m2: least area that changes there when a hand swings.
         lean_rad, directions: lean to either side, and number of directions, in which the object is drawn.
-        hung_share, leaned_share: share of its lower edges, as it leans to all sides, that changes from side to side:
-            below the first it seems to have hung upright, from the second on it surely leaned. Of 24 objects that hung
-            upright in a swinging hand 22 had 32 % and less; of 195 that leaned 12 had less than the first, and 44 were
-            between the two.
+        hung_share, likely_share, leaned_share: share of its lower edges, as it leans to all sides, that changes from
+            side to side: below the first it seems to have hung upright, from the second on it has likely leaned, from
+            the third on surely.
         fewest_px: of these edges, else the object is too small or too round to tell.
-        upright_if_hung, upright_if_open, upright_if_round: unlikeness of what the hand sees to the object that stayed
+        upright_if_hung, upright_if_open, upright_if_likely: unlikeness of what the hand sees to the object that stayed
             upright, in shares of that to the one that leaned with the hand, from which it leaned all the same: where it
             seems to have hung upright (a lean towards the customer hardly shows from there), where its edges leave that
-            open, and where they do not tell. Of 98 small and round things that leaned it was 86 % and more.
+            open, and where it has likely leaned or they do not tell.
+        alike_lab: colour distance up to which a pixel of the object looks the same to the hand at both leans.
+        kept_share: share of these pixels below which it has turned in the hand, unless it looks more as if it leaned.
     """
 
     seen_share: float = 0.4
@@ -51,14 +53,52 @@ class ShakenSettings:
     lean_rad: float = float(np.radians(22.0))
     directions: int = 4
     hung_share: float = 0.2
-    leaned_share: float = 0.5
+    likely_share: float = 0.5
+    leaned_share: float = 0.6
     fewest_px: int = 450
     upright_if_hung: float = 1.2
     upright_if_open: float = 1.0
-    upright_if_round: float = 0.8
+    upright_if_likely: float = 0.92
+    alike_lab: float = 12.0
+    kept_share: float = 0.8
 
 
 SETTINGS = ShakenSettings()
+
+
+@dataclass(frozen=True)
+class TurnInHand:
+    """Measurements of an object at two leans, by the camera on the hand that leans.
+
+    Args:
+        upright: how unlike the pictures are to the object that stayed upright, in shares of how unlike to one that
+            leaned with the hand.
+        kept: share of the object's pixels that look the same at both leans.
+    """
+
+    upright: float
+    kept: float
+
+    @classmethod
+    def of(cls, view: CriticView, name: str) -> TurnInHand | None:
+        """Measure an object; None without pictures of such a camera."""
+        pictures = (view.question.uncalibrated.get(when, {}) for when in ("moment", "later"))
+        there, back = (held_object(view, name, one) for one in pictures)
+        if there is None or back is None:
+            return None
+        hand, shift = there.likeliest()
+        middle = there.pose.p + [0.0, 0.0, view.look(name).size[2] / 2]
+
+        def unlike(lean: Pose) -> float:
+            both = [there.unlike_leaning(hand, shift, lean), back.unlike_leaning(hand, shift, lean.inverse())]
+            held, upright = np.sum(both, axis=0)
+            return float(upright) / max(float(held), 1e-6)
+
+        shown = there.shown(hand, shift)
+        was, now = there.picture.lab[shown], back.picture.lab[shown]
+        brighter = np.median(now - was, axis=0) if shown.any() else 0.0
+        same = distance(was + brighter, now) < SETTINGS.alike_lab
+        return cls(min(map(unlike, _leans(middle))), float(same.mean()) if shown.any() else 1.0)
 
 
 @dataclass(frozen=True)
@@ -69,19 +109,18 @@ class Shaken:
         first, second: of the object in the air, at both sides.
         swung: area that changed beside it between the two, m².
         rocked: share of its lower edges that changed; None where it is too small or too round to tell.
-        upright: how unlike the pictures of the hand's camera are to an object that stayed upright, in shares of how
-            unlike to one that leaned with the hand; None without such pictures, and where the edges tell.
+        in_hand: what the pictures of the hand's camera tell; None without such pictures, and where the edges tell.
     """
 
     first: Raised
     second: Raised
     swung: float
     rocked: float | None
-    upright: float | None
+    in_hand: TurnInHand | None
 
     def verdict(self, thing: str) -> Verdict:
         """Judge by the hand that swung, and the object that leaned with it."""
-        verdicts = [one.verdict(thing, SETTINGS.seen_share) for one in (self.first, self.second)]
+        verdicts = [one.verdict(thing, SETTINGS.seen_share, leans=True) for one in (self.first, self.second)]
         for one in verdicts:
             if not one.accepted:
                 return one
@@ -98,11 +137,14 @@ class Shaken:
     def _leaned(self) -> bool:
         """False where its edges, or the pictures of the hand's camera, show that it hung upright."""
         hung = self.rocked is not None and self.rocked < SETTINGS.hung_share
-        if self.upright is None:
+        if self.in_hand is None:
             return not hung
-        if self.rocked is None:
-            return self.upright >= SETTINGS.upright_if_round
-        return self.upright >= (SETTINGS.upright_if_hung if hung else SETTINGS.upright_if_open)
+        if hung:
+            return self.in_hand.upright >= SETTINGS.upright_if_hung
+        likely = self.rocked is None or self.rocked >= SETTINGS.likely_share
+        turned = self.in_hand.kept < SETTINGS.kept_share
+        least = SETTINGS.upright_if_likely if likely and not turned else SETTINGS.upright_if_open
+        return self.in_hand.upright >= least
 
 
 def judge_shaken(view: CriticView, goal: Goal) -> Judged:
@@ -119,7 +161,7 @@ def judge_shaken(view: CriticView, goal: Goal) -> Judged:
         return second
     swung, rocked = _swung(view, goal.subject, first)
     edges_tell = rocked is not None and rocked >= SETTINGS.leaned_share
-    found = Shaken(first, second, swung, rocked, None if edges_tell else _upright(view, goal.subject))
+    found = Shaken(first, second, swung, rocked, None if edges_tell else TurnInHand.of(view, goal.subject))
     return Judged(found.verdict(thing), view.around(first.old, first.new))
 
 
@@ -141,24 +183,6 @@ def _swung(view: CriticView, name: str, found: Raised) -> tuple[float, float | N
     edges = own & ~np.all(outlines, axis=0) & (rows > v)  # the hand hides the upper ones
     rocked = share_of(change, edges) if edges.sum() >= SETTINGS.fewest_px else None
     return float((change & near & ~grown(own, SETTINGS.beside_px)).sum() * scale**2), rocked
-
-
-def _upright(view: CriticView, name: str) -> float | None:
-    """How unlike the hand's pictures are to an object that stayed upright, in shares of how unlike to one that leaned
-    with the hand; None without such pictures."""
-    pictures = (view.question.uncalibrated.get(when, {}) for when in ("moment", "later"))
-    there, back = (held_object(view, name, one) for one in pictures)
-    if there is None or back is None:
-        return None
-    hand, shift = there.likeliest()
-    middle = there.pose.p + [0.0, 0.0, view.look(name).size[2] / 2]
-
-    def unlike(lean: Pose) -> float:
-        both = [there.unlike_leaning(hand, shift, lean), back.unlike_leaning(hand, shift, lean.inverse())]
-        held, upright = np.sum(both, axis=0)
-        return float(upright) / max(float(held), 1e-6)
-
-    return min(map(unlike, _leans(middle)))
 
 
 def _leans(middle: np.ndarray) -> list[Pose]:
