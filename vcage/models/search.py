@@ -160,13 +160,19 @@ def no_asset(
     """
     found = search.search(text, catalogue, SETTINGS.suggestions)
     near = list(dict.fromkeys(entry.words.name for entry, _ in found))
-    colours = [f"{e.words.name} comes in {', '.join(v.colour for v in e.variants)} only" for e in alike]
-    hint = "; ".join(colours[: SETTINGS.suggestions])
+    hint = "; ".join(list(dict.fromkeys(map(_colours, alike)))[: SETTINGS.suggestions])
     return NoAssetFits(
         f"no asset of the catalogue matches {text!r}",
         hint=hint or f"nearest in meaning: {', '.join(near)}; see all: {vcage_command('assets', 'list')}",
         details={"unmatched": [text], "nearest": {text: near}},
     )
+
+
+def _colours(entry: CatalogueEntry) -> str:
+    """Words for the colours that a kind comes in."""
+    if entry.any_colour:
+        return f"{entry.words.name} comes in any plain colour, such as black or pink"
+    return f"{entry.words.name} comes in {', '.join(variant.colour for variant in entry.variants)} only"
 
 
 def _sentence_encoder() -> Embed:

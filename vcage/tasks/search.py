@@ -28,7 +28,7 @@ from vcage.tasks.scene_objects import SceneObject
 from vcage.tasks.state import resting_point
 from vcage.tasks.stowing import point_in
 from vcage.tasks.templates import TEMPLATES
-from vcage.tasks.templates.proposal import Proposal
+from vcage.tasks.templates.proposal import Proposal, stands_up_elsewhere
 from vcage.tasks.workplace import Workplace
 
 Judge = Callable[[Sequence[PairQuestion]], list[PairAnswer]]
@@ -141,7 +141,8 @@ def _fulfilling(
             maker="select_place",
         )
     task = Task(initial_state(objects), in_steps(scene.goals))
-    able = [s for s in kept if s.object not in scene.untouched]
+    asked = {one.goal for one in scene.goals}
+    able = [s for s in kept if s.object not in scene.untouched and not stands_up_elsewhere(s, asked)]
     by_name = actions_of(able, objects, scene)
     chain = _shortest(task, list(by_name.values()))
     if not chain:

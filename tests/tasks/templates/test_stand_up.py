@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from tests.example_scenes import thing, workplace, world_of
+from tests.example_scenes import scene_of, sensible, thing, workplace, world_of
 from vcage.base.errors import NoFeasibleTask
 from vcage.schema.goals import AskedGoal, Goal, goal_of
 from vcage.tasks.chain_slots import slots_for_chain
 from vcage.tasks.ruled_out import require_only_stood_up
+from vcage.tasks.search import compose, find_subtasks
 from vcage.tasks.state import Watch
 from vcage.tasks.task import Task
 from vcage.tasks.templates import TEMPLATES
@@ -53,6 +54,16 @@ def test_a_lying_bottle_is_stood_up_in_the_simulator() -> None:
     task.place()
     task.home()
     assert goals_hold(step.goals, watch).success, goals_hold(step.goals, watch).reason
+
+
+def test_it_is_not_stood_up_in_a_bowl_that_nobody_named() -> None:
+    objects = [BOTTLE, thing("bowl", (0.1, 0.05))]
+    found = find_subtasks(workplace(objects), sensible, [UPRIGHT])
+    assert any({str(goal) for goal in one.goals} == {"bottle inside bowl", "bottle upright"} for one in found.kept)
+    asked = [AskedGoal(goal=UPRIGHT, step=1, words="stand the bottle up")]
+    scene = scene_of(objects).model_copy(update={"instruction": "Stand the bottle up", "goals": asked})
+    ((step,),) = (chain.subtasks for chain in compose(scene, objects, found.kept, found.refused))
+    assert next(one.goals[-1] for one in found.kept if one.id == step).reference == "table"
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
+from vcage.plans.actions import HOLDING
 from vcage.schema.goals import Goal
 from vcage.schema.plan import TABLE
 from vcage.schema.subtasks import Check, PairQuestion, Refusal, Subtask, TemplateName
@@ -121,6 +122,13 @@ class Proposal(ABC):
 def stood_up(thing: SceneObject) -> list[Goal]:
     """The goal that is true besides where a thing that starts on its side is put down; none of others."""
     return [] if thing.asset.standing is None else [Goal(subject=thing.id, relation="upright")]
+
+
+def stands_up_elsewhere(subtask: Subtask, asked: Collection[Goal]) -> bool:
+    """True where something is stood up as asked, in or on a thing that nobody named."""
+    place, *others = subtask.goals
+    unasked = place.relation in HOLDING and place.reference != TABLE and place not in asked
+    return unasked and any(goal in asked for goal in others)
 
 
 P = TypeVar("P", bound=Proposal)
