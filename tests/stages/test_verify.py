@@ -15,6 +15,7 @@ from vcage.base.drawing import EDGE, VIEW
 from vcage.base.errors import DamagedFile, InputFileError, MissingStage, StaleStage, UnknownName
 from vcage.base.files import RunFolder, read_json, write_json, write_text
 from vcage.base.pictures import read_picture, write_picture
+from vcage.episodes import second_judge
 from vcage.episodes.second_judge import judge_pair
 from vcage.episodes.store import log_path, read_log
 from vcage.runs.edits import seal
@@ -256,6 +257,16 @@ def test_a_pair_is_judged_by_its_pictures(finished):
     idle = judge_pair(finished.run, finished.context, subtask, before, before)
     assert isinstance(done, SingleVerdict) and done.verdict.accepted
     assert not idle.verdict.accepted and idle.verdict.reason
+
+
+@pytest.mark.parametrize(("ends", "alone"), [(True, False), (False, True)])
+def test_only_the_end_of_an_attempt_brings_its_other_pictures(finished, monkeypatch, ends: bool, alone: bool):
+    subtask, before, after = pair(finished)
+    shown = []
+    said = Verdict(accepted=False, reason="not asked", confidence=0.5, provider="none")
+    monkeypatch.setattr(second_judge, "verdict", lambda context, scene, asking: shown.append(asking.seen) or said)
+    judge_pair(finished.run, finished.context, subtask, before, after if ends else before)
+    assert all(list(by) == ["top"] for by in shown[0].values()) is alone
 
 
 def test_an_unknown_subtask_error_lists_the_known_ones(finished):

@@ -168,9 +168,10 @@ def _by_moment(pictures: Sequence[Path], scene: Scene) -> Seen:
 
 
 def _of_same_attempt(picture: Path) -> list[Path]:
-    """Return all stored pictures of the same attempt; none if the name is not one of collect's."""
+    """Return all stored pictures of the attempt that ends with a picture; none if collect names no end of one so."""
     named = _NAMED.search(picture.name)
-    return sorted(picture.parent.glob(f"{picture.name[: named.start()]}-*.png")) if named else []
+    ends = named is not None and named[1] == "after"
+    return sorted(picture.parent.glob(f"{picture.name[: named.start()]}-*.png")) if named and ends else []
 
 
 def _scene_of(picture: Path, run: RunFolder) -> Scene:
