@@ -17,6 +17,7 @@ from vcage.plans.actions import HOLDING
 from vcage.schema.goals import AskedGoal, Goal, in_steps, part_words
 from vcage.schema.robot import Arm
 from vcage.tasks.asked_arms import require_arms
+from vcage.tasks.holds_with_both import places_for_both
 from vcage.tasks.meeting import has_room_beside, no_room_for_hands
 from vcage.tasks.primitives.grip import stays_level
 from vcage.tasks.scene_objects import SceneObject
@@ -140,25 +141,32 @@ def require_fronts(goals: Sequence[AskedGoal], objects: Sequence[SceneObject]) -
 
 
 def require_room_for_hands(goals: Sequence[AskedGoal], objects: Sequence[SceneObject], arms: Mapping[str, Arm]) -> None:
-    """Refuse to hand over an object that can be carried but on which two hands have no room side by side.
+    """Refuse to hand over, or to hold with both arms, an object that can be carried, and has no room for two hands.
 
     Raises:
         NoFeasibleTask: names the goal and the object.
     """
     by_id = {o.id: o for o in objects if o.asset.annotation.carrying_points}
-    for one in (one for one in goals if one.goal.relation == "handed" and one.goal.reference in arms):
-        thing, to = by_id.get(one.goal.subject), str(one.goal.reference)
-        if thing is None:
+    for one in goals:
+        thing = by_id.get(one.goal.subject)
+        if thing is None or _has_room(one.goal, thing, arms):
             continue
-        taker = arms[to].gripper
-        givers = [arm.gripper for name, arm in arms.items() if name != to]
-        if givers and not any(has_room_beside(thing, giver, taker) for giver in givers):
-            why = no_room_for_hands(thing, taker)
-            raise NoFeasibleTask(
-                f"{why} ({one.words!r})",
-                hint="ask it of a longer thing, such as a long block, a hammer or a bottle",
-                details={"missing": [str(one.goal)], "reasons": [why]},
-            )
+        why = no_room_for_hands(thing, next(iter(arms.values())).gripper)
+        raise NoFeasibleTask(
+            f"{why} ({one.words!r})",
+            hint="ask it of a longer thing, such as a long block, a hammer or a bottle",
+            details={"missing": [str(one.goal)], "reasons": [why]},
+        )
+
+
+def _has_room(goal: Goal, thing: SceneObject, arms: Mapping[str, Arm]) -> bool:
+    """True where two hands have room on an object, or a goal needs one hand alone."""
+    if goal.kind.arms == 2:
+        return any(places_for_both(thing, arm.gripper) for arm in arms.values())
+    if goal.relation != "handed" or goal.reference not in arms:
+        return True
+    givers = [arm.gripper for name, arm in arms.items() if name != goal.reference]
+    return not givers or any(has_room_beside(thing, giver, arms[goal.reference].gripper) for giver in givers)
 
 
 def require_only_stood_up(goals: Sequence[AskedGoal], objects: Sequence[SceneObject]) -> None:
