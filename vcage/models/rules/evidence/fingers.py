@@ -26,17 +26,16 @@ class FingerSettings:
         light: in which the picture may be taken: a white thing is no finger in bright light.
         fewest_px: of a drawing of the fingers, reduced; one that shows fewer of them is not compared.
         closed_share: how much more of the closed fingers' area must look like them than of the area beside it, where
-            the other drawings have theirs. Of 459 hands that held something one had more than 87 %: a stapler's plate
-            is as grey.
+            the other drawings have theirs. Of 459 hands that held something, some of it as grey, none had above 89 %.
         apart_share: share of the fingers' area at a wider opening that looks like them, from which they are there.
     """
 
     width_px: int = 80
-    alike_lab: float = 4.0
+    alike_lab: float = 2.5
     light: LightRange = HAND_LIGHT
     fewest_px: int = 40
-    closed_share: float = 0.9
-    apart_share: float = 0.25
+    closed_share: float = 0.93
+    apart_share: float = 0.5
 
 
 SETTINGS = FingerSettings()
