@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -64,6 +65,12 @@ def test_closed_fingers_are_not_detected_before_a_table_of_their_colour(who: str
     grey = (LIGHT * np.median(closed.picture[closed.covered], axis=0)).astype(int).tolist()
     assert not is_closed(who, picture(who, 14, table=grey))
     assert not is_closed(who, picture(who, 0, table=grey))
+
+
+def test_closed_fingers_are_not_detected_by_a_camera_that_hardly_sees_them() -> None:
+    hidden = [replace(drawn("aloha_agilex")[0], covered=np.zeros((240, 320), bool)), *drawn("aloha_agilex")[1:]]
+    question = CriticQuestion("x", [], {}, {}, fingers=lambda camera: hidden)
+    assert not closed_on_nothing(question, {CAMERA: picture("aloha_agilex", 1)})
 
 
 def test_closed_fingers_are_not_detected_without_drawings_of_them() -> None:

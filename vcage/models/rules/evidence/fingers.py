@@ -55,8 +55,9 @@ def closed_on_nothing(question: CriticQuestion, pictures: Mapping[str, np.ndarra
 
 def _is_closed(picture: np.ndarray, drawings: Sequence[Drawing]) -> bool:
     """True where a picture (H, W, 3) shows the first of the drawings of fingers, rather than one of the others."""
-    small = [drawing for drawing in map(_reduced, drawings) if drawing.covered.sum() >= SETTINGS.fewest_px]
-    if len(small) < 2 or not drawings[0].covered.any():
+    reduced = [_reduced(drawing) for drawing in drawings]
+    small = [drawing for drawing in reduced if drawing.covered.sum() >= SETTINGS.fewest_px]
+    if len(small) < 2 or small[0] is not reduced[0]:
         return False
     seen = cv2.resize(picture, small[0].covered.shape[::-1], interpolation=cv2.INTER_AREA)
     lab = to_lab(seen)
