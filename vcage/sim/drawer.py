@@ -141,8 +141,8 @@ class ModelDrawer:
 
 
 def drawing_of(component: sapien.render.RenderCameraComponent, side: int | None = None) -> Drawing:
-    """What is visible in the last picture of a camera, or in its upper left square of ``side`` pixels; read-only, for
-    it may be kept."""
+    """The visible entities in the last picture of a camera, or in its upper left square of ``side`` pixels; read-only,
+    for it may be kept."""
     part = np.s_[:side, :side]
     drawn, depth = component.get_picture("Color")[part], np.minimum(depth_picture(component)[part], FAR)
     drawing = Drawing(np.ascontiguousarray(drawn[..., :3]), covered=drawn[..., 3] > 0, depth=depth)

@@ -149,24 +149,27 @@ def require_room_for_hands(goals: Sequence[AskedGoal], objects: Sequence[SceneOb
     by_id = {o.id: o for o in objects if o.asset.annotation.carrying_points}
     for one in goals:
         thing = by_id.get(one.goal.subject)
-        if thing is None or _has_room(one.goal, thing, arms):
-            continue
-        why = no_room_for_hands(thing, next(iter(arms.values())).gripper)
-        raise NoFeasibleTask(
-            f"{why} ({one.words!r})",
-            hint="ask it of a longer thing, such as a long block, a hammer or a bottle",
-            details={"missing": [str(one.goal)], "reasons": [why]},
-        )
+        lacks = None if thing is None else _lacking_room(one.goal, thing, arms)
+        if lacks is not None:
+            why, hint = lacks
+            details = {"missing": [str(one.goal)], "reasons": [why]}
+            raise NoFeasibleTask(f"{why} ({one.words!r})", hint=hint, details=details)
 
 
-def _has_room(goal: Goal, thing: SceneObject, arms: Mapping[str, Arm]) -> bool:
-    """True where two hands have room on an object, or a goal needs one hand alone."""
+def _lacking_room(goal: Goal, thing: SceneObject, arms: Mapping[str, Arm]) -> tuple[str, str] | None:
+    """Why two hands have no room on an object, and a hint; None where they have, or one hand is enough."""
     if goal.kind.arms == 2:
-        return any(places_for_both(thing, arm.gripper) for arm in arms.values())
+        if any(places_for_both(thing, arm.gripper) for arm in arms.values()):
+            return None
+        why = f"{thing.record.phrase} has no two places at which two hands can hold it"
+        return why, "ask it of a thing with two handles or a long one, such as a pot, a rolling pin or a hammer"
     if goal.relation != "handed" or goal.reference not in arms:
-        return True
+        return None
+    taker = arms[goal.reference].gripper
     givers = [arm.gripper for name, arm in arms.items() if name != goal.reference]
-    return not givers or any(has_room_beside(thing, giver, arms[goal.reference].gripper) for giver in givers)
+    if not givers or any(has_room_beside(thing, giver, taker) for giver in givers):
+        return None
+    return no_room_for_hands(thing, taker), "ask it of a longer thing, such as a long block, a hammer or a bottle"
 
 
 def require_only_stood_up(goals: Sequence[AskedGoal], objects: Sequence[SceneObject]) -> None:

@@ -13,7 +13,7 @@ from vcage.models.rules.drawings import LightRange, as_bright
 from vcage.sim.drawer import Drawing
 from vcage.vision.colour import distance, to_lab
 
-HAND_LIGHT = LightRange((0.6, 1.3), (0.92, 1.09))
+FINGER_LIGHT = LightRange((0.6, 1.3), (0.92, 1.09))
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class FingerSettings:
 
     width_px: int = 80
     alike_lab: float = 2.5
-    light: LightRange = HAND_LIGHT
+    light: LightRange = FINGER_LIGHT
     fewest_px: int = 40
     closed_share: float = 0.93
     apart_share: float = 0.5
@@ -86,8 +86,6 @@ def _reduced(drawing: Drawing) -> Drawing:
     """A drawing as a picture is reduced; a pixel that the fingers cover in part is not covered."""
     height, width = drawing.covered.shape
     size = SETTINGS.width_px, round(height * SETTINGS.width_px / width)
-    picture, covered, depth = (
-        cv2.resize(layer, size, interpolation=cv2.INTER_AREA)
-        for layer in (drawing.picture, drawing.covered.astype(np.float32), drawing.depth)
-    )
+    layers = drawing.picture, drawing.covered.astype(np.float32), drawing.depth
+    picture, covered, depth = (cv2.resize(layer, size, interpolation=cv2.INTER_AREA) for layer in layers)
     return Drawing(picture, covered > 0.999, depth)

@@ -18,7 +18,7 @@ from vcage.models.rules.evidence.hand_picture import HandPicture
 from vcage.sim.drawer import Drawing
 from vcage.vision.colour import distance, to_lab
 
-HAND_LIGHT = LightRange((0.7, 1.45), (0.92, 1.09))
+HELD_LIGHT = LightRange((0.7, 1.45), (0.92, 1.09))
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class InHandSettings:
     refined: int = 2
     rounds: int = 4
     steps: tuple[float, float, float] = (0.008, 0.008, 0.16)
-    light: LightRange = HAND_LIGHT
+    light: LightRange = HELD_LIGHT
     table_shades: tuple[float, ...] = (0.7, 0.85, 1.0, 1.15)
     apart_lab: float = 12.0
     alike_lab: float = 18.0
