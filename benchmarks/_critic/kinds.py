@@ -55,7 +55,7 @@ def nothing(played: Played) -> Shots:
     was = played.shots.before
     if played.goal.relation == "pressed":  # whose hand would hit an object outside the press
         return played.untrue("nothing was moved", after=was, moment=None if played.shots.moment is None else was)
-    return played.untrue("nothing was moved", moments=played.shots.with_objects_as(was).moments, after=was)
+    return played.untrue("nothing was moved", moments=played.with_objects_as(was).moments, after=was)
 
 
 def lost(played: Played) -> Shots | None:
@@ -74,8 +74,8 @@ def off_table(played: Played) -> Shots | None:
     if played.goal.relation not in MOVED:
         return None
     state = played.shots.after
-    gone = replace(state, objects={**state.objects, played.goal.subject: Pose([0.0, 0.0, FLOOR])})
-    return played.untrue("it fell off the table", moments=played.shots.with_objects_as(gone).moments, after=gone)
+    gone = played.closed(replace(state, objects={**state.objects, played.goal.subject: Pose([0.0, 0.0, FLOOR])}))
+    return played.untrue("it fell off the table", moments=played.with_objects_as(gone).moments, after=gone)
 
 
 def wrong_object(played: Played) -> Shots | None:
@@ -200,7 +200,7 @@ def reversed_order(played: Played) -> Shots | None:
         return None  # it was true before too
     return played.untrue(
         "it was undone",
-        moments=shots.with_objects_as(shots.before).moments,
+        moments=played.with_objects_as(shots.before).moments,
         before=shots.after,
         after=shots.before,
     )
@@ -242,7 +242,7 @@ def not_lifted(played: Played) -> Shots | None:
     shots = played.shots
     if played.goal.relation not in ("lifted", "shaken", *HELD) or shots.moment is None:
         return None
-    moments = shots.with_objects_as(shots.before).moments
+    moments = played.with_objects_as(shots.before).moments
     after = moments[0] if played.goal.relation in HELD else shots.after
     return played.untrue("it was not lifted", moments=moments, after=after)
 

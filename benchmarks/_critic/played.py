@@ -12,6 +12,7 @@ from vcage.base.geometry import Pose
 from vcage.schema.episodes import Truth
 from vcage.schema.goals import Goal
 from vcage.schema.subtasks import Subtask
+from vcage.sim.arms import WAITS
 from vcage.sim.state import WorldState
 from vcage.sim.world import World
 from vcage.tasks.scene_objects import SceneObject
@@ -26,6 +27,9 @@ DROP = 0.03
 
 SETTLE = 500
 """Physics steps in which what was moved by hand comes to rest."""
+
+OPEN = 0.99
+"""Opening of a hand, 0 closed to 1 open, from which nothing drives its fingers together."""
 
 
 @dataclass(frozen=True)
@@ -60,11 +64,6 @@ class Shots:
         """The same with other states between before and after."""
         moment, later = [*states, None, None][:2]
         return replace(self, moment=moment, later=later)
-
-    def with_objects_as(self, state: WorldState) -> Shots:
-        """The same with the objects as in another state whenever they are shown between before and after."""
-        changed = {"objects": state.objects, "object_joints": state.object_joints}
-        return self.with_moments([replace(one, **changed) for one in self.moments])
 
 
 @dataclass(frozen=True)
@@ -187,6 +186,22 @@ class Played:
         ]
         return max([self.table, *under])
 
+    def with_objects_as(self, state: WorldState) -> Shots:
+        """The shots with the objects as in another state whenever they are shown between before and after; what was in
+        a hand is not, which closes."""
+        changed = {"objects": state.objects, "object_joints": state.object_joints}
+        return self.shots.with_moments([self.closed(replace(one, **changed)) for one in self.shots.moments])
+
+    def closed(self, state: WorldState) -> WorldState:
+        """A state with nothing in any hand: fingers that were driven together touch, as they do in the simulator when
+        a thing slips out."""
+        world = self.case.build()
+        world.set_state(state)
+        for arm in world.arms.values():
+            if arm.opening < OPEN:
+                arm.put_fingers(0.0)
+        return replace(state, joints=world.state().joints)
+
     def step(self, far: tuple[float, float]) -> np.ndarray:
         """(2,) a way along the table in any direction, of a length between two, metres."""
         angle, length = self.rng.uniform(0, 2 * np.pi), self.rng.uniform(*far)
@@ -236,9 +251,10 @@ class Played:
         for name, positions in (joints or {}).items():
             world.set_object_joints(name, positions)
         world.settle(SETTLE)
+        _rest_fingers(world)
         after, truth = world.state(), _done(self.subtask, watch)
         watch.stop()
-        return replace(shots.with_objects_as(after), after=after, truth=truth)
+        return replace(self.with_objects_as(after), after=after, truth=truth)
 
     def about(self, other: Subtask) -> Shots:
         """The same outcome, in the words of another sub-task."""
@@ -256,3 +272,12 @@ Kind = Callable[[Played], Shots | None]
 
 def _done(subtask: Subtask, watch: Watch) -> Truth:
     return subtask_done(subtask, subtask.goals, watch)
+
+
+def _rest_fingers(world: World) -> None:
+    """Step a world until no finger moves: a hand closes when what it held is taken out."""
+    for _ in range(WAITS.most_finger_steps):
+        before = [arm.finger_width for arm in world.arms.values()]
+        world.step()
+        if np.allclose(before, [arm.finger_width for arm in world.arms.values()], rtol=0.0, atol=WAITS.fingers_still_m):
+            break

@@ -30,6 +30,7 @@ def one_played(
     place: Workplace | None = None,
     robot: Robot | None = None,
     slots: Mapping[str, Slot] | None = None,
+    goes_home: bool = True,
 ) -> Played:
     """Return the outcome.
 
@@ -42,6 +43,7 @@ def one_played(
         place: of the objects, with the arms that do it; those of the examples where none is given.
         robot: the same for the world.
         slots: id of an object → where it goes.
+        goes_home: False where the hand keeps what it holds.
     """
     ((proposal,), _) = TEMPLATES[name].proposals(objects, [goal])
     step, _ = proposal.examine(place or workplace(objects))
@@ -50,7 +52,8 @@ def one_played(
 
     def play(task: Task) -> None:
         use(task, grasps)
-        task.home()
+        if goes_home:
+            task.home()
 
     return Case(
         subtask=step,
