@@ -240,7 +240,6 @@ class Played:
             poses, joints: of objects, by id.
             ended: True if everything else is as it was afterwards, False if as before.
         """
-        shots = self.shots
         world = self.case.build()
         world.restore(self.begun)
         watch = Watch(world, self.case.objects, self.subtask.goals)

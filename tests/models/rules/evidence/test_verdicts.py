@@ -56,7 +56,7 @@ def test_a_hand_over_needs_both_arms(evidence: Between, accepted: bool, words: s
     assert words in verdict.reason
 
 
-RAISED = Raised(0.9, 0.0, 0.0, 0.8, 0.12, 0.0, None, False, STANDS, STANDS)
+RAISED = Raised(0.9, 0.0, 0.0, 0.8, 0.12, 0.0, None, None, STANDS, STANDS)
 """A mug that one arm holds up, without a camera on its hand."""
 
 SURE, UNSURE, DOUBTED = InHand(0.9, 0.5), InHand(None, 0.5), InHand(None, -0.2)
@@ -99,7 +99,7 @@ def test_what_is_seen_above_its_place_or_in_the_hand_was_lifted(changed: dict[st
         ({"seen": 0.4}, "40 % of"),
         ({"seen": 0.7, "hand": DOUBTED}, "70 % of"),
         ({"through": 0.9, "hand": SURE}, "the table is seen where the mug would be"),
-        ({"closed": True, "hand": SURE}, "the fingers have closed on nothing"),
+        ({"touch": True, "hand": SURE}, "the fingers have closed on nothing"),
         ({"hand": InHand(0.2, 0.5)}, "does not see the mug between the fingers"),
     ],
 )

@@ -9,6 +9,7 @@ from vcage.models.rules.evidence.handed import judge_handed
 from vcage.models.rules.evidence.held_up import judge_held_by_both, judge_held_up
 from vcage.models.rules.evidence.hit import judge_hit
 from vcage.models.rules.evidence.hung import judge_hung
+from vcage.models.rules.evidence.in_the_air import judge_lifted
 from vcage.models.rules.evidence.inserted import judge_inserted
 from vcage.models.rules.evidence.judgement import Judgement
 from vcage.models.rules.evidence.moved import (
@@ -24,7 +25,6 @@ from vcage.models.rules.evidence.parts import judge_part
 from vcage.models.rules.evidence.placed import judge_placed, judge_weighed
 from vcage.models.rules.evidence.poured import judge_poured
 from vcage.models.rules.evidence.pressed import judge_pressed
-from vcage.models.rules.evidence.raised import judge_lifted
 from vcage.models.rules.evidence.scanned import judge_scanned
 from vcage.models.rules.evidence.shaken import judge_shaken
 from vcage.models.rules.evidence.upright import judge_upright

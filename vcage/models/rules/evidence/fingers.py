@@ -1,15 +1,20 @@
-"""Evidence of a hand that has closed on nothing: the camera on it sees the fingers touching."""
+"""Evidence of a hand that holds something, or nothing: the camera on it sees its fingers apart, or touching.
+
+A hand that holds something is driven together, so its fingers touch as soon as that is gone. Where they are apart,
+something is between them.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import cv2
 import numpy as np
 
 from vcage.models.protocols import CriticQuestion
-from vcage.models.rules.drawings import LightRange, as_bright
+from vcage.models.rules.drawings import LightRange, brightness
 from vcage.sim.drawer import Drawing
 from vcage.vision.colour import distance, to_lab
 
@@ -22,64 +27,75 @@ class FingerSettings:
 
     Args:
         width_px: to which picture and drawings are reduced.
-        alike_lab: colour distance up to which a pixel looks like a finger.
         light: in which the picture may be taken: a white thing is no finger in bright light.
         fewest_px: of a drawing of the fingers, reduced; one that shows fewer of them is not compared.
-        closed_share: how much more of the closed fingers' area must look like them than of the area beside it, where
-            the other drawings have theirs. Of 459 hands that held something, some of it as grey, none had above 89 %.
-        apart_share: share of the fingers' area at a wider opening that looks like them, from which they are there.
+        alike_lab: colour distance up to which a pixel looks like touching fingers.
+        touch_share: share of the area of touching fingers that must look like them.
+        beside_share: share of the area that fingers cover beside it at another opening, from which they may be there.
+        roughly_lab, astray_px, apart_share: fingers are apart where no more than this share of the area looks like
+            touching fingers, even with a larger colour distance and somewhat beside their place.
     """
 
     width_px: int = 80
-    alike_lab: float = 2.5
     light: LightRange = FINGER_LIGHT
     fewest_px: int = 40
-    closed_share: float = 0.93
+    alike_lab: float = 2.5
+    touch_share: float = 0.98
+    beside_share: float = 0.6
+    roughly_lab: float = 4.0
+    astray_px: int = 3
     apart_share: float = 0.5
 
 
 SETTINGS = FingerSettings()
 
 
-def closed_on_nothing(question: CriticQuestion, pictures: Mapping[str, np.ndarray]) -> bool:
-    """True where a picture shows a hand whose fingers touch. Not told where the camera was moved from where the robot's
-    file puts it, nor where what is behind the fingers has their colour.
+def fingers_touch(question: CriticQuestion, pictures: Mapping[str, np.ndarray]) -> bool | None:
+    """True where a picture shows a hand whose fingers touch, False where all show them apart, None where that is not
+    told: what is behind the fingers has their colour, or nothing draws them.
 
     Args:
         question: draws the fingers.
         pictures: (H, W, 3) uint8 RGB by name of the camera, of one moment.
     """
-    fingers = question.fingers
-    return fingers is not None and any(_is_closed(shown, fingers(camera)) for camera, shown in pictures.items())
+    if question.fingers is None:
+        return None
+    told = [_touch(shown, question.fingers(camera)) for camera, shown in pictures.items()]
+    return True if True in told else None if None in told or not told else False
 
 
-def _is_closed(picture: np.ndarray, drawings: Sequence[Drawing]) -> bool:
-    """True where a picture (H, W, 3) shows the first of the drawings of fingers, rather than one of the others."""
+def _touch(picture: np.ndarray, drawings: Sequence[Drawing]) -> bool | None:
+    """The same of one picture (H, W, 3), with drawings of its hand's fingers."""
     reduced = [_reduced(drawing) for drawing in drawings]
     small = [drawing for drawing in reduced if drawing.covered.sum() >= SETTINGS.fewest_px]
     if len(small) < 2 or small[0] is not reduced[0]:
-        return False
+        return None
     seen = cv2.resize(picture, small[0].covered.shape[::-1], interpolation=cv2.INTER_AREA)
-    lab = to_lab(seen)
-    anywhere = np.any([drawing.covered for drawing in small], axis=0)
-    closed, *others = (_share(seen, lab, drawing, drawing.covered, anywhere & ~drawing.covered) for drawing in small)
-    if closed < SETTINGS.closed_share or closed <= max(others):
-        return False
-    apart = [(drawing, drawing.covered & ~small[0].covered) for drawing in small[1:]]
-    return all(_share(seen, lab, *there) < SETTINGS.apart_share for there in apart if there[1].any())
+    closed, *others = small
+    light = brightness(closed, seen, light=SETTINGS.light)
+    if _share(seen, closed, closed.covered, light, SETTINGS.alike_lab) >= SETTINGS.touch_share:
+        beside = [(drawing, drawing.covered & ~closed.covered) for drawing in others]
+        shares = [_share(seen, *there, light, SETTINGS.alike_lab) for there in beside if there[1].any()]
+        return True if max(shares, default=1.0) < SETTINGS.beside_share else None
+    return False if _rough_share(seen, closed) < SETTINGS.apart_share else None
 
 
-def _share(
-    picture: np.ndarray, lab: np.ndarray, drawing: Drawing, where: np.ndarray, beside: np.ndarray | None = None
-) -> float:
-    """Share of a part (h, w) bool of a drawing of fingers that a picture (h, w, 3), in CIELAB too, looks like, less the
-    same of the area beside it (h, w) bool."""
-    own = to_lab(as_bright(drawing, picture, light=SETTINGS.light).astype(np.uint8))
-    there = distance(lab[where], own[where]) < SETTINGS.alike_lab
-    if beside is None:
-        return float(there.mean())
-    elsewhere = distance(lab[beside], np.median(own[drawing.covered], axis=0)) < SETTINGS.alike_lab
-    return float(there.mean() - elsewhere.mean())
+def _share(picture: np.ndarray, drawing: Drawing, where: np.ndarray, light: np.ndarray, alike_lab: float) -> float:
+    """Share of a part (h, w) bool of a drawing, in some light (3,), that a picture (h, w, 3) looks like."""
+    own = np.clip(drawing.picture[where].astype(np.float32) * light, 0, 255).astype(np.uint8)
+    return float((distance(to_lab(picture[where][None])[0], to_lab(own[None])[0]) < alike_lab).mean())
+
+
+def _rough_share(picture: np.ndarray, closed: Drawing) -> float:
+    """Largest share of the touching fingers, at their place or somewhat beside it, that a picture looks like."""
+    far, (height, width) = SETTINGS.astray_px, closed.covered.shape
+    around = np.pad(picture, ((far, far), (far, far), (0, 0)), mode="edge")
+    found = []
+    for down, across in product((0, far, 2 * far), repeat=2):
+        moved = around[down : down + height, across : across + width]
+        light = brightness(closed, moved, light=SETTINGS.light)
+        found.append(_share(moved, closed, closed.covered, light, SETTINGS.roughly_lab))
+    return max(found)
 
 
 def _reduced(drawing: Drawing) -> Drawing:

@@ -1,65 +1,54 @@
-"""Evidence of an object that an arm lifted: drawings of it above its old place, from the side.
+"""The verdict on an object that an arm lifted, from what the pictures show of it.
 
 Seen from above, an arm hides what it holds, and hides what still lies below it. The customer sees the object before
-the arm, and its old place empty below it. The camera on the hand sees if it is between the fingers, or if these touch.
+the arm, and its old place empty below it. The camera on the hand sees if it is between the fingers, and if these touch.
 No object is where the table is seen from above; a sure hand may see more of that, for a thing sways in it.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
-import numpy as np
-
-from vcage.base.geometry import Pose
-from vcage.goals.thresholds import THRESHOLDS
-from vcage.models.rules.critic_view import CriticView
-from vcage.models.rules.drawings import drawn_whole
-from vcage.models.rules.evidence.fingers import closed_on_nothing
-from vcage.models.rules.evidence.in_hand import InHand, in_hand
-from vcage.models.rules.evidence.judgement import Judged, decided, refused, unseen
-from vcage.models.rules.evidence.moments import Moment, at_moment
-from vcage.models.rules.evidence.moved import Moved
-from vcage.models.rules.evidence.vacated import SETTINGS as VACATED
-from vcage.models.rules.evidence.vacated import vacated
-from vcage.models.rules.pixels import changed_between, share_of
-from vcage.models.rules.standing import Sought, Standing
+from vcage.models.rules.evidence.in_hand import InHand
+from vcage.models.rules.evidence.judgement import decided, refused
+from vcage.models.rules.standing import Standing
 from vcage.schema.episodes import Verdict
-from vcage.schema.goals import Goal
-from vcage.vision.protocols import View
 
 
 @dataclass(frozen=True)
 class RaisedSettings:
-    """Places in the air that are drawn, and limits for a yes.
+    """Limits for a yes.
 
     Args:
-        highest_m, step_m: heights over the old place, from the least of the goal up.
-        alike_lab: colour distance up to which a pixel looks like the object: an arm is before what was there, too.
         seen_share: share of the pixels that tell the object from what was there before that must look like it.
         held_share, doubted_share: the same where the camera on the hand surely sees it between the fingers, and where
             that sees nothing like it.
+        grasped_share, surely_grasped_share: the same where the fingers are apart with something like it between them,
+            and where that surely is the object.
+        between_share, between_gain: what counts as something like an object that has left its place: share of the
+            pixels between the fingers that must look like it, and, where colours do not tell, by how much less unlike
+            it they must be than a bare table.
         elsewhere_share: what is seen so much on its old place, or seen through so much, needs ``seen_share`` even where
-            the camera on the hand surely sees it.
+            the camera on the hand surely sees it, unless the fingers are apart.
         left_share: share of the old outline that must look as without the object.
         stays_share, agreed_stays_share: share of the pixels that tell the object on its old place from a bare table,
             seen from above, from which it may still stand there; and the same where the camera on the hand sees
-            something like it, by ``agreed_gain`` and more, and not surely it.
+            something like it, by ``agreed_gain`` and more, and neither surely it nor the fingers apart.
         lies_share, surely_lies_share: share of the pixels that tell the object where it is put down from which it lies
             there already; and the same where the camera on the hand sees something like it: an arm may hide that place.
-        apart_m: an object that is put down nearer to its old place is taken to stand there.
         through_share, surely_through_share: share of the pixels that tell it in the air, seen from above, that look
             like the bare table, from which it is not there if a camera is on the hand that does not surely see it; and
             even if that does, where the object does not lean. Without such a camera nothing tells an object that sways
-            from one that is gone.
+            from one that is gone, and fingers that are apart tell more.
     """
 
-    highest_m: float = 0.4
-    step_m: float = 0.01
-    alike_lab: float = 14.0
     seen_share: float = 0.5
     held_share: float = 0.3
     doubted_share: float = 0.85
+    grasped_share: float = 0.3
+    surely_grasped_share: float = 0.2
+    between_share: float = 0.2
+    between_gain: float = -0.1
     elsewhere_share: float = 0.5
     left_share: float = 0.3
     stays_share: float = 0.6
@@ -67,7 +56,6 @@ class RaisedSettings:
     agreed_gain: float = 0.1
     lies_share: float = 0.55
     surely_lies_share: float = 0.75
-    apart_m: float = 0.03
     through_share: float = 0.6
     surely_through_share: float = 0.85
 
@@ -85,70 +73,26 @@ class Raised:
             little, too.
         stays: share of what tells it on its old place, seen from above, that looks like it; None where that is little.
         lies: the same of where it is put down afterwards, from above or from the customer's side: the larger.
-        seen: largest share of what tells it in the air that looks like it.
+        seen: largest share of what tells it in the air that looks like it; None where the customer's picture ends
+            before its place in the air.
         height: above its old place of that likeliest drawing, metres.
         through: share of what tells that drawing from a bare table, seen from above, that looks like the table.
         hand: what the camera on the hand sees; None without one.
-        closed: True where that camera sees the fingers touching.
+        touch: True where that camera sees the fingers touching, False where it sees them apart, None where it does not
+            tell.
         old, new: where it stood and stands; None where it is not found.
     """
 
     vacated: float | None
     stays: float | None
     lies: float
-    seen: float
+    seen: float | None
     height: float
     through: float
     hand: InHand | None
-    closed: bool
+    touch: bool | None
     old: Standing
     new: Standing | None
-
-    @classmethod
-    def gather(
-        cls,
-        view: CriticView,
-        name: str,
-        moment: Moment,
-        highest_m: float = SETTINGS.highest_m,
-        alike_lab: float = SETTINGS.alike_lab,
-    ) -> Raised | None:
-        """Measure an object above its old place; None where that is not found.
-
-        Args:
-            view, name: of the question, and of the object.
-            moment: when it is in the air.
-            highest_m: up to which it is looked for, metres.
-            alike_lab: colour distance up to which a pixel looks like it.
-        """
-        moved = Moved.of(view, name)
-        if moved.old is None:
-            return None
-        before, side, thing, stood = view.before["customer"], moment.views["customer"], view.sought(name), moved.old
-
-        def raised(height: float) -> Standing:
-            return replace(stood, pose=Pose(stood.pose.p + [0.0, 0.0, height], stood.pose.q))
-
-        def seen(height: float) -> float:
-            return _share(thing, raised(height), side, before.picture, alike_lab)
-
-        heights = np.arange(THRESHOLDS.lifted_m, highest_m, SETTINGS.step_m)
-        share, height = max((seen(height), float(height)) for height in heights)
-        held = raised(height)
-        was, now = (drawn_whole(thing.draw, there.pose, before.camera).covered for there in (stood, held))
-        background, top = view.question.background, moment.views["top"]
-        return cls(
-            vacated=_left(before, side, view.after["customer"], was & ~now),
-            stays=None if background is None else _told(thing, stood, top, background),
-            lies=_lies(view, thing, moved, moment, share),
-            seen=share,
-            height=height,
-            through=0.0 if background is None else _through(thing, held, top, background),
-            hand=in_hand(view, name, moment.hand),
-            closed=closed_on_nothing(view.question, moment.hand),
-            old=stood,
-            new=moved.new,
-        )
 
     def verdict(self, thing: str, seen_share: float = SETTINGS.seen_share, leans: bool = False) -> Verdict:
         """Judge if the object was in the air.
@@ -161,10 +105,15 @@ class Raised:
         refusal = self._not_in_the_air(thing, leans)
         if refusal is not None:
             return refusal
+        by_hand = f"the camera on the hand sees {'it' if self.seen else f'the {thing}'} between the fingers"
+        if self.seen is None:
+            sure = self._grasped and self._held
+            words = f"{by_hand}, and its place is empty" if sure else f"no picture shows the {thing} in the air"
+            return decided(sure, words, 0.6, "lost")
         words = f"{100 * self.seen:.0f} % of the {thing} is seen {100 * self.height:.0f} cm above its place"
         least = self._least(seen_share)
         if self.seen >= least and self._held:
-            words += ", and the camera on the hand sees it between the fingers"
+            words += f", and {by_hand}"
         return decided(self.seen >= least, words, 0.5 + abs(self.seen - least) / 2, "lost")
 
     @property
@@ -177,11 +126,22 @@ class Raised:
         """True where the camera on the hand sees something like it."""
         return self.hand is not None and self.hand.agrees
 
+    @property
+    def _grasped(self) -> bool:
+        """True where the fingers are apart, with something like it between them; where it has left its place, a little
+        like it: print shifts with the hold."""
+        if self.touch is not False or self.hand is None:
+            return False
+        if self._agreed:
+            return True
+        gone, share = self.vacated is not None and self.vacated >= SETTINGS.left_share, self.hand.share
+        return gone and (self.hand.gain >= SETTINGS.between_gain if share is None else share >= SETTINGS.between_share)
+
     def _not_in_the_air(self, thing: str, leans: bool) -> Verdict | None:
         """A no because it is seen elsewhere, or not in the hand; None where nothing speaks against it."""
-        if self.closed:
+        if self.touch:
             return refused("the fingers have closed on nothing", 0.9, "lost")
-        if self.hand is not None and self.hand.contradicts:
+        if self.hand is not None and self.hand.contradicts and not self._grasped:
             return refused(f"the camera on the hand does not see the {thing} between the fingers", 0.8, "lost")
         if self.vacated is None and not self._is_away:
             return refused(f"nothing shows that the {thing} left its place", 0.6, "lost")
@@ -196,11 +156,12 @@ class Raised:
             return self.stays is None or self.stays < SETTINGS.stays_share
         if self.hand is None or self.stays is None or self.hand.contradicts:
             return False
-        return self.hand.gain >= SETTINGS.agreed_gain and self.stays < SETTINGS.agreed_stays_share
+        most = SETTINGS.stays_share if self._grasped else SETTINGS.agreed_stays_share
+        return self.hand.gain >= SETTINGS.agreed_gain and self.stays < most
 
     def _seen_through(self, thing: str, leans: bool) -> Verdict | None:
         """A no because the table is seen where it would be; None where it may be there."""
-        if self.hand is None or (self._held and leans):
+        if self.hand is None or self._grasped or (self._held and leans):
             return None
         if self.through < (SETTINGS.surely_through_share if self._held else SETTINGS.through_share):
             return None
@@ -216,76 +177,9 @@ class Raised:
         """Least share of the pixels that tell it that must look like it."""
         if self.hand is None:
             return seen_share
+        if self._grasped:
+            return SETTINGS.surely_grasped_share if self._held else SETTINGS.grasped_share
         elsewhere = max(self.stays or 0.0, self.through) >= SETTINGS.elsewhere_share
         if self._held and self.vacated is not None and not elsewhere:
             return min(seen_share, SETTINGS.held_share)
         return seen_share if self._held or self._agreed else SETTINGS.doubted_share
-
-
-def _share(
-    thing: Sought, there: Standing, view: View, without: np.ndarray, alike_lab: float = SETTINGS.alike_lab
-) -> float:
-    """The same as :func:`_told`; 0 where too few tell, as out of the picture."""
-    return _told(thing, there, view, without, alike_lab) or 0.0
-
-
-def _told(
-    thing: Sought, there: Standing, view: View, without: np.ndarray, alike_lab: float = SETTINGS.alike_lab
-) -> float | None:
-    """Share of the pixels that tell an object somewhere that look like it; None where too few tell."""
-    share, pixels = thing.speaks(there, view, without, alike_lab=alike_lab)
-    return share if pixels >= VACATED.fewest_px else None
-
-
-def _through(thing: Sought, there: Standing, view: View, without: np.ndarray) -> float:
-    """Share of the pixels that tell an object somewhere that look as without it; 0 where too few tell."""
-    share, pixels = thing.seen_through(there, view, without, SETTINGS.alike_lab)
-    return share if pixels >= VACATED.fewest_px else 0.0
-
-
-def _left(before: View, moment: View, after: View, where: np.ndarray) -> float | None:
-    """How much of an old outline (H, W) bool an object has left: see :class:`Raised`."""
-    left = vacated(before, moment, after, where)
-    if left is None:
-        left = share_of(changed_between(before, moment), where)
-        return left if left >= SETTINGS.left_share else None
-    return left
-
-
-def _lies(view: CriticView, thing: Sought, moved: Moved, moment: Moment, seen: float) -> float:
-    """Share of what tells an object where it lies afterwards that looks like it at the moment, see :class:`Raised`.
-
-    What is still in the air afterwards is seen before many a place, from above even before the one below it. There,
-    the customer alone tells, and only what looks more like it than what is ``seen`` in the air.
-    """
-    new, old = moved.new, moved.old
-    if new is None or old is None or np.linalg.norm(new.pose.p - old.pose.p) < SETTINGS.apart_m:
-        return 0.0
-    shares = {name: _share(thing, new, moment.views[name], view.before[name].picture) for name in ("customer", "top")}
-    if moment.is_end:
-        return shares["customer"] if shares["customer"] > seen else 0.0
-    return max(shares.values())
-
-
-def in_the_air(
-    view: CriticView,
-    goal: Goal,
-    moment: Moment | None,
-    highest_m: float = SETTINGS.highest_m,
-    alike_lab: float = SETTINGS.alike_lab,
-) -> Raised | Judged:
-    """Measure the subject of a goal in the air; a no where no picture shows it, or it is not found before. Arguments as
-    of :meth:`Raised.gather`."""
-    thing = view.phrase(goal.subject)
-    if moment is None:
-        return unseen(view, f"the {thing} in the air from the customer's side")
-    found = Raised.gather(view, goal.subject, moment, highest_m, alike_lab)
-    return found or Judged(refused(f"the {thing} is not found before", 0.6), view.nowhere)
-
-
-def judge_lifted(view: CriticView, goal: Goal) -> Judged:
-    """Judge if an object was in the air at the moment."""
-    found = in_the_air(view, goal, at_moment(view))
-    if isinstance(found, Judged):
-        return found
-    return Judged(found.verdict(view.phrase(goal.subject)), view.around(found.old, found.new))

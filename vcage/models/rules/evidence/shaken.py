@@ -14,9 +14,10 @@ from vcage.base.geometry import Pose
 from vcage.models.rules.critic_view import CriticView
 from vcage.models.rules.drawings import drawn_whole
 from vcage.models.rules.evidence.in_hand import held_object
+from vcage.models.rules.evidence.in_the_air import in_the_air
 from vcage.models.rules.evidence.judgement import Judged, refused, unseen
 from vcage.models.rules.evidence.moments import at_later, at_moment
-from vcage.models.rules.evidence.raised import Raised, in_the_air
+from vcage.models.rules.evidence.raised import Raised
 from vcage.models.rules.pixels import changed, grown, share_of
 from vcage.schema.episodes import Verdict
 from vcage.schema.goals import Goal
@@ -38,12 +39,13 @@ class ShakenSettings:
             side to side: below the first it seems to have hung upright, from the second on it has likely leaned, from
             the third on surely.
         fewest_px: of these edges, else the object is too small or too round to tell.
-        upright_if_hung, upright_if_open, upright_if_likely: unlikeness of what the hand sees to the object that stayed
-            upright, in shares of that to the one that leaned with the hand, from which it leaned all the same: where it
-            seems to have hung upright (a lean towards the customer hardly shows from there), where its edges leave that
-            open, and where it has likely leaned or they do not tell.
+        upright_if_hung, upright_if_turned, upright_if_open, upright_if_likely: unlikeness of what the hand sees to the
+            object that stayed upright, in shares of that to the one that leaned with the hand, from which it leaned all
+            the same: where it seems to have hung upright (a lean towards the customer hardly shows from there), where
+            it seems to have turned in the hand, where its edges leave that open, and where it has likely leaned or they
+            do not tell.
         alike_lab: colour distance up to which a pixel of the object looks the same to the hand at both leans.
-        kept_share: share of these pixels below which it has turned in the hand, unless it looks more as if it leaned.
+        kept_share: share of these pixels below which it seems to have turned in the hand.
     """
 
     seen_share: float = 0.4
@@ -57,10 +59,11 @@ class ShakenSettings:
     leaned_share: float = 0.6
     fewest_px: int = 450
     upright_if_hung: float = 1.2
-    upright_if_open: float = 1.0
+    upright_if_turned: float = 1.0
+    upright_if_open: float = 0.97
     upright_if_likely: float = 0.92
     alike_lab: float = 12.0
-    kept_share: float = 0.8
+    kept_share: float = 0.7
 
 
 SETTINGS = ShakenSettings()
@@ -141,10 +144,10 @@ class Shaken:
             return not hung
         if hung:
             return self.in_hand.upright >= SETTINGS.upright_if_hung
+        if self.in_hand.kept < SETTINGS.kept_share:
+            return self.in_hand.upright >= SETTINGS.upright_if_turned
         likely = self.rocked is None or self.rocked >= SETTINGS.likely_share
-        turned = self.in_hand.kept < SETTINGS.kept_share
-        least = SETTINGS.upright_if_likely if likely and not turned else SETTINGS.upright_if_open
-        return self.in_hand.upright >= least
+        return self.in_hand.upright >= (SETTINGS.upright_if_likely if likely else SETTINGS.upright_if_open)
 
 
 def judge_shaken(view: CriticView, goal: Goal) -> Judged:

@@ -1,0 +1,169 @@
+"""Measurements of an object in the air: drawings of it above its old place, from the side and from above."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from vcage.base.geometry import Camera, Pose, box_corners
+from vcage.goals.thresholds import THRESHOLDS
+from vcage.models.rules.critic_view import CriticView
+from vcage.models.rules.drawings import drawn_whole
+from vcage.models.rules.evidence.fingers import fingers_touch
+from vcage.models.rules.evidence.in_hand import in_hand
+from vcage.models.rules.evidence.judgement import Judged, refused, unseen
+from vcage.models.rules.evidence.moments import Moment, at_moment
+from vcage.models.rules.evidence.moved import Moved
+from vcage.models.rules.evidence.raised import SETTINGS as LIMITS
+from vcage.models.rules.evidence.raised import Raised
+from vcage.models.rules.evidence.vacated import SETTINGS as VACATED
+from vcage.models.rules.evidence.vacated import vacated
+from vcage.models.rules.pixels import changed_between, share_of
+from vcage.models.rules.standing import Sought, Standing
+from vcage.schema.goals import Goal
+from vcage.vision.protocols import View
+
+
+@dataclass(frozen=True)
+class InTheAirSettings:
+    """Places in the air that are drawn.
+
+    Args:
+        highest_m, step_m: heights over the old place, from the least of the goal up.
+        alike_lab: colour distance up to which a pixel looks like the object: an arm is before what was there, too.
+        shown_share: share of the corners of an object's box that must be in the customer's picture, else that does not
+            tell.
+        apart_m: an object that is put down nearer to its old place is taken to stand there.
+    """
+
+    highest_m: float = 0.4
+    step_m: float = 0.01
+    alike_lab: float = 14.0
+    shown_share: float = 0.75
+    apart_m: float = 0.03
+
+
+SETTINGS = InTheAirSettings()
+
+
+def in_the_air(
+    view: CriticView,
+    goal: Goal,
+    moment: Moment | None,
+    highest_m: float = SETTINGS.highest_m,
+    alike_lab: float = SETTINGS.alike_lab,
+) -> Raised | Judged:
+    """Measure the subject of a goal in the air, see :func:`measured`; a no where no picture shows it, or it is not
+    found before."""
+    thing = view.phrase(goal.subject)
+    if moment is None:
+        return unseen(view, f"the {thing} in the air from the customer's side")
+    found = measured(view, goal.subject, moment, highest_m, alike_lab)
+    return found or Judged(refused(f"the {thing} is not found before", 0.6), view.nowhere)
+
+
+def judge_lifted(view: CriticView, goal: Goal) -> Judged:
+    """Judge if an object was in the air at the moment."""
+    found = in_the_air(view, goal, at_moment(view))
+    if isinstance(found, Judged):
+        return found
+    return Judged(found.verdict(view.phrase(goal.subject)), view.around(found.old, found.new))
+
+
+def measured(
+    view: CriticView,
+    name: str,
+    moment: Moment,
+    highest_m: float = SETTINGS.highest_m,
+    alike_lab: float = SETTINGS.alike_lab,
+) -> Raised | None:
+    """Measure an object above its old place; None where that is not found.
+
+    Args:
+        view, name: of the question, and of the object.
+        moment: when it is in the air.
+        highest_m: up to which it is looked for, metres.
+        alike_lab: colour distance up to which a pixel looks like it.
+    """
+    moved = Moved.of(view, name)
+    if moved.old is None:
+        return None
+    before, side, thing, stood = view.before["customer"], moment.views["customer"], view.sought(name), moved.old
+
+    def raised(height: float) -> Standing:
+        return replace(stood, pose=Pose(stood.pose.p + [0.0, 0.0, height], stood.pose.q))
+
+    def seen(height: float) -> float:
+        return _share(thing, raised(height), side, before.picture, alike_lab)
+
+    heights = np.arange(THRESHOLDS.lifted_m, highest_m, SETTINGS.step_m)
+    shown = [height for height in map(float, heights) if _is_shown(raised(height), side.camera)]
+    share, height = max(((seen(height), height) for height in shown), default=(None, THRESHOLDS.lifted_m))
+    held = raised(height)
+    was, now = (drawn_whole(thing.draw, there.pose, before.camera).covered for there in (stood, held))
+    background, top = view.question.background, moment.views["top"]
+    return Raised(
+        vacated=_left(before, side, view.after["customer"], was & ~now),
+        stays=None if background is None else _told(thing, stood, top, background),
+        lies=_lies(view, thing, moved, moment, share or 0.0),
+        seen=share,
+        height=height,
+        through=0.0 if background is None else _through(thing, held, top, background),
+        hand=in_hand(view, name, moment.hand),
+        touch=fingers_touch(view.question, moment.hand),
+        old=stood,
+        new=moved.new,
+    )
+
+
+def _is_shown(there: Standing, camera: Camera) -> bool:
+    """True where a camera's picture shows most of an object's box."""
+    (width, depth, height), pose = there.size, there.pose
+    corners = box_corners([-width / 2, -depth / 2, 0.0], [width / 2, depth / 2, height])
+    return float(camera.sees(pose.apply(corners)).mean()) >= SETTINGS.shown_share
+
+
+def _share(
+    thing: Sought, there: Standing, view: View, without: np.ndarray, alike_lab: float = SETTINGS.alike_lab
+) -> float:
+    """The same as :func:`_told`; 0 where too few tell, as out of the picture."""
+    return _told(thing, there, view, without, alike_lab) or 0.0
+
+
+def _told(
+    thing: Sought, there: Standing, view: View, without: np.ndarray, alike_lab: float = SETTINGS.alike_lab
+) -> float | None:
+    """Share of the pixels that tell an object somewhere that look like it; None where too few tell."""
+    share, pixels = thing.speaks(there, view, without, alike_lab=alike_lab)
+    return share if pixels >= VACATED.fewest_px else None
+
+
+def _through(thing: Sought, there: Standing, view: View, without: np.ndarray) -> float:
+    """Share of the pixels that tell an object somewhere that look as without it; 0 where too few tell."""
+    share, pixels = thing.seen_through(there, view, without, SETTINGS.alike_lab)
+    return share if pixels >= VACATED.fewest_px else 0.0
+
+
+def _left(before: View, moment: View, after: View, where: np.ndarray) -> float | None:
+    """How much of an old outline (H, W) bool an object has left: see :class:`Raised`."""
+    left = vacated(before, moment, after, where)
+    if left is None:
+        left = share_of(changed_between(before, moment), where)
+        return left if left >= LIMITS.left_share else None
+    return left
+
+
+def _lies(view: CriticView, thing: Sought, moved: Moved, moment: Moment, seen: float) -> float:
+    """Share of what tells an object where it lies afterwards that looks like it at the moment, see :class:`Raised`.
+
+    What is still in the air afterwards is seen before many a place, from above even before the one below it. There,
+    the customer alone tells, and only what looks more like it than what is ``seen`` in the air.
+    """
+    new, old = moved.new, moved.old
+    if new is None or old is None or np.linalg.norm(new.pose.p - old.pose.p) < SETTINGS.apart_m:
+        return 0.0
+    shares = {name: _share(thing, new, moment.views[name], view.before[name].picture) for name in ("customer", "top")}
+    if moment.is_end:
+        return shares["customer"] if shares["customer"] > seen else 0.0
+    return max(shares.values())
