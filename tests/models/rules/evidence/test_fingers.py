@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from vcage.models.protocols import CriticQuestion
-from vcage.models.rules.evidence.fingers import closed_on_nothing
+from vcage.models.rules.evidence.fingers import fingers_touch
 from vcage.sim.drawer import Drawing
 from vcage.sim.robots import load_robot
 from vcage.tasks.hand_views import finger_views
@@ -39,41 +39,66 @@ def picture(
     return seen
 
 
-def is_closed(who: str, seen: np.ndarray) -> bool:
+def touch(who: str, *seen: np.ndarray) -> bool | None:
     question = CriticQuestion("x", [], {}, {}, fingers=lambda camera: drawn(who))
-    return closed_on_nothing(question, {CAMERA: seen})
+    return fingers_touch(question, {f"{CAMERA} {number}": one for number, one in enumerate(seen)})
 
 
 @ROBOTS
 @pytest.mark.parametrize("light", [0.7, 0.8, 1.1])
-def test_fingers_that_touch_have_closed_on_nothing(who: str, light: float) -> None:
-    assert is_closed(who, picture(who, 0, light=light))
+def test_closed_fingers_touch(who: str, light: float) -> None:
+    assert touch(who, picture(who, 0, light=light)) is True
 
 
 @ROBOTS
 @pytest.mark.parametrize("between", [TABLE, RED])
 @pytest.mark.parametrize("opening", [1, 5, 10])
-def test_fingers_that_are_apart_have_not_closed_on_nothing(
-    who: str, opening: int, between: tuple[int, int, int]
-) -> None:
-    assert not is_closed(who, picture(who, opening, between))
+def test_fingers_that_are_apart_do_not_touch(who: str, opening: int, between: tuple[int, int, int]) -> None:
+    assert touch(who, picture(who, opening, between)) is not True
 
 
 @ROBOTS
-def test_closed_fingers_are_not_detected_before_a_table_of_their_colour(who: str) -> None:
+@pytest.mark.parametrize("between", [TABLE, RED])
+@pytest.mark.parametrize("opening", [5, 10])
+def test_fingers_with_something_between_them_are_apart(who: str, opening: int, between: tuple[int, int, int]) -> None:
+    assert touch(who, picture(who, opening, between)) is False
+
+
+@ROBOTS
+def test_a_table_of_the_colour_of_the_fingers_is_taken_for_none(who: str) -> None:
     closed = drawn(who)[0]
     grey = (LIGHT * np.median(closed.picture[closed.covered], axis=0)).astype(int).tolist()
-    assert not is_closed(who, picture(who, 14, table=grey))
-    assert not is_closed(who, picture(who, 0, table=grey))
+    assert touch(who, picture(who, 14, table=grey)) is None
+    assert touch(who, picture(who, 0, table=grey)) is not False
 
 
-def test_closed_fingers_are_not_detected_by_a_camera_that_hardly_sees_them() -> None:
+@ROBOTS
+@pytest.mark.parametrize("shift", [(4, 0), (-8, 8), (0, -12)])
+def test_closed_fingers_are_not_apart_for_a_camera_that_was_moved_a_little(who: str, shift: tuple[int, int]) -> None:
+    moved = np.roll(picture(who, 0), shift, axis=(0, 1))
+    assert touch(who, moved) is not False
+
+
+def test_of_two_hands_one_with_closed_fingers_is_enough() -> None:
+    closed, apart = (picture("aloha_agilex", opening, RED) for opening in (0, 8))
+    assert touch("aloha_agilex", apart, closed) is True
+    assert touch("aloha_agilex", apart, apart) is False
+
+
+def test_two_hands_are_not_both_apart_where_one_does_not_tell() -> None:
+    closed = drawn("aloha_agilex")[0]
+    grey = (LIGHT * np.median(closed.picture[closed.covered], axis=0)).astype(int).tolist()
+    assert touch("aloha_agilex", picture("aloha_agilex", 8, RED), picture("aloha_agilex", 0, table=grey)) is None
+
+
+def test_nothing_is_told_by_a_camera_that_hardly_sees_closed_fingers() -> None:
     hidden = [replace(drawn("aloha_agilex")[0], covered=np.zeros((240, 320), bool)), *drawn("aloha_agilex")[1:]]
     question = CriticQuestion("x", [], {}, {}, fingers=lambda camera: hidden)
-    assert not closed_on_nothing(question, {CAMERA: picture("aloha_agilex", 1)})
+    assert fingers_touch(question, {CAMERA: picture("aloha_agilex", 1)}) is None
 
 
-def test_closed_fingers_are_not_detected_without_drawings_of_them() -> None:
+def test_nothing_is_told_without_drawings_of_the_fingers_or_without_pictures() -> None:
     for fingers in (None, lambda camera: ()):
         question = CriticQuestion("x", [], {}, {}, fingers=fingers)
-        assert not closed_on_nothing(question, {CAMERA: picture("aloha_agilex", 0)})
+        assert fingers_touch(question, {CAMERA: picture("aloha_agilex", 0)}) is None
+    assert touch("aloha_agilex") is None
