@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
@@ -30,40 +31,49 @@ LEFT, UPRIGHT, RIGHT = np.radians([25.0, 0.0, -25.0]).tolist()
 
 
 class Holding:
-    """A bottle in the left hand of a robot, and pictures of it.
+    """A thing in the left hand of a robot, and pictures of it.
 
     Args:
-        carried: False where the bottle stands below the hand instead.
-        plumb: True where the bottle hangs upright, however the hand leans.
+        carried: False where it stands below the open hand instead.
+        plumb: True where it hangs upright, however the hand leans.
+        closed: True where the fingers touch.
+        name, at: of what is held, and where it stood on the table, metres.
     """
 
-    def __init__(self, carried: bool = True, plumb: bool = False):
-        self.carried, self.plumb = carried, plumb
-        self.bottle = thing("bottle", (-0.2, -0.05), 0.3)
-        self.scene = scene_of([self.bottle, thing("block", (0.25, 0.1))]).model_copy(update={"robot": WHO})
+    def __init__(
+        self,
+        carried: bool = True,
+        plumb: bool = False,
+        closed: bool = False,
+        name: str = "bottle",
+        at: tuple[float, float] = (-0.2, -0.05),
+    ):
+        self.carried, self.plumb, self.closed = carried, plumb, closed
+        self.held, other = thing(name, at, 0.3), thing("block" if name == "bottle" else "bottle", (0.25, 0.1))
+        self.scene = scene_of([self.held, other]).model_copy(update={"robot": WHO})
         models = {o.id: library().asset(o.asset, o.variant).model for o in self.scene.objects}
         self.world = World.of_scene(self.scene, models, load_robot(WHO), render=True)
         self.home = self.world.state()
-        self.joints = next(self._ways())
+        self.width, self.joints = next(self._ways())
 
-    def _ways(self) -> Iterator[dict[float, np.ndarray]]:
-        """Joints of the arm at each lean, for each way to hold the bottle."""
+    def _ways(self) -> Iterator[tuple[float, dict[float, np.ndarray]]]:
+        """Distance of the fingers, metres, and joints of the arm at each lean, for each way to hold the bottle."""
         arm = kinematics_of(load_robot(WHO).arms["left"])
-        for contact in self.bottle.asset.annotation.carrying_points:
-            for grasp in hand_poses(self.bottle, contact, arm.arm.gripper):
+        for contact in self.held.asset.annotation.carrying_points:
+            for grasp in hand_poses(self.held, contact, arm.arm.gripper):
                 reached = {lean: arm.ik(self._at(lean) * grasp.pose) for lean in (LEFT, UPRIGHT, RIGHT)}
                 if all(joints is not None for joints in reached.values()):
-                    yield reached
+                    yield self.held.asset.grasp_width(contact), reached
 
     def _at(self, lean: float) -> Pose:
-        """Of what was grasped on the table: lifted, and turned about the middle of the bottle."""
-        middle = Pose(self.bottle.aabb.mean(axis=0))
+        """Of what was grasped on the table: lifted, and turned about the middle of it."""
+        middle = Pose(self.held.aabb.mean(axis=0))
         turn = Pose(q=[np.cos(lean / 2), 0.0, np.sin(lean / 2), 0.0])
         return Pose([0.0, 0.0, UP_M]) * middle * turn * middle.inverse()
 
     def judged(self, relation: str, leans: Sequence[float], ends_up: bool = False) -> Verdict:
         """The verdict where the hand leans so at the moment, and later."""
-        goal = Goal(subject=self.bottle.id, relation=relation)
+        goal = Goal(subject=self.held.id, relation=relation)
         states = dict(zip(("moment", "later"), map(self._holding, leans), strict=False))
         states |= {"before": self.home, "after": states["moment"] if ends_up else self.home}
         seen = {}
@@ -76,11 +86,14 @@ class Holding:
         return verdict(CONTEXT, self.scene, Asking("x", [goal], seen, shoot(self.world, self.scene.top_camera)))
 
     def _holding(self, lean: float) -> WorldState:
-        at = self._at(UPRIGHT if self.plumb else lean) * self.bottle.pose if self.carried else self.bottle.pose
-        fingers = self.home.joints["left"].copy()
-        fingers[: len(self.joints[lean])] = self.joints[lean]
-        joints = {**self.home.joints, "left": fingers}
-        return replace(self.home, objects={**self.home.objects, self.bottle.id: at}, joints=joints)
+        at = self._at(UPRIGHT if self.plumb else lean) * self.held.pose if self.carried else self.held.pose
+        gripper = load_robot(WHO).arms["left"].gripper
+        opening = 0.0 if self.closed else self.width / gripper.max_width if self.carried else 1.0
+        arm = self.home.joints["left"].copy()
+        arm[: len(self.joints[lean])] = self.joints[lean]
+        arm[len(self.joints[lean]) :] = gripper.closed + opening * (gripper.open - gripper.closed)
+        joints = {**self.home.joints, "left": arm}
+        return replace(self.home, objects={**self.home.objects, self.held.id: at}, joints=joints)
 
 
 @pytest.mark.slow
@@ -95,6 +108,22 @@ def test_what_the_hand_holds_in_the_air_is_lifted_or_held_up(relation: str, ends
 def test_what_stands_below_the_hand_is_neither(relation: str, ends_up: bool) -> None:
     told = Holding(carried=False).judged(relation, [UPRIGHT], ends_up)
     assert not told.accepted, told.reason
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("relation", ["lifted", "shaken"])
+def test_a_hand_whose_fingers_touch_holds_nothing(relation: str) -> None:
+    told = Holding(carried=False, closed=True).judged(relation, [LEFT, RIGHT])
+    assert not told.accepted and "the fingers have closed on nothing" in told.reason, told.reason
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("carried", "words"), [(True, "sees the .* between the fingers, and its place is empty"), (False, "")]
+)
+def test_the_hand_alone_tells_of_what_is_held_beside_the_picture_of_the_customer(carried: bool, words: str) -> None:
+    told = Holding(carried, name="block", at=(-0.53, 0.17)).judged("held_up", [UPRIGHT], ends_up=True)
+    assert told.accepted is carried and re.search(words, told.reason), told.reason
 
 
 @pytest.mark.slow

@@ -1,7 +1,7 @@
 """Evidence of a hand that holds something, or nothing: the camera on it sees its fingers apart, or touching.
 
-A hand that holds something is driven together, so its fingers touch as soon as that is gone. Where they are apart,
-something is between them.
+A hand that holds something is driven together, so its fingers touch as soon as that is gone. Where they are seen apart,
+something is between them. An open hand has them out of sight, or nearly.
 """
 
 from __future__ import annotations
@@ -32,8 +32,10 @@ class FingerSettings:
         alike_lab: colour distance up to which a pixel looks like touching fingers.
         touch_share: share of the area of touching fingers that must look like them.
         beside_share: share of the area that fingers cover beside it at another opening, from which they may be there.
-        roughly_lab, astray_px, apart_share: fingers are apart where no more than this share of the area looks like
-            touching fingers, even with a larger colour distance and somewhat beside their place.
+        roughly_lab, astray_px, apart_share: fingers do not touch where no more than this share of the area looks like
+            touching fingers, even with this larger colour distance and somewhat beside their place.
+        seen_share: how much more of their area at another opening must then look like them than of the area beside it,
+            where the other drawings have theirs, for them to be seen apart: what they hold hides a part of them.
     """
 
     width_px: int = 80
@@ -45,6 +47,7 @@ class FingerSettings:
     roughly_lab: float = 4.0
     astray_px: int = 3
     apart_share: float = 0.5
+    seen_share: float = 0.2
 
 
 SETTINGS = FingerSettings()
@@ -52,7 +55,7 @@ SETTINGS = FingerSettings()
 
 def fingers_touch(question: CriticQuestion, pictures: Mapping[str, np.ndarray]) -> bool | None:
     """True where a picture shows a hand whose fingers touch, False where all show them apart, None where that is not
-    told: what is behind the fingers has their colour, or nothing draws them.
+    told: what is behind the fingers has their colour, the camera hardly sees them, or nothing draws them.
 
     Args:
         question: draws the fingers.
@@ -77,13 +80,26 @@ def _touch(picture: np.ndarray, drawings: Sequence[Drawing]) -> bool | None:
         beside = [(drawing, drawing.covered & ~closed.covered) for drawing in others]
         shares = [_share(seen, *there, light, SETTINGS.alike_lab) for there in beside if there[1].any()]
         return True if max(shares, default=1.0) < SETTINGS.beside_share else None
-    return False if _rough_share(seen, closed) < SETTINGS.apart_share else None
+    if _rough_share(seen, closed) >= SETTINGS.apart_share:
+        return None
+    anywhere = np.any([drawing.covered for drawing in small], axis=0)
+    shown = max(_shown_share(seen, drawing, anywhere) for drawing in others)
+    return False if shown >= SETTINGS.seen_share else None
 
 
 def _share(picture: np.ndarray, drawing: Drawing, where: np.ndarray, light: np.ndarray, alike_lab: float) -> float:
     """Share of a part (h, w) bool of a drawing, in some light (3,), that a picture (h, w, 3) looks like."""
     own = np.clip(drawing.picture[where].astype(np.float32) * light, 0, 255).astype(np.uint8)
     return float((distance(to_lab(picture[where][None])[0], to_lab(own[None])[0]) < alike_lab).mean())
+
+
+def _shown_share(picture: np.ndarray, drawing: Drawing, anywhere: np.ndarray) -> float:
+    """Share of the fingers of a drawing that a picture looks like, less the same of the area beside them where fingers
+    may be (h, w) bool."""
+    light, beside = brightness(drawing, picture, light=SETTINGS.light), anywhere & ~drawing.covered
+    own = np.clip(np.median(drawing.picture[drawing.covered], axis=0) * light, 0, 255).astype(np.uint8)
+    elsewhere = distance(to_lab(picture[beside][None])[0], to_lab(own[None, None])[0, 0]) < SETTINGS.roughly_lab
+    return _share(picture, drawing, drawing.covered, light, SETTINGS.roughly_lab) - float(elsewhere.mean())
 
 
 def _rough_share(picture: np.ndarray, closed: Drawing) -> float:
