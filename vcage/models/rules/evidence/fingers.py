@@ -77,9 +77,7 @@ def _touch(picture: np.ndarray, drawings: Sequence[Drawing]) -> bool | None:
     closed, *others = small
     light = brightness(closed, seen, light=SETTINGS.light)
     if _share(seen, closed, closed.covered, light, SETTINGS.alike_lab) >= SETTINGS.touch_share:
-        beside = [(drawing, drawing.covered & ~closed.covered) for drawing in others]
-        shares = [_share(seen, *there, light, SETTINGS.alike_lab) for there in beside if there[1].any()]
-        return True if max(shares, default=1.0) < SETTINGS.beside_share else None
+        return True if _beside_share(seen, closed, others, light) < SETTINGS.beside_share else None
     if _rough_share(seen, closed) >= SETTINGS.apart_share:
         return None
     anywhere = np.any([drawing.covered for drawing in small], axis=0)
@@ -91,6 +89,12 @@ def _share(picture: np.ndarray, drawing: Drawing, where: np.ndarray, light: np.n
     """Share of a part (h, w) bool of a drawing, in some light (3,), that a picture (h, w, 3) looks like."""
     own = np.clip(drawing.picture[where].astype(np.float32) * light, 0, 255).astype(np.uint8)
     return float((distance(to_lab(picture[where][None])[0], to_lab(own[None])[0]) < alike_lab).mean())
+
+
+def _beside_share(picture: np.ndarray, closed: Drawing, others: Sequence[Drawing], light: np.ndarray) -> float:
+    """Largest share of the area of fingers at another opening, beside that of touching ones, that looks like them."""
+    beside = [(drawing, drawing.covered & ~closed.covered) for drawing in others]
+    return max((_share(picture, *there, light, SETTINGS.alike_lab) for there in beside if there[1].any()), default=1.0)
 
 
 def _shown_share(picture: np.ndarray, drawing: Drawing, anywhere: np.ndarray) -> float:

@@ -127,27 +127,44 @@ class Raised:
         return self.hand is not None and self.hand.agrees
 
     @property
+    def _left(self) -> bool:
+        """True where the customer sees its old place empty."""
+        return self.vacated is not None and self.vacated >= SETTINGS.left_share
+
+    @property
     def _grasped(self) -> bool:
-        """True where the fingers are apart, with something like it between them; where it has left its place, a little
-        like it: print shifts with the hold."""
+        """True where the fingers are apart, with something like it between them. If it has left its place, something a
+        little like it is enough: what is printed on it shifts with the hold."""
         if self.touch is not False or self.hand is None:
             return False
-        if self._agreed:
-            return True
-        gone, share = self.vacated is not None and self.vacated >= SETTINGS.left_share, self.hand.share
-        return gone and (self.hand.gain >= SETTINGS.between_gain if share is None else share >= SETTINGS.between_share)
+        share, gain = self.hand.share, self.hand.gain
+        alike = gain >= SETTINGS.between_gain if share is None else share >= SETTINGS.between_share
+        return self._agreed or (self._left and alike)
 
     def _not_in_the_air(self, thing: str, leans: bool) -> Verdict | None:
         """A no because it is seen elsewhere, or not in the hand; None where nothing speaks against it."""
+        return (
+            self._not_in_the_hand(thing)
+            or self._in_its_place(thing)
+            or self._seen_through(thing, leans)
+            or self._on_the_table(thing)
+        )
+
+    def _not_in_the_hand(self, thing: str) -> Verdict | None:
+        """A no because the hand holds nothing, or another thing; None where it may hold it."""
         if self.touch:
             return refused("the fingers have closed on nothing", 0.9, "lost")
         if self.hand is not None and self.hand.contradicts and not self._grasped:
             return refused(f"the camera on the hand does not see the {thing} between the fingers", 0.8, "lost")
-        if self.vacated is None and not self._is_away:
+        return None
+
+    def _in_its_place(self, thing: str) -> Verdict | None:
+        """A no because nothing shows that it left its place; None where something does."""
+        if self._left or (self.vacated is None and self._is_away):
+            return None
+        if self.vacated is None:
             return refused(f"nothing shows that the {thing} left its place", 0.6, "lost")
-        if self.vacated is not None and self.vacated < SETTINGS.left_share:
-            return refused(f"the {thing} stands where it was at the moment of the lift", 1 - self.vacated, "lost")
-        return self._seen_through(thing, leans) or self._on_the_table(thing)
+        return refused(f"the {thing} stands where it was at the moment of the lift", 1 - self.vacated, "lost")
 
     @property
     def _is_away(self) -> bool:
