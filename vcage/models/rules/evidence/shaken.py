@@ -59,7 +59,7 @@ class ShakenSettings:
     leaned_share: float = 0.6
     fewest_px: int = 450
     upright_if_hung: float = 1.2
-    upright_if_turned: float = 1.0
+    upright_if_turned: float = 1.08
     upright_if_open: float = 0.985
     upright_if_likely: float = 0.92
     alike_lab: float = 12.0
