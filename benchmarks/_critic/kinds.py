@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks._critic.grips import only_gripped
 from benchmarks._critic.hangs import fell_beside, leans_on_it, still_in_the_hand, stood_beside
 from benchmarks._critic.hits import hit_another, hit_beside, not_down
 from benchmarks._critic.inserts import block_pushed, half_in, lies_before_the_hole, lies_beside, lies_on_top
@@ -320,6 +321,7 @@ FAILURES: Mapping[str, Kind] = {
     "another disturbed": disturbed,
     "one arm": one_arm,
     "not lifted": not_lifted,
+    "only gripped": only_gripped,
     "hung still": hung_still,
     "leaned once": leaned_once,
     "hung plumb": hung_plumb,

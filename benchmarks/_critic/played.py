@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -187,20 +188,35 @@ class Played:
         return max([self.table, *under])
 
     def with_objects_as(self, state: WorldState) -> Shots:
-        """The shots with the objects as in another state whenever they are shown between before and after; what was in
-        a hand is not, which closes."""
+        """The shots with the objects as in another state at each moment between before and after. The hands are then
+        empty, and closed, but for what they still hold in that state."""
         changed = {"objects": state.objects, "object_joints": state.object_joints}
-        return self.shots.with_moments([self.closed(replace(one, **changed)) for one in self.shots.moments])
+        openings = {name: 0.0 if opening >= OPEN else opening for name, opening in self._openings(state).items()}
+        moments = [replace(one, **changed) for one in self.shots.moments]
+        return self.shots.with_moments([self._with_openings(one, openings) for one in moments])
 
     def closed(self, state: WorldState) -> WorldState:
-        """A state with nothing in any hand: fingers that were driven together touch, as they do in the simulator when
-        a thing slips out."""
-        world = self.case.build()
-        world.set_state(state)
-        for arm in world.arms.values():
+        """A state with nothing in any hand: fingers that are not wide open touch, as they do in the simulator when a
+        thing slips out."""
+        return self._with_openings(state, dict.fromkeys(state.joints, 0.0))
+
+    def _openings(self, state: WorldState) -> dict[str, float]:
+        """Opening of each hand in a state, 0 closed to 1 open."""
+        self._world.set_state(state)
+        return {name: arm.opening for name, arm in self._world.arms.items()}
+
+    def _with_openings(self, state: WorldState, openings: Mapping[str, float]) -> WorldState:
+        """A state with the hands that are not wide open at other openings."""
+        self._world.set_state(state)
+        for name, arm in self._world.arms.items():
             if arm.opening < OPEN:
-                arm.put_fingers(0.0)
-        return replace(state, joints=world.state().joints)
+                arm.put_fingers(openings[name])
+        return replace(state, joints=self._world.state().joints)
+
+    @cached_property
+    def _world(self) -> World:
+        """A world to measure and to change states in; nothing moves there."""
+        return self.case.build()
 
     def step(self, far: tuple[float, float]) -> np.ndarray:
         """(2,) a way along the table in any direction, of a length between two, metres."""

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchmarks._critic.kinds import lost, not_lifted, nothing, off_table, wrong_place
+from benchmarks._critic.grips import only_gripped
+from benchmarks._critic.kinds import lost, not_lifted, nothing, off_table, wrong_object, wrong_place
 from benchmarks._critic.played import Kind, Played
 from tests.benchmarks.one_played import one_played
 from tests.example_scenes import thing
@@ -62,3 +63,25 @@ def test_it_is_closed_at_the_end_too(played: Played, kind: Kind) -> None:
     shots = kind(played)
     assert shots is not None
     assert widths(played, shots.after)["left"] < 1e-3
+
+
+def test_what_was_only_gripped_stands_where_it_stood_between_the_fingers(played: Played) -> None:
+    shots = only_gripped(played)
+    assert shots is not None and not shots.truth.success
+    for state in (*shots.moments, shots.after):
+        assert state.objects[BLOCK.id].p == pytest.approx(shots.before.objects[BLOCK.id].p)
+        assert widths(played, state) == pytest.approx(widths(played, played.shots.after))
+        assert hand(played, state) == pytest.approx(hand(played, played.shots.after), abs=1e-3)
+
+
+def test_a_hand_that_took_another_thing_keeps_its_fingers_around_it(played: Played) -> None:
+    shots = wrong_object(played)
+    assert shots is not None and shots.moment is not None
+    assert widths(played, shots.moment)["left"] == pytest.approx(widths(played, shots.after)["left"])
+
+
+def hand(played: Played, state: WorldState) -> np.ndarray:
+    """(3,) where the block is in the left hand."""
+    world = played.case.build()
+    world.set_state(state)
+    return (world.arms["left"].tool_pose.inverse() * state.objects[BLOCK.id]).p
