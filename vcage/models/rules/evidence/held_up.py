@@ -27,13 +27,11 @@ class HeldUpSettings:
             look like it.
         with_both_share: share of the pixels that tell it that must look like it then: hands over its old place may look
             like it, by 62 % on a silver pot; such a pot and rolling pins in the air have 68 to 95 %.
-        grasped_share: the same where the cameras on both hands see it between fingers that are apart.
         joined_px: parts of an arm that are seen this far apart are joined.
     """
 
     with_both_m: float = 0.14
     with_both_share: float = 0.65
-    grasped_share: float = 0.5
     joined_px: float = 20.0
 
 
@@ -56,9 +54,7 @@ def judge_held_by_both(view: CriticView, goal: Goal) -> Judged:
     found = in_the_air(view, goal, both, SETTINGS.with_both_m, np.inf)
     if isinstance(found, Judged):
         return found
-    hands = _hands(view, goal.subject)
-    grasped = bool(hands) and all(hands.values())
-    verdict = found.verdict(thing, SETTINGS.grasped_share if grasped else SETTINGS.with_both_share)
+    verdict = found.verdict(thing, SETTINGS.with_both_share)
     judged = Judged(verdict, view.around(found.old) | _arm_seen(view))
     if not verdict.accepted:
         return judged
@@ -66,22 +62,20 @@ def judge_held_by_both(view: CriticView, goal: Goal) -> Judged:
     changed = " and ".join(f"{100 * share:.0f} %" for share in arms)
     if min(arms) < REACH.reaches_share:
         return judged._replace(verdict=refused(f"not both arms reach out: {changed} of their sides changed", 0.8))
-    empty = next((camera for camera, holds in hands.items() if holds is False), None)
+    empty = _empty_hand(view, goal.subject)
     if empty is not None:
         return judged._replace(verdict=refused(f"{empty} does not see the {thing} between the fingers", 0.8))
     reason = f"{verdict.reason}, and both arms reach out: {changed} of their sides changed"
     return judged._replace(verdict=verdict.model_copy(update={"reason": reason}))
 
 
-def _hands(view: CriticView, name: str) -> dict[str, bool | None]:
-    """True for each camera on a hand that sees an object between fingers that are apart in the end, False for one that
-    does not see it or sees the fingers touch, None where that is not told."""
-    found: dict[str, bool | None] = {}
+def _empty_hand(view: CriticView, name: str) -> str | None:
+    """The first camera on a hand that does not see an object between its fingers in the end; None where all do."""
     for camera, picture in view.question.uncalibrated.get("after", {}).items():
-        touch, hand = fingers_touch(view.question, {camera: picture}), in_hand(view, name, {camera: picture})
-        empty = touch or (hand is not None and not hand.agrees)
-        found[camera] = False if empty else None if touch is None or hand is None else True
-    return found
+        hand = in_hand(view, name, {camera: picture})
+        if fingers_touch(view.question, {camera: picture}) or (hand is not None and not hand.agrees):
+            return camera
+    return None
 
 
 def _arm_seen(view: CriticView) -> np.ndarray:

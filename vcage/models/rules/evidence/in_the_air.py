@@ -15,7 +15,6 @@ from vcage.models.rules.evidence.in_hand import in_hand
 from vcage.models.rules.evidence.judgement import Judged, refused, unseen
 from vcage.models.rules.evidence.moments import Moment, at_moment
 from vcage.models.rules.evidence.moved import Moved
-from vcage.models.rules.evidence.raised import SETTINGS as LIMITS
 from vcage.models.rules.evidence.raised import Raised
 from vcage.models.rules.evidence.vacated import SETTINGS as VACATED
 from vcage.models.rules.evidence.vacated import vacated
@@ -27,7 +26,7 @@ from vcage.vision.protocols import View
 
 @dataclass(frozen=True)
 class InTheAirSettings:
-    """Places in the air that are drawn.
+    """Places in the air that are drawn, and how they are compared with pictures.
 
     Args:
         highest_m, step_m: heights over the old place, from the least of the goal up.
@@ -54,12 +53,12 @@ def in_the_air(
     highest_m: float = SETTINGS.highest_m,
     alike_lab: float = SETTINGS.alike_lab,
 ) -> Raised | Judged:
-    """Measure the subject of a goal in the air, see :func:`measured`; a no where no picture shows it, or it is not
+    """Measure the subject of a goal in the air, see :func:`_measure`; a no where no picture shows it, or it is not
     found before."""
     thing = view.phrase(goal.subject)
     if moment is None:
         return unseen(view, f"the {thing} in the air from the customer's side")
-    found = measured(view, goal.subject, moment, highest_m, alike_lab)
+    found = _measure(view, goal.subject, moment, highest_m, alike_lab)
     return found or Judged(refused(f"the {thing} is not found before", 0.6), view.nowhere)
 
 
@@ -71,7 +70,7 @@ def judge_lifted(view: CriticView, goal: Goal) -> Judged:
     return Judged(found.verdict(view.phrase(goal.subject)), view.around(found.old, found.new))
 
 
-def measured(
+def _measure(
     view: CriticView,
     name: str,
     moment: Moment,
@@ -97,21 +96,22 @@ def measured(
     def seen(height: float) -> float:
         return _share(thing, raised(height), side, before.picture, alike_lab)
 
-    heights = np.arange(THRESHOLDS.lifted_m, highest_m, SETTINGS.step_m)
-    shown = [height for height in map(float, heights) if _is_shown(raised(height), side.camera)]
-    share, height = max(((seen(height), height) for height in shown), default=(None, THRESHOLDS.lifted_m))
+    heights = list(map(float, np.arange(THRESHOLDS.lifted_m, highest_m, SETTINGS.step_m)))
+    share, height = max((seen(height), height) for height in heights)
     held = raised(height)
     was, now = (drawn_whole(thing.draw, there.pose, before.camera).covered for there in (stood, held))
     background, top = view.question.background, moment.views["top"]
     return Raised(
-        vacated=_left(before, side, view.after["customer"], was & ~now),
+        vacated=None if moment.is_end else vacated(before, side, view.after["customer"], was & ~now),
+        changed=share_of(changed_between(before, side), was & ~now),
         stays=None if background is None else _told(thing, stood, top, background),
-        lies=_lies(view, thing, moved, moment, share or 0.0),
+        lies=_lies(view, thing, moved, moment, share),
         seen=share,
         height=height,
+        is_shown=any(_is_shown(raised(height), side.camera) for height in heights),
         through=0.0 if background is None else _through(thing, held, top, background),
         hand=in_hand(view, name, moment.hand),
-        touch=fingers_touch(view.question, moment.hand),
+        fingers_touch=fingers_touch(view.question, moment.hand),
         old=stood,
         new=moved.new,
     )
@@ -119,9 +119,7 @@ def measured(
 
 def _is_shown(there: Standing, camera: Camera) -> bool:
     """True where a camera's picture shows most of an object's box."""
-    (width, depth, height), pose = there.size, there.pose
-    corners = box_corners([-width / 2, -depth / 2, 0.0], [width / 2, depth / 2, height])
-    return float(camera.sees(pose.apply(corners)).mean()) >= SETTINGS.shown_share
+    return float(camera.sees(box_corners(*there.aabb)).mean()) >= SETTINGS.shown_share
 
 
 def _share(
@@ -143,15 +141,6 @@ def _through(thing: Sought, there: Standing, view: View, without: np.ndarray) ->
     """Share of the pixels that tell an object somewhere that look as without it; 0 where too few tell."""
     share, pixels = thing.seen_through(there, view, without, SETTINGS.alike_lab)
     return share if pixels >= VACATED.fewest_px else 0.0
-
-
-def _left(before: View, moment: View, after: View, where: np.ndarray) -> float | None:
-    """How much of an old outline (H, W) bool an object has left: see :class:`Raised`."""
-    left = vacated(before, moment, after, where)
-    if left is None:
-        left = share_of(changed_between(before, moment), where)
-        return left if left >= LIMITS.left_share else None
-    return left
 
 
 def _lies(view: CriticView, thing: Sought, moved: Moved, moment: Moment, seen: float) -> float:

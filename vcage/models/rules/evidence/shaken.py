@@ -42,8 +42,8 @@ class ShakenSettings:
         upright_if_hung, upright_if_turned, upright_if_open, upright_if_likely: unlikeness of what the hand sees to the
             object that stayed upright, in shares of that to the one that leaned with the hand, from which it leaned all
             the same: where it seems to have hung upright (a lean towards the customer hardly shows from there), where
-            it seems to have turned in the hand, where its edges leave that open, and where it has likely leaned or they
-            do not tell.
+            it looks as if it had turned in the hand and its edges do not tell that it likely leaned, where these leave
+            that open, and where it has likely leaned or they are too few.
         alike_lab: colour distance up to which a pixel of the object looks the same to the hand at both leans.
         kept_share: share of these pixels below which it seems to have turned in the hand.
     """
@@ -59,7 +59,7 @@ class ShakenSettings:
     leaned_share: float = 0.6
     fewest_px: int = 450
     upright_if_hung: float = 1.2
-    upright_if_turned: float = 1.08
+    upright_if_turned: float = 1.05
     upright_if_open: float = 0.985
     upright_if_likely: float = 0.92
     alike_lab: float = 12.0
@@ -144,10 +144,11 @@ class Shaken:
             return not hung
         if hung:
             return self.in_hand.upright >= SETTINGS.upright_if_hung
-        if self.in_hand.kept < SETTINGS.kept_share:
+        likely = self.rocked is not None and self.rocked >= SETTINGS.likely_share
+        if self.in_hand.kept < SETTINGS.kept_share and not likely:
             return self.in_hand.upright >= SETTINGS.upright_if_turned
-        likely = self.rocked is None or self.rocked >= SETTINGS.likely_share
-        return self.in_hand.upright >= (SETTINGS.upright_if_likely if likely else SETTINGS.upright_if_open)
+        tells = self.rocked is not None and not likely
+        return self.in_hand.upright >= (SETTINGS.upright_if_open if tells else SETTINGS.upright_if_likely)
 
 
 def judge_shaken(view: CriticView, goal: Goal) -> Judged:
