@@ -52,16 +52,30 @@ def test_closed_fingers_touch(who: str, light: float) -> None:
 
 @ROBOTS
 @pytest.mark.parametrize("between", [TABLE, RED])
-@pytest.mark.parametrize("opening", [1, 5, 10])
-def test_fingers_that_are_apart_do_not_touch(who: str, opening: int, between: tuple[int, int, int]) -> None:
-    assert touch(who, picture(who, opening, between)) is not True
+def test_fingers_that_are_a_little_apart_do_not_touch(who: str, between: tuple[int, int, int]) -> None:
+    assert touch(who, picture(who, 1, between)) is not True
 
 
 @ROBOTS
 @pytest.mark.parametrize("between", [TABLE, RED])
 @pytest.mark.parametrize("opening", [5, 10])
-def test_fingers_with_something_between_them_are_apart(who: str, opening: int, between: tuple[int, int, int]) -> None:
+def test_fingers_that_are_apart_are_told_whatever_is_between(
+    who: str, opening: int, between: tuple[int, int, int]
+) -> None:
     assert touch(who, picture(who, opening, between)) is False
+
+
+@ROBOTS
+@pytest.mark.parametrize("colour", [TABLE, RED])
+def test_fingers_that_are_out_of_sight_are_not_apart(who: str, colour: tuple[int, int, int]) -> None:
+    assert touch(who, np.full_like(drawn(who)[0].picture, colour)) is None
+
+
+@ROBOTS
+def test_a_thing_as_grey_as_the_fingers_between_them_is_not_taken_for_touching_ones(who: str) -> None:
+    closed = drawn(who)[0]
+    grey = (LIGHT * np.median(closed.picture[closed.covered], axis=0)).astype(int)
+    assert touch(who, picture(who, 6, (int(grey[0]), int(grey[1]), int(grey[2])))) is not True
 
 
 @ROBOTS

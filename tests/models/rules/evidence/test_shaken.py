@@ -38,6 +38,7 @@ class Holding:
         plumb: True where it hangs upright, however the hand leans.
         closed: True where the fingers touch.
         name, at: of what is held, and where it stood on the table, metres.
+        up_m: how far it is lifted, metres.
     """
 
     def __init__(
@@ -47,8 +48,9 @@ class Holding:
         closed: bool = False,
         name: str = "bottle",
         at: tuple[float, float] = (-0.2, -0.05),
+        up_m: float = UP_M,
     ):
-        self.carried, self.plumb, self.closed = carried, plumb, closed
+        self.carried, self.plumb, self.closed, self.up_m = carried, plumb, closed, up_m
         self.held, other = thing(name, at, 0.3), thing("block" if name == "bottle" else "bottle", (0.25, 0.1))
         self.scene = scene_of([self.held, other]).model_copy(update={"robot": WHO})
         models = {o.id: library().asset(o.asset, o.variant).model for o in self.scene.objects}
@@ -69,7 +71,7 @@ class Holding:
         """Of what was grasped on the table: lifted, and turned about the middle of it."""
         middle = Pose(self.held.aabb.mean(axis=0))
         turn = Pose(q=[np.cos(lean / 2), 0.0, np.sin(lean / 2), 0.0])
-        return Pose([0.0, 0.0, UP_M]) * middle * turn * middle.inverse()
+        return Pose([0.0, 0.0, self.up_m]) * middle * turn * middle.inverse()
 
     def judged(self, relation: str, leans: Sequence[float], ends_up: bool = False) -> Verdict:
         """The verdict where the hand leans so at the moment, and later."""
@@ -111,6 +113,18 @@ def test_what_stands_below_the_hand_is_neither(relation: str, ends_up: bool) -> 
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(("relation", "ends_up"), [("lifted", False), ("held_up", True)])
+@pytest.mark.parametrize(
+    ("name", "at"), [("bottle", (-0.2, -0.05)), ("block", (-0.2, -0.05)), ("block", (-0.53, 0.17))]
+)
+def test_what_the_hand_grips_and_does_not_lift_is_neither(
+    relation: str, ends_up: bool, name: str, at: tuple[float, float]
+) -> None:
+    told = Holding(name=name, at=at, up_m=0.0).judged(relation, [UPRIGHT], ends_up)
+    assert not told.accepted, told.reason
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("relation", ["lifted", "shaken"])
 def test_a_hand_whose_fingers_touch_holds_nothing(relation: str) -> None:
     told = Holding(carried=False, closed=True).judged(relation, [LEFT, RIGHT])
@@ -119,7 +133,8 @@ def test_a_hand_whose_fingers_touch_holds_nothing(relation: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("carried", "words"), [(True, "sees the .* between the fingers, and its place is empty"), (False, "")]
+    ("carried", "words"),
+    [(True, "sees the .* between the fingers, and its place is empty"), (False, "does not see the red block")],
 )
 def test_the_hand_alone_tells_of_what_is_held_beside_the_picture_of_the_customer(carried: bool, words: str) -> None:
     told = Holding(carried, name="block", at=(-0.53, 0.17)).judged("held_up", [UPRIGHT], ends_up=True)

@@ -1,7 +1,7 @@
-"""Evidence of a hand that holds something, or nothing: the camera on it sees its fingers apart, or touching.
+"""Evidence of a hand that holds nothing, or may hold something: the camera on it sees its fingers touching, or apart.
 
-A hand that holds something is driven together, so its fingers touch as soon as that is gone. Where they are seen apart,
-something is between them. An open hand has them out of sight, or nearly.
+A hand that holds something is driven together, so its fingers touch as soon as that is gone. Fingers that are apart
+have something between them, or were never closed; so what is between them must be seen, too.
 """
 
 from __future__ import annotations
@@ -30,10 +30,11 @@ class FingerSettings:
         light: in which the picture may be taken: a white thing is no finger in bright light.
         fewest_px: of a drawing of the fingers, reduced; one that shows fewer of them is not compared.
         alike_lab: colour distance up to which a pixel looks like touching fingers.
-        touch_share: share of the area of touching fingers that must look like them.
+        touch_share: share of the area of touching fingers that must look like them. Of 586 pictures of hands that held
+            something, some of it as grey, none had above 97 %; of 68 that had closed on nothing half had all of it.
         beside_share: share of the area that fingers cover beside it at another opening, from which they may be there.
-        roughly_lab, astray_px, apart_share: fingers do not touch where no more than this share of the area looks like
-            touching fingers, even with this larger colour distance and somewhat beside their place.
+        roughly_lab, astray_px, apart_share: fingers do not touch where less than this share of the area looks like
+            touching fingers, even with this larger colour distance and so many reduced pixels beside their place.
         seen_share: how much more of their area at another opening must then look like them than of the area beside it,
             where the other drawings have theirs, for them to be seen apart: what they hold hides a part of them.
     """
@@ -57,6 +58,8 @@ def fingers_touch(question: CriticQuestion, pictures: Mapping[str, np.ndarray]) 
     """True where a picture shows a hand whose fingers touch, False where all show them apart, None where that is not
     told: what is behind the fingers has their colour, the camera hardly sees them, or nothing draws them.
 
+    It holds for a camera that is where the robot's file puts it, or a centimetre from there.
+
     Args:
         question: draws the fingers.
         pictures: (H, W, 3) uint8 RGB by name of the camera, of one moment.
@@ -64,7 +67,9 @@ def fingers_touch(question: CriticQuestion, pictures: Mapping[str, np.ndarray]) 
     if question.fingers is None:
         return None
     told = [_touch(shown, question.fingers(camera)) for camera, shown in pictures.items()]
-    return True if True in told else None if None in told or not told else False
+    if True in told:
+        return True
+    return None if None in told or not told else False
 
 
 def _touch(picture: np.ndarray, drawings: Sequence[Drawing]) -> bool | None:
