@@ -62,8 +62,8 @@ RAISED = Raised(0.9, 0.9, 0.0, 0.0, 0.8, 0.12, True, 0.0, None, None, STANDS, ST
 SURE, UNSURE, DOUBTED = InHand(0.9, 0.5), InHand(None, 0.5), InHand(None, -0.2)
 
 APART: dict[str, Any] = {"fingers_touch": False}
-PUT_BACK: dict[str, Any] = {"vacated": None, "changed": 0.1}
-"""The old place looks as before, and as afterwards."""
+UNTOLD: dict[str, Any] = {"vacated": None, "changed": None}
+"""The customer does not tell if it left its place."""
 
 
 @pytest.mark.parametrize(
@@ -72,10 +72,10 @@ PUT_BACK: dict[str, Any] = {"vacated": None, "changed": 0.1}
         ({}, "80 % of the mug is seen 12 cm above its place"),
         ({"seen": 0.4, "hand": SURE}, "the camera on the hand sees it between the fingers"),
         ({"vacated": None}, "80 % of"),
-        ({**PUT_BACK, "hand": SURE}, "sees it between the fingers"),
-        ({**PUT_BACK, "hand": SURE, "stays": None}, "sees it between the fingers"),
-        ({**PUT_BACK, "hand": SURE, "stays": 0.5}, "sees it between the fingers"),
-        ({**PUT_BACK, "hand": UNSURE, "stays": 0.1}, "80 % of"),
+        ({**UNTOLD, "hand": SURE}, "sees it between the fingers"),
+        ({**UNTOLD, "hand": SURE, "stays": None}, "sees it between the fingers"),
+        ({**UNTOLD, "hand": SURE, "stays": 0.5}, "sees it between the fingers"),
+        ({**UNTOLD, "hand": UNSURE, "stays": 0.1}, "80 % of"),
         ({"seen": 0.7, "hand": UNSURE}, "70 % of"),
         ({"seen": 0.9, "hand": DOUBTED}, "90 % of"),
         ({"lies": 0.7, "hand": UNSURE}, "80 % of"),
@@ -83,11 +83,11 @@ PUT_BACK: dict[str, Any] = {"vacated": None, "changed": 0.1}
         ({"through": 0.8}, "80 % of"),
         ({"through": 0.8, "hand": InHand(0.9, -0.2)}, "80 % of"),
         ({**APART, "seen": 0.35, "hand": UNSURE}, "35 % of"),
-        ({**APART, "seen": 0.35, "stays": 0.7, "hand": SURE}, "sees it between the fingers"),
+        ({**APART, "seen": 0.35, "through": 0.7, "hand": SURE}, "sees it between the fingers"),
         ({**APART, "through": 0.8, "hand": UNSURE}, "80 % of"),
         ({**APART, "hand": InHand(0.3, 0.1)}, "80 % of"),
         ({**APART, "hand": InHand(None, -0.08)}, "80 % of"),
-        ({**APART, **PUT_BACK, "stays": 0.4, "hand": UNSURE}, "80 % of"),
+        ({**APART, **UNTOLD, "stays": 0.4, "hand": UNSURE}, "80 % of"),
         ({**APART, "seen": 0.0, "is_shown": False, "hand": SURE}, "sees the mug between the fingers, and its place is"),
         ({"seen": 0.4, "is_shown": False, "hand": SURE}, "40 % of"),
     ],
@@ -101,13 +101,14 @@ def test_what_is_seen_above_its_place_or_in_the_hand_was_lifted(changed: dict[st
     ("changed", "words"),
     [
         ({"vacated": 0.3}, "stands where it was"),
-        (PUT_BACK, "nothing shows that the mug left its place"),
-        ({**PUT_BACK, "changed": 0.5}, "nothing shows that the mug left its place"),
-        ({**PUT_BACK, "stays": None, "hand": UNSURE}, "nothing shows that the mug left its place"),
-        ({**PUT_BACK, "hand": InHand(None, 0.05)}, "nothing shows that the mug left its place"),
-        ({**PUT_BACK, "stays": 0.3, "hand": UNSURE}, "nothing shows that the mug left its place"),
-        ({**PUT_BACK, "stays": 0.9, "hand": SURE}, "nothing shows that the mug left its place"),
-        ({**PUT_BACK, "stays": 0.5, "seen": 0.6, "hand": SURE}, "nothing shows that the mug left its place"),
+        (UNTOLD, "nothing shows that the mug left its place"),
+        ({"vacated": None, "changed": 0.5}, "stands where it was"),
+        ({"vacated": None, "changed": 0.1, "hand": SURE, **APART}, "stands where it was"),
+        ({**UNTOLD, "stays": None, "hand": UNSURE}, "nothing shows that the mug left its place"),
+        ({**UNTOLD, "hand": InHand(None, 0.05)}, "nothing shows that the mug left its place"),
+        ({**UNTOLD, "stays": 0.3, "hand": UNSURE}, "nothing shows that the mug left its place"),
+        ({**UNTOLD, "stays": 0.9, "hand": SURE}, "nothing shows that the mug left its place"),
+        ({**UNTOLD, "stays": 0.5, "seen": 0.6, "hand": SURE}, "nothing shows that the mug left its place"),
         ({"lies": 0.7}, "lies on the table"),
         ({"lies": 0.9, "hand": UNSURE}, "lies on the table"),
         ({"seen": 0.4, "through": 0.8, "hand": SURE}, "40 % of"),
@@ -119,12 +120,15 @@ def test_what_is_seen_above_its_place_or_in_the_hand_was_lifted(changed: dict[st
         ({"fingers_touch": True, "hand": SURE}, "the fingers have closed on nothing"),
         ({"hand": InHand(0.2, 0.5)}, "does not see the mug between the fingers"),
         ({**APART, "hand": InHand(0.1, 0.5)}, "does not see the mug between the fingers"),
-        ({**APART, **PUT_BACK, "hand": InHand(0.3, 0.5)}, "does not see the mug between the fingers"),
+        ({**APART, **UNTOLD, "hand": InHand(0.3, 0.5)}, "does not see the mug between the fingers"),
         ({**APART, "vacated": 0.3, "hand": SURE}, "stands where it was"),
-        ({**APART, **PUT_BACK, "stays": 0.7, "hand": UNSURE}, "nothing shows that the mug left"),
-        ({**APART, **PUT_BACK, "stays": 0.4, "seen": 0.6, "hand": SURE}, "nothing shows that the mug left"),
+        ({**APART, **UNTOLD, "stays": 0.7, "hand": UNSURE}, "nothing shows that the mug left"),
+        ({**APART, **UNTOLD, "stays": 0.4, "seen": 0.6, "hand": SURE}, "nothing shows that the mug left"),
         ({**APART, "seen": 0.9, "through": 0.8, "hand": DOUBTED}, "the table is seen where the mug would be"),
         ({**APART, "seen": 0.25, "hand": SURE}, "25 % of"),
+        ({**APART, "seen": 0.4, "stays": 0.7, "hand": SURE}, "40 % of"),
+        ({**APART, "seen": 0.4, "lies": 0.7, "hand": SURE}, "40 % of"),
+        ({**APART, "seen": 0.4, "through": 0.9, "hand": SURE}, "40 % of"),
         ({"seen": 0.0, "is_shown": False, "hand": SURE}, "0 % of"),
         ({**APART, "seen": 0.0, "is_shown": False, "hand": UNSURE}, "0 % of"),
         ({**APART, "seen": 0.0, "is_shown": False, "hand": SURE, "stays": 0.5}, "0 % of"),

@@ -9,7 +9,7 @@ import numpy as np
 from vcage.base.geometry import Camera, Pose, box_corners
 from vcage.goals.thresholds import THRESHOLDS
 from vcage.models.rules.critic_view import CriticView
-from vcage.models.rules.drawings import drawn_whole
+from vcage.models.rules.drawings import as_bright, drawn_whole
 from vcage.models.rules.evidence.fingers import fingers_touch
 from vcage.models.rules.evidence.in_hand import in_hand
 from vcage.models.rules.evidence.judgement import Judged, refused, unseen
@@ -18,9 +18,11 @@ from vcage.models.rules.evidence.moved import Moved
 from vcage.models.rules.evidence.raised import Raised
 from vcage.models.rules.evidence.vacated import SETTINGS as VACATED
 from vcage.models.rules.evidence.vacated import vacated
-from vcage.models.rules.pixels import changed_between, share_of
+from vcage.models.rules.pixels import changed_between, grown, share_of
 from vcage.models.rules.standing import Sought, Standing
 from vcage.schema.goals import Goal
+from vcage.sim.drawer import Drawing
+from vcage.vision.colour import distance, smoothed, to_lab
 from vcage.vision.protocols import View
 
 
@@ -31,6 +33,7 @@ class InTheAirSettings:
     Args:
         highest_m, step_m: heights over the old place, from the least of the goal up.
         alike_lab: colour distance up to which a pixel looks like the object: an arm is before what was there, too.
+        around_px, beside_px: margins around an object between which the colour behind it is taken.
         shown_share: share of the corners of an object's box that must be in the customer's picture, else that does not
             tell.
         apart_m: an object that is put down nearer to its old place is taken to stand there.
@@ -39,6 +42,8 @@ class InTheAirSettings:
     highest_m: float = 0.4
     step_m: float = 0.01
     alike_lab: float = 14.0
+    around_px: float = 14.0
+    beside_px: float = 4.0
     shown_share: float = 0.75
     apart_m: float = 0.03
 
@@ -99,11 +104,12 @@ def _measure(
     heights = list(map(float, np.arange(THRESHOLDS.lifted_m, highest_m, SETTINGS.step_m)))
     share, height = max((seen(height), height) for height in heights)
     held = raised(height)
-    was, now = (drawn_whole(thing.draw, there.pose, before.camera).covered for there in (stood, held))
+    drawn, raised_there = (drawn_whole(thing.draw, there.pose, before.camera) for there in (stood, held))
+    where = drawn.covered & ~raised_there.covered
     background, top = view.question.background, moment.views["top"]
     return Raised(
-        vacated=None if moment.is_end else vacated(before, side, view.after["customer"], was & ~now),
-        changed=share_of(changed_between(before, side), was & ~now),
+        vacated=None if moment.is_end else vacated(before, side, view.after["customer"], where),
+        changed=_changed(before, side, drawn, where),
         stays=None if background is None else _told(thing, stood, top, background),
         lies=_lies(view, thing, moved, moment, share),
         seen=share,
@@ -115,6 +121,25 @@ def _measure(
         old=stood,
         new=moved.new,
     )
+
+
+def _changed(before: View, moment: View, drawn: Drawing, where: np.ndarray) -> float | None:
+    """Share of what tells an object where it stood that has changed, see :class:`Raised`.
+
+    Args:
+        before, moment: views of one camera.
+        drawn: the object where it stood.
+        where: (H, W) bool, the part of that to compare.
+    """
+    around = grown(drawn.covered, SETTINGS.around_px) & ~grown(drawn.covered, SETTINGS.beside_px)
+    if not around.any():
+        return None
+    seen, own = smoothed(before.picture), to_lab(as_bright(drawn, before.picture).astype(np.uint8))
+    apart = distance(seen, np.broadcast_to(np.median(seen[around], axis=0), seen.shape)) > SETTINGS.alike_lab
+    telling = where & apart & (distance(seen, own) < SETTINGS.alike_lab)
+    if telling.sum() < max(VACATED.fewest_px, VACATED.telling_share * where.sum()):
+        return None
+    return share_of(changed_between(before, moment), telling)
 
 
 def _is_shown(there: Standing, camera: Camera) -> bool:
