@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from benchmarks._critic.played import OPEN, Played, Shots
+from benchmarks._critic.played import HELD, LIFTS, OPEN, Played, Shots
 from vcage.sim.kinematics import kinematics_of
 from vcage.sim.state import WorldState
 
-LIFTS = ("lifted", "shaken", "held_up", "held_by_both")
-"""Goals of what is in the air at some moment."""
-
 
 def only_gripped(played: Played) -> Shots | None:
-    """The hand closed on it, and it stayed where it stood; None where an arm does not reach it so."""
+    """The hand closed on it, and it stayed where it stood. None for other goals, without a picture of the moment, and
+    where an arm does not reach it so. Of a shake both moments show the same."""
     shots = played.shots
     if played.goal.relation not in LIFTS or shots.moment is None:
         return None
@@ -21,12 +19,13 @@ def only_gripped(played: Played) -> Shots | None:
     found = [state for state in moments if state is not None]
     if len(found) < len(moments):
         return None
-    after = found[0] if played.goal.relation in ("held_up", "held_by_both") else shots.after
+    after = found[0] if played.goal.relation in HELD else shots.after
     return played.untrue("it was gripped, and not lifted", moments=found, after=after)
 
 
 def _lowered(played: Played, state: WorldState) -> WorldState | None:
-    """A state with the object where it stood, and the hands that hold it with it; None where one does not reach."""
+    """A state with the object where it stood, and each hand that is not wide open moved with it; None where one does
+    not reach."""
     name, world = played.goal.subject, played.case.build()
     was, held = played.shots.before.objects[name], state.objects[name]
     world.set_state(state)

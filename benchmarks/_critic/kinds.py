@@ -12,7 +12,7 @@ from benchmarks._critic.grips import only_gripped
 from benchmarks._critic.hangs import fell_beside, leans_on_it, still_in_the_hand, stood_beside
 from benchmarks._critic.hits import hit_another, hit_beside, not_down
 from benchmarks._critic.inserts import block_pushed, half_in, lies_before_the_hole, lies_beside, lies_on_top
-from benchmarks._critic.played import DROP, Kind, Played, Shots
+from benchmarks._critic.played import DROP, HELD, LIFTS, Kind, Played, Shots
 from benchmarks._critic.pours import (
     half_beside,
     missed,
@@ -40,9 +40,6 @@ MOVED = (
     "held_by_both", "moved_away", "facing_robot", "in_place_of", "upright",
 )  # fmt: skip
 """Goals of what is carried or pushed."""
-
-HELD = ("held_up", "held_by_both")
-"""Goals of what is in the air at the end."""
 
 FLOOR = -3.0
 """Far below the table: what has fallen off it is out of every picture."""
@@ -239,9 +236,9 @@ def one_arm(played: Played) -> Shots | None:
 
 
 def not_lifted(played: Played) -> Shots | None:
-    """It stayed on the table under the hand, and was pushed along it."""
+    """It stayed on the table under the closed hand."""
     shots = played.shots
-    if played.goal.relation not in ("lifted", "shaken", *HELD) or shots.moment is None:
+    if played.goal.relation not in LIFTS or shots.moment is None:
         return None
     moments = played.with_objects_as(shots.before).moments
     after = moments[0] if played.goal.relation in HELD else shots.after

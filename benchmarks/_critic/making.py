@@ -14,9 +14,9 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks._critic.kinds import FAILURES, HELD, RELATED
+from benchmarks._critic.kinds import FAILURES, RELATED
 from benchmarks._critic.outcome import SUCCESS, Outcome, OutcomeRecord, neutral_id, picture_paths
-from benchmarks._critic.played import Case, Shots
+from benchmarks._critic.played import HELD, Case, Shots
 from benchmarks._critic.scenes import UNTOUCHED_SCENES, Draw, part_of, settings
 from benchmarks._critic.ugly import UGLY
 from benchmarks._laying_out import lay_out_placed

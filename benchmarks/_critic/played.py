@@ -23,6 +23,12 @@ from vcage.tasks.synthesis import Script
 from vcage.tasks.task import Task, TaskFailed
 from vcage.tasks.truth import goals_hold, subtask_done
 
+HELD = ("held_up", "held_by_both")
+"""Goals of what is in the air at the end."""
+
+LIFTS = ("lifted", "shaken", *HELD)
+"""Goals of which a picture shows the subject in the air."""
+
 DROP = 0.03
 """Height above where it could lie from which a thing is dropped by hand, metres."""
 
@@ -30,7 +36,7 @@ SETTLE = 500
 """Physics steps in which what was moved by hand comes to rest."""
 
 OPEN = 0.99
-"""Opening of a hand, 0 closed to 1 open, from which nothing drives its fingers together."""
+"""From this opening on, 0 closed to 1 open, a hand counts as open: it holds nothing and is not closing."""
 
 
 @dataclass(frozen=True)
@@ -188,8 +194,11 @@ class Played:
         return max([self.table, *under])
 
     def with_objects_as(self, state: WorldState) -> Shots:
-        """The shots with the objects as in another state at each moment between before and after. The hands are then
-        empty, and closed, but for what they still hold in that state."""
+        """The shots with the objects as in another state at each moment between before and after.
+
+        A hand that is not wide open then has its opening in that state, or is closed if it is open there: it has lost
+        its thing.
+        """
         changed = {"objects": state.objects, "object_joints": state.object_joints}
         openings = {name: 0.0 if opening >= OPEN else opening for name, opening in self._openings(state).items()}
         moments = [replace(one, **changed) for one in self.shots.moments]
@@ -206,7 +215,7 @@ class Played:
         return {name: arm.opening for name, arm in self._world.arms.items()}
 
     def _with_openings(self, state: WorldState, openings: Mapping[str, float]) -> WorldState:
-        """A state with the hands that are not wide open at other openings."""
+        """A state in which each hand that is not wide open has another opening."""
         self._world.set_state(state)
         for name, arm in self._world.arms.items():
             if arm.opening < OPEN:
@@ -290,7 +299,7 @@ def _done(subtask: Subtask, watch: Watch) -> Truth:
 
 
 def _rest_fingers(world: World) -> None:
-    """Step a world until no finger moves: a hand closes when what it held is taken out."""
+    """Step a world until no finger moves any more: a hand closes once what it held is taken out."""
     for _ in range(WAITS.most_finger_steps):
         before = [arm.finger_width for arm in world.arms.values()]
         world.step()

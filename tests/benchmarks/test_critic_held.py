@@ -77,6 +77,7 @@ def test_what_was_only_gripped_stands_where_it_stood_between_the_fingers(played:
 def test_a_hand_that_took_another_thing_keeps_its_fingers_around_it(played: Played) -> None:
     shots = wrong_object(played)
     assert shots is not None and shots.moment is not None
+    assert widths(played, shots.after)["left"] > 5e-3
     assert widths(played, shots.moment)["left"] == pytest.approx(widths(played, shots.after)["left"])
 
 

@@ -79,7 +79,7 @@ def test_a_thing_as_grey_as_the_fingers_between_them_is_not_taken_for_touching_o
 
 
 @ROBOTS
-def test_a_table_of_the_colour_of_the_fingers_is_taken_for_none(who: str) -> None:
+def test_nothing_false_is_told_before_a_table_of_the_colour_of_the_fingers(who: str) -> None:
     closed = drawn(who)[0]
     grey = (LIGHT * np.median(closed.picture[closed.covered], axis=0)).astype(int).tolist()
     assert touch(who, picture(who, 14, table=grey)) is None
@@ -87,8 +87,18 @@ def test_a_table_of_the_colour_of_the_fingers_is_taken_for_none(who: str) -> Non
 
 
 @ROBOTS
+def test_fingers_of_which_a_part_is_hidden_do_not_surely_touch(who: str) -> None:
+    closed, seen = drawn(who)[0].covered, picture(who, 0)
+    rows, columns = np.nonzero(closed)
+    hidden = slice(0, len(rows) // 20)
+    seen[rows[hidden], columns[hidden]] = RED
+    assert touch(who, seen) is None
+
+
+@ROBOTS
 @pytest.mark.parametrize("shift", [(4, 0), (-8, 8), (0, -12)])
 def test_closed_fingers_are_not_apart_for_a_camera_that_was_moved_a_little(who: str, shift: tuple[int, int]) -> None:
+    # Four pixels of the picture are one reduced pixel.
     moved = np.roll(picture(who, 0), shift, axis=(0, 1))
     assert touch(who, moved) is not False
 

@@ -59,7 +59,7 @@ class Holding:
         self.width, self.joints = next(self._ways())
 
     def _ways(self) -> Iterator[tuple[float, dict[float, np.ndarray]]]:
-        """Distance of the fingers, metres, and joints of the arm at each lean, for each way to hold the bottle."""
+        """Distance of the fingers, metres, and joints of the arm at each lean, for each way to hold the thing."""
         arm = kinematics_of(load_robot(WHO).arms["left"])
         for contact in self.held.asset.annotation.carrying_points:
             for grasp in hand_poses(self.held, contact, arm.arm.gripper):
@@ -121,7 +121,7 @@ def test_what_the_hand_grips_and_does_not_lift_is_neither(
     relation: str, ends_up: bool, name: str, at: tuple[float, float]
 ) -> None:
     told = Holding(name=name, at=at, up_m=0.0).judged(relation, [UPRIGHT], ends_up)
-    assert not told.accepted, told.reason
+    assert not told.accepted and re.search("stands where it was|% of the .* is seen", told.reason), told.reason
 
 
 @pytest.mark.slow

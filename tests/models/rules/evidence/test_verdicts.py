@@ -79,6 +79,9 @@ UNTOLD: dict[str, Any] = {"vacated": None, "changed": None}
         ({"seen": 0.7, "hand": UNSURE}, "70 % of"),
         ({"seen": 0.9, "hand": DOUBTED}, "90 % of"),
         ({"lies": 0.7, "hand": UNSURE}, "80 % of"),
+        ({"lies": 0.5}, "80 % of"),
+        ({"through": 0.55, "hand": UNSURE}, "80 % of"),
+        ({"seen": 0.4, "stays": 0.45, "hand": SURE}, "sees it between the fingers"),
         ({"through": 0.8, "hand": SURE}, "80 % of"),
         ({"through": 0.8}, "80 % of"),
         ({"through": 0.8, "hand": InHand(0.9, -0.2)}, "80 % of"),
@@ -197,7 +200,7 @@ def test_what_was_shaken_leaned_with_the_hand_that_swung(
     ],
     ids=["round", "edges leave it open", "the hand sees it lean", "edges likely lean", "looks the same"],
 )
-def test_what_looks_otherwise_to_the_hand_at_its_last_lean_hung_upright(
+def test_what_looks_turned_in_the_hand_must_be_seen_to_lean(
     rocked: float | None, upright: float, kept: float, accepted: bool
 ):
     verdict = Shaken(RAISED, RAISED, 0.03, rocked, TurnInHand(upright, kept)).verdict("mug")

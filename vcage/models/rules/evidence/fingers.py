@@ -1,7 +1,7 @@
-"""Evidence of a hand that holds nothing, or may hold something: the camera on it sees its fingers touching, or apart.
+"""Evidence of whether a hand holds something: the camera on it sees its fingers touching, or apart.
 
-A hand that holds something is driven together, so its fingers touch as soon as that is gone. Fingers that are apart
-have something between them, or were never closed; so what is between them must be seen, too.
+A hand that holds something keeps closing, so its fingers touch once the object is gone. Fingers that are apart hold
+something or were never closed, so what is between them must be checked, too.
 """
 
 from __future__ import annotations
@@ -31,12 +31,16 @@ class FingerSettings:
         fewest_px: of a drawing of the fingers, reduced; one that shows fewer of them is not compared.
         alike_lab: colour distance up to which a pixel looks like touching fingers.
         touch_share: share of the area of touching fingers that must look like them. Of 586 pictures of hands that held
-            something, some of it as grey, none had above 97 %; of 68 that had closed on nothing half had all of it.
-        beside_share: share of the area that fingers cover beside it at another opening, from which they may be there.
-        roughly_lab, astray_px, apart_share: fingers do not touch where less than this share of the area looks like
-            touching fingers, even with this larger colour distance and so many reduced pixels beside their place.
-        seen_share: how much more of their area at another opening must then look like them than of the area beside it,
-            where the other drawings have theirs, for them to be seen apart: what they hold hides a part of them.
+            something, some as grey as the fingers, none reached more than 97 %; of 68 hands that had closed on nothing,
+            half reached 100 %.
+        beside_share: share of the area that the fingers cover at another opening, outside that of touching ones, from
+            which they may be at that opening instead.
+        roughly_lab, astray_px, apart_share: the fingers do not touch if less than this share of the area looks like
+            touching fingers, even within this larger colour distance and with the drawing shifted by so many reduced
+            pixels.
+        seen_share: how much more of their area at another opening must then look like them, within ``roughly_lab``,
+            than of the area beside it, where the other drawings have theirs, for them to be seen apart: what they hold
+            hides a part of them.
     """
 
     width_px: int = 80
@@ -55,10 +59,10 @@ SETTINGS = FingerSettings()
 
 
 def fingers_touch(question: CriticQuestion, pictures: Mapping[str, np.ndarray]) -> bool | None:
-    """True where a picture shows a hand whose fingers touch, False where all show them apart, None where that is not
-    told: what is behind the fingers has their colour, the camera hardly sees them, or nothing draws them.
+    """True if a picture shows touching fingers, False if all show them apart, else None: what is behind them has their
+    colour, too little of them is seen, it lies between the two, or there are no drawings or pictures.
 
-    It holds for a camera that is where the robot's file puts it, or a centimetre from there.
+    Valid only for a camera within about a centimetre of where the robot's file puts it; this is not checked.
 
     Args:
         question: draws the fingers.
@@ -106,6 +110,8 @@ def _shown_share(picture: np.ndarray, drawing: Drawing, anywhere: np.ndarray) ->
     """Share of the fingers of a drawing that a picture looks like, less the same of the area beside them where fingers
     may be (h, w) bool."""
     light, beside = brightness(drawing, picture, light=SETTINGS.light), anywhere & ~drawing.covered
+    if not beside.any():
+        return 0.0  # nothing to tell the fingers from
     own = np.clip(np.median(drawing.picture[drawing.covered], axis=0) * light, 0, 255).astype(np.uint8)
     elsewhere = distance(to_lab(picture[beside][None])[0], to_lab(own[None, None])[0, 0]) < SETTINGS.roughly_lab
     return _share(picture, drawing, drawing.covered, light, SETTINGS.roughly_lab) - float(elsewhere.mean())

@@ -58,8 +58,14 @@ def in_the_air(
     highest_m: float = SETTINGS.highest_m,
     alike_lab: float = SETTINGS.alike_lab,
 ) -> Raised | Judged:
-    """Measure the subject of a goal in the air, see :func:`_measure`; a no where no picture shows it, or it is not
-    found before."""
+    """Measure the subject of a goal in the air; a no where no picture shows that moment, or it is not found before.
+
+    Args:
+        view, goal: of the question.
+        moment: when it is in the air.
+        highest_m: up to which it is looked for above its old place, metres.
+        alike_lab: colour distance up to which a pixel looks like it.
+    """
     thing = view.phrase(goal.subject)
     if moment is None:
         return unseen(view, f"the {thing} in the air from the customer's side")
@@ -75,21 +81,8 @@ def judge_lifted(view: CriticView, goal: Goal) -> Judged:
     return Judged(found.verdict(view.phrase(goal.subject)), view.around(found.old, found.new))
 
 
-def _measure(
-    view: CriticView,
-    name: str,
-    moment: Moment,
-    highest_m: float = SETTINGS.highest_m,
-    alike_lab: float = SETTINGS.alike_lab,
-) -> Raised | None:
-    """Measure an object above its old place; None where that is not found.
-
-    Args:
-        view, name: of the question, and of the object.
-        moment: when it is in the air.
-        highest_m: up to which it is looked for, metres.
-        alike_lab: colour distance up to which a pixel looks like it.
-    """
+def _measure(view: CriticView, name: str, moment: Moment, highest_m: float, alike_lab: float) -> Raised | None:
+    """Measure an object above its old place, see :func:`in_the_air`; None where that is not found."""
     moved = Moved.of(view, name)
     if moved.old is None:
         return None

@@ -1,9 +1,10 @@
 """The verdict on an object that an arm lifted, from what the pictures show of it.
 
 Seen from above, an arm hides what it holds, and hides what still lies below it. The customer sees the object before
-the arm, and its old place empty below it. The camera on the hand sees if it is between the fingers, and if these touch.
-No object is where the table is seen from above; a sure hand may see more of that, for a thing sways in it. Where the
-fingers are apart with something like the object between them, less else must speak for it.
+the arm, and its old place empty below it. The camera on the hand sees whether it is between the fingers, and whether
+these touch. Where the table is seen from above, no object is there; more of that is allowed where the camera on the
+hand is sure, because an object sways. Where the fingers are apart with something like the object between them, weaker
+evidence is enough elsewhere.
 """
 
 from __future__ import annotations
@@ -22,18 +23,19 @@ class RaisedSettings:
 
     Args:
         seen_share: share of the pixels that tell the object from what was there before that must look like it.
-        held_share, doubted_share: the same where the camera on the hand surely sees it between the fingers, or
-            something like it between fingers that are apart; and where it sees nothing like it.
-        elsewhere_share: what is seen so much on its old place or where it is put down needs ``seen_share`` even where
-            the camera on the hand sees it; and what is seen through so much, or by ``surely_through_share`` where the
-            fingers are apart.
-        left_share: share of the old outline that must look as without the object. Of 744 moments of a lift or a shake
-            all but 2 had 42 % and more; of 18 things that were gripped and not lifted none had above 20 %.
+        held_share, doubted_share: the same where it has left its place and the camera on the hand surely sees it, or
+            where fingers that are apart have something like it between them; and where that camera sees nothing like
+            it.
+        elsewhere_share: from this share seen on its old place, where it is put down, or seen through, ``seen_share``
+            applies even where the camera on the hand sees it; where the fingers are apart, ``surely_through_share`` is
+            the limit for the last.
+        left_share: share of the old outline that must look as without the object. Of 744 moments of a lift or a shake,
+            all but 2 had at least 42 %; of 18 things gripped and not lifted, none had more than 20 %.
         changed_share: share of what showed the object there that must have changed, where no picture shows that place
             without it.
         stays_share, clear_share: share of the pixels that tell the object on its old place from a bare table, seen from
             above, from which it may still stand there; and below which it surely does not, if no hand hides it.
-        plain_share: share of the object that must be seen in the air where between these two.
+        plain_share: share of the object that must be seen in the air where ``stays`` is between these two.
         agreed_gain: by how much less unlike what is in the hand must be to the object than to a bare table, where the
             old place alone, seen from above, tells that it left.
         alike_share, alike_gain: what counts as a little like an object that has left its place: share of the pixels
@@ -43,8 +45,9 @@ class RaisedSettings:
             there already; and the same where the camera on the hand sees something like it: an arm may hide that place.
         through_share, surely_through_share: share of the pixels that tell it in the air, seen from above, that look
             like the bare table, from which it is not there if a camera is on the hand that does not surely see it; and
-            even if that does, where the object does not lean. Without such a camera nothing tells an object that sways
-            from one that is gone, and fingers that are apart with something like it between them tell more.
+            even if that does, where the object does not lean. Without such a camera, nothing distinguishes an object
+            that sways from one that is gone. Neither limit applies where the fingers are apart with something like it
+            between them.
     """
 
     seen_share: float = 0.5
@@ -75,13 +78,13 @@ class Raised:
     Args:
         vacated: share of its old outline, where it is not in the air, that looks as it does afterwards, and not as
             before; None where that hardly differs, as after it is put back, and where it is still in the air.
-        changed: share of what showed it there before, apart from what is around it, that looks otherwise; None where
-            that is little.
+        changed: share of the pixels that showed it there and differ from its surroundings that have changed; None where
+            these are few.
         stays: share of what tells it on its old place, seen from above, that looks like it; None where that is little.
         lies: the same of where it is put down afterwards, from above or from the customer's side: the larger.
         seen: largest share of what tells it in the air that looks like it.
         height: above its old place of that likeliest drawing, metres.
-        is_shown: False where the customer's picture ends before its place in the air, at any height.
+        is_shown: False if the customer's picture cuts off most of it at every height.
         through: share of what tells that drawing from a bare table, seen from above, that looks like the table.
         hand: what the camera on the hand sees; None without one.
         fingers_touch: True where that camera sees the fingers touching, False where it sees them apart, None where it
@@ -161,7 +164,8 @@ class Raised:
 
     @property
     def _is_away(self) -> bool:
-        """True where the hand sees it, and its old place is empty from above, or it is plainly seen in the air."""
+        """True where the hand sees it and its old place does not speak against that: seen empty from above, or unclear
+        while it is plainly seen in the air. A sure hand is enough where the view from above does not tell."""
         if self.hand is None:
             return False
         if self._is_held and self.stays is None:
@@ -189,9 +193,9 @@ class Raised:
         """A no because it is in its old place, or nothing shows that it left that; None where something does."""
         if self._has_left:
             return None
-        stays = self.changed if self.vacated is None else self.vacated
-        if stays is not None:
-            return refused(f"the {thing} stands where it was at the moment of the lift", 1 - stays, "lost")
+        left = self.changed if self.vacated is None else self.vacated
+        if left is not None:
+            return refused(f"the {thing} stands where it was", 1 - left, "lost")
         return None if self._is_away else refused(f"nothing shows that the {thing} left its place", 0.6, "lost")
 
     def _seen_through(self, thing: str, leans: bool) -> Verdict | None:

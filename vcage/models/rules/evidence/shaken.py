@@ -42,8 +42,8 @@ class ShakenSettings:
         upright_if_hung, upright_if_turned, upright_if_open, upright_if_likely: unlikeness of what the hand sees to the
             object that stayed upright, in shares of that to the one that leaned with the hand, from which it leaned all
             the same: where it seems to have hung upright (a lean towards the customer hardly shows from there), where
-            it looks as if it had turned in the hand and its edges do not tell that it likely leaned, where these leave
-            that open, and where it has likely leaned or they are too few.
+            it looks as if it had turned in the hand and its edges do not show that it likely leaned; where the edges
+            leave that open; and where they show that it likely leaned, or are too few to tell.
         alike_lab: colour distance up to which a pixel of the object looks the same to the hand at both leans.
         kept_share: share of these pixels below which it seems to have turned in the hand.
     """
